@@ -15,8 +15,8 @@ WHOLE = "".join(
     for at, message in ((0.0, HEADER), (1.0, LostLines(count=0)), (2.0, RecordingEnd()))
 ).encode()
 ENDS_EARLY = "homebot: the recording ends early: "
-CUT = "ends in the middle of a line: the copy is not complete, or homebot was killed while it wrote; "
-REPAIRED = "head -n 2 > whole.jsonl` keeps what is whole"
+CUT = "ends in the middle of a line: the copy is incomplete, or homebot was killed while it wrote; "
+REPAIRED = "head -n 2 > whole.jsonl` keeps the complete lines"
 
 
 @pytest.fixture
@@ -33,21 +33,21 @@ def damaged(compressed: bytes) -> bytes:
 
 CASES: dict[str, tuple[str, bytes | None, str]] = {
     "missing": ("day", None, "day cannot be read: No such file or directory"),
-    "empty": ("day", b"", "day is empty, and no recording"),
-    "toml": ("day", b"[home]\n", "day is no recording: its first line is no header"),
-    "binary": ("day", b"\xff\xfe\n", "day is no recording: its first line is no header"),
-    "quotes": ("day", b"{'recording'}\n", "day is no recording: its first line is no header"),
+    "empty": ("day", b"", "day is empty, and not a recording"),
+    "toml": ("day", b"[home]\n", "day is not a recording: its first line is no header"),
+    "binary": ("day", b"\xff\xfe\n", "day is not a recording: its first line is no header"),
+    "quotes": ("day", b"{'recording'}\n", "day is not a recording: its first line is no header"),
     "json": (
         "day",
         b'{"recording": 1}\n',
         "day, line 1: must be a JSON object with the fields 'at', 'kind' and 'message'",
     ),
-    "bytes": ("day", WHOLE.replace(b"home", b"\xff"), "day, line 1: is no text in UTF-8"),
-    "brace": ("day", WHOLE.replace(b"}\n", b"\n"), "day, line 1: is no JSON: Expecting ',' delimiter at character"),
+    "bytes": ("day", WHOLE.replace(b"home", b"\xff"), "day, line 1: is not UTF-8 text"),
+    "brace": ("day", WHOLE.replace(b"}\n", b"\n"), "day, line 1: is not JSON: Expecting ',' delimiter at character"),
     "newer": (
         "day",
         WHOLE.replace(b'"format":2', b'"format":3'),
-        "field 'message.format': is 3, and this homebot reads up to 2: replay it with a newer homebot",
+        "field 'message.format': is 3, but this homebot reads up to 2: replay it with a newer homebot",
     ),
     "century": (
         "day",
@@ -129,7 +129,7 @@ def test_code_that_a_recording_names_is_not_run(folder: Path, capsys: pytest.Cap
     assert main(["replay", "day", "--diff"]) == 2
     out, err = capsys.readouterr()
     assert (out, err.count("\n")) == ("", 1)
-    assert f"runs no code because a recording names it: evil ({kind}); name each" in err
+    assert f"runs no code that only a recording names: evil ({kind}); name each" in err
     assert not (folder / "was_run").exists()
     assert main(["replay", "day", "--app", "evil.py", "--diff"]) == 0
     assert (folder / "was_run").exists()

@@ -62,8 +62,8 @@ def test_a_recording_is_sorted_by_time_and_outcomes_find_their_commands() -> Non
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("", "day, line 2: is no JSON"),
-        ("{", "day, line 2: is no JSON"),
+        ("", "day, line 2: is not JSON"),
+        ("{", "day, line 2: is not JSON"),
         ("[1]", "day, line 2: must be a JSON object with the fields 'at', 'kind' and 'message'"),
         ('{"at":1,"kind":"raw"}', "day, line 2: must be a JSON object with the fields"),
         (
@@ -80,7 +80,7 @@ def test_a_recording_is_sorted_by_time_and_outcomes_find_their_commands() -> Non
             '{"at":4e7,"kind":"lost","message":{"count":1}}',
             "day, line 2: field 'at': .* within 366 days, got '40000000.0'",
         ),
-        ('{"at":1,"at":2,"kind":"lost","message":{"count":1}}', "day, line 2: is no JSON: the key 'at' occurs twice"),
+        ('{"at":1,"at":2,"kind":"lost","message":{"count":1}}', "day, line 2: is not JSON: the key 'at' occurs twice"),
         (line_text(RecordingLine(0, HEADER)), "day, line 2: field 'kind': a recording has one header"),
     ],
 )
@@ -92,12 +92,12 @@ def test_a_wrong_line_is_named_with_its_number_and_field(text: str, problem: str
 def test_a_file_without_its_header_or_of_another_version_is_refused() -> None:
     with pytest.raises(UsageError, match="day is empty"):
         read_recording([], "day")
-    with pytest.raises(UsageError, match=r"its first line is no header; `homebot record FILE` makes one$"):
+    with pytest.raises(UsageError, match=r"its first line is no header; `homebot record` makes one$"):
         read_recording(lines((0, RAW)), "day")
     with pytest.raises(UsageError, match="day, line 1: field 'kind': the first line of a recording is its header"):
         read_recording(lines((0, RecordingEnd(reason="recording"))), "day")
     problem = (
-        "day, line 1: field 'message.format': is 3, and this homebot reads up to 2: replay it with a newer homebot"
+        "day, line 1: field 'message.format': is 3, but this homebot reads up to 2: replay it with a newer homebot"
     )
     with pytest.raises(UsageError, match=rf"^{re.escape(problem)}$"):
         read_recording([b'{"at": 0, "kind": "recording", "message": {"format": 3, "a_field_to_come": true}}'], "day")

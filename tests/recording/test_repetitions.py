@@ -79,7 +79,7 @@ def test_after_a_loss_all_is_told_in_full() -> None:
 
 def test_a_repetition_of_nothing_is_refused() -> None:
     lone = Repetition(of="report", gateway="mqtt", key="lamp", stream="s", at=at(0))
-    with pytest.raises(UsageError, match="repeats a report of 'lamp', and there is none before"):
+    with pytest.raises(UsageError, match="repeats a report of 'lamp', but there is none before"):
         Repetitions().whole(lone)
 
 

@@ -103,7 +103,7 @@ def test_two_app_files_with_classes_of_one_name_are_replayed_each_in_its_place(
     changed = files["lights_out"].rename(tmp_path / "changed.py")  # it is in the place of what no other file is
     diff = diff_of(mine, [str(files["follow_me"]), str(changed)])
     assert texts(mine, diff) == []
-    with pytest.raises(UsageError, match="changed:MyApp may take the place of mine_follow_me:MyApp or mine_lights_out"):
+    with pytest.raises(UsageError, match="changed:MyApp may replace mine_follow_me:MyApp or mine_lights_out"):
         diff_of(mine, [str(changed)])
 
 

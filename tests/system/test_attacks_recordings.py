@@ -1,6 +1,6 @@
 """Hostile recordings that `homebot replay` refuses: none runs code, and an endless one is refused at once.
 
-Asserted is the processor time beyond that of refusing a file that is no recording.
+Asserted is the processor time beyond that of refusing a file that is not a recording.
 """
 
 import gzip
@@ -74,7 +74,8 @@ def test_a_file_that_unpacks_without_end_is_refused(
     with gzip.open(tmp_path / "day.jsonl.gz", "wb") as file:
         content(file)
     code, error, seconds = replay(tmp_path, "day.jsonl.gz")
-    assert (code, error) == (2, "homebot: day.jsonl.gz is no recording: it unpacks to more than 200 times its size\n")
+    problem = "it unpacks to more than 200 times its size"
+    assert (code, error) == (2, f"homebot: day.jsonl.gz is not a recording: {problem}\n")
     assert seconds - usual < 1
 
 
@@ -96,5 +97,5 @@ def test_no_code_runs_because_a_recording_names_it(
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
     assert main(["replay", "day.jsonl"]) == 2
-    assert "runs no code because a recording names it" in capsys.readouterr().err
+    assert "runs no code that only a recording names" in capsys.readouterr().err
     assert not (tmp_path / "was_run").exists()

@@ -103,10 +103,10 @@ def test_a_changed_app_gives_other_commands(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "problem"),
     [
-        ("", "day.jsonl is empty, and no recording"),
+        ("", "day.jsonl is empty, and not a recording"),
         (
             "{}\n",
-            "day.jsonl is no recording: its first line is no header; `homebot record FILE` makes one",
+            "day.jsonl is not a recording: its first line is no header; `homebot record` makes one",
         ),
     ],
 )

@@ -1,25 +1,25 @@
 """Lines of a recording, each a JSON object ``{"at": …, "kind": …, "message": {…}}``. Pure.
 
-*at* is in seconds since the start of the recording, below 0 for earlier reports. *kind* is the kind of the message,
-in the JSON of rosbridge. Lines are in the order of recording; readers sort them by time, without changing the order
-of one moment.
+*at* is in seconds since the start of the recording, negative for earlier reports. *kind* is the kind of the message,
+which is JSON as in rosbridge. Lines are in the order of recording; readers sort them by time, keeping the order of
+lines of one moment.
 
 ==============  ================================  ==============================================================
 kind            message                           meaning
 ==============  ================================  ==============================================================
 ``recording``   :class:`RecordingHeader`          the first line, and only that
 ``index``       :class:`IndexRow`                 a row of the directory's index at the start
-``device``      :class:`homebot.devices.Device`   a device as the directory knew it at the start, or when it appeared
+``device``      :class:`homebot.devices.Device`   a device in the directory at the start, or when it appeared
 ``gateway``     :class:`GatewayNews`              a gateway went online or offline
 ``sighting``    :class:`Sighting`                 a gateway sighted a device
 ``report``      :class:`Report`                   a device reported values, or an event such as a press
-``again``       :class:`Repetition`               the last sighting or report of its source again
+``again``       :class:`Repetition`               a repetition of the last sighting or report of its source
 ``raw``         :class:`RawMessage`               a raw message of a device
 ``command``     :class:`RecordedCommand`          a command was given
 ``outcome``     :class:`CommandResult`            the outcome of a command
-``owner``       :class:`OwnerRequest`             the owner placed, named, tagged, approved … a device, or a tag did
+``owner``       :class:`OwnerRequest`             the owner, or a tag, placed, named, tagged, approved … a device
 ``lease``       :class:`LeaseNews`                a lease began or ended
-``lost``        :class:`LostLines`                lines that are missing here
+``lost``        :class:`LostLines`                lines are missing here
 ``end``         :class:`RecordingEnd`             the last line; missing if the recorder was killed
 ==============  ================================  ==============================================================
 """
@@ -65,12 +65,12 @@ FORMAT: Final = 2
 
 _LONGEST: Final = 366 * 86_400.0
 _EARLIEST: Final = -100 * 366 * 86_400.0
-"""Reports of a computer with an unset clock, as at the start of a Raspberry Pi, are of 1970."""
+"""Reports of a computer with an unset clock, such as a starting Raspberry Pi, are from 1970."""
 
 _SHOWN: Final = 60
 
 _MOST_COMMANDS: Final = 1_000
-"""Commands that are known at once: the entries about one text follow each other."""
+"""The limit of known commands: the entries about one text are close together."""
 
 
 class RecordedApp(Message):
@@ -87,14 +87,14 @@ class RecordedApp(Message):
 
 
 class RecordingHeader(Message):
-    """The run that a recording is of.
+    """The run of a recording.
 
     Attributes:
         trusts_apps: Whether apps may command always-ask devices without a grant, as in a simulated house.
         control: The table ``[control]``, as the text of a JSON object.
         places: The table ``[places]``, as the text of a places file; empty for none.
-        detected: The motion sensors that had detected motion by then, if there is a presence guard.
-        home_table: The table ``[home]`` but for the name, as the text of a JSON object.
+        detected: The motion sensors that had detected motion before, if there is a presence guard.
+        home_table: The table ``[home]`` without the name, as the text of a JSON object.
     """
 
     format: UInt32
@@ -122,7 +122,7 @@ class RecordedCommand(Message):
     Attributes:
         issuer: The issuer: the name of a node, or ``client:NAME`` for a client of the door.
         settings: The wanted values; empty for a raw text that another program published.
-        text: A raw text, which is neither judged nor verified; empty for any other command.
+        text: A raw text, which is neither checked nor verified; empty for any other command.
     """
 
     id: str
@@ -141,10 +141,10 @@ class LeaseNews(Message):
     """A step of a lease.
 
     Attributes:
-        step: ``held``: *by* began to hold the part, or held it when the recording began; ``released``: it let go;
-            ``ended``: *issuer* ended the leases of the device; ``expired``: the time of *by* was over.
+        step: ``held``: *by* began to hold the part, or held it when the recording began; ``released``: *by* released
+        it; ``ended``: *issuer* ended the leases of the device; ``expired``: the lease of *by* expired.
         issuer: The holder: the name of a node, or ``client:NAME`` for a client of the door.
-        by: The holder, in a word.
+        by: The holder, as a word.
     """
 
     step: RecordedLeaseStep
@@ -199,15 +199,15 @@ _NAMES: Final = {message_type: kind for kind, message_type in _KINDS.items()}
 
 
 def line_text(line: RecordingLine) -> str:
-    """Return *line* as text in ASCII, without the end of the line."""
+    """Return *line* as ASCII text, without a line break."""
     return f'{{"at":{line.at:.6f},"kind":"{_NAMES[type(line.message)]}","message":{message_to_text(line.message)}}}'
 
 
 def read_line(text: str | bytes) -> RecordingLine:
-    """Return the line that *text* is.
+    """Parse *text* as a line.
 
     Raises:
-        UsageError: It is none; the message names the field.
+        UsageError: It is not a valid line; the message names the field.
     """
     found = _parsed(text)
     if not isinstance(found, dict) or not found.keys() >= {"at", "kind", "message"}:
@@ -230,18 +230,18 @@ def _parsed(text: str | bytes) -> object:
     try:
         return parse_strict(text)
     except UnicodeDecodeError as exc:
-        raise UsageError("is no text in UTF-8") from exc
+        raise UsageError("is not UTF-8 text") from exc
     except json.JSONDecodeError as exc:
-        raise UsageError(f"is no JSON: {exc.msg} at character {exc.pos + 1}") from exc
+        raise UsageError(f"is not JSON: {exc.msg} at character {exc.pos + 1}") from exc
     except (ValueError, RecursionError) as exc:
-        raise UsageError(f"is no JSON: {str(exc)[:_SHOWN]}") from exc
+        raise UsageError(f"is not JSON: {str(exc)[:_SHOWN]}") from exc
 
 
 def _check_format(header: object) -> None:
-    """Refuse a newer version of the format before anything else in its header is read, which may differ."""
+    """Refuse a newer version of the format before reading the rest of the header, which may differ."""
     found = header.get("format") if isinstance(header, dict) else None
     if type(found) is int and found > FORMAT:
-        problem = f"is {found}, and this homebot reads up to {FORMAT}: replay it with a newer homebot"
+        problem = f"is {found}, but this homebot reads up to {FORMAT}: replay it with a newer homebot"
         raise UsageError(f"field 'message.format': {problem}")
 
 
@@ -249,14 +249,14 @@ def _check_format(header: object) -> None:
 class CommandNews:
     """Reads commands, their outcomes and leases from the journal.
 
-    A text of an app appears there as the parsed command, and then as published.
+    A text of an app appears there first as the parsed command, and then as published.
     """
 
     def __init__(self) -> None:
         self._requested: BoundedMap[str, None] = BoundedMap(_MOST_COMMANDS)
 
     def of(self, entry: JournalEntry) -> RecordedCommand | CommandResult | LeaseNews | None:
-        """Return the command that *entry* begins, the outcome or the step of a lease that it has; None for others."""
+        """Return the command, outcome or lease step in *entry*; None for other entries."""
         match entry.kind:
             case "requested":
                 self._requested[entry.command] = None

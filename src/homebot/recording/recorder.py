@@ -1,7 +1,7 @@
 """Recorder: writes messages of gateways and commands as lines of a recording.
 
-Each kind of message is noted in its own order. The time of a line is that of its message, so that it does not matter
-when it is noted.
+Messages of each kind are recorded in order. The time of a line is that of its message, so it does not matter when it is
+recorded.
 """
 
 from collections.abc import Iterator
@@ -43,7 +43,7 @@ _MOST_BYTES: Final = 64 * 1024 * 1024
 NOT_RECORDED = "recording.raw_messages_missing"
 
 _ALL_KEPT: Final = QoSProfile(depth=10_000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""The oldest is dropped and counted in a flood; see :meth:`Recorder.record_lost`."""
+"""In a flood the oldest is dropped and counted; see :meth:`Recorder.record_lost`."""
 
 _ENTRIES: Final = QoSProfile(depth=10_000)
 
@@ -55,7 +55,7 @@ _Source: TypeAlias = (
 
 @final
 class Recorder:
-    """Records events from its start on."""
+    """Records events from its start."""
 
     def __init__(self, node: Node, header: RecordingHeader) -> None:
         self._node = node
@@ -131,7 +131,7 @@ class Recorder:
                 listen(Report, names.readings, lambda one: self._record(one.received_at.to_seconds(), one)),
             )
         except InvalidNameError:
-            return  # such a name has no publisher
+            return  # no node can have such a name
 
     async def _follow_devices(self) -> None:
         async for change in self._devices.follow():
@@ -181,7 +181,7 @@ def _held(part: HeldPart) -> Iterator[LeaseNews]:
 
 @final
 class LineBuffer:
-    """At most 50,000 lines and 64 MiB of text; while it is full, new lines are dropped, and a line says how many."""
+    """A buffer of at most 50,000 lines and 64 MiB of text; while full, it drops new lines, and a line counts them."""
 
     def __init__(self) -> None:
         self.lost = 0
@@ -203,7 +203,7 @@ class LineBuffer:
         return True
 
     def pop(self, most: int = _MOST_LINES, most_bytes: int = _MOST_BYTES) -> list[str]:
-        """Remove and return the oldest lines, at least one if there is any, without their ends."""
+        """Remove and return the oldest lines, at least one if there is any, without line breaks."""
         count, size = 0, 0
         for text in self._lines[:most]:
             if count and size + len(text) > most_bytes:

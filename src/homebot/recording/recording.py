@@ -1,4 +1,4 @@
-"""A recording that was read: the run, the house at its start, and its events."""
+"""The content of a recording: the run, the house at its start, and its events."""
 
 import gzip
 import zlib
@@ -33,10 +33,10 @@ __all__ = ["RecordedEvent", "Recording", "TimedCommand", "load_recording", "read
 _LONGEST_LINE: Final = 16 * 1024 * 1024
 _MOST_BYTES: Final = 4 * 1024**3
 _MOST_RATIO: Final = 200
-"""Text by bytes of a compressed file: that of a recording is up to 45 times as long, of zeros 1,000 times."""
+"""The limit of the compression ratio: for a recording it is up to 45, for zeros 1,000."""
 
 _UNCHECKED: Final = 64 * 1024
-"""Bytes of text before the ratio counts."""
+"""Bytes of text before the ratio is checked."""
 
 _PIECE: Final = 256 * 1024
 _RANKS: Final[dict[type[Message], int]] = {GatewayNews: 0, Sighting: 1, Report: 2, RawMessage: 3}
@@ -45,7 +45,7 @@ _RANKS: Final[dict[type[Message], int]] = {GatewayNews: 0, Sighting: 1, Report: 
 
 @dataclass(frozen=True, slots=True)
 class TimedCommand:
-    """A command, and when it was given.
+    """A command, and the time when it was given.
 
     Attributes:
         at: Seconds since the start of the recording.
@@ -78,14 +78,14 @@ class Recording:
 
     Attributes:
         index: The rows of the directory's index at the start.
-        devices: The devices by id, each as it was at the start or when it first appeared, in this order.
+        devices: The devices by id, each in its state at the start or when it first appeared, in this order.
         before: Messages of gateways before the start: their states, then sightings, reports and raw messages.
-        events: Their messages during the recording, and the owner's requests, in the order of time.
-        commands: The commands that were given, in the order of time.
+        events: Their messages during the recording, and the owner's requests, in order of time.
+        commands: The commands, in order of time.
         leases: Steps of leases with their times; those at the start have time 0.
-        ends_at: Seconds since the start at which it ends.
-        end: The reason of its end, as text; empty for a regular end.
-        is_whole: Whether it has an end; that of a recorder which was killed has none.
+        ends_at: When it ends, in seconds since the start.
+        end: The reason of its end, as text; empty for a normal end.
+        is_whole: Whether it has an end; without one, the recorder was killed.
     """
 
     header: RecordingHeader
@@ -129,10 +129,10 @@ def load_recording(path: Path) -> Recording:
 
 
 def read_recording(lines: Iterable[bytes], source: str) -> Recording:
-    """Return the recording that *lines* are.
+    """Parse *lines* as a recording.
 
     Args:
-        lines: Its lines, with or without their ends.
+        lines: Its lines, with or without line breaks.
 
     Raises:
         UsageError: A line is wrong; the message names *source*, the line and the field.
@@ -144,7 +144,7 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
     for number, text in enumerate(lines, 1):
         where = f"{source}, line {number}"
         if number == 1 and b'"recording"' not in text:
-            raise UsageError(f"{source} is no recording: its first line is no header; `homebot record FILE` makes one")
+            raise UsageError(f"{source} is not a recording: its first line is no header; `homebot record` makes one")
         line = _whole_line(text, repetitions, where)
         if recording is None:
             if not isinstance(line.message, RecordingHeader):
@@ -158,7 +158,7 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
         else:
             _add_line(recording, line, number)
     if recording is None:
-        raise UsageError(f"{source} is empty, and no recording")
+        raise UsageError(f"{source} is empty, and not a recording")
     recording.commands = [replace(one, result=results.get(one.command.id)) for one in recording.commands]
     _sort(recording)
     return recording
@@ -180,7 +180,7 @@ def _check_place(line: RecordingLine, where: str, *, is_over: bool) -> None:
 
 
 def _sort(recording: Recording) -> None:
-    """Sort by time; of one moment in the order of the file, as effects follow their causes."""
+    """Sort by time, keeping the order of one moment, because effects follow their causes."""
     recording.before.sort(key=lambda one: _RANKS.get(type(one), len(_RANKS)))
     recording.events.sort(key=lambda one: one.at)
     recording.commands.sort(key=lambda one: one.at)
@@ -213,22 +213,22 @@ def _opened(path: Path) -> IO[bytes]:
 
 
 def _check_ratio(path: Path) -> None:
-    """Refuse a compressed file that unpacks to far more than a recording does, before its lines are read."""
+    """Refuse a compressed file that expands far more than a recording, before its lines are read."""
     size = 0
     with path.open("rb") as packed, gzip.GzipFile(fileobj=packed) as unpacked, suppress(EOFError):
         while piece := unpacked.read1(_PIECE):
             size += len(piece)
             if size > _UNCHECKED + _MOST_RATIO * packed.tell():
-                raise UsageError(f"{path} is no recording: it unpacks to more than {_MOST_RATIO} times its size")
+                raise UsageError(f"{path} is not a recording: it unpacks to more than {_MOST_RATIO} times its size")
 
 
 def _lines(file: IO[bytes], source: str) -> Iterator[bytes]:
-    """Yield lines of a bounded length, from a bounded amount of text: a small file may unpack to a huge one."""
+    """Yield lines of limited length, from a limited amount of text: a small file may unpack to a huge one."""
     size, count = 0, 0
     while line := _read_line(file, source, count):
         size += len(line)
         if len(line) > _LONGEST_LINE or size > _MOST_BYTES:
-            raise UsageError(f"{source} is too large: a line has at most 16 MiB, all of them have 4 GiB")
+            raise UsageError(f"{source} is too large: a line has at most 16 MiB, and all lines have 4 GiB")
         if not line.endswith(b"\n") and count:
             raise _cut_off(source, count)
         count += 1
@@ -245,6 +245,6 @@ def _read_line(file: IO[bytes], source: str, count: int) -> bytes:
 def _cut_off(source: str, count: int) -> UsageError:
     reader = "zcat" if source.endswith(".gz") else "cat"
     return UsageError(
-        f"{source} ends in the middle of a line: the copy is not complete, or homebot was killed while it wrote; "
-        f"`{reader} {source} | head -n {count} > whole.jsonl` keeps what is whole"
+        f"{source} ends in the middle of a line: the copy is incomplete, or homebot was killed while it wrote; "
+        f"`{reader} {source} | head -n {count} > whole.jsonl` keeps the complete lines"
     )

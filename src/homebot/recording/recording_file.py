@@ -1,4 +1,4 @@
-"""The file that a recording is written to, and the port through which its lines come there."""
+"""The file of a recording, and the interface for writing its lines."""
 
 import gzip
 import os
@@ -17,7 +17,7 @@ DEFAULT_MEGABYTES: Final = 500.0
 
 _FOR_ITS_OWNER: Final = 0o600
 _END_BYTES: Final = 1024
-"""Room for the lines that say that the file is full."""
+"""Space reserved for the lines that say that the file is full."""
 
 _MEGABYTE: Final = 1_000_000
 
@@ -26,8 +26,8 @@ _MEGABYTE: Final = 1_000_000
 class RecordingFile:
     """A new file, readable by its owner only: it shows when people were at home.
 
-    Lines beyond the bound are dropped; the last lines then have their number, and that the file is full. The bound is
-    on the size of the text, before any compression.
+    Lines beyond the limit are dropped; the last lines then state their number, and that the file is full. The limit is
+    on the size of the text, before compression.
 
     Args:
         path: The file; compressed if the name ends in ``.gz``.
@@ -46,14 +46,14 @@ class RecordingFile:
 
     @property
     def is_full(self) -> bool:
-        """True once a line did not fit; it takes no more."""
+        """True once a line did not fit; no more are accepted."""
         return self._is_full
 
     def write(self, lines: Sequence[str]) -> None:
-        """Write *lines*, and hand them to the operating system.
+        """Write *lines*, and flush them to the operating system.
 
         Raises:
-            OSError: The disk is full, or away.
+            OSError: The disk is full or missing.
         """
         fitting = list(lines) if not self._is_full else []
         size = sum(len(one) + 1 for one in fitting)
@@ -70,7 +70,7 @@ class RecordingFile:
         """Write the end if the file is full, and close it.
 
         Raises:
-            OSError: The disk is full, or away.
+            OSError: The disk is full or missing.
         """
         with self._file:
             if self._is_full:
@@ -89,7 +89,7 @@ class LineSink(Protocol):
 
     @property
     def is_full(self) -> bool:
-        """True once it takes no more."""
+        """True once it accepts no more."""
         ...
 
     async def write(self, lines: Sequence[str]) -> None:
@@ -103,14 +103,14 @@ class LineSink(Protocol):
 
 @final
 class FileSink:
-    """Writes into a file, by a thread."""
+    """Writes to a file in a thread."""
 
     def __init__(self, file: RecordingFile) -> None:
         self._file = file
 
     @property
     def is_full(self) -> bool:
-        """True once the file takes no more."""
+        """True once the file accepts no more."""
         return self._file.is_full
 
     async def write(self, lines: Sequence[str]) -> None:
@@ -121,7 +121,7 @@ class FileSink:
 def _created(path: Path, *, force: bool) -> IO[bytes]:
     try:
         if force:
-            path.unlink(missing_ok=True)  # a file of its own: the old one may be read by others, or be a link
+            path.unlink(missing_ok=True)  # a new file: the old one may be readable by others, or be a link
         descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _FOR_ITS_OWNER)
     except FileExistsError:
         raise UsageError(f"{path} exists already; --force replaces it") from None

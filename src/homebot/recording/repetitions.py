@@ -1,6 +1,6 @@
-"""Sightings and reports that repeat the last one of their source, in a tenth of the text. Pure.
+"""Compact form of sightings and reports that repeat the last one of their source, a tenth of the text. Pure.
 
-A device that sends its state every second is nearly all of a recording otherwise.
+Otherwise a device that sends its state every second makes up nearly all of a recording.
 """
 
 from typing import Final, Literal, TypeAlias, final
@@ -15,7 +15,7 @@ from homebot.support.bounded_map import BoundedMap
 __all__ = ["Repetition", "Repetitions"]
 
 _MOST: Final = 20_000
-"""Sources with a known last message; the longest silent one is forgotten and then recorded in full again."""
+"""The limit of sources with a known last message; the least recent is forgotten, and later recorded in full again."""
 
 _SECOND: Final = 1_000_000_000
 _TIMES: Final = frozenset({"seen_at", "expires_at", "received_at", "heard_at"})
@@ -24,7 +24,7 @@ _Source: TypeAlias = tuple[Literal["sighting", "report"], str, str, str]
 
 
 class Repetition(Message):
-    """The last sighting or report of a source again, at another time; a sighting lasts as long as that did."""
+    """A repetition of the last sighting or report of a source at another time; a sighting has the same lifetime."""
 
     of: Literal["sighting", "report"]
     gateway: str
@@ -35,13 +35,13 @@ class Repetition(Message):
 
 @final
 class Repetitions:
-    """The last messages of all sources; a recorder has one, and a reader that takes the same messages in its order."""
+    """The last messages of all sources, in a recorder, and in a reader that processes the same messages in order."""
 
     def __init__(self) -> None:
         self._last: BoundedMap[_Source, Sighting | Report] = BoundedMap(_MOST)
 
     def shortened(self, message: Message) -> Message:
-        """Return a :class:`Repetition` in place of a *message* that is one, and any other as it is."""
+        """Return a :class:`Repetition` if *message* is one, and any other message unchanged."""
         if not isinstance(message, Sighting | Report):
             return message
         source = _source(message)
@@ -57,7 +57,7 @@ class Repetitions:
         """Return the message behind a :class:`Repetition`, and any other unchanged.
 
         Raises:
-            UsageError: There is none before it.
+            UsageError: There is no message before it.
         """
         if isinstance(message, Sighting | Report):
             self._last[_source(message)] = message
@@ -73,12 +73,12 @@ class Repetitions:
             case Report() as last:
                 again = last.model_copy(update={"received_at": message.at, "heard_at": 0.0})
             case _:
-                raise UsageError(f"repeats a {message.of} of {message.key[:60]!r}, and there is none before")
+                raise UsageError(f"repeats a {message.of} of {message.key[:60]!r}, but there is none before")
         self._last[source] = again
         return again
 
     def forget(self) -> None:
-        """Forget all messages, so that each source is recorded in full again: a line was lost."""
+        """Forget all messages, so that each source is recorded in full again, because a line was lost."""
         self._last.clear()
 
 

@@ -24,7 +24,7 @@ _MOST_BYTES: Final = 256 * 1024
 
 
 def is_secret_name(name: str) -> bool:
-    """Return whether the field *name* holds a secret by its name, such as ``pin`` or ``wifi_password``."""
+    """Return whether the field *name* is named like a secret, such as ``pin`` or ``wifi_password``."""
     plain = "".join(one if one.isalnum() else "_" for one in name.casefold())
     return any(part in _WORDS for part in plain.split("_"))
 
@@ -39,9 +39,9 @@ def public_settings(settings: BaseModel) -> dict[str, object]:
 
 
 def without_secrets(payload: bytes) -> bytes:
-    """Return a raw *payload*; in one that is JSON, fields with the name of a secret and logins in URLs are hidden.
+    """Return a raw *payload*; in JSON, fields named like secrets and logins in URLs are hidden.
 
-    A payload of more than 256 kB is not read, and so is left out.
+    A payload of more than 256 kB is not parsed, and therefore left out.
     """
     if len(payload) > _MOST_BYTES:
         return b""

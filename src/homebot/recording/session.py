@@ -1,4 +1,4 @@
-"""Work of a recorder in a running homebot: into a file, or for a client that fetches the lines by a service."""
+"""Recording in a running homebot: into a file, or for a client that fetches the lines through a service."""
 
 from typing import Final, final
 
@@ -19,27 +19,27 @@ FULL = "recording.file_full"
 
 _EVERY: Final = 1.0
 _UNREAD: Final = 10.0
-"""Seconds after which a client that fetches nothing is taken for gone: a slow disk may hold it up for a while."""
+"""Seconds after which a client that fetches nothing is considered gone: a slow disk may delay it for a while."""
 
 _MOST_LINES: Final = 2_000
 _MOST_BYTES: Final = 2 * 1024 * 1024
 
 
 class ReadRecordingRequest(Message):
-    """A request for the next lines; it waits up to a second for some.
+    """Request for the next lines; waits up to a second for some.
 
     Attributes:
-        is_last: Whether to end the recording; ask again until it is over.
+        is_last: Whether to end the recording; repeat the request until it is over.
     """
 
     is_last: bool = False
 
 
 class ReadRecordingResponse(Message):
-    """Lines, which are forgotten then.
+    """Lines, which the recorder then forgets.
 
     Attributes:
-        lines: The lines, in order, without their ends.
+        lines: The lines, in order, without line breaks.
         is_over: Whether these were the last.
     """
 
@@ -53,7 +53,7 @@ ReadRecording = ServiceType("homebot/srv/ReadRecording", ReadRecordingRequest, R
 async def record_into(
     node: Node, header: RecordingHeader, sink: LineSink, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED
 ) -> None:
-    """Record into *sink*, once a second, until cancelled or the sink takes no more."""
+    """Record into *sink*, once a second, until cancelled or the sink is full."""
     recorder = Recorder(node, header)
     try:
         async with anyio.create_task_group() as tasks:
@@ -68,7 +68,7 @@ async def record_into(
 
 
 async def record_for_client(node: Node, header: RecordingHeader, ready: anyio.Event) -> None:
-    """Record for the client that fetches the lines, until it is done, leaves, or fetches nothing for ten seconds."""
+    """Record for a client that fetches the lines, until it is done, leaves, or fetches nothing for ten seconds."""
     recorder = Recorder(node, header)
     async with anyio.create_task_group() as tasks:
         await tasks.start(recorder.run)

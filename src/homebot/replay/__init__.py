@@ -1,1 +1,1 @@
-"""Replays: a recorded day again, with the same or changed apps, in virtual time and with muted gateways."""
+"""Replays of a recorded day, with the same or changed apps, in virtual time and with muted gateways."""

@@ -14,7 +14,7 @@ from homebot.recording.recording import TimedCommand
 __all__ = ["CommandDiff", "CommandMatcher", "DifferentCommand", "command_diff", "is_carried_out"]
 
 _TOLERANCE: Final = 1.0
-"""Seconds by which the same command may be earlier or later on a busy computer, unnoticed by people."""
+"""Seconds by which the same command may be earlier or later on a busy computer, without people noticing."""
 
 _ROUNDED: Final = 1e-6
 
@@ -27,7 +27,7 @@ class DifferentCommand:
 
     Attributes:
         kind: ``added``: only the replay has it; ``gone``: only the recording has it.
-        refused: The reason why the other refused it, as text; empty if the other does not have it.
+        refused: Why the other one refused it, as text; empty if the other does not have it.
     """
 
     kind: Literal["added", "gone"]
@@ -37,11 +37,11 @@ class DifferentCommand:
 
 @dataclass(frozen=True, slots=True)
 class CommandDiff:
-    """The difference.
+    """The differences between the commands of two runs.
 
     Attributes:
-        different: The commands that differ, in the order of time.
-        same: The number of those that both have; repeats within 1 s count once.
+        different: The commands that differ, in order of time.
+        same: The number of common commands; repeats within 1 s count once.
     """
 
     different: tuple[DifferentCommand, ...]
@@ -55,7 +55,7 @@ def command_diff(
 
     Args:
         recorded: The commands of the recording, in the order of time.
-        ends_at: The end of the recording, in seconds since its start. An unmatched command within 1 s before it is no
+        ends_at: The end of the recording, in seconds since its start. An unmatched command in its last second is not a
             difference: its counterpart may have come too late.
     """
     before = [one for one in recorded if one.command.issuer in issuers]
@@ -72,15 +72,15 @@ def command_diff(
 
 
 def is_carried_out(given: TimedCommand) -> bool:
-    """Return whether a command was to be sent: no policy and no lease refused it."""
+    """Return whether a command was allowed to be sent: no policy or lease refused it."""
     return given.result is None or given.result.policy in {"", "gateway"}
 
 
 @final
 class CommandMatcher:
-    """Finds a command among others: of the same issuer, to the same part, of the same values, at most 1 s away.
+    """Finds the same command among others: with the same issuer, part and values, at most 1 s apart.
 
-    Each is found once, the earliest first. Commands that a policy refused are none.
+    Each is found once, the earliest first. Commands that a policy refused are ignored.
     """
 
     def __init__(self, commands: Iterable[TimedCommand]) -> None:
@@ -119,16 +119,16 @@ def _refusal(given: TimedCommand, others: Iterable[TimedCommand]) -> str:
 
 
 def _missing(commands: Iterable[TimedCommand], repeats: Iterable[TimedCommand]) -> list[TimedCommand]:
-    """Return the *commands* that are not even among the *repeats* of the other: 0.99 s there may be 1.01 s here."""
+    """Return the *commands* that are not among the other's *repeats* either: 0.99 s there may be 1.01 s here."""
     matcher = CommandMatcher(repeats)
     return [one for one in commands if matcher.pop(one) is None]
 
 
 def _split_repeats(commands: Iterable[TimedCommand]) -> tuple[list[TimedCommand], list[TimedCommand]]:
-    """Return *commands*, in the order of time, and apart the repetitions by their app within 1 s.
+    """Return *commands*, in order of time, and separately the repetitions by their app within 1 s.
 
-    Their number depends on the load of the computer: a lamp may report the same three times while an app still acts on
-    the first. Commands with an effect each time, such as a press, and raw texts are no repetitions.
+    Their number depends on the load of the computer: a lamp may report the same three times while an app still reacts
+    to the first report. Commands that act each time, such as a press, and raw texts do not count as repetitions.
     """
     kept: list[TimedCommand] = []
     repeats: list[TimedCommand] = []

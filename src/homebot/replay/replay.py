@@ -1,7 +1,7 @@
 """Replay of a recording: the graph, the directory, the control layer and apps, fed with recorded messages.
 
-The same recording with the same apps and settings gives the same commands, as far as an app depends on nothing else
-than the devices of the house and its clock: not on the network, on files, on chance, or on the time of the computer.
+The same recording with the same apps and settings gives the same commands if an app depends only on the devices of the
+house and its clock, and not on the network, files, chance, or the time of the computer.
 """
 
 import tomllib
@@ -44,10 +44,10 @@ class Replayed:
     """The result of a replay.
 
     Attributes:
-        commands: The commands that apps gave, in the order of time, each with its outcome where that is known.
+        commands: The commands of apps, in order of time, each with its outcome if known.
         issuers: The full names of the apps that ran.
-        crashes: How each app crashed that did, by its name.
-        devices: The devices as the directory knew them at the end.
+        crashes: The crashes of apps, by name.
+        devices: The devices in the directory at the end.
     """
 
     commands: tuple[TimedCommand, ...]
@@ -61,8 +61,8 @@ def replay_config(recording: Recording, apps: Sequence[str] = (), given: Config 
 
     Args:
         apps: The apps to run, as for :func:`homebot.replay.replay_apps.app_tables`; by default the recorded ones.
-        given: A configuration: its tables ``[home]``, ``[control]`` and ``[places]``, where it has them, and
-            ``[discovery]`` take the place of those of the recording, and its tables of apps that of their settings.
+        given: A configuration: its tables ``[home]``, ``[control]`` and ``[places]``, if present, and ``[discovery]``
+        replace those of the recording, and its app tables replace the recorded settings.
 
     Raises:
         UsageError: An app cannot be found, or the recording is damaged.
@@ -89,10 +89,10 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
 
     Args:
         config: Made by :func:`replay_config`.
-        settle: Returns when everything has happened that is due now.
+        settle: Returns when everything that is due now has happened.
 
     Raises:
-        UsageError: An app cannot be started as it is configured, or the recording does not fit together.
+        UsageError: An app cannot be started as configured, or the recording is inconsistent.
     """
     check_index(recording)
     clock = LoopClock(recording.header.started_at.to_seconds())
@@ -139,7 +139,7 @@ class _ReplayJournal:
                 self._results[result.command_id] = result
 
     def commands_of(self, issuers: Collection[str]) -> tuple[TimedCommand, ...]:
-        """Return the commands of *issuers* in the order of their time."""
+        """Return the commands of *issuers* in order of time."""
         given = sorted((one for one in self._given if one.command.issuer in issuers), key=lambda one: one.at)
         return tuple(replace(one, result=self._results.get(one.command.id)) for one in given)
 
@@ -148,18 +148,18 @@ def _places(text: str) -> Table:
     try:
         found = tomllib.loads(text).get("places", {})
     except (ValueError, RecursionError) as exc:
-        raise UsageError(f"the table [places] in the recording is no TOML: {exc}") from exc
+        raise UsageError(f"the table [places] in the recording is not TOML: {exc}") from exc
     return as_table(found, "table [places]")
 
 
 @final
 class _RecordedOutcomes:
-    """Answers commands as the devices did that were recorded.
+    """Answers commands as the recorded devices did.
 
-    A command of the recording that was sent goes to the muted gateway, and its outcome follows from the reports that
-    were recorded; one that was not sent then, because the device was so already or its network was away, ends as it did
-    then. A command that is not in the recording counts as sent and obeyed for the app that gave it, until the device
-    reports next; for all others the states of devices stay those of the recording.
+    A command that was sent in the recording goes to the muted gateway, and its outcome follows from the recorded
+    reports. A command that was not sent, because the device already had the value or its network was away, has its
+    recorded outcome. A command that is not in the recording counts as sent and obeyed for its app until the next report
+    of the device; for all others the devices keep their recorded states.
     """
 
     is_live: ClassVar[bool] = False
@@ -169,7 +169,7 @@ class _RecordedOutcomes:
         self._now = now
 
     def outcome(self, command: IssuedCommand) -> Outcome | None:
-        """Return the outcome; see :class:`homebot.control.executor.Rehearsal`."""
+        """See :class:`homebot.control.executor.Rehearsal`."""
         found = self._matcher.pop(TimedCommand(self._now(), _recorded(command)))
         if found is None:
             return Confirmed(0.0, Evidence.SENT, command_id=command.id)
@@ -190,7 +190,7 @@ def check_index(recording: Recording) -> None:
     """Read the rows of the index.
 
     Raises:
-        UsageError: One is damaged; the directory would go on without the device.
+        UsageError: A row is damaged; the directory would continue without the device.
     """
     for row in recording.index:
         try:
@@ -203,10 +203,10 @@ def check_index(recording: Recording) -> None:
 
 
 def ids_to_come(recording: Recording) -> tuple[IndexRow, ...]:
-    """Return the devices that are not in the index at the start as such that went, and get their ids when they return.
+    """Return later devices as removed ones in the initial index, so that they get their ids when they return.
 
-    The id of a new device is made of its first announcement, of several of one moment perhaps of the last alone. An
-    announcement counts for its first device, so that devices split from it get the same ids as before.
+    The id of a new device is derived from its first announcement, or, of several at one moment, perhaps from the last.
+    An announcement belongs to its first device, so that devices split from it get the same ids as before.
     """
     known = {row.id for row in recording.index}
     taken: set[tuple[str, str]] = set()

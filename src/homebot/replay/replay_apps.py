@@ -22,11 +22,11 @@ def app_tables(recorded: Iterable[RecordedApp], wanted: Sequence[str], given: di
     """Return the tables ``[apps.NAME]`` of a replay.
 
     Args:
-        recorded: The apps of the recording, of which only installed plug-ins are loaded: code that a file names is not
-            run.
-        wanted: The apps to run: plug-ins, ``module:Class``, or Python files; empty for those of the recording. One
-            with the class name of a recorded one replaces it, with its name and settings.
-        given: Tables of a configuration, which win over the settings in the recording.
+        recorded: The apps of the recording; only installed plug-ins are loaded, because a recording must not run other
+        code.
+        wanted: The apps to run: plug-ins, ``module:Class``, or Python files; empty for those of the recording. An app
+        with the class name of a recorded one replaces it, and gets its name and settings.
+        given: Tables of a configuration, which take precedence over the recorded settings.
 
     Raises:
         UsageError: An app cannot be found, or the recording is damaged.
@@ -57,8 +57,8 @@ def _check_installed(recorded: Iterable[RecordedApp]) -> None:
     if others:
         named = ", ".join(f"{one.name} ({one.kind[:_SHOWN]})" for one in others[:_MOST_SHOWN])
         raise UsageError(
-            f"the recording names apps that are not installed, and a replay runs no code because a recording names it: "
-            f"{named}; name each that is to run, as by --app FILE.py"
+            f"the recording names apps that are not installed, and a replay runs no code that only a recording names: "
+            f"{named}; name each app to run, such as --app FILE.py"
         )
 
 
@@ -67,11 +67,11 @@ def _kind_of(app: type[object]) -> str:
 
 
 def _in_place(app: type[object], recorded: Iterable[RecordedApp]) -> dict[str, Table]:
-    """Return the tables of *app* in place of those *recorded* whose class has its name; if there are none, its own."""
+    """Return the tables of *app* in place of *recorded* ones with its class name; if there are none, its own."""
     same = [one for one in recorded if one.kind.rpartition(":")[2] == app.__qualname__]
     if len(kinds := sorted({one.kind for one in same})) > 1:
         named = " or ".join(kind[:_SHOWN] for kind in kinds[:_MOST_SHOWN])
-        raise UsageError(f"{_kind_of(app)} may take the place of {named}: name its file as the one that it replaces")
+        raise UsageError(f"{_kind_of(app)} may replace {named}: give its file the name of the one that it replaces")
     if same:
         return {one.name: _settings(one) | {"class": _kind_of(app)} for one in same}
     return {snake_case(app.__name__): {"class": _kind_of(app)}}
@@ -85,16 +85,16 @@ def recorded_table(text: str, what: str) -> Table:
     """Return the table in *text*, a JSON object.
 
     Raises:
-        UsageError: It is none; the recording is damaged.
+        UsageError: It is not an object; the recording is damaged.
     """
     try:
         return as_table(json.loads(text), what)
     except (ValueError, RecursionError) as exc:
-        raise UsageError(f"the {what} in the recording is no JSON") from exc
+        raise UsageError(f"the {what} in the recording is not JSON") from exc
 
 
 def as_table(found: object, what: str) -> Table:
-    """Return *found*, likewise."""
+    """Return *found* as a table; errors as for :func:`recorded_table`."""
     if not isinstance(found, dict):
-        raise UsageError(f"the {what} in the recording is no table")
+        raise UsageError(f"the {what} in the recording is not a table")
     return {**found}

@@ -1,7 +1,7 @@
-"""The muted gateways of a replay, and the feed of recorded messages that they publish; they send nothing.
+"""The muted gateways of a replay, which send nothing, and the feed of recorded messages that they publish.
 
-They keep the duties of :mod:`homebot.gateways.base`. Commands are accepted as the recorded gateway did: while it was
-away they are unreachable, and where it only observed they are refused. The answer of the device is in the recording.
+They fulfil the contract of :mod:`homebot.gateways.base`. Commands are answered like the recorded gateway did: as
+unreachable while it was away, and as refused if it only observed. The device's answer is in the recording.
 """
 
 import math
@@ -34,7 +34,7 @@ __all__ = ["ReplayFeed", "ReplayGateway", "Tell"]
 _ACTIVE = GatewayState(state="active", reason="", acts=True)
 
 _MOMENT: Final = 1e-6
-"""Seconds within which messages are of one moment; the time of a line is given to this much."""
+"""Seconds within which messages belong to one moment; the resolution of the time of a line."""
 
 Tell: TypeAlias = Callable[[Message], Awaitable[None]]
 """Publishes a message as its gateway."""
@@ -68,7 +68,7 @@ class ReplayGateway(Gateway):
         await self._listeners.watch_nodes()
 
     async def publish(self, message: Message) -> None:
-        """Publish a message of the recording, as the gateway did."""
+        """Publish a message of the recording like the gateway did."""
         match message:
             case GatewayNews(state=state):
                 self._publish_told_state(state)
@@ -79,7 +79,7 @@ class ReplayGateway(Gateway):
                 heard_at = self._heard_at(message.received_at.to_seconds())
                 self.reports.publish(message.model_copy(update={"heard_at": heard_at}))
                 if any(one.capability in EVENTS for one in message.readings):
-                    self.reports.dispose(message.stream)  # it happened once
+                    self.reports.dispose(message.stream)  # events happen once
             case RawMessage():
                 texts = self._texts.setdefault(message.address, PartTexts())
                 texts.record(message, self._heard_at(message.received_at.to_seconds()), is_event=False)
@@ -123,8 +123,9 @@ class ReplayGateway(Gateway):
 class ReplayFeed:
     """The messages of gateways in a recording, each at its time.
 
-    Messages of one moment are published together, as a burst from the network is, unless a command or a statement of
-    the owner was in between: later messages may be its effect. Messages at the moment of a timer come after the timer.
+    Messages of one moment are published together, like a burst from the network, unless there was a command or a
+    statement of the owner in between, which later messages may be effects of. Messages at the time of a timer come
+    after the timer.
 
     Args:
         settle: Returns when everything has happened that is due now.
@@ -150,7 +151,7 @@ class ReplayFeed:
         self._gateways[gateway] = tell
 
     async def play(self, ask_directory: Callable[[OwnerRequest], Awaitable[None]]) -> None:
-        """Publish all events, and call *ask_directory* with the owner's requests; return the end of the recording."""
+        """Publish all events, and call *ask_directory* with the owner's requests; return at the end."""
         given = sorted(one.line for one in self._recording.commands)
         before, moment = 0, -math.inf
         for event in self._recording.events:

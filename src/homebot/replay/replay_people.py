@@ -60,15 +60,15 @@ OWNER_SERVICES: Final[Mapping[str, ServiceType[Any, Any]]] = MappingProxyType(
         names.MERGE_DEVICES: MergeDevices,
     }
 )
-"""The services of the directory by which the owner states something of devices and rooms, by name."""
+"""The services of the directory for statements of the owner about devices and rooms, by name."""
 
 
 @final
 class ReplayPeople:
     """Repeats the recorded actions of people at their times; refusals are ignored.
 
-    Leases are held for as long as they were: they end when they were released, ended, or over in the recording. Those
-    of apps are their own.
+    Leases are held for as long as in the recording: they end when they were released, ended or expired there. Apps hold
+    their own leases.
     """
 
     def __init__(self, node: Node, recording: Recording, feed: ReplayFeed) -> None:
@@ -92,15 +92,15 @@ class ReplayPeople:
                 calls.start_soon(self._do, wish)
 
     async def ask_directory(self, request: OwnerRequest) -> None:
-        """Ask the directory as the owner did.
+        """Repeat a request of the owner to the directory.
 
         Raises:
-            UsageError: The request is none; the recording is damaged.
+            UsageError: The request is invalid; the recording is damaged.
         """
         service = OWNER_SERVICES.get(request.service)
         if service is None:
             known = ", ".join(OWNER_SERVICES)
-            raise UsageError(f"the recording is damaged: {request.service!r} is none of {known}")
+            raise UsageError(f"the recording is damaged: {request.service!r} is not one of {known}")
         try:
             found = parse_strict(request.request)
             wanted = message_from_json(service.Request, found if isinstance(found, dict) else {})
@@ -162,7 +162,7 @@ class ReplayPeople:
         )
 
     async def _renew_all(self) -> None:
-        """Renew all leases for ever: that of a holder which died ends when it expired in the recording."""
+        """Renew all leases forever: the lease of a dead holder ends when it expired in the recording."""
         while True:
             await anyio.sleep(_RENEWED_AFTER)
             for holder in [one for held in self._held.values() for one in held]:
@@ -170,7 +170,7 @@ class ReplayPeople:
 
 
 def _is_given_again(given: TimedCommand) -> bool:
-    """Return whether a person gave the command, and not to hold something, which is held again instead."""
+    """Return whether a person gave the command, except for a hold, which is repeated as a hold."""
     command = given.command
     is_for_lease = command.trigger.kind == "lease"
     return is_client(command.issuer) and bool(command.settings) and not is_for_lease and is_carried_out(given)
