@@ -4,6 +4,7 @@ import asyncio
 import gc
 import os
 import sys
+import weakref
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -211,6 +212,21 @@ async def test_clients_load_and_reload_by_services_and_by_the_command_line(
 def test_only_those_who_manage_homebot_change_its_apps(service: str) -> None:
     """A file that is loaded is a program."""
     assert right_to_call(service) is Right.MANAGE
+
+
+async def test_old_code_is_freed_where_python_seldom_collects_old_objects(tmp_path: Path) -> None:
+    """As it does in a process that serves: a thousand reloads left 14 MB."""
+    async with home(tmp_path) as runtime:
+        runtime.app_manager.trial = 0.0
+        await runtime.app_manager.reload("hall")
+        second = weakref.ref(runtime.app_manager.apps[0].kind)
+        gc.disable()
+        try:
+            for _ in range(100):
+                await runtime.app_manager.reload("hall")
+        finally:
+            gc.enable()
+        assert second() is None
 
 
 def resident() -> int:
