@@ -317,6 +317,12 @@ async def test_a_dimmed_lamp_is_on_and_dark_is_off(home: Home) -> None:
         assert (await refusal(lamp.turn_off())).startswith("held on by cook for ")
 
 
+async def test_a_refusal_tells_the_held_number_with_its_unit(home: Home) -> None:
+    lamp = await home.lamp("on_off", "level")
+    async with lamp.hold("0.4", by="cook"):
+        assert (await refusal(lamp.set_level(90))).startswith("held at 40 % by cook for ")
+
+
 async def test_a_lamp_that_is_held_dark_takes_no_colour_and_one_that_is_held_on_does(home: Home) -> None:
     lamp = await home.lamp("on_off", "color_temperature")
     async with lamp.hold("off", by="cinema"):

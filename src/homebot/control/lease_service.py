@@ -12,7 +12,7 @@ from homebot.control.device_lookup import DeviceLookup
 from homebot.control.executor import CommandExecutor
 from homebot.control.journal.given_codes import without_codes
 from homebot.control.journal.journal import CommandJournal, LeaseStep
-from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder, held_text
+from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder
 from homebot.control.timeline.cause import Attribution, Cause
 from homebot.control.values import STOPPED, value_text
 from homebot.devices import Device, DevicePart
@@ -119,7 +119,7 @@ class LeaseService:
         state = self.renew(request)
         lease = self._release(_key(request))
         if lease is not None:
-            self._log("control.released", lease, f"is no longer held {held_text(lease.value)} by {request.by}")
+            self._log("control.released", lease, f"is no longer held {lease.held_value} by {request.by}")
         return state._replace(held=False)
 
     def held_parts(self, request: GetLeasesRequest) -> LeasesResponse:
@@ -232,9 +232,7 @@ class LeaseService:
     def _expire(self) -> None:
         for lease, (issuer, _, _), holder in self._leases.expire(self._clock.monotonic()):
             self._record("expired", lease, issuer, holder.by)
-            self._log(
-                "control.expired", lease, f"is no longer held {held_text(lease.value)} by {holder.by}: time is over"
-            )
+            self._log("control.expired", lease, f"is no longer held {lease.held_value} by {holder.by}: time is over")
 
     def _release(self, key: HolderKey) -> Lease | None:
         lease = self._leases.release(key)

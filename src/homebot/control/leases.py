@@ -9,12 +9,13 @@ import anyio
 
 from homebot.control.command import IssuedCommand
 from homebot.control.timeline.facts import PartRef
-from homebot.control.values import STOPPED, changes, departs, fits, value_text
+from homebot.control.values import STOPPED, changes, departs, fits
 from homebot.devices.command_messages import Setting
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, Value
 from homebot.devices.wording.journal_words import trigger_text
+from homebot.devices.wording.values import plain_value, value_text
 
 __all__ = [
     "LEASE_POLICY",
@@ -24,7 +25,6 @@ __all__ = [
     "Lease",
     "LeaseHolder",
     "Leases",
-    "held_text",
 ]
 
 LEASE_POLICY: Final = "lease"
@@ -96,13 +96,19 @@ class Lease:
         """The held setting."""
         return Setting(capability=self.capability, value=Value.of(self.value))
 
+    @property
+    def held_value(self) -> str:
+        """The value after the word *held*: ``open``, ``at 40 %``."""
+        text = value_text(self.capability, plain_value(self.setting.value))
+        return f"at {text}" if isinstance(self.value, float) else text
+
     def text(self, now: float) -> str:
         """Return the value, the holders and the time left, for people."""
         names = list(dict.fromkeys(one.text for one in self.holders.values()))
         more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
         left = max((one.deadline - now for one in self.holders.values()), default=0.0)
         holders = ", ".join(names[:_MOST_NAMED])
-        return f"held {held_text(self.value)} by {holders}{more} for {math.ceil(left)} s more"
+        return f"held {self.held_value} by {holders}{more} for {math.ceil(left)} s more"
 
     def set_so(self) -> None:
         """Record that the device has the held value."""
@@ -270,8 +276,3 @@ class Leases:
             yield lease.again_at
             for holder in lease.holders.values():
                 yield holder.deadline
-
-
-def held_text(value: PlainValue) -> str:
-    """Return a value after the word *held*: ``open``, ``at 40``."""
-    return f"at {value_text(value)}" if isinstance(value, float) else value_text(value)
