@@ -1,7 +1,8 @@
 """Sensors of a Tasmota device: each leaf of its ``sensors`` message, and the capabilities for their names. Pure.
 
 Source: hatasmota 0.10.2, ``sensor.py``; Home Assistant core 2025.4, ``components/tasmota/sensor.py``;
-tasmota.github.io/docs, JSON status responses and Smart Meter Interface, for the names in use; ioBroker.sonoff 3.3.
+tasmota.github.io/docs, JSON status responses and Smart Meter Interface, for the names in use; ioBroker.sonoff 3.3;
+evcc, Tasmota template, for the phases of a meter.
 """
 
 import re
@@ -60,6 +61,7 @@ _KNOWN: Mapping[str, Quantity] = {
     **dict.fromkeys(_RETURNED, quantity("energy_returned")),
     **dict.fromkeys(("ActivePower", "Power", "PowerTotal", "Power_curr"), quantity("power")),
     **dict.fromkeys(("Current", "CurrentNeutral"), quantity("current")),
+    **{f"{name}_l{phase}": quantity(name) for name in ("current", "power", "voltage") for phase in (1, 2, 3)},
     "Voltage": quantity("voltage"),
     "Frequency": quantity("frequency"),
     **dict.fromkeys(("Ambient", "Illuminance"), quantity("illuminance")),
