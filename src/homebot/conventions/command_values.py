@@ -77,12 +77,12 @@ def moment_text(kind: str, value: PlainValue) -> str | None:
 
 
 def require_moment(kind: str, value: PlainValue, *, zoned: bool = True) -> str:
-    """Return :func:`moment_text` of *value*, which must be one; a *zoned* datetime has a time zone."""
+    """Return :func:`moment_text` of *value*, which must be one; only a *zoned* datetime has a time zone."""
     moment = moment_text(kind, value)
     if moment is None:
         raise RefusedError(f"text {shown(value)}", f"it takes a {kind} in ISO 8601 format")
-    if zoned and kind == "datetime" and datetime.fromisoformat(moment).tzinfo is None:
-        raise RefusedError(f"text {shown(value)}", "it takes a datetime with a time zone")
+    if kind == "datetime" and (datetime.fromisoformat(moment).tzinfo is not None) is not zoned:
+        raise RefusedError(f"text {shown(value)}", f"it takes a datetime {'with' if zoned else 'without'} a time zone")
     return moment
 
 

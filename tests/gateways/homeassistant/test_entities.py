@@ -306,6 +306,13 @@ def test_a_helper_is_set_to_what_it_shows(
     assert (value, helper.call(name, value).data) == (told, called)
 
 
+def test_a_helper_takes_no_time_zone() -> None:
+    """Home Assistant drops it without a word, and sets the same hour of its own zone."""
+    helper = only("input_datetime.a", "2026-11-22 07:00:00", has_date=True, has_time=True)
+    with pytest.raises(RefusedError, match="a datetime without a time zone"):
+        helper.call("text", "2026-11-22T07:00:00+00:00")
+
+
 def test_a_person_has_a_place() -> None:
     assert only("person.ann", "home").read(is_change=True) == {"place": "home"}
 
