@@ -221,7 +221,7 @@ async def test_a_sensor_says_that_it_takes_no_commands(home: Home) -> None:
     contact = simple_part("contact_sensor", readable=("contact",)).model_copy(update={"id": "c", "name": "Contact"})
     home.gateway.devices.put(GatewayDevice("window", "Window", (battery, contact)), "the test says so")
     answer = await command(home, "window", "on")
-    assert answer.message == "Window: refused (device): the word 'on': it takes no commands, it only reports"
+    assert answer.message == "Window: refused (device): the word 'on': it takes no commands; it only reports"
 
 
 COLOR = "it takes hue (0 to 360) and saturation (0 to 100), such as 0,100 for red or 240,50 for pale blue"

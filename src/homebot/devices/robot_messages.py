@@ -1,4 +1,4 @@
-"""Messages about robots: where they are, and in which room."""
+"""Messages about robots: their positions and rooms."""
 
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
@@ -7,20 +7,20 @@ __all__ = ["RobotPose", "RobotRoom", "WhereIsRobot", "WhereIsRobotRequest", "Whe
 
 
 class RobotPose(Message):
-    """The position of a robot, as on ``/robots/poses``.
+    """The position of a robot, on ``/robots/poses``.
 
     Attributes:
-        room: The room that it is in; empty where that is not known.
+        room: Its room; empty if unknown.
         is_nearest_room: Whether it is in no room, and this is the nearest one.
-        floor: The floor that it is on; empty where that is not stated.
-        has_position: Whether ``x``, ``y`` and ``yaw`` are known, and not the room alone.
+        floor: Its floor; empty if it is not stated.
+        has_position: Whether ``x``, ``y`` and ``yaw`` are known, rather than only the room.
         x: Metres in the frame ``map``.
         y: Metres in the frame ``map``.
         yaw: Radians from the x axis, counter-clockwise.
         error: Metres by which the position may be wrong.
-        source: The topic, device or tag that it is from.
-        limit: Seconds after that, or after the robot's last sign of life, for which it counts.
-        counts: Whether it counts now; one that does not is published once more, with False.
+        source: The topic, device or tag that it comes from.
+        limit: Seconds after that, or after the robot's last sign of life, for which it is valid.
+        counts: Whether it is valid; an expired pose is published once more, with False.
         is_sure: Whether the robot knows where it is; False after it was carried away.
     """
 
@@ -43,7 +43,7 @@ class RobotPose(Message):
 
 
 class RobotRoom(Message):
-    """A robot's own statement of the room that it is in, as on ``/NAME/room``."""
+    """A robot's own statement of its room, on ``/NAME/room``."""
 
     key_field = "robot"
 
@@ -52,17 +52,17 @@ class RobotRoom(Message):
 
 
 class WhereIsRobotRequest(Message):
-    """A question for the place of a robot.
+    """Request for the position of a robot.
 
     Attributes:
-        robot: Its name; empty, or ``robot``, where there is one robot.
+        robot: Its name; empty, or ``robot``, if there is only one robot.
     """
 
     robot: str = ""
 
 
 class WhereIsRobotResponse(ServiceAnswer):
-    """The place of a robot, or the reason why it is not known.
+    """The position of a robot, or the reason why it is unknown.
 
     Attributes:
         pose: The last pose; none if there was none.

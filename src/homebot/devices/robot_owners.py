@@ -2,7 +2,7 @@
 
 A robot with the name ``rosie`` owns all topics below ``/rosie``, and all frames below ``rosie/``. The sole robot of a
 house also owns the topics without a namespace on which robots state their poses, and all frames without a slash.
-The frame ``map`` is the house's: no robot says where it lies.
+The frame ``map`` belongs to the house: no robot may state its position.
 """
 
 from collections.abc import Iterable, Mapping
@@ -13,10 +13,10 @@ from homebot.messages.message import Message
 __all__ = ["DEFAULT_ROBOT", "MAP", "SHARED_TOPICS", "RobotOwners"]
 
 DEFAULT_ROBOT: Final = "robot"
-"""The name of the robot in a house that names none."""
+"""The name of the robot in a house without named robots."""
 
 MAP: Final = "map"
-"""The frame of the house, in which places are stated."""
+"""The frame of the house, in which positions are stated."""
 
 SHARED_TOPICS: Final = frozenset({"/tf", "/tf_static"})
 """Topics of all robots: each may state its own frames there."""
@@ -34,7 +34,7 @@ class RobotOwners:
 
     Attributes:
         names: The names of the robots, sorted.
-        sole: The name of the one robot; empty where there are several.
+        sole: The name of the only robot; empty if there are several.
     """
 
     def __init__(self, frames: Mapping[str, Iterable[str]] | None = None) -> None:
@@ -43,9 +43,9 @@ class RobotOwners:
         self._by_frame = {frame: robot for robot, names in (frames or {}).items() for frame in names}
 
     def of_topic(self, topic: str) -> str | None:
-        """Return the robot that owns *topic*, a full name; empty if each robot may use it, None if it is no robot's.
+        """Return the robot that owns the full name *topic*; empty if each robot may use it, None if no robot owns it.
 
-        Where there are several robots, the topics of a sole one have the owner ``?``.
+        If there are several robots, topics that a sole robot would own have the owner ``?``.
         """
         if topic in SHARED_TOPICS:
             return ""
@@ -57,7 +57,7 @@ class RobotOwners:
         return (self.sole or "?") if topic.startswith(_SOLE_NAMESPACE) else None
 
     def of_frame(self, frame: str) -> str:
-        """Return the robot that owns *frame*; empty if it is no robot's."""
+        """Return the robot that owns *frame*; empty if no robot owns it."""
         frame = frame.removeprefix("/")
         first, slash, _ = frame.partition("/")
         if slash and first in self.names:
@@ -67,7 +67,7 @@ class RobotOwners:
         return "" if slash or frame == MAP else self.sole
 
     def foreign(self, topic: str, message: Message, robots: Iterable[str]) -> str:
-        """Return the robot or the frame in *message* on *topic* that is of none of *robots*; empty without one."""
+        """Return the robot or frame in *message* on *topic* that belongs to none of *robots*; empty without one."""
         owner = self.of_topic(topic)
         if owner is None:
             return ""
@@ -80,5 +80,5 @@ class RobotOwners:
         return f"the robot {stated[:100]!r}" if stated and stated not in own else ""
 
     def _is_plain(self, frame: str) -> bool:
-        """Return whether *frame* names no robot: stated in the namespace of a robot, it is that robot's."""
+        """Return whether *frame* does not name a robot; in a robot's namespace it belongs to that robot."""
         return frame.partition("/")[0] not in self.names

@@ -1,4 +1,4 @@
-"""The services by which layers ask each other about devices."""
+"""The services with which layers ask each other about devices."""
 
 from typing import Literal, TypeAlias
 
@@ -30,13 +30,13 @@ __all__ = [
 
 
 MOST_LISTED = 200
-"""Devices in one answer of :data:`ListDevices`, which is then about 30 kB of JSON."""
+"""The limit of devices in one answer of :data:`ListDevices`, about 30 kB of JSON."""
 
 NEVER = Time(sec=2**31 - 1, nanosec=0)
 
 
 class GetIndexDataRequest(Message):
-    """A question for the devices that offer a service.
+    """Request for the devices that offer a service.
 
     Attributes:
         service_type: For example ``lights``; empty for all.
@@ -46,10 +46,10 @@ class GetIndexDataRequest(Message):
 
 
 class IndexEntry(Message):
-    """One address of a device, as :class:`SubscribeToTopic` takes it.
+    """One address of a device, for :class:`SubscribeToTopic`.
 
     Attributes:
-        gateway: Through which gateway, for example ``mqtt``: its services and topics are below ``/gateway/<name>``.
+        gateway: The gateway, for example ``mqtt``: its services and topics are below ``/gateway/<name>``.
         topic: The address on which it publishes there.
     """
 
@@ -59,11 +59,11 @@ class IndexEntry(Message):
 
 
 class GetIndexDataResponse(Message):
-    """The index entries, as the thesis's discovery layer gave them: pairs of gateway and topic.
+    """The index entries of the thesis's discovery layer: pairs of gateway and topic.
 
     Attributes:
-        entries: The pairs, sorted by device; of a device with several gateways, each once.
-        topics: The topic of each device's first entry, for programs that know one gateway.
+        entries: The pairs, sorted by device; one for each gateway of a device.
+        topics: The topic of each device's first entry, for programs that use only one gateway.
         device_ids: The same devices' ids, in the same order.
     """
 
@@ -73,16 +73,16 @@ class GetIndexDataResponse(Message):
 
 
 class FindDevicesRequest(Message):
-    """A question for all devices.
+    """Request for all devices.
 
     Attributes:
-        service_type: For example ``lights``; empty for all. Canonical and advertised words find the same devices, see
+        service_type: For example ``lights``; empty for all. Canonical and advertised words find the same devices; see
             :func:`homebot.devices.device_types.wanted_types`.
-        query: The query that they match, as terms; empty for all. Programs outside may send it as text. One that is
-            not understood fails the call. Unlike :class:`QueryDevicesRequest` it ranks nothing.
+        query: The query that they match, as terms; empty for all. External programs may send it as text. The call fails
+        if it is not understood. Unlike :class:`QueryDevicesRequest` it does not rank.
         ids: Only the devices with these ids; empty for all.
-        is_checked: Whether the call fails for a name in the query that nothing in the house has, as of
-            :class:`QueryDevicesRequest`; by default it does for programs outside.
+        is_checked: Whether the call fails for a name in the query that nothing in the house has, as with
+        :class:`QueryDevicesRequest`; by default it does for external programs.
     """
 
     service_type: str = ""
@@ -92,10 +92,10 @@ class FindDevicesRequest(Message):
 
 
 class FindDevicesResponse(Message):
-    """The devices, sorted by id; near a robot the nearest first.
+    """The devices, sorted by id; near a robot, nearest first.
 
     Attributes:
-        sequence: The last change that is in there; see :class:`homebot.devices.DeviceChange`.
+        sequence: The last change that is included; see :class:`homebot.devices.DeviceChange`.
     """
 
     devices: tuple[Device, ...]
@@ -103,13 +103,13 @@ class FindDevicesResponse(Message):
 
 
 class QueryDevicesRequest(Message):
-    """A question for the devices that match a query.
+    """Request for the devices that match a query.
 
     Attributes:
-        query: The query, as terms; empty for all. Programs outside may send it as text, for example
+        query: The query, as terms; empty for all. External programs may send it as text, for example
             ``light and dimmable in kitchen``; see :mod:`homebot.devices.query`.
-        offset: How many of the best to leave out.
-        limit: How many to give; 0 for as many as there are.
+        offset: The number of best matches to skip.
+        limit: The largest number of matches; 0 for all.
     """
 
     query: tuple[QueryTerm, ...] = ()
@@ -121,8 +121,8 @@ class Found(Message):
     """One device that fits a query.
 
     Attributes:
-        score: How well it fits; only to be compared within one answer.
-        reasons: Why it fits and why it stands where it stands, in words, the weightiest first.
+        score: How well it fits; only comparable within one answer.
+        reasons: Why it fits, and the reasons for its rank, in words, most important first.
     """
 
     device: Device
@@ -131,14 +131,14 @@ class Found(Message):
 
 
 class QueryDevicesResponse(ServiceAnswer):
-    """The devices that fit, best first; equally good ones by id. A query with a misspelt type, room or word fails.
+    """The devices that fit, best first, equally good ones by id. A query with a misspelt type, room or word fails.
 
     Attributes:
         total: Number of matches, before the limit.
         sequence: The last change that is included; see :class:`homebot.devices.DeviceChange`.
-        is_mistake: Whether it failed for a mistake in the query, so that asking again does not help.
-        pose_age: Of what is near a robot: seconds since its pose was received; the message says where that was.
-        left_out: Likewise: the ids of some devices that fit otherwise and are not results, with the reason.
+        is_mistake: Whether it failed because of a mistake in the query, so that repeating it does not help.
+        pose_age: Near a robot: seconds since its pose was received; the message states the position.
+        left_out: Near a robot: the ids of some devices that fit otherwise but were left out, with the reason.
     """
 
     results: tuple[Found, ...] = ()
@@ -150,13 +150,13 @@ class QueryDevicesResponse(ServiceAnswer):
 
 
 class ListDevicesRequest(Message):
-    """A question for the devices that match a query, in short, for screens and agents.
+    """Request for the devices that match a query, in short form, for screens and agents.
 
     Attributes:
-        query: The query that they match, as terms; empty for all. Programs outside may send it as text.
+        query: The query that they match, as terms; empty for all. External programs may send it as text.
         ids: Only the devices with these ids; empty for all.
-        offset: How many to leave out.
-        limit: How many to give; at most 200, and 0 for as many.
+        offset: The number of devices to skip.
+        limit: The largest number of devices, at most 200; 0 for 200.
     """
 
     query: tuple[QueryTerm, ...] = ()
@@ -166,15 +166,15 @@ class ListDevicesRequest(Message):
 
 
 class ListedDevice(Message):
-    """A device in short: about 150 bytes of JSON.
+    """A device in short form: about 150 bytes of JSON.
 
     Attributes:
         type: Its main type of the vocabulary, for example ``light``.
-        freshness: As of :class:`homebot.devices.Device`.
+        freshness: As for :class:`homebot.devices.Device`.
         is_reachable: False if it reports that it cannot be reached.
         waits: Whether its commands wait for the owner's approval.
         states: The latest value of each capability that people use.
-        position: Its x and y on the plan of the home, in metres; empty if they are not known.
+        position: Its x and y on the plan of the home, in metres; empty if unknown.
     """
 
     id: str
@@ -189,7 +189,7 @@ class ListedDevice(Message):
 
 
 class ListDevicesResponse(ServiceAnswer):
-    """The devices, by id; near a robot the nearest first. A query with a misspelt type, room or word fails.
+    """The devices, by id; near a robot, nearest first. A query with a misspelt type, room or word fails.
 
     Attributes:
         total: Number of matches, before the limit.
@@ -202,7 +202,7 @@ class ListDevicesResponse(ServiceAnswer):
 
 
 class GetChangesRequest(Message):
-    """A question for the changes since a moment.
+    """Request for recent changes.
 
     Attributes:
         since: Number of the last change that the client has.
@@ -215,9 +215,9 @@ class GetChangesResponse(Message):
     """The changes after that one, oldest first.
 
     Attributes:
-        changes: Those that are still remembered.
-        complete: Whether that is all; otherwise some are forgotten, and only a new snapshot is complete.
-        sequence: Number of the last change there was.
+        changes: The changes that are still remembered.
+        complete: Whether these are all changes; otherwise some are forgotten, and a new snapshot is needed.
+        sequence: Number of the latest change.
     """
 
     changes: tuple[DeviceChange, ...]
@@ -226,16 +226,16 @@ class GetChangesResponse(Message):
 
 
 class ForgetDeviceRequest(Message):
-    """Take a device out of the index."""
+    """Request to remove a device from the index."""
 
     device: str
 
 
 class AnnouncedOn(Message):
-    """The place at which a device was announced.
+    """The address on which a device was announced.
 
     Attributes:
-        topic: Where (MQTT: the topic, on which the broker may keep the announcement).
+        topic: The address (MQTT: the topic, on which the broker may retain the announcement).
     """
 
     gateway: str
@@ -243,21 +243,21 @@ class AnnouncedOn(Message):
 
 
 class ForgetDeviceResponse(ServiceAnswer):
-    """The result of forgetting a device, which comes back when it sends a message or is announced again.
+    """The result of forgetting a device, which returns when it sends a message or is announced again.
 
     Attributes:
-        announced_on: Where it was announced, as far as is known.
+        announced_on: The known addresses on which it was announced.
     """
 
     announced_on: tuple[AnnouncedOn, ...] = ()
 
 
 class SplitDeviceRequest(Message):
-    """Make several devices of one, because it is not one; the directory remembers that over a restart.
+    """Request to split a device that is in fact several; the directory remembers it across restarts.
 
     Attributes:
-        gateway: The gateway of the announcement that is not about it; empty to make one device of each announcement
-            that differs in its identifiers.
+        gateway: The gateway of the announcement that belongs to another device; empty to make a device of each
+        announcement with different identifiers.
     """
 
     device: str
@@ -269,19 +269,19 @@ class SplitDeviceResponse(ServiceAnswer):
     """The result of splitting a device.
 
     Attributes:
-        devices: Their ids, that of the one before first.
+        devices: Their ids, that of the original device first.
     """
 
     devices: tuple[str, ...] = ()
 
 
 class MergeDevicesRequest(Message):
-    """Make several devices one, because they are one; the directory remembers that over a restart.
+    """Request to merge several devices that are in fact one; the directory remembers it across restarts.
 
-    All endpoints of the device may have its commands from now on.
+    From then on all endpoints of the device get its commands.
 
     Attributes:
-        devices: Their ids; one alone where an endpoint of it only claims to be it (:attr:`Endpoint.claimed`).
+        devices: Their ids; a single one to confirm an endpoint that only claims to be it (:attr:`Endpoint.claimed`).
     """
 
     devices: tuple[str, ...]
@@ -294,13 +294,13 @@ class MergeDevicesResponse(ServiceAnswer):
 
 
 class SubscribeToTopicRequest(Message):
-    """Give me the raw messages of an address.
+    """Request for the raw messages of an address.
 
     Attributes:
         topic: The address in the gateway's terms, for example the MQTT topic ``home425/lights/roomlights405/out``.
-        listener: Full name of the node that asks, for delivery into its inbox; empty for a topic of the device's own.
-        since: Messages of this time or later, but before this call, are in the response as far as the gateway still
-            has them. The device's retained state at the broker is always included.
+        listener: Full name of the requesting node, for delivery to its inbox; empty for a topic of the device's own.
+        since: Messages from this time until this call are in the response if the gateway still has them. The device's
+            retained state at the broker is always included.
     """
 
     topic: str
@@ -309,11 +309,11 @@ class SubscribeToTopicRequest(Message):
 
 
 class SubscribeToTopicResponse(ServiceAnswer):
-    """The topic on which the messages will come.
+    """The topic on which the messages will be published.
 
     Attributes:
         data_topic: The graph topic that carries them from now on, as :class:`homebot.devices.RawMessage`.
-        missed: The messages before, oldest first; at most 10.
+        missed: The earlier messages, oldest first; at most 10.
     """
 
     data_topic: str
@@ -327,7 +327,7 @@ class IndexRow(Message):
     """A row of the index file.
 
     Attributes:
-        table: Its table: ``devices``, ``tombstones`` for devices that went, or ``owner`` for decisions of the owner.
+        table: Its table: ``devices``, ``tombstones`` for removed devices, or ``owner`` for decisions of the owner.
         id: The id of the device, or the subject of the owner's record.
         record: The record, as the text of a JSON object.
     """
@@ -338,7 +338,7 @@ class IndexRow(Message):
 
 
 class ExportIndexRequest(Message):
-    """A request for all rows that the index file would have now, whether there is one or not."""
+    """Request for all current rows of the index file, even if there is no file."""
 
 
 class ExportIndexResponse(Message):

@@ -35,9 +35,9 @@ class TagTap(Message):
     Attributes:
         tag: Its number in hexadecimal digits, which is its key in the gateway.
         points_to: The pointer on the tag, in words.
-        device: The id of the device that it points to; empty if there is none, or are several.
+        device: The id of the device that it points to; empty if there is none, or several.
         candidates: The ids of all devices that it may mean.
-        area: The room that the tag is in, by the settings or the tag itself; empty for unknown.
+        area: The room of the tag, from the settings or the tag itself; empty if unknown.
     """
 
     key_field: ClassVar[str | None] = "tag"
@@ -55,7 +55,7 @@ class ScanCodeRequest(Message):
     """Request for the device that a code points to.
 
     Attributes:
-        ndef: Instead of the text, an NDEF message.
+        ndef: An NDEF message, instead of the text.
     """
 
     text: Annotated[str, Field(max_length=_MAX_CODE)] = ""
@@ -63,11 +63,11 @@ class ScanCodeRequest(Message):
 
 
 class ScanCodeResponse(ServiceAnswer):
-    """The device that a code points to; a success if the code was understood, known device or not.
+    """The device that a code points to; a success if the code was understood, even if the device is unknown.
 
     Attributes:
         kind: The kind of code: ``homebot``, ``thing``, ``matter``, ``homekit``, ``mqtt``, ``url`` or ``text``.
-        device: The id of the device; empty if there is none, or are several.
+        device: The id of the device; empty if there is none, or several.
         candidates: The ids of all devices that it may mean.
         area: The room that it names; empty for none.
         facts: Further facts in the code, without secrets.
@@ -98,9 +98,9 @@ class ReadTagResponse(ServiceAnswer):
     Attributes:
         problem: The reason if not, for programs.
         tag: Its number in hexadecimal digits.
-        device: The id of the device that it points to; empty if there is none, or are several.
+        device: The id of the device that it points to; empty if there is none, or several.
         candidates: The ids of all devices that it may mean.
-        area: The room that it is in; empty for unknown.
+        area: The room of the tag; empty if unknown.
     """
 
     problem: TagProblem = ""
@@ -118,7 +118,7 @@ class WriteTagRequest(Message):
 
     Attributes:
         device: The id or the name of the device.
-        area: The room that the tag is in, which is written to it as well; empty for none.
+        area: The room of the tag, which is also written to it; empty for none.
         reader: The reader; empty for any.
         wait: Seconds to wait for a tag.
     """

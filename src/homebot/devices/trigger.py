@@ -17,15 +17,14 @@ class Trigger(Message):
     """The report, change, message, timer or call that led to a command.
 
     Attributes:
-        kind: ``report``: a device reported values, or an event; ``device``: a device appeared, changed or went;
-            ``message``: a raw message of a device; ``timer``: the time of a timer; ``lease``: the part is held;
-            ``client``: a client called a service of the issuer;
-            empty if nothing is known, as for a wish of a person.
-        id: The id of it: for a report and a device the ``sequence`` of the change, for a message its stream and time.
+        kind: ``report``: a device reported values, or an event; ``device``: a device appeared, changed or disappeared;
+        ``message``: a raw message of a device; ``timer``: a timer was due; ``lease``: the part is held; ``client``: a
+        client called a service of the issuer; empty if unknown, as for a person's command.
+        id: Its id: for a report and a device the ``sequence`` of the change, for a message its stream and time.
         device: The id of the device; empty without one.
         text: The raw message, the change of the device, the period of the timer, the holder of the part or the call, as
-            text.
-        at: The time of the cause; 0 if that is not known.
+                text.
+        at: The time of the cause; 0 if unknown.
     """
 
     kind: Literal["", "lease", "report", "device", "message", "timer", "client"] = ""

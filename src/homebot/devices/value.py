@@ -1,4 +1,4 @@
-"""Value of a capability, in a report or a command, and the reading that names its part and capability."""
+"""Value of a capability in a report or command, and a reading with its part and capability."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from homebot.messages.message import Message, UInt8
 __all__ = ["UNKNOWN", "PlainValue", "Reading", "ShortText", "Value", "plain_value"]
 
 ShortText: TypeAlias = Annotated[str, Field(max_length=1000)]
-"""An id, or the name of a capability, in a request, which a program may repeat without end."""
+"""An id, or the name of a capability, in a request; limited because programs may send many."""
 
 PlainValue: TypeAlias = bool | float | str | tuple[float, ...] | None
-"""A value in plain Python; None is *unknown*, which is a value of its own. Numbers are always ``float``."""
+"""A value in plain Python; None means *unknown*, which is also a value. Numbers are always ``float``."""
 
 _DIGITS = 15
-"""Significant digits that a float has of every decimal number: a level of 0.55 is 55 % and not 55.00000000000001 %."""
+"""Decimal digits that a float always preserves: a level of 0.55 is 55 %, not 55.00000000000001 %."""
 
 _WHOLE = 1e15
-"""From here on those digits leave no fraction."""
+"""Numbers from here on have no fraction within these digits."""
 
 _UNKNOWN, _BOOL, _NUMBER, _TEXT, _NUMBERS = range(5)
 
 
 class Value(Message):
-    """One value, as :class:`PlainValue` spells it in Python; that in JSON, where its fields are read as well.
+    """One value, a :class:`PlainValue` in Python and in JSON, where its fields are accepted too.
 
     Attributes:
         type: 0 unknown, 1 bool, 2 number, 3 text, 4 numbers; the field of that type holds the value.
-        numbers: The value where it is several numbers, such as hue and saturation.
+        numbers: The value if it is several numbers, such as hue and saturation.
     """
 
     type: Annotated[UInt8, Field(le=_NUMBERS)] = _UNKNOWN
@@ -64,7 +64,7 @@ class Value(Message):
     @classmethod
     def of(cls, plain: PlainValue) -> Value:
         """Return the message that carries *plain*."""
-        if isinstance(plain, float):  # most values by far
+        if isinstance(plain, float):  # by far the most common
             return _of_number(plain)
         match plain:
             case None:
@@ -102,13 +102,13 @@ class Reading(Message):
 
 @lru_cache(maxsize=10_000)
 def _of_number(number: float) -> Value:
-    """Return the message that carries *number*: those that devices report come again and again."""
-    number = _decimal(number) + 0.0  # no negative zero, which equals the other and reads differently
+    """Return the message that carries *number*; cached, because devices report the same numbers again and again."""
+    number = _decimal(number) + 0.0  # no negative zero, which is equal but displayed differently
     return Value.of_checked(type=_NUMBER, flag=False, number=number, text="", numbers=())
 
 
 def _decimal(number: float) -> float:
-    """Return *number* as the decimal number that a device meant: without the error of its calculation."""
+    """Return *number* as the decimal number that the device meant, without rounding errors."""
     return float(f"{number:.{_DIGITS}g}") if -_WHOLE < number < _WHOLE else number
 
 
@@ -118,5 +118,5 @@ _FALSE = Value(type=_BOOL, flag=False)
 
 
 def plain_value(value: PlainValue) -> PlainValue:
-    """Return *value* with every number a ``float``, as the vocabulary has it."""
+    """Return *value* with every number as a ``float``, as in the vocabulary."""
     return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else value

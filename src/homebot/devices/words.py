@@ -1,20 +1,20 @@
-"""Words in names and models of devices that tell the load of a part: the table ``words.json``, by language. Pure.
+"""Words in names and models of devices that reveal the load of a part: the table ``words.json``, by language. Pure.
 
-The words of the table have small letters without accents, see :mod:`homebot.support.folding`. Its groups:
+The words of the table are in lower case without accents, see :mod:`homebot.support.folding`. Its groups:
 
-- ``heat``: loads that burn or scald. Of heaters only those that blow or glow: their manuals (IEC 60335-2-30)
-  forbid to switch them by a timer or from afar, as they may be covered.
+- ``heat``: loads that burn or scald. Of heaters, only those that blow or glow: their manuals (IEC 60335-2-30) forbid
+switching them by a timer or remotely, because they may be covered.
 - ``water``: loads that flood, and valves of gas. ``entry``: gates, doors, bolts.
 - ``lock``: locks.
 - ``opener``: drives of a door or a gate. ``open``: commands that let in or disarm.
-- ``siren``: loads that sound. It does not always ask, but is no load like others.
-- ``garage``: places whose cover is a door, if it is called nothing else.
+- ``siren``: loads that sound. They do not always ask, but are not loads like others.
+- ``garage``: places whose cover is a door if this is its whole name.
 
-An entry is a phrase of one or more words in any order, or the end of a word: ``-ventil``. Beside the groups:
+An entry is a phrase of one or more words in any order, or the end of a word: ``-ventil``. Besides the groups:
 
 - ``at_end``: a phrase counts only as the end of a name or of one of its ``clauses``, as in English: ``Gate motor 2``,
-  ``Valve of the garden``. ``fillers`` after it change nothing. ``never``: phrases that end a name in vain.
-- ``beside``: ends of words for things beside such a load. A name with one of them does not count.
+  ``Valve of the garden``. ``fillers`` after it are ignored. ``never``: phrases that do not count at the end of a name.
+- ``beside``: ends of words for things next to such a load. A name with one of them does not count.
 """
 
 import json
@@ -49,7 +49,7 @@ SIREN: Final = frozenset({"siren"})
 WATER: Final = frozenset({"water"})
 BURNS_OR_FLOODS: Final = HEAT | WATER
 NO_LOCK: Final = frozenset({"heat", "water", "entry", "opener", "open"})
-"""The groups of parts that always ask, but for locks: a lock among settings is one for keys."""
+"""The groups of parts that always ask, except locks: a lock among settings is a key lock."""
 
 ALL_THAT_ASK: Final = NO_LOCK | {"lock"}
 
@@ -60,7 +60,7 @@ class _Phrase(NamedTuple):
     words: frozenset[str]
     group: str
     content: frozenset[str]
-    """Its words that are no fillers."""
+    """Its words, without fillers."""
 
 
 class _Language(NamedTuple):
@@ -75,14 +75,14 @@ class _Language(NamedTuple):
 
 @lru_cache(maxsize=4096)
 def matching_words(text: str, groups: Groups, *, anywhere: bool = False) -> str:
-    """Return the words by which *text* says that it is for something of *groups*; empty if it does not.
+    """Return the words in *text* that indicate something of *groups*; empty if there are none.
 
     Args:
-        anywhere: Whether the place of the words in *text* is of no account.
+        anywhere: Whether the position of the words in *text* does not matter.
     """
     words = tuple(word.rstrip(_DIGITS) for word in words_of(text) if not word.isdigit())
     if _VOCABULARY.isdisjoint(words) and not any(word.endswith(_ENDINGS) for word in words):
-        return ""  # as nearly always
+        return ""  # the usual case
     for language in _LANGUAGES:
         for clause in _clauses(words, language):
             if found := _match(clause, language, groups, at_end=language.at_end and not anywhere):
@@ -110,7 +110,7 @@ def _match(words: tuple[str, ...], language: _Language, groups: Groups, *, at_en
 
 
 def _phrase_in(words: tuple[str, ...], head_of: tuple[str, ...] | None, language: _Language, groups: Groups) -> str:
-    """Return the words of the first phrase in *words*, if *head_of* is given one at the end of that."""
+    """Return the words of the first phrase in *words*, which must be at the end of *head_of* if given."""
     for phrase in language.phrases:
         if phrase.group in groups and phrase.words.issubset(words) and (head_of is None or _is_head(phrase, head_of)):
             return " ".join(word for word in words if word in phrase.words)
@@ -125,14 +125,14 @@ def _ending_in(words: tuple[str, ...], language: _Language, groups: Groups) -> s
 
 
 def _is_head(phrase: _Phrase, content: tuple[str, ...]) -> bool:
-    """Return whether *phrase* ends *content*; one word that opens may also begin it: ``Disarm the house``."""
+    """Return whether *phrase* ends *content*; a single opening word may also begin it: ``Disarm the house``."""
     size = len(phrase.content)
     is_end = frozenset(content[-size:]) == phrase.content
     return is_end or (phrase.group == "open" and len(phrase.words) == 1 and content[:1] == (*phrase.words,))
 
 
 def _read_tables() -> tuple[tuple[_Language, ...], frozenset[str], tuple[str, ...]]:
-    """Return the languages, and all words and all endings of their phrases."""
+    """Return the languages, and all words and endings of their phrases."""
     tables = json.loads(Path(__file__).with_name("words.json").read_text(encoding="utf-8")).values()
     beside = tuple(word for table in tables for word in table.get("beside", ()))  # people mix languages
     languages = tuple(_language(table, () if table.get("at_end") else beside) for table in tables)

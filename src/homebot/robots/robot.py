@@ -43,8 +43,8 @@ class TrackedRobot:
 
     Attributes:
         alive_at: The time of its last sign of life.
-            unsure_because: Why the robot does not know where it is; empty if it does.
-            sigma: The last stated standard deviation of its position, in metres; None if unknown.
+        unsure_because: Why the robot does not know where it is; empty if it does.
+        sigma: The last stated standard deviation of its position, in metres; None if unknown.
     """
 
     def __init__(
@@ -74,8 +74,8 @@ class TrackedRobot:
         Args:
             limit: Seconds for which it is valid; for ``/amcl_pose`` counted from the last sign of life, unless a later
                     position of another source shows that the robot is elsewhere.
-                age: Seconds since it was received.
-                by_robot: Whether the robot itself states it, which is a sign of life.
+            age: Seconds since it was received.
+            by_robot: Whether the robot itself states it, which is a sign of life.
             place: Further fields of the pose: ``error``, ``room``, ``floor``, ``is_nearest_room``.
         """
         values: dict[str, object] = {"robot": self.name, "source": source, "limit": limit, "error": _ROOM_ERROR}

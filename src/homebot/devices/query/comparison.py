@@ -36,7 +36,7 @@ UNITS = frozenset(
     {"%", "K", "°C", "C", "°F", "F", "W", "mW", "kW", "Wh", "kWh", "MWh", "V", "mV", "A", "mA", "Hz"}
     | {"lx", "hPa", "kPa", "Pa", "mbar", "bar", "ppm", "ppb", "µg/m³", "m³/h", "l/min", "dBm"}
 )
-"""Units that may stand after a number. A capability has one, and another is refused rather than taken for it."""
+"""Units that may follow a number. A capability has one, and any other is refused rather than ignored."""
 
 _ALIKE = 0.6
 _FLAGS = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
@@ -51,7 +51,7 @@ def comparison(name: Token, operator: Token, value: Token) -> Query:
     """Return the query for ``name operator value``.
 
     Raises:
-        UsageError: The name is unknown, or the value or the operator does not fit it; the message names those that do.
+        UsageError: The name is unknown, or the value or operator does not fit it; the message names valid ones.
     """
     spelled = fold(name.text)
     sign = next(one for one in get_args(Operator) if one == operator.text)
@@ -75,7 +75,7 @@ def _not_ordered(spelled: str, name: Token) -> str:
 def _state(capability: CapabilityType, operator: Operator, value: Token) -> StateIs | And:
     if capability.is_event:
         raise UsageError(
-            f"{capability.name} is an event, which no device has as a state; ask for `with {capability.name}`, and "
+            f"{capability.name} is an event, and never a state of a device; ask for `with {capability.name}`, and "
             f"follow the devices for what happens"
         )
     wanted = _value(capability, value)
@@ -188,4 +188,4 @@ _FIELDS: Mapping[str, Callable[[Token, Token], Query]] = {
     "id": lambda _, value: FactIs("id", value.text.casefold()),
     "convention": lambda _, value: FactIs("convention", value.text.casefold()),
 }
-"""The fields that are no facts of their own name, with their parsers: name and value."""
+"""The fields that are not facts of the same name, with their parsers of name and value."""

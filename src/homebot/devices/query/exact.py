@@ -1,4 +1,4 @@
-"""Queries that guess nothing, for permissions and bans of the owner: a misspelt word would match nothing. Pure."""
+"""Queries without guessing, for permissions and bans of the owner: a misspelt word would match nothing. Pure."""
 
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import HasText, Query, leaves, split_near
@@ -10,10 +10,10 @@ __all__ = ["parse_exact_query", "parse_lasting_query"]
 
 
 def parse_exact_query(text: str) -> Query:
-    """Return the query that *text* is, of types, capabilities, rooms and other fields.
+    """Parse *text* as a query of types, capabilities, rooms and other fields.
 
     Raises:
-        UsageError: It is no query, or has a word that would be searched for in all texts of devices; names the word.
+        UsageError: It is not a query, or has a word that would be searched for in all texts of devices; names the word.
     """
     query = parse_lasting_query(text)
     if word := next((one.text for one in leaves(query) if isinstance(one, HasText)), ""):
@@ -28,12 +28,12 @@ def parse_exact_query(text: str) -> Query:
 
 
 def parse_lasting_query(text: str) -> Query:
-    """Return the query that *text* is, for a rule that a device fits or not, wherever a robot is.
+    """Parse *text* as a query for a rule, which must not depend on the position of a robot.
 
     Raises:
-        UsageError: It is no query, or asks for what is near a robot.
+        UsageError: It is not a query, or has a condition to be near a robot.
     """
     query = parse_query(text)
     if split_near(query)[0] is not None:
-        raise UsageError("a rule cannot ask for what is near a robot; name a room instead")
+        raise UsageError("a rule cannot depend on the position of a robot; name a room instead")
     return query

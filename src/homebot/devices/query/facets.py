@@ -1,4 +1,4 @@
-"""A device as queries see it: everything that may be asked for, folded and ready to compare. Pure."""
+"""Searchable properties of a device, case-folded and ready to compare. Pure."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ __all__ = ["Facets", "facets_of"]
 _CONVENTION = attrgetter("convention")
 _GATEWAY = attrgetter("gateway")
 _MAX_WORDS = 48
-"""Words of one device that can be searched for."""
+"""The limit of searchable words of one device."""
 
 _TEXTS = frozenset({"manufacturer", "model", "model_id", "serial_number"})
 
@@ -29,17 +29,17 @@ class Facets:
     """The properties of a device that queries can ask for.
 
     Attributes:
-        kinds: Type and tag of each part that it is there for; without parts the type of its word, where that is one.
-        advertised: The types in the words of its announcements, folded.
+        kinds: Type and tag of each main part; without parts, the type of its word, if that is unambiguous.
+        advertised: The types in its announcements' own words, folded.
         possible_types: The types that the word of a device without parts may mean; empty for a device with parts.
-        areas: Its room and the areas that this is in, folded.
+        areas: Its room and the areas that contain it, folded.
         words: The words of its id, names, room, floor, tags and model, folded.
         categories: ``config`` and ``diagnostic``, if it has parts of these.
         facts: All facts by name, folded.
         values: Type of the part, capability, and value.
-        main_type: The type that it has in the first place; without parts its word.
+        main_type: Its primary type; without parts, its word.
         is_guessed: Whether the type of its first part was guessed.
-        is_unapproved: Whether it can hurt and the owner has not approved it.
+        is_unapproved: Whether it is dangerous and not approved by the owner.
     """
 
     id: str
@@ -102,7 +102,7 @@ def facets_of(device: Device) -> Facets:
 
 
 def _main_part(device: Device) -> Part | None:
-    """Return the part that gives the device its type; None if there is none."""
+    """Return the part that determines the type of the device; None if there is none."""
     for one in device.parts:
         if device.service_type in (one.part.service_type, one.part.advertised):
             return one.part
@@ -118,7 +118,7 @@ class _Sets(NamedTuple):
 
 
 def _sets_of(device: Device) -> _Sets:
-    """Return the names in all parts, in one loop: this is done for every device after most of its messages."""
+    """Return the names in all parts, in one loop, because it runs after most messages of every device."""
     gateways, conventions = set(map(_GATEWAY, device.endpoints)), set(map(_CONVENTION, device.facts))
     sets = _Sets(set(), set(), gateways, conventions, set())
     for each in device.parts:
@@ -140,7 +140,7 @@ def _values_of(device: Device) -> tuple[tuple[str, str, PlainValue], ...]:
 
 
 _FEW = 8
-"""Members of a set that devices share if they are alike in it: each set takes 200 bytes."""
+"""The largest set that similar devices share: each set takes 200 bytes."""
 
 
 def _shared(found: frozenset[str]) -> frozenset[str]:
@@ -167,10 +167,10 @@ def _areas(area: str, outer_areas: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozenset[tuple[str, str]], frozenset[str]]:
-    """Return the kinds of a device, and possible meanings of the word of one without parts.
+    """Return the kinds of a device, and the possible meanings of its word if it has no parts.
 
-    Settings and self-observations count only if there is nothing else: a query for switches does not mean the
-    one that dims a lamp's own light.
+    Settings and diagnostics count only if there is nothing else: a query for switches does not mean the one that dims a
+    lamp's own light.
     """
     if not parts:
         meant = wanted_types(service_type)
@@ -184,7 +184,7 @@ def _kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozens
 
 
 def _folded_facts(device: Device) -> dict[str, tuple[str, ...]]:
-    """Return the folded values of all facts by name, the one that counts first."""
+    """Return the folded values of all facts by name, the one in use first."""
     found: dict[str, tuple[str, ...]] = {}
     for fact in device.facts:
         value = fold(fact.value)
@@ -202,7 +202,7 @@ def _folded_facts(device: Device) -> dict[str, tuple[str, ...]]:
 def _words(device: Device, facts: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
     texts = [device.id, *device.names, device.name, device.area]
     if len(device.outer_areas) > 1 or device.tags:
-        texts += (*device.outer_areas[:-1], *device.tags)  # not the home, in which all are
+        texts += (*device.outer_areas[:-1], *device.tags)  # without the home, which contains all
     for name, values in facts.items():
         if name in _TEXTS:
             texts += values

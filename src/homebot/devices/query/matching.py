@@ -1,4 +1,4 @@
-"""Test of a query against a device or one of its parts. Pure."""
+"""Matching of a query against a device or one of its parts. Pure."""
 
 import operator
 from collections.abc import Callable, Mapping
@@ -37,10 +37,10 @@ __all__ = ["COMPARISONS", "PartFacets", "compares", "fits", "matches_kind"]
 
 
 class PartFacets:
-    """The properties of one part of a device that queries can ask for, each worked out when it is asked for.
+    """The searchable properties of one part of a device, each computed on first use.
 
     Args:
-        part: Its first part by default.
+        part: The part; by default the first one.
     """
 
     __slots__ = ("_device", "part")
@@ -77,7 +77,7 @@ class PartFacets:
 
     @property
     def possible_types(self) -> frozenset[str]:
-        """Nothing: a part has one type."""
+        """Empty, because a part has one type."""
         return frozenset()
 
     @property
@@ -100,7 +100,7 @@ class PartFacets:
 
     @property
     def areas(self) -> tuple[str, ...]:
-        """The room of its device and the areas that this is in, folded; empty if no room is known."""
+        """The room of its device and the areas that contain it, folded; empty if no room is known."""
         device = self._device
         return tuple(map(fold, (device.area, *device.outer_areas))) if device.area else ()
 
@@ -146,12 +146,12 @@ class PartFacets:
 
     @property
     def is_disputed(self) -> bool:
-        """True when anything about its device is disputed."""
+        """True if anything about its device is disputed."""
         return bool(self._device.conflicts)
 
     @property
     def is_unapproved(self) -> bool:
-        """True when its device can hurt and the owner has not approved it."""
+        """True if its device is dangerous and not approved by the owner."""
         return waits_for_approval(self._device)
 
 

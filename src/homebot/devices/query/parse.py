@@ -10,11 +10,10 @@ Grammar, the loosest binding first::
     comparison = NAME ("=" | "!=" | "<" | "below" | "<=" | ">" | "above" | ">=") VALUE
     word       = a type, a capability, an adjective such as ``on`` or ``stale``, or free text
 
-Words in quotation marks are taken literally: ``"near the door"`` looks for words, ``"zone"=3`` for a fact of that
-name, ``type="coffee"`` for devices that call themselves so. Without them, an unknown field or type is an error.
-
-An adjective of a state is about the parts of the types that stand beside it: ``on lights`` is not found by the plug
-in the same device. ``heating`` is one beside a type, and without one a type: ``heating in living``.
+Words in quotation marks are literal: ``"near the door"`` searches for words, ``"zone"=3`` for a fact of that name,
+``type="coffee"`` for devices with that announced type. Without them, an unknown field or type is an error. An adjective
+of a state applies to parts of the types next to it: ``on lights`` does not match because of a plug in the same device.
+``heating`` is an adjective next to a type, and otherwise a type: ``heating in living``.
 """
 
 import math
@@ -60,10 +59,10 @@ Term: TypeAlias = tuple[Query, str, bool]
 """A term with its text, and whether ``and``, ``but`` or a comma precedes it."""
 
 _Span: TypeAlias = tuple[Query, int, int, bool]
-"""A term, with the places of its first token and of the one after its last, and whether it is joined as a ``Term``."""
+"""A term, with the indices of its first token and after its last, and whether it is joined as a ``Term``."""
 
 _NOWHERE = AreaIs("")
-"""A device of which no room is known."""
+"""Matches a device without a known room."""
 
 _AREA_WORDS = ("area", "room", "areas", "rooms")
 _METRES = ("m", "metres", "meters", "metre", "meter")
@@ -72,21 +71,21 @@ _MAX_DEPTH = 20
 _LONGEST_PHRASE = 4
 
 
-@lru_cache(maxsize=256)  # apps ask the same again and again
+@lru_cache(maxsize=256)  # apps repeat their queries
 def parse_query(text: str) -> Query:
-    """Return the query that *text* spells; an empty text matches everything.
+    """Parse *text* as a query; an empty text matches everything.
 
     Raises:
-        UsageError: It is no query; the message names the part that is not understood, and an alternative.
+        UsageError: It is not a query; the message names the part that is not understood, and an alternative.
     """
     return _Parser(tokens_of(text)).query()
 
 
 def parse_alternatives(text: str) -> tuple[tuple[Term, ...], ...]:
-    """Return the alternatives that *text* joins with ``or`` outside of brackets, each as its terms.
+    """Return the alternatives joined by ``or`` outside parentheses in *text*, each as its terms.
 
     Raises:
-        UsageError: As :func:`parse_query`.
+        UsageError: As for :func:`parse_query`.
     """
     if parse_query(text) == And(()):
         return ((),)
@@ -228,7 +227,7 @@ class _Parser:
         return word in FILLERS or (word in RELATIVES and self._folded(2).endswith((" is", " are")))
 
     def _length_of_name(self) -> int:
-        """Return the number of words before an operator: one, or those of a capability; 0 if there is none."""
+        """Return the number of words before an operator: one, or those of a capability; 0 if no operator follows."""
         for length in range(1, _LONGEST_PHRASE + 1):
             following = self._tokens[self._place + length : self._place + length + 1]
             if following and following[0].kind == "operator":
@@ -289,7 +288,7 @@ class _Parser:
         raise _unknown_capability(following)
 
     def _phrase(self) -> Query:
-        """Parse the longest phrase that means something; a single word that does not is searched for."""
+        """Parse the longest phrase with a meaning; a single word without one is searched for."""
         for length in range(_LONGEST_PHRASE, 0, -1):
             if (meant := meaning_of(self._folded(length))) is not None:
                 self._place += length
@@ -308,7 +307,7 @@ class _Parser:
         return _all_words(token.text)
 
     def _check_exception(self, joint: Token) -> None:
-        """Refuse ``lights but kettle``, which would find the kettle only."""
+        """Refuse ``lights but kettle``, which would only find the kettle."""
         following = self._peek()
         if _is(joint, "but") and following is not None and not (_is(following, "not") or _is(following, "without")):
             raise UsageError(f"'but' at character {joint.at} is not followed by 'not' or 'without'")
@@ -341,14 +340,14 @@ _BEGINNINGS: Mapping[str, Callable[[_Parser, Token], Query]] = {
     "with": _Parser.with_ability,
     "(": _Parser.bracket,
 }
-"""Parsers of terms by their first word, which is read already."""
+"""Parsers of terms by their first word, which has been read."""
 
 _FIELD_NAMES = frozenset({"in", "near"})
-"""Those of the words that are names of fields before an operator."""
+"""The words among these that are field names if an operator follows."""
 
 
 def _ends_area(word: str, words: list[str]) -> bool:
-    """Return whether *word* is not in the name of a room that begins with *words*."""
+    """Return whether *word* cannot be part of a room name that begins with *words*."""
     return word in KEYWORDS | NOT_UNDERSTOOD or (bool(words) and is_meaningful(word))
 
 

@@ -1,7 +1,7 @@
-"""Readings of a query for commands: a search may find too much or too little, a command may not. Pure.
+"""Readings of a query for commands: a search may find too much or too little, but a command may not. Pure.
 
 In ``lights in hall or kitchen``, ``lights or fans in hall`` and ``lights on or off in hall``, a word on only one side
-may be meant for both. In ``hall lamp, hall lamp 2`` two devices are meant, although one has all these words.
+may apply to both. ``hall lamp, hall lamp 2`` means two devices, although one of them has all these words.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ __all__ = ["Readings", "readings_of"]
 
 _Kind: TypeAlias = Literal["type", "area", "words", "group", "other"]
 _Unit: TypeAlias = tuple[_Kind, str]
-"""A term, or words in a row, with its text."""
+"""A term, or consecutive words, with its text."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,10 +23,10 @@ class Readings:
     """The alternatives that a query joins with ``or``.
 
     Attributes:
-        alternatives: The queries on its sides, as :func:`homebot.devices.query.parse.parse_query` reads it.
-        words: Those of them that are words to be searched for, or ``all``, and nothing else.
-        distributed: The queries on its sides if a word on only one is meant for both; empty if that makes no sense. Of
-            a query without ``or`` those that it joins with ``and`` or commas, if it may list devices.
+        alternatives: The alternatives according to :func:`homebot.devices.query.parse.parse_query`.
+        words: The alternatives that contain only search words, or ``all``.
+        distributed: The alternatives if a word on only one side applies to both; empty if that makes no sense. For a
+            query without ``or``, those joined by ``and`` or commas, if it may be a list of devices.
     """
 
     alternatives: tuple[str, ...]
@@ -35,10 +35,10 @@ class Readings:
 
 
 def readings_of(text: str) -> Readings:
-    """Return the readings of *text*; one without ``or`` has one alternative.
+    """Return the readings of *text*; without ``or`` there is one alternative.
 
     Raises:
-        UsageError: It is no query.
+        UsageError: It is not a query.
     """
     alternatives = parse_alternatives(text)
     if len(alternatives) == 1 and (listed := _listed(alternatives[0])):
@@ -56,14 +56,14 @@ def readings_of(text: str) -> Readings:
 
 
 def _listed(terms: tuple[Term, ...]) -> list[list[_Unit]]:
-    """Return the sides of a list of devices, each of which begins with a type, a room or words; empty if it is none."""
+    """Return the items of a list of devices, which each begin with a type, a room or words; empty if it is none."""
     starts = [place for place, (_, _, is_joined) in enumerate(terms) if is_joined]
     sides = [_units(terms[start:end]) for start, end in zip([0, *starts], [*starts, None], strict=True)]
     return sides if len(sides) > 1 and all(side[0][0] not in {"group", "other"} for side in sides) else []
 
 
 def _units(terms: tuple[Term, ...]) -> list[_Unit]:
-    """Return *terms* with words in a row as one."""
+    """Return *terms* with consecutive words combined."""
     kinds = [(_kind(term, text), text) for term, text, _ in terms]
     units: list[_Unit] = []
     for kind, group in groupby(kinds, key=lambda one: one[0]):
@@ -89,7 +89,7 @@ def _kind(term: Query, text: str) -> _Kind:
 
 
 def _distributed(sides: list[list[_Unit]]) -> list[str]:
-    """Return the alternatives of *sides*, those in a row that differ in one unit each with the words around it."""
+    """Return the alternatives of *sides*; adjacent ones that differ in one unit each get the other's words."""
     found: list[str] = []
     place = 0
     while place < len(sides):
@@ -125,7 +125,7 @@ def _is_plausible(units: list[_Unit]) -> bool:
 
 
 def _as(kind: _Kind, unit: _Unit) -> _Unit:
-    """Return *unit* as one of *kind*: words after an area and ``or`` may be an area."""
+    """Return *unit* as *kind*: words after an area and ``or`` may be an area."""
     return (kind, f"in {unit[1]}") if kind == "area" and unit[0] == "words" else unit
 
 

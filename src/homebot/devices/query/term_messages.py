@@ -1,7 +1,7 @@
 """Form of a query as a message. Pure.
 
-A query is a tree and a ROS message is not, so on the graph its terms are a list, each before its operands:
-``light and not stale`` is ``and`` of two, ``type``, ``not``, ``freshness``.
+A query is a tree but a ROS message is not, so on the graph its terms are a list, each before its operands: ``light and
+not stale`` is ``and`` of two, ``type``, ``not``, ``freshness``.
 """
 
 import math
@@ -37,10 +37,10 @@ from homebot.messages.message import Message, UInt32
 __all__ = ["MAX_DEPTH", "MAX_TERMS", "QueryTerm", "query_terms", "read_terms"]
 
 MAX_TERMS = 1000
-"""Terms of one query."""
+"""The limit of terms of one query."""
 
 MAX_DEPTH = 50
-"""Terms within each other."""
+"""The limit of nested terms."""
 
 _TextQuery: TypeAlias = AreaIs | InArea | NameIs | HasText | FreshnessIs | ReachableIs | GatewayIs
 _TextKind: TypeAlias = Literal["area", "in_area", "name", "text", "freshness", "reachable", "gateway"]
@@ -65,14 +65,14 @@ class QueryTerm(Message):
     """One term of a query on the graph.
 
     Attributes:
-        operands: Of ``and``, ``or`` and ``not``: the number of the following terms, each with its own, that it joins.
-        name: The capability of ``can`` and ``state``, the name of ``fact``; of ``type`` the word that was asked for.
-        text: The value of ``fact``, the robot of ``near``, and of every kind that has one text.
-        operator: Of ``state``: ``=``, ``!=``, ``<``, ``<=``, ``>`` or ``>=``.
-        value: Of ``state``: the value to compare with; of ``near``: the most metres of the way, unknown for any.
-        types: Of ``type`` and ``state``: the device types.
-        tag: Of ``type``: the kind of opening.
-        flag: Of ``type``: whether announced words count; of ``can``: whether it must be settable.
+        operands: For ``and``, ``or`` and ``not``: the number of following terms, with their operands, that it joins.
+        name: The capability of ``can`` and ``state``, the name of ``fact``, the requested word of ``type``.
+        text: The value of ``fact``, the robot of ``near``, and the text of every kind with one text.
+        operator: For ``state``: ``=``, ``!=``, ``<``, ``<=``, ``>`` or ``>=``.
+        value: For ``state``: the value to compare with; for ``near``: the longest way in metres, unknown for any.
+        types: For ``type`` and ``state``: the device types.
+        tag: For ``type``: the kind of opening.
+        flag: For ``type``: whether announced words count; for ``can``: whether it must be settable.
     """
 
     kind: TermKind
@@ -109,16 +109,16 @@ def query_terms(query: Query) -> tuple[QueryTerm, ...]:
 
 
 def read_terms(terms: Sequence[QueryTerm]) -> Query:
-    """Return the query that *terms* are; none at all are one that everything fits.
+    """Return the query in *terms*; without terms, everything matches.
 
     Raises:
-        UsageError: They are no query; the message names the term.
+        UsageError: They are not a query; the message names the term.
     """
     if not terms:
         return And(())
     if len(terms) > MAX_TERMS:
         raise UsageError(f"the query has {len(terms):,} terms; {MAX_TERMS:,} is the limit")
-    read: list[tuple[Query, int, int]] = []  # from the last: each query with its depth and the number of its first term
+    read: list[tuple[Query, int, int]] = []  # from the end: each query with its depth and the number of its first term
     for number in range(len(terms), 0, -1):
         term = terms[number - 1]
         if term.kind not in _JOINS:
@@ -189,7 +189,7 @@ _WRITERS: Mapping[type[Query], Callable[[Any], QueryTerm]] = {
     IsDisputed: lambda _: QueryTerm(kind="disputed"),
     IsUnapproved: lambda _: QueryTerm(kind="unapproved"),
 }
-"""Make the message of each kind of term that joins no others, and has more than one text."""
+"""Writers for the kinds of terms that join no others and have more than one text."""
 
 _READERS: Mapping[str, Callable[[QueryTerm, int], Query]] = {
     "type": lambda term, _: TypeIs(term.name, frozenset(term.types), term.tag, term.flag),
@@ -201,4 +201,4 @@ _READERS: Mapping[str, Callable[[QueryTerm, int], Query]] = {
     "unapproved": lambda _term, _: IsUnapproved(),
     **dict.fromkeys(_TEXT_TERMS, _read_text),
 }
-"""The reverse: the term of each kind of message, which is the one with that number."""
+"""Readers for each kind of message, given its number."""

@@ -9,7 +9,7 @@ from homebot.errors import UsageError
 __all__ = ["MAX_QUERY", "MAX_TOKENS", "Token", "quoted", "tokens_of"]
 
 MAX_QUERY = 1000
-"""Characters of a query."""
+"""The limit of characters of a query."""
 
 MAX_TOKENS = 100
 
@@ -22,7 +22,7 @@ class Token:
 
     Attributes:
         kind: ``word``, ``text`` (in quotes), ``operator`` (a comparison), a bracket or a comma.
-        at: Where it begins, the first character being 1.
+        at: The position of its first character, counted from 1.
     """
 
     kind: TokenKind
@@ -44,7 +44,7 @@ _SPELT |= {"below": "<", "under": "<", "above": ">", "over": ">"}
 
 
 def quoted(text: str) -> str:
-    """Return *text* as a value in a query, with any characters in it."""
+    """Return *text* quoted as a value for a query; it may contain any characters."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'
 
@@ -53,7 +53,7 @@ def tokens_of(text: str) -> tuple[Token, ...]:
     """Return the tokens of *text*.
 
     Raises:
-        UsageError: It is too long, or a character begins nothing that is known; names the place.
+        UsageError: It is too long, or a character does not begin a token; names the position.
     """
     if len(text) > MAX_QUERY:
         raise UsageError(f"the query has {len(text):,} characters; {MAX_QUERY:,} is the limit")

@@ -1,4 +1,4 @@
-"""The words that a text query understands beside those of the device types, and their meaning. Pure."""
+"""The words of text queries, other than device types, and their meanings. Pure."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -43,10 +43,10 @@ KEYWORDS = frozenset({"and", "or", "not", "in", "with", "without", "but"})
 
 _FILLERS = "the a an all any every each which device devices are is my of"
 FILLERS = frozenset(_FILLERS.split())
-"""Words that make a query a sentence and mean nothing."""
+"""Words without meaning that turn a query into a sentence."""
 
 RELATIVES = frozenset({"that"})
-"""Words that are fillers before ``is`` and ``are``; ``that lamp`` is one that a person points to."""
+"""Words that are fillers before ``is`` and ``are``; ``that lamp`` means one that a person points to."""
 
 FIELDS: Mapping[str, str] = MappingProxyType(
     {
@@ -72,21 +72,21 @@ FIELDS: Mapping[str, str] = MappingProxyType(
         "text": "text",
     }
 )
-"""Words of ``word=value`` beside capabilities and facts."""
+"""Words of ``word=value``, besides capabilities and facts."""
 
 FACTS = frozenset(
     {"configuration_url", "description", "firmware", "generation", "home", "host_mac", "hostname", "hw_version"}
     | {"interview", "ip", "ip_address", "manufacturer", "mode", "model", "model_id", "origin", "origin_sw_version"}
     | {"origin_url", "power_source", "serial_number", "supported", "sw_version", "via_device", "zigbee_type"}
 )
-"""Facts that devices are announced with. One of another name is asked for in quotation marks: ``"zone"=3``."""
+"""Facts with which devices are announced. Other names need quotation marks: ``"zone"=3``."""
 
 NOT_UNDERSTOOD = frozenset(
     {"near", "nearest", "nearby", "closest", "around", "beside", "behind", "next", "outside", "inside", "within"}
     | {"above", "below", "under", "over", "more", "less", "than", "between", "before", "after", "since", "until"}
     | {"during", "at", "from", "by", "for", "to", "except", "unless", "if", "when", "where", "who", "whose"}
 )
-"""Words that would make another question of a query, if they were taken for parts of names."""
+"""Words that would change the meaning of a query if they were mistaken for parts of names."""
 
 TYPE_WORDS = frozenset(
     form
@@ -94,7 +94,7 @@ TYPE_WORDS = frozenset(
     for word in (fold(one.name.removeprefix("x_")), *(fold(word) for word in one.words))
     for form in (word, f"{word}s")
 ) | frozenset(DEVICE_TYPES)
-"""How the types of devices are called."""
+"""The words for device types."""
 
 
 def _capability_words() -> Mapping[str, str]:
@@ -117,7 +117,7 @@ def _capability_words() -> Mapping[str, str]:
 
 
 CAPABILITY_WORDS: Mapping[str, str] = _capability_words()
-"""How the capabilities are called, folded."""
+"""The words for capabilities, folded."""
 
 ABILITIES: Mapping[str, Query] = MappingProxyType(
     {
@@ -131,7 +131,7 @@ ABILITIES: Mapping[str, Query] = MappingProxyType(
         "lockable": CanDo("lock", settable=True),
     }
 )
-"""Adjectives of capabilities that can be set."""
+"""Adjectives for settable capabilities."""
 
 ADJECTIVES: Mapping[str, tuple[StateIs, ...]] = MappingProxyType(
     {
@@ -170,7 +170,7 @@ ADJECTIVES: Mapping[str, tuple[StateIs, ...]] = MappingProxyType(
         "cooling": (StateIs("thermostat_action", "=", "cooling"),),
     }
 )
-"""Adjectives of a state: any of these values."""
+"""Adjectives for a state: any of these values."""
 
 CONDITIONS: Mapping[str, Query] = MappingProxyType(
     {
@@ -185,11 +185,11 @@ CONDITIONS: Mapping[str, Query] = MappingProxyType(
         "unapproved": IsUnapproved(),
     }
 )
-"""Adjectives of how a device is."""
+"""Adjectives for the condition of a device."""
 
 
 def meaning_of(phrase: str) -> Query | None:
-    """Return the term that *phrase*, folded, spells; None if it is no word of queries."""
+    """Return the term for *phrase*, folded; None if it is not a query word."""
     if not phrase:
         return None
     if (meant := CONDITIONS.get(phrase) or ABILITIES.get(phrase)) is not None:
@@ -204,12 +204,12 @@ def meaning_of(phrase: str) -> Query | None:
 
 
 def is_meaningful(word: str) -> bool:
-    """Return whether *word*, folded, is a type, or an adjective."""
+    """Return whether *word*, folded, is a type or an adjective."""
     return word in ADJECTIVES or word in CONDITIONS or word in ABILITIES or bool(type_is(word).types)
 
 
 def all_of(terms: list[Query]) -> Query:
-    """Return the query that all *terms* match, adjectives for the types beside them."""
+    """Return the conjunction of *terms*, with adjectives applied to the types next to them."""
     if not any(isinstance(term, TypeIs) for term in terms):
         terms = [_NOUNS.get(term, term) for term in terms]
     scoped = _with_scopes(terms)
@@ -236,4 +236,4 @@ _ADJECTIVE_TERMS = frozenset(states[0] if len(states) == 1 else Or(states) for s
 _NOUNS: dict[Query, Query] = {
     states[0]: type_is(word) for word, states in ADJECTIVES.items() if len(states) == 1 and wanted_types(word)
 }
-"""Types with a word that is an adjective too, such as ``heating``, for that adjective without a type beside it."""
+"""Types for words such as ``heating`` that are also adjectives, if no type is next to them."""

@@ -1,4 +1,4 @@
-"""Text form of commands, the same for every convention, and the parts by the addresses of texts. Pure."""
+"""Text form of commands, the same for every convention, and look-up of parts by text address. Pure."""
 
 from collections.abc import Iterator, Mapping
 from operator import attrgetter
@@ -50,11 +50,11 @@ _NUMBERS = (
     "tilt",
     "number",
 )
-"""The capabilities that a bare number sets before others; it sets the first that the part has."""
+"""The capabilities that a bare number may set; it sets the first one that the part has."""
 
 
 def main_part(parts: tuple[Part, ...]) -> Part | None:
-    """Return the part that a device is there for: the first that is neither setting nor diagnosis, if there is one."""
+    """Return the main part of a device: the first one that is not a setting or diagnostic, if there is one."""
     for part in parts:
         if not part.category:
             return part
@@ -70,10 +70,10 @@ def accepts_text(part: Part) -> bool:
 
 
 def decode_command(text: str, part: Part) -> tuple[str, PlainValue]:
-    """Return the capability of *part*, and the value for it, that *text* sets.
+    """Return the capability of *part* that *text* sets, and its value.
 
     Raises:
-        RefusedError: It does not take this text; the message names those that it takes.
+        RefusedError: It does not take this text; the message names the accepted ones.
     """
     settable = {one.name: one for one in part.capabilities if one.settable}
     command = (
@@ -83,7 +83,7 @@ def decode_command(text: str, part: Part) -> tuple[str, PlainValue]:
         or _option_command(text, settable)
     )
     if command is None:
-        taken = f"this part takes {_known(settable)}" if settable else "it takes no commands, it only reports"
+        taken = f"this part takes {_known(settable)}" if settable else "it takes no commands; it only reports"
         raise RefusedError(f"the word {text[:40]!r}", taken)
     return command
 
@@ -102,16 +102,16 @@ def _option_command(text: str, settable: Mapping[str, Capability]) -> tuple[str,
             return name, text
     for name, capability in settable.items():
         for option in settable_options(name, capability.options):
-            if option.casefold() == text:  # such as the OFF of a fan
+            if option.casefold() == text:  # such as OFF of a fan
                 return name, option
     return None
 
 
 def encode_command(capability: str, value: PlainValue, part: Part) -> str:
-    """Return the text that sets *capability* of *part* to *value*; the reverse of :func:`decode_command`.
+    """Return the text that sets *capability* of *part* to *value*; the inverse of :func:`decode_command`.
 
     Raises:
-        RefusedError: There is none; the message names the texts that the part takes.
+        RefusedError: There is none; the message names the accepted texts.
     """
     settable = {one.name: one for one in part.capabilities if one.settable}
     if capability in settable and _is_within(value, settable[capability]):
@@ -185,8 +185,8 @@ def _known(settable: Mapping[str, Capability]) -> str:
 def command_address(device: Device, endpoint: Endpoint, text: str) -> str:
     """Return the address to which *text* is sent for *endpoint* of *device*.
 
-    It is the endpoint's own, unless another of several routes to the part, of the same gateway, is the best that takes
-    the command.
+    It is the endpoint's own, unless the best route that takes the command is another route of the same gateway to the
+    part.
     """
     address = endpoint.command_address
     part = _part_at(device, address, endpoint.gateway) if is_text_address(address) else None
@@ -195,7 +195,7 @@ def command_address(device: Device, endpoint: Endpoint, text: str) -> str:
     try:
         capability, _ = decode_command(text, part.part)
     except RefusedError:
-        return address  # the error of its gateway names the texts that it takes
+        return address  # the gateway's error names the accepted texts
     for route in part.routes:
         if route.gateway == endpoint.gateway and route.can(capability):
             return text_address(route.key, route.part)
@@ -203,9 +203,9 @@ def command_address(device: Device, endpoint: Endpoint, text: str) -> str:
 
 
 def others_at(device: Device, address: str, text: str) -> tuple[str, ...]:
-    """Return the names of the parts that also take *text*, which goes to the part at *address*: the other gangs.
+    """Return the names of the other parts that take *text*, which is sent to the part at *address*: other gangs.
 
-    They are of the same type and category as that part.
+    They have the same type and category as that part.
     """
     target = _part_at(device, address) if is_text_address(address) else None
     if target is None:
@@ -221,9 +221,9 @@ def others_at(device: Device, address: str, text: str) -> tuple[str, ...]:
 
 
 def part_at(device: Device, gateway: str, address: str) -> DevicePart | None:
-    """Return the part of *device* that takes texts at *address* of *gateway*; None if that is not known.
+    """Return the part of *device* that takes texts at *address* of *gateway*; None if unknown.
 
-    Of several routes to it only those that lead there are left, if any is known to.
+    Of several routes to it, only those that lead there are kept, if any is known to.
     """
     is_text = is_text_address(address)
     keys = {one.key for one in device.endpoints if (one.gateway, one.command_address) == (gateway, address)}
@@ -240,7 +240,7 @@ def part_at(device: Device, gateway: str, address: str) -> DevicePart | None:
 
 
 def sending_part(device: Device, message: RawMessage) -> DevicePart | None:
-    """Return the part of *device* that sent *message*; None if that is not known."""
+    """Return the part of *device* that sent *message*; None if unknown."""
     place = read_text_address(message.address)
     for part in device.parts:
         for route in part.routes:
@@ -259,7 +259,7 @@ def _takes(part: DevicePart, text: str) -> bool:
 
 
 def _part_at(device: Device, address: str, gateway: str = "") -> DevicePart | None:
-    """Return the first part with a route, of *gateway* if one is given, to *address*."""
+    """Return the first part with a route to *address*, of *gateway* if it is given."""
     for part in device.parts:
         for route in part.routes:
             if text_address(route.key, route.part) == address and gateway in {"", route.gateway}:

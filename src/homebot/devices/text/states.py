@@ -34,7 +34,7 @@ __all__ = [
 
 
 FRACTION_CAPABILITIES: Final = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
-"""Percentages with 0 to 1 as text."""
+"""Percentages that are 0 to 1 in texts."""
 
 SPEED_WORDS: Final = frozenset({"level", "fan_speed"})
 """Capabilities that are 0 only when off."""
@@ -46,7 +46,7 @@ _LONGEST_UNKNOWN: Final = 40
 OPENING_WORDS: Final = ("movement", "valve")
 
 PRIORITY: Final = ("lock", "on_off", "occupancy", "contact", "vacuum", "mower", "alarm", "local_temperature")
-"""The capability that is the text of a message with several values; movements come next, by a rule of their own."""
+"""The first of these is the text of a message with several values; movements follow, with their own rule."""
 
 BOOL_WORDS: Final[Mapping[str, tuple[str, str]]] = {"occupancy": ("clear", "motion"), "contact": ("closed", "open")}
 """Texts for false and true; ``off`` and ``on`` for any other capability."""
@@ -57,11 +57,11 @@ Decoded: TypeAlias = Mapping[str, PlainValue]
 _NOTHING: Decoded = MappingProxyType({})
 
 _LONGEST = 255
-"""Bytes of a text that is none of a list."""
+"""The longest free text, in bytes."""
 
 
 def encode_state(readings: Mapping[str, PlainValue]) -> str | None:
-    """Return the text for the values of one message of a part; None if none of them has one.
+    """Return the text for the values in one message of a part; None if no value has a text.
 
     Args:
         readings: Values by capability.
@@ -78,7 +78,7 @@ def encode_state(readings: Mapping[str, PlainValue]) -> str | None:
 
 
 def encode_value(name: str, value: PlainValue) -> str | None:
-    """Return the text for one value of the capability *name*; None if it has none."""
+    """Return the text for one value of the capability *name*; None if there is none."""
     match value:
         case None | tuple():
             return None
@@ -95,11 +95,11 @@ def encode_value(name: str, value: PlainValue) -> str | None:
 
 
 class TextDecoder:
-    """Decoder of the texts of a part, ready to be looked up, so that any other payload costs next to nothing.
+    """Decoder of the texts of a part, a look-up table, so that any other payload costs next to nothing.
 
-    It is the reverse of :func:`encode_state`. Values that follow count as well: with ``0.4`` a lamp is on, with
-    ``closed`` a cover is at 0 %. A bare number belongs to the first capability in the order of :func:`encode_state`,
-    if it is within its bounds. ``nan`` and its like in the place of a measurement mean that it is unknown.
+    It is the inverse of :func:`encode_state`. Implied values are included: with ``0.4`` a lamp is on, with ``closed`` a
+    cover is at 0 %. A bare number belongs to the first capability in the order of :func:`encode_state` whose bounds
+    contain it. ``nan`` and the like in place of a measurement mean that it is unknown.
     """
 
     def __init__(self, capabilities: tuple[Capability, ...]) -> None:
@@ -114,7 +114,7 @@ class TextDecoder:
             self._learn(name, readable[name])
 
     def decode(self, text: bytes) -> Decoded:
-        """Return the values in *text*; none if it is no text of the part."""
+        """Return the values in *text*; empty if it is not a text of the part."""
         found = self._texts.get(text)
         if found is not None:
             return found
@@ -174,7 +174,7 @@ class TextDecoder:
 
 @lru_cache(maxsize=1000)
 def decoder_for(capabilities: tuple[Capability, ...]) -> TextDecoder:
-    """Return the decoder that parts with *capabilities* share."""
+    """Return the shared decoder of parts with *capabilities*."""
     return TextDecoder(capabilities)
 
 
@@ -184,13 +184,13 @@ def decode_text(text: str, part: Part) -> Decoded:
 
 
 def bounds_of(capability: Capability) -> tuple[float, float]:
-    """Return the smallest and the largest value of *capability*; infinite where none is known."""
+    """Return the smallest and the largest value of *capability*; infinite if unknown."""
     bounds = capability.bounds or CAPABILITIES.get(capability.name, OWN).bounds
     return (bounds[0], bounds[-1]) if bounds else (-math.inf, math.inf)
 
 
 def means_unknown(text: str | bytes) -> bool:
-    """Return whether *text*, in the place of a number, means that there is none: NaN and its like, or a word."""
+    """Return whether *text*, in place of a number, means that it is unknown: NaN and the like, or a word."""
     if len(text) > _LONGEST_UNKNOWN:
         return False
     try:
@@ -201,12 +201,12 @@ def means_unknown(text: str | bytes) -> bool:
 
 
 def percent(share: float) -> float:
-    """Return *share* in percent, as short as it was written: 0.07 is 7 %, not 7.000000000000001."""
+    """Return *share* in percent without rounding errors: 0.07 is 7 %, not 7.000000000000001."""
     return round(share * 100, 9)
 
 
 def _opening(readings: Mapping[str, PlainValue]) -> str | None:
-    """Return the direction while it moves; at rest ``closed`` or ``open``, or the position between the two."""
+    """Return the direction while it moves; at rest ``closed``, ``open``, or a position in between."""
     movement = next((readings[name] for name in OPENING_WORDS if readings.get(name) is not None), None)
     position = readings.get("position")
     if movement in {"opening", "closing"} or not isinstance(position, float):

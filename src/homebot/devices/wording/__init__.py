@@ -1,1 +1,1 @@
-"""Devices, values and the journal as people and programs outside read them; of messages as JSON has them. Pure."""
+"""Devices, values and the journal in the form for people and external programs, from messages in JSON. Pure."""

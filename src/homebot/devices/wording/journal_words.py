@@ -1,4 +1,4 @@
-"""Entries of the journal, and explanations of a device, in words. Pure."""
+"""Journal entries, and explanations of a device, in words. Pure."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ __all__ = [
 ]
 
 Chain: TypeAlias = "list[JournalEntry]"
-"""The entries of a command, oldest first, or the entry of a change."""
+"""The entries of a command, oldest first, or the single entry of a change."""
 
 _LONGEST = 900.0
-"""Seconds after which a command has its outcome, unless it was given with a very long transition."""
+"""Seconds after which a command has an outcome, unless it has a very long transition."""
 
 _UNEXPLAINED = "no command explains it: somebody did it by hand, or it did so by itself"
 
@@ -50,8 +50,8 @@ _FINDINGS = {
     "command": "It changed {ago}: {reason}.",
     "change": "It changed {ago}: {reason}.",
     "heard": "It has been so since homebot first heard of it, {ago}.",
-    "retained": "It was so already {ago}; a retained value does not tell since when.",
-    "first": "It was so already {ago}, when it first told how it is.",
+    "retained": "It was so already {ago}; the age of a retained value is unknown.",
+    "first": "It was so already {ago}, when it first reported its state.",
 }
 
 _CLIENT = "client:"
@@ -64,7 +64,7 @@ _REQUESTS: Mapping[str, str] = {
 
 
 def entry_text(entry: JournalEntry, names: Mapping[str, str]) -> str:
-    """Return one entry as a clause, with the name of the device where it says something of it."""
+    """Return one entry as a clause, with the name of the device if it is about the device."""
     text = _entry_text(entry, names)
     return f"{text}, and {entry.folded:,} more times in the minute before" if entry.folded else text
 
@@ -75,7 +75,7 @@ def _entry_text(entry: JournalEntry, names: Mapping[str, str]) -> str:
 
 
 def repeats(entry: JournalEntry, before: JournalEntry | None) -> bool:
-    """Return whether *entry*, the outcome of a refused command, tells no more than the verdict *before* it."""
+    """Return whether *entry*, the outcome of a refused command, only repeats the verdict *before* it."""
     if before is None or (before.kind, entry.kind) != ("judged", "outcome"):
         return False
     result, verdict = entry.results[0], before.verdicts[0]
@@ -83,14 +83,14 @@ def repeats(entry: JournalEntry, before: JournalEntry | None) -> bool:
 
 
 def denial_text(entry: JournalEntry) -> str:
-    """Return why a request was denied, without the advice that the client got, and how often."""
+    """Return why, and how often, a request was denied, without the advice to the client."""
     reason = printable(entry.verdicts[0].reason.partition("; ")[0])
     times = _facts(entry).get("count", 1)
     return f"{reason} ({times:,.0f} times)" if isinstance(times, float) and times > 1 else reason
 
 
 def trigger_text(trigger: Trigger, names: Mapping[str, str]) -> str:
-    """Return the cause of a command as a clause; empty if it is not known."""
+    """Return the cause of a command as a clause; empty if unknown."""
     name = name_text(trigger.device, names, next((one.part for one in trigger.readings), ""))
     match trigger.kind:
         case "lease":
@@ -115,14 +115,14 @@ def settings_text(settings: Iterable[Setting | Reading]) -> str:
 
 
 def issuer_text(issuer: str) -> str:
-    """Return the issuer of a command: an app by its name, a client as one."""
+    """Return the issuer of a command: the name of an app, or "the client NAME"."""
     if issuer.startswith(_CLIENT):
         return f"the client {printable(issuer.removeprefix(_CLIENT), 60)}"
     return printable(issuer.removeprefix("/"), 60) or "somebody"
 
 
 def name_text(device: str, names: Mapping[str, str], part: str = "") -> str:
-    """Return the name of a device, or of its *part* where that is in *names* by ``ID#PART``; its id for no name."""
+    """Return the name of a device, or of its *part* if *names* has ``ID#PART``; without a name, the id."""
     return printable(names.get(f"{device}#{part}") or names.get(device) or device, 60)
 
 
@@ -133,7 +133,7 @@ def ago_text(seconds: float, now: float) -> str:
 
 
 def clock_text(time: Time, now: float) -> str:
-    """Return a time of day to a tenth of a second, in the computer's own time; with the date if it is not of today."""
+    """Return a local time of day to a tenth of a second, with the date unless it is today."""
     seconds = to_seconds(time)
     local = datetime.fromtimestamp(seconds, UTC).astimezone()
     today = datetime.fromtimestamp(now, UTC).astimezone().date()
@@ -178,7 +178,7 @@ _TEXTS: Mapping[str, Callable[[JournalEntry, str], str]] = {
     "handed_back": lambda entry, name: f"{name} is held {_wanted(entry)} again",
     "changed": lambda entry, name: f"{name} reported {_wanted(entry)}; no command explains it",
 }
-"""The clause of each kind of entry, with the name of the device; the others have that of their outcome."""
+"""The clause for each kind of entry, with the name of the device; for other kinds it is that of the outcome."""
 
 
 def _request_text(entry: JournalEntry) -> str:
@@ -205,7 +205,7 @@ def _setting_text(setting: Setting | Reading) -> str:
 
 
 def chains_of(entries: Iterable[JournalEntry]) -> list[Chain]:
-    """Return *entries* by command: those of one command follow each other, and a change is alone."""
+    """Group *entries* by command: entries of one command are adjacent, and a change is alone."""
     found: list[Chain] = []
     for entry in entries:
         if found and entry.command and found[-1][0].command == entry.command:
@@ -216,7 +216,7 @@ def chains_of(entries: Iterable[JournalEntry]) -> list[Chain]:
 
 
 def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
-    """Return in a clause why the device changed."""
+    """Return a clause that explains why the device changed."""
     last, first = chain[-1], chain[0]
     if first.kind == "changed":
         return _UNEXPLAINED
@@ -234,7 +234,7 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
 
 
 def finding_text(found: ExplainDeviceResponse, names: Mapping[str, str], now: float) -> str:
-    """Return in a sentence since when and why a device is as it is."""
+    """Return a sentence that explains since when and why a device is in its state."""
     chains = chains_of(found.entries)
     if found.finding == "none":
         no_change = "It reported no change after the newest command."
@@ -244,7 +244,7 @@ def finding_text(found: ExplainDeviceResponse, names: Mapping[str, str], now: fl
 
 
 def chain_lines(chains: Iterable[Chain], names: Mapping[str, str], now: float) -> Iterator[tuple[str, str]]:
-    """Yield the steps of *chains*, each with its time; the report that led to the first of them is one."""
+    """Yield the steps of *chains*, each with its time, including the report that led to the first one."""
     for number, chain in enumerate(chains):
         trigger = chain[0].trigger
         if number == 0 and (cause := trigger_text(trigger, names)):
@@ -254,13 +254,13 @@ def chain_lines(chains: Iterable[Chain], names: Mapping[str, str], now: float) -
 
 
 def was_obeyed(chain: Chain) -> bool:
-    """Return whether the device obeyed *chain*, or had the state already, and did not go back as far as is known."""
+    """Return whether the device obeyed *chain*, or already had the state, and is not known to have gone back."""
     results = [one.results[0].outcome for one in chain if one.kind in {"outcome", "reverted"}]
     return bool(results) and has_succeeded(results[-1])
 
 
 def result_text(chain: Chain, now: float) -> str:
-    """Return the outcome of a command, as it is known at *now*, in seconds since 1970."""
+    """Return the outcome of a command known at *now*, in seconds since 1970."""
     decided = [one for one in chain if one.kind in {"outcome", "reverted"}]
     if decided:
         return entry_text(decided[-1], {})
@@ -280,7 +280,7 @@ def _report_text(reports: Chain) -> str:
 
 
 def _doubt(chain: Chain) -> str:
-    """Return the observation of a witness against the report of the device; empty if none contradicted it."""
+    """Return the observation of a witness that contradicts the device's report; empty if there is none."""
     results = [one.results[0] for one in chain if one.kind == "outcome"]
     return next((printable(one.saw) for one in results if one.saw and one.witness), "")
 
@@ -290,7 +290,7 @@ def _commanded(entry: JournalEntry) -> str:
 
 
 def _informative(entries: Iterable[JournalEntry]) -> Iterator[JournalEntry]:
-    """Yield the informative entries: an acceptance only by a route or without a report, and a no once."""
+    """Yield the informative entries: an acknowledgement only with a route or without a report, a refusal only once."""
     shown = list(entries)
     has_report = any(one.kind == "reported" for one in shown)
     for before, one in zip([None, *shown], shown, strict=False):

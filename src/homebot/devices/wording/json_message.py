@@ -1,7 +1,7 @@
-"""Messages as JSON has them, read by attribute.
+"""Messages in JSON form, with attribute access.
 
-Typed as the messages themselves, ``cast("Device", JsonMessage(fields))``: to import these, and to check thousands of
-devices once more, takes longer than all else that a command does.
+They are typed like the messages, ``cast("Device", JsonMessage(fields))``: importing these, and validating thousands of
+devices again, would take longer than the rest of a command.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ __all__ = ["JsonMessage", "fields_of"]
 
 @final
 class JsonMessage:
-    """One message; its fields are attributes, and messages in them likewise."""
+    """One message; its fields are attributes, and nested messages work the same way."""
 
     __slots__ = ("_fields",)
 
@@ -34,7 +34,7 @@ class JsonMessage:
 
 
 def fields_of(message: Message) -> Mapping[str, object]:
-    """Return the fields of *message*, a :class:`JsonMessage`, as JSON has them."""
+    """Return the JSON fields of *message*, a :class:`JsonMessage`."""
     return cast("JsonMessage", message)._fields
 
 

@@ -1,4 +1,4 @@
-"""Times as people and programs read them."""
+"""Times as text for people and programs."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ def to_seconds(time: Time) -> float:
 
 
 def from_seconds(seconds: float) -> dict[str, int]:
-    """Return the time so many *seconds* after 1970 began, as a field of a request."""
+    """Return a time in *seconds* since 1970 as a field of a request."""
     sec, nanosec = divmod(round(seconds * _NANOSECONDS), _NANOSECONDS)
     return {"sec": sec, "nanosec": nanosec}
 
 
 def age(time: Time, now: float) -> str:
-    """Return the time from *time* to *now*, in the largest unit that fits."""
+    """Return the age of *time* at *now*, in the largest unit that fits."""
     return age_text(now - to_seconds(time))
 
 
@@ -39,17 +39,17 @@ def age_text(seconds: float) -> str:
 
 
 def ago(time: Time, now: float) -> str:
-    """Return :func:`age` as in ``5 s ago``; ``now`` below a second."""
+    """Return :func:`age` in the form ``5 s ago``; ``now`` below a second."""
     return f"{age(time, now)} ago" if now - to_seconds(time) >= _SPANS[-1][0] else "now"
 
 
 def iso(time: Time) -> str:
-    """Return *time* in ISO 8601, UTC, to the nearest millisecond: a float of seconds is a little off a whole one."""
+    """Return *time* in ISO 8601, UTC, to the nearest millisecond, because float seconds are inexact."""
     more, milliseconds = divmod(round(time.nanosec / 1_000_000), 1000)
     return f"{_to_the_second(time.sec + more)}.{milliseconds:03}Z"
 
 
 @lru_cache(maxsize=4096)
 def _to_the_second(sec: int) -> str:
-    """Return the time to the second; cached, because many devices report in one."""
+    """Return the time to the second; cached, because many devices report in the same second."""
     return datetime.fromtimestamp(sec, UTC).strftime("%Y-%m-%dT%H:%M:%S")

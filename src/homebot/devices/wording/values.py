@@ -39,7 +39,7 @@ _MOST = 4
 
 
 def state_text(device: Device) -> str:
-    """Return in short the last known state; ``unknown`` if there is none, empty if the device never reports."""
+    """Return the last known state in short form; ``unknown`` if there is none, empty if the device never reports."""
     values = {(one.part, one.capability): plain_value(one.value) for one in device.states}
     shown, reports_nothing = [], True
     for part in main_parts(device):
@@ -54,7 +54,7 @@ def state_text(device: Device) -> str:
 
 
 def life(device: Device) -> str:
-    """Return the availability of a device: the same in a table and on a page of its own."""
+    """Return the availability of a device, for tables and for its own page."""
     freshness = device.freshness
     if device.reachable.state == "no":
         return "unreachable" if freshness == "fresh" else f"{freshness}, unreachable"
@@ -62,7 +62,7 @@ def life(device: Device) -> str:
 
 
 def types(device: Device) -> str:
-    """Return the types that the device offers, each once; for one that sends plain text, its own word for that."""
+    """Return the distinct types that the device offers; for a device that sends plain text, its own word."""
     if device.parts and device.service_type not in DEVICE_TYPES:
         return device.service_type
     found = dict.fromkeys(type_text(one.part.service_type) for one in main_parts(device))
@@ -70,17 +70,17 @@ def types(device: Device) -> str:
 
 
 def type_text(name: str) -> str:
-    """Return a type for people: those that Matter does not have without the mark of that."""
+    """Return a type for people, without the prefix of types that are not in Matter."""
     return name.removeprefix("x_")
 
 
 def main_parts(device: Device) -> Sequence[DevicePart]:
-    """Return the parts that the device is there for; settings and self-observations where there is nothing else."""
+    """Return the main parts of the device; settings and diagnostics if there is nothing else."""
     return [one for one in device.parts if not one.part.category] or device.parts
 
 
 def value_text(capability: str, value: PlainValue, unit: str = "") -> str:
-    """Return a value with *unit*, or else that of the vocabulary: ``on``, ``40 %``, ``no smoke``."""
+    """Return a value with *unit*, by default that of the vocabulary: ``on``, ``40 %``, ``no smoke``."""
     match value:
         case None:
             return "unknown"
@@ -97,7 +97,7 @@ def value_text(capability: str, value: PlainValue, unit: str = "") -> str:
 
 
 def span(capability: Capability) -> str:
-    """Return which values it may have, in words; empty if nothing is known of that."""
+    """Return its possible values, in words; empty if unknown."""
     known = CAPABILITIES.get(capability.name, OWN)
     if capability.options:
         return ", ".join(capability.options)
@@ -107,13 +107,13 @@ def span(capability: Capability) -> str:
 
 
 def plain_value(value: Value) -> PlainValue:
-    """Return *value* of a message, or of one read as JSON, which has it plain; None if it is unknown."""
+    """Return *value* of a message or of its JSON form, where it is plain; None if unknown."""
     plain = value.plain() if hasattr(value, "plain") else value
     return cast("PlainValue", list(plain) if isinstance(plain, tuple) else plain)
 
 
 def is_topic(address: str) -> bool:
-    """Return whether *address* says anything to people: not so the one of a part that takes texts."""
+    """Return whether *address* is meaningful to people, unlike the text address of a part."""
     return bool(address) and not is_text_address(address)
 
 
