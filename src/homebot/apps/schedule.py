@@ -136,7 +136,7 @@ class Schedule:
         return job
 
     def _taken_over(self, name: str) -> Job | None:
-        """Return the timer from before a restart for a starting app, unless it was requested again."""
+        """Return the resumed timer *name* if this is its first request by a starting app; None otherwise."""
         is_first = name in self._resumed
         self._resumed.discard(name)
         return self._jobs.get(name) if is_first and CURRENT_CAUSE.get() is None else None

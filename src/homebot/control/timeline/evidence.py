@@ -39,7 +39,7 @@ class SendingPlan:
         lasts: Seconds from the first sending to the end.
         keeps_for: Seconds for which the network may store a sending.
         echo_patience: Seconds to wait after an echo for the device's own report; inf without echoes.
-        attempts: The number of sendings so far, including failed ones.
+        attempts: The number of sendings so far, including withheld ones.
         asked_at: When the last sending ended.
         began: When the first sending ended: a gateway may have had to connect first.
         lost_at: When the connection was last lost, or did not answer; -inf for never.
