@@ -5,8 +5,9 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from pydantic import BaseModel, ConfigDict
 
-from homebot.config import load_config
+from homebot.config import load_config, parse_settings
 from homebot.errors import ConfigError
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.history.settings import HistorySettings
@@ -100,3 +101,18 @@ def test_a_file_that_is_nested_too_deep_is_told_so(tmp_path: Path, text: str) ->
     file.write_text(text)
     with pytest.raises(ConfigError, match="nested too deep"):
         load_config(file)
+
+
+def test_a_model_that_says_nothing_of_further_keys_has_none() -> None:
+    """An author's own settings ignored a misspelt key, as pydantic's models do."""
+
+    class Own(BaseModel):
+        quiet: str = "5m"
+
+    class Open(Own):
+        model_config = ConfigDict(extra="ignore")
+
+    with pytest.raises(ConfigError, match=r"here: apps\.hall\.quiett: unknown key; did you mean quiet\?"):
+        parse_settings(Own, {"class": "hall:Hall", "quiett": "3m"}, "here", "apps.hall")
+    assert parse_settings(Own, {"class": "hall:Hall", "quiet": "3m"}, "here", "apps.hall").quiet == "3m"
+    assert parse_settings(Open, {"quiett": "3m"}, "here", "apps.hall").quiet == "5m"
