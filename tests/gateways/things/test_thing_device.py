@@ -15,6 +15,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.announced.sent_commands import sent_commands
 from homebot.gateways.things.thing_device import ThingDevice, ThingPayload, describe_thing
 from homebot.wot.binding import RequestBinding
 from homebot.wot.coap.resource_types import thing_of_links
@@ -369,3 +370,24 @@ async def test_a_value_in_an_unknown_unit_is_none() -> None:
     await rig.run_for(1)
     assert rig.host.values == {}
     assert len(rig.host.rejected) == 2
+
+
+def test_the_owner_sees_the_address_and_payload_of_each_command_before_an_approval() -> None:
+    """The action of a made-up lock may open the garage."""
+    forms = {"lock": [{"href": "web://garage/open"}], "unlock": [{"href": "off", "htv:methodName": "POST"}]}
+    actions = {name: {"@type": f"{name.title()}Action", "forms": form} for name, form in forms.items()}
+    state = {"@type": "LockedProperty", "type": "string", "readOnly": True, "forms": [{"href": "locked"}]}
+    lock = lamp(**{"@type": "Lock"}, properties={"locked": state}, actions=actions, events={})
+    assert shown(lock) == ["lock=locked: web://garage/open", "lock=unlocked: POST web://lamp/things/1/off"]
+    assert shown(lamp(events={})) == [
+        f"on_off=on: {ON} true",
+        f"on_off=off: {ON} false",
+        f"level=100: {BRIGHTNESS} 254",
+        f"blink: push=on: {BLINK}",
+    ]
+
+
+def shown(description: dict[str, Any]) -> list[str]:
+    """The commands of a thing, as the owner sees them."""
+    device = describe_thing(read_thing(description), "x", MadeUpPort().binding).described()
+    return [line for part in device.parts for line in sent_commands(part)]

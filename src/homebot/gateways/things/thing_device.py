@@ -14,13 +14,14 @@ from typing import Protocol
 import anyio
 
 from homebot.conventions.command_values import require_true
+from homebot.conventions.description import Publication, Publications
 from homebot.conventions.payload import clean_text, shown
 from homebot.devices.capabilities import implied_settings
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.device_runner import DriverHost
-from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.announced.gateway_device import GatewayDevice, ShowingCodec
 from homebot.support.isolation import run_as, ungrouped
 from homebot.wot.binding import Binding, ClassifiedAffordance, ClassifiedPart, RequestBinding
 from homebot.wot.classify import parts_of
@@ -77,16 +78,41 @@ POLL_EVERY = 30.0
 
 def describe_thing(thing: Thing, key: str, binding: Binding, *others: str) -> GatewayDevice:
     """Return *thing* as a device, by the forms that a *binding* chooses; *others* are identities such as its host."""
+    parts = parts_of(thing, binding)
     return GatewayDevice(
         key=key,
         name=clean_text(thing.title) or key,
-        parts=tuple(
-            one.part.model_copy(update={"name": clean_text(one.part.name)}) for one in parts_of(thing, binding)
-        ),
+        parts=tuple(one.part.model_copy(update={"name": clean_text(one.part.name)}) for one in parts),
+        codecs={one.part.id: _RequestCodec(one, binding) for one in parts},
         metadata=facts_of(thing),
         identifiers=identifiers_of(thing, *others),
         area=clean_text(thing.area),
     )
+
+
+@dataclass(frozen=True)
+class _RequestCodec(ShowingCodec):
+    """The codec of a part, which shows its requests."""
+
+    part: ClassifiedPart
+    binding: Binding
+
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
+        del transition
+        by, form, value = self.part.settable[capability].request(value)
+        return (Publication(f"{form.method} {form.href}".strip(), _encode(self.binding, by, form, value)),)
+
+
+def _encode(
+    binding: Binding, one: ClassifiedAffordance, form: Form, value: PlainValue, in_unit: Affordance | None = None
+) -> bytes:
+    if one.affordance.kind == "action":
+        require_true(one.capability.name, value)
+        return b""
+    format_ = binding.formats(form.content_type)
+    if format_ is None:
+        raise UnableError(f"the content type {form.content_type[:60]!r} is not understood")
+    return format_.encode(encode_document(one.capability, in_unit or one.affordance, value))
 
 
 @dataclass(slots=True, eq=False)
@@ -175,14 +201,8 @@ class ThingDevice:
             await self._ask_all(_grouped([(form, part, one) for form in forms[:1]]))
 
     def _payload(self, part: str, one: ClassifiedAffordance, form: Form, value: PlainValue) -> bytes:
-        if one.affordance.kind == "action":
-            require_true(one.capability.name, value)
-            return b""
-        format_ = self._port.binding.formats(form.content_type)
-        if format_ is None:
-            raise UnableError(f"the content type {form.content_type[:60]!r} is not understood")
-        affordance = self._in_units.get((part, one.capability.name), one.affordance)
-        return format_.encode(encode_document(one.capability, affordance, value))
+        in_unit = self._in_units.get((part, one.capability.name))
+        return _encode(self._port.binding, one, form, value, in_unit)
 
     def _sources(self) -> tuple[_ThingSource, ...]:
         """Split the readable properties into observed (returned) and polled ones."""
