@@ -34,6 +34,21 @@ def test_a_lock_of_keys_is_a_setting_by_its_name(name: str, service_type: str) -
 
 
 @pytest.mark.parametrize(
+    ("changed", "is_approved"),
+    [
+        ({"payload_unlock": "LOCK", "payload_lock": "UNLOCK"}, False),
+        ({"command_template": "UNLOCK"}, False),
+        ({"name": "Porch", "icon": "mdi:door", "state_locked": "yes", "value_template": "{{ value }}"}, True),
+    ],
+)
+def test_an_approval_of_a_lock_is_none_of_one_that_is_sent_something_else(
+    changed: dict[str, str], *, is_approved: bool
+) -> None:
+    approved, now = (homeassistant_part("lock", "lock", LOCK | more).part for more in ({}, changed))
+    assert (now.payloads == approved.payloads) is is_approved
+
+
+@pytest.mark.parametrize(
     ("zero", "full", "value", "percent"), [(0, 100, 33.3, 33), (100, 0, 20, 80), (3, 17, 10, 50), (0, 3, 2, 66)]
 )
 def test_a_scale_counts_whole_percents(zero: int, full: int, value: float, percent: float) -> None:
