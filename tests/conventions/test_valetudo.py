@@ -3,6 +3,7 @@
 import json
 import math
 import zlib
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -40,6 +41,17 @@ def test_each_pixel_of_a_real_map_is_in_its_own_room(sample: Path) -> None:
             at = found.segment_at((column * pixel + inside) / 100, (size - row * pixel - inside) / 100)
             assert at is not None
             assert (at[0].id, at[1]) == (segment, 0)
+
+
+@pytest.mark.parametrize("sample", SAMPLES, ids=lambda one: one.stem)
+def test_rooms_whose_pixels_touch_over_a_quarter_of_a_metre_are_joined(sample: Path) -> None:
+    payload = sample.read_bytes()
+    tables, found = json.loads(zlib.decompress(payload)), read_map(payload)
+    pixels, touching = pixels_of(tables), Counter[frozenset[str]]()
+    for (x, y), segment in pixels.items():
+        touching.update(frozenset((segment, pixels.get(beside, segment))) for beside in ((x + 1, y), (x, y + 1)))
+    wanted = {pair for pair, count in touching.items() if len(pair) > 1 and count * tables["pixelSize"] >= 25}
+    assert set(map(frozenset, found.joined())) == wanted != set()
 
 
 @pytest.mark.parametrize(

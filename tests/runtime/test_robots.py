@@ -3,7 +3,7 @@
 import json
 import math
 import zlib
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ from homebot.errors import ConfigError
 from homebot.graph import Node, qos_profile_latched
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import PoseStamped
-from homebot.places import read_places
+from homebot.places import HouseRoom, read_places
 from homebot.places.outline import simplified
 from homebot.places.polygon import Polygon
 from homebot.places.rigid import MapPose
@@ -86,11 +86,14 @@ class VacuumHouse:
         self._inbox.publish(self._message("MapData/map-data", payload))
         await anyio.sleep(2)
 
-    async def areas(self) -> dict[str, float]:
-        """Return the rooms that have an area, with its square metres."""
+    async def rooms(self) -> Sequence[HouseRoom]:
         table = parse_toml((await self._export.call(ExportPlacesRequest())).text, "")["places"]
         assert isinstance(table, dict)
-        rooms = read_places(table, "h", "", "import").rooms
+        return read_places(table, "h", "", "import").rooms
+
+    async def areas(self) -> dict[str, float]:
+        """Return the rooms that have an area, with its square metres."""
+        rooms = await self.rooms()
         return {room.name: round(Polygon(room.polygons[0][0]).area, 1) for room in rooms if room.polygons}
 
     async def where(self, robot: str = "dusty") -> WhereIsRobotResponse:
@@ -162,6 +165,18 @@ async def test_rooms_of_a_vacuum_s_map_follow_the_map_and_those_of_the_owner_sta
         tables["layers"] = [one for one in tables["layers"] if one["metaData"].get("name") != "Bad"]
         await house.say_map(packed(tables))
         assert (await house.areas()).keys() == {"Flur", "Kitchen"}
+
+
+@pytest.mark.virtual_time
+async def test_rooms_of_a_vacuum_s_map_that_touch_are_joined_also_to_rooms_of_the_owner(tmp_path: Path) -> None:
+    file, flur = tmp_path / "index.sqlite3", {"Flur": {"polygon": [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]}}
+    for names, joined in (({"5": "Kitchen"}, "Bad-Flur"), ({"5": "Kitchen", "6": "Study"}, "Flur-Study Kitchen-Study")):
+        async with vacuum_house(flur, file, segments=names, map_transform=LIES_AT) as house:
+            await house.say_map(DREAME)
+            doors = {"-".join(sorted((room.name, to))) for room in await house.rooms() for to in room.doors}
+            assert doors == {"Bad-Flur", *joined.split()}
+            assert (await house.areas())["Flur"] == 1.0
+            await anyio.sleep(60)
 
 
 @pytest.mark.virtual_time

@@ -9,7 +9,9 @@ Source: Valetudo 2026.08.0, ``backend/lib/entities/map``.
 import math
 import zlib
 from bisect import bisect_right
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import cycle
 from typing import Annotated, Final, Literal, NamedTuple, TypeAlias, final
 
 from pydantic import BaseModel, ConfigDict, FailFast, Field, ValidationError
@@ -29,6 +31,11 @@ _MAX_VALUES: Final = 100_000
 """Keys, lists and tables: in memory each takes a hundred times its length."""
 
 _NEARBY: Final = 0.5
+
+_DOORWAY: Final = 0.25
+"""Metres over which two segments touch, at least, where a door joins them."""
+
+_NONE: Final = -1
 
 _Pixels: TypeAlias = Annotated[int, Field(ge=0, le=20_000)]
 
@@ -77,6 +84,21 @@ class VacuumMap(NamedTuple):
         ]
         distance, number = min(near, default=(math.inf, 0))
         return (self.segments[number], distance * self.pixel) if distance <= reach else None
+
+    def joined(self) -> Iterator[tuple[str, str]]:
+        """Yield the ids of each two segments that touch as in a doorway, over 0.25 m or more."""
+        rows: dict[int, list[tuple[int, int]]] = {}
+        for number, segment in enumerate(self.segments):
+            for row, ends in segment.rows.items():
+                rows.setdefault(row, []).extend(zip(ends, cycle((number, _NONE)), strict=False))
+        pixels: Counter[frozenset[int]] = Counter()
+        for row, marks in rows.items():
+            for pair, length in _touching(marks, rows.get(row + 1, ())):
+                pixels[pair] += length
+        for pair, length in pixels.items():
+            if len(pair) > 1 and length * self.pixel >= _DOORWAY:
+                one, other = (self.segments[number].id for number in sorted(pair))
+                yield one, other
 
     def outline(self, segment: VacuumSegment) -> tuple[tuple[float, float], ...]:
         """Return the corners of the largest ring around the pixels of *segment*, in metres."""
@@ -146,6 +168,22 @@ def read_map(payload: bytes) -> VacuumMap:
         segments=tuple(map(_segment, layers)),
         robot=_pose(robots[-1], found.size.y) if robots else None,
     )
+
+
+def _touching(row: Iterable[tuple[int, int]], below: Iterable[tuple[int, int]]) -> Iterator[tuple[frozenset[int], int]]:
+    """Yield each two segments that touch in a row, or in it and the one *below*, and how many pixels do.
+
+    A row is given by the columns from which on its pixels are of a segment, by its number, or of none.
+    """
+    here, last, ended = [_NONE, _NONE], 0, (0, _NONE)
+    for x, side, number in sorted([*((x, 0, one) for x, one in row), *((x, 1, one) for x, one in below)]):
+        if _NONE not in here:
+            yield frozenset(here), x - last
+        if side == 0 and number == _NONE:
+            ended = x, here[0]
+        elif side == 0 and x == ended[0]:
+            yield frozenset((number, ended[1])), 1
+        last, here[side] = x, number
 
 
 def _inflated(payload: bytes) -> bytes:

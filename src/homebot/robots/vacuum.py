@@ -1,7 +1,7 @@
 """A Valetudo robot vacuum: its map, with rooms as segments, and its position on it."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Final
 
 import anyio
@@ -52,6 +52,7 @@ class Vacuum:
         self._map: VacuumMap | None = None
         self._first_id: str | None = None
         self._shapes: Mapping[str, Polygon] = {}
+        self._joined: tuple[tuple[str, str], ...] = ()
         self._lies_at: MapPose | None = None
         self._received_at = 0.0
         self._state = self._status = ""
@@ -72,13 +73,15 @@ class Vacuum:
             await self._arrived.wait()
             self._arrived = anyio.Event()
             try:
-                found, shapes = await to_thread.run_sync(_decoded, self._waiting, self._map, self._shapes)
+                found = await to_thread.run_sync(read_map, self._waiting)
+                if self._map is None or self._map.segments != found.segments:
+                    self._shapes, self._joined = await to_thread.run_sync(_rooms_of, found)
             except WireError as exc:
                 if self._log.allows(MAP_REFUSED) is not None:
                     self._node.log.warning(MAP_REFUSED, message=f"a map of {self._robot.name} is not read: {exc}")
                 continue
             self._warn_of_new_map(found)
-            self._map, self._shapes, self._received_at = found, shapes, self._robot.now()
+            self._map, self._received_at = found, self._robot.now()
             self._lies_at = self._place_of_map(found)
             if self._lies_at is not None:
                 await self._rooms.renew(self._house_rooms(found, self._lies_at))
@@ -117,13 +120,16 @@ class Vacuum:
         return fitted_pose(pairs)
 
     def _house_rooms(self, found: VacuumMap, lies_at: MapPose) -> list[HouseRoom]:
-        """Return the named rooms, in the frame ``map`` of the house."""
+        """Return the named rooms, in the frame ``map`` of the house, with doors where they touch."""
         rooms = []
+        names = {one.id: self._name_of(one) for one in found.segments if one.id in self._shapes}
         for one in found.segments:
-            if one.id in self._shapes and (name := self._name_of(one)):
+            if name := names.get(one.id):
+                doors = (names.get(other) for pair in self._joined for other in pair if one.id in pair)
                 corners = (lies_at.then(MapPose(x, y)) for x, y in self._shapes[one.id].rings[0])
                 ring = tuple((round(corner.x, 3), round(corner.y, 3)) for corner in corners)
-                rooms.append(HouseRoom(name, self._robot.settings.floor, polygons=((ring,),)))
+                to = tuple(other for other in doors if other and fold(other) != fold(name))
+                rooms.append(HouseRoom(name, self._robot.settings.floor, to, ((ring,),)))
         return rooms
 
     def _name_of(self, segment: VacuumSegment) -> str:
@@ -152,15 +158,10 @@ class Vacuum:
         robot.place(self._source, limit, position, age=robot.now() - self._received_at, by_robot=True, **place)
 
 
-def _decoded(
-    payload: bytes, before: VacuumMap | None, shapes: Mapping[str, Polygon]
-) -> tuple[VacuumMap, Mapping[str, Polygon]]:
-    """Return the map in *payload*, and the areas of its segments by id, reusing those of *before* if unchanged."""
-    found = read_map(payload)
-    if before is not None and before.segments == found.segments:
-        return found, shapes
+def _rooms_of(found: VacuumMap) -> tuple[Mapping[str, Polygon], tuple[tuple[str, str], ...]]:
+    """Return the areas of the segments of a map by their ids, and which of them a doorway joins."""
     outlines = ((one.id, simplified(found.outline(one))) for one in found.segments)
-    return found, {number: Polygon(ring) for number, ring in outlines if ring}
+    return {number: Polygon(ring) for number, ring in outlines if ring}, tuple(found.joined())
 
 
 class _ImportedRooms:
@@ -183,7 +184,7 @@ class _ImportedRooms:
                 if room.source == self._robot and fold(room.name) not in wanted:
                     self._report((await self._change.call(ChangeRoomRequest(room=room.name))).message)
             if new := [one for one in wanted.values() if self._may_replace(plan.room(one.name), one)]:
-                request = ImportPlacesRequest(text=places_text(HousePlan(plan.home, new)), source=self._robot)
+                request = ImportPlacesRequest(text=_text(plan.home, new), source=self._robot)
                 self._report((await self._import.call(request)).message)
         except (ConfigError, ServiceError) as exc:
             self._report(str(exc))
@@ -192,11 +193,17 @@ class _ImportedRooms:
         """Return whether *known*, a room of the house, has no area, or a different one from an earlier map."""
         if known is None or not known.polygons:
             return True
-        return known.source == self._robot and not _is_same(new, known)
+        has_doors = {*map(fold, new.doors)} <= {*map(fold, known.doors)}
+        return known.source == self._robot and not (has_doors and _is_same(new, known))
 
     def _report(self, problem: str) -> None:
         if problem:
             self._node.log.warning(NO_ROOMS, message=f"the rooms of a map do not match the house: {problem}")
+
+
+def _text(home: str, rooms: Sequence[HouseRoom]) -> str:
+    """Return the text of *rooms*, and of the names of those to which their doors lead."""
+    return places_text(HousePlan(home, (*rooms, *(HouseRoom(to) for one in rooms for to in one.doors))))
 
 
 def _is_same(first: HouseRoom, second: HouseRoom) -> bool:
