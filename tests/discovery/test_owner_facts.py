@@ -345,7 +345,7 @@ def test_a_room_is_called_as_the_devices_that_are_in_it_spell_it() -> None:
 
 @pytest.mark.parametrize(
     ("name", "reason"),
-    [("", "is empty"), ("x" * 101, "100 is the limit"), ("a\nb", "cannot be printed"), ("--", "no letter")],
+    [("", "is empty"), ("x" * 101, "100 is the limit"), ("a\nb", "an unprintable character"), ("--", "no letter")],
 )
 def test_a_name_that_cannot_be_one_is_refused(index: DeviceIndex, name: str, reason: str) -> None:
     for state in (index.places.place, lambda *args: index.places.add(args[0], "tag", *args[1:])):

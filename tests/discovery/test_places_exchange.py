@@ -41,7 +41,7 @@ def test_a_door_of_a_file_may_lead_to_a_room_that_the_house_has() -> None:
     ]
     for text in (json.dumps({"features": features}), '[places.rooms.Bath]\ndoors = ["Hall"]'):
         assert [room.name for room in parse_places(text, "Home", 0.0, house).rooms] == ["Bath"]
-        with pytest.raises(ConfigError, match=r"Hall|at Bath alone"):
+        with pytest.raises(ConfigError, match=r"Hall|only at Bath"):
             parse_places(text, "Home", 0.0)
 
 
