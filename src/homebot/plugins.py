@@ -314,7 +314,7 @@ def run_file(name: str, file: Path) -> ModuleType:
     """Run *file* as the module *name*, and register it unless it fails."""
     spec = importlib.util.spec_from_file_location(name, file)
     assert spec is not None  # noqa: S101 - for the type checker: its name ends with .py
-    assert spec.loader is not None  # noqa: S101 - likewise
+    assert spec.loader is not None  # noqa: S101 - as above
     module = sys.modules[name] = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)

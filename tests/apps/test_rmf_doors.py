@@ -104,7 +104,7 @@ async def test_a_door_stays_open_until_the_last_requester_closes_it_or_falls_sil
         await ask(requests, "anna", "Inner", OPEN, 10.0)
         with capture_logs() as lines:
             await ask(requests, "anna", "Iner", OPEN)
-        assert "'Iner' is no door with a lock or motor; did you mean Inner?" in lines[0]["message"]
+        assert "'Iner' is not a door with a lock or motor; did you mean Inner?" in lines[0]["message"]
         assert mode() == OPEN
         await ask(requests, "rosie", "Inner", CLOSED, 10.0)
         await ask(requests, "stranger", "Inner", CLOSED, 10.0)

@@ -123,7 +123,7 @@ async def test_an_app_is_loaded_from_a_file_and_unloaded(tmp_path: Path) -> None
         file = tmp_path / "porch.py"
         file.write_text(HALL.replace("Hall", "PorchLight").replace("first", "porch"))
         assert await runtime.app_manager.load(str(file)) == "loaded the app porch_light"
-        with pytest.raises(UsageError, match="porch_light runs already; `homebot app reload porch_light`"):
+        with pytest.raises(UsageError, match="porch_light is already running; `homebot app reload porch_light`"):
             await runtime.app_manager.load(str(file))
         await runtime.app_manager.reload("porch_light")
         assert [app.name for app in runtime.app_manager.apps] == ["hall", "porch_light"]

@@ -101,7 +101,7 @@ class RmfDoors(App[RmfDoorsSettings]):
         part, key = self._doors.get(name), (name, stated.requester_id.strip()[:100])
         if not key[1] or self._tasks is None or not isinstance(part, Closure | DoorLock):
             hint = did_you_mean(stated.door_name[:100], self._doors, "/door_states lists all doors")
-            problem = f"{stated.door_name[:100]!r} is no door with a lock or motor; {hint}"
+            problem = f"{stated.door_name[:100]!r} is not a door with a lock or motor; {hint}"
             self._warn(f"a request for a door was refused: {problem if key[1] else 'no requester is stated'}")
             return
         if stated.requested_mode.value == _OPEN:

@@ -71,7 +71,7 @@ class AppStores:
 
     @property
     def trouble(self) -> str:
-        """The trouble of the file, as text; empty if there is none."""
+        """The problem with the file, as text; empty if there is none."""
         return "" if self._kept is None else self._kept.trouble
 
     def of(self, app: str) -> Store:

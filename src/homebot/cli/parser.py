@@ -144,7 +144,7 @@ class PrintCompletion(argparse.Action):
         """Print it."""
         import shtab  # noqa: PLC0415 - used here alone
 
-        from homebot.cli.device_completion import DEVICE_NAMES  # noqa: PLC0415 - likewise
+        from homebot.cli.device_completion import DEVICE_NAMES  # noqa: PLC0415 - as above
 
         kinds = {"FILE": shtab.FILE, "DIR": shtab.DIRECTORY, "DEVICE": DEVICE_NAMES, "QUERY": DEVICE_NAMES}
         whole = self._whole_parser()

@@ -59,7 +59,7 @@ class Control:
         trusts_apps: Whether nodes without a scope may command devices that always ask, as in a simulated house.
         approves_all: Whether no device needs an approval, regardless of the settings, as in a simulated house.
         journal_file: The file of the journal and the device profiles; None to store neither.
-        store: Their store, in place of a file.
+        store: The store to use instead of a file.
         rehearsal: Answers commands in place of the devices; None if they are sent.
         detected: Motion sensors that detected a person before; see :meth:`detected`.
     """

@@ -89,7 +89,7 @@ class LearntPersistence:
             self._node.log.info(LOADED, message=text, count=kept)
         if problems:
             text = f"records learnt from earlier commands that were dropped: {len(problems)}, such as {problems[0]}"
-            self._node.log.warning(DROPPED, message=f"{text}; they are learnt anew", count=len(problems))
+            self._node.log.warning(DROPPED, message=f"{text}; they are learnt again", count=len(problems))
 
     def _restore(self, row: LearntRow) -> str:
         """Restore one row; return its problem, or an empty text."""

@@ -56,7 +56,7 @@ class FindingKind(Enum):
     EXTRA = "HB102", "missing library", ""
     FOLDER = "HB103", "folder for data", "make it yours, or name another one in HOMEBOT_DATA"
     FILE = "HB104", "kept file", "install the newer homebot again, or: homebot restore BACKUP"
-    PORT = "HB105", "port", "if homebot runs already, ask it: homebot doctor"
+    PORT = "HB105", "port", "if homebot is already running, ask it: homebot doctor"
     SECRET = "HB106", "secret", "", False
     NETWORK = "HB107", "not reachable", ""
     TROUBLE = "HB201", "problem of {}", ""

@@ -137,7 +137,7 @@ class AppManager:
             if planned.name in self._apps:
                 code.restore()
                 raise UsageError(
-                    f"the app {planned.name} runs already; `homebot app reload {planned.name}` loads it anew"
+                    f"the app {planned.name} is already running; `homebot app reload {planned.name}` reloads it"
                 )
             problem = await self._try(planned)
             if problem:

@@ -36,7 +36,7 @@ async def reload_changed_apps(
 ) -> None:
     """Call *reload* with the name of an app in *apps* when its file, or a file of its package, changes."""
     sources = await to_thread.run_sync(_sources, apps)
-    text = f"{', '.join(sources)}: reloaded on each change of the file" if sources else "no app is in a file of its own"
+    text = f"{', '.join(sources)}: reloaded on each change of the file" if sources else "no app has its own file"
     _log.info(WATCHED, message=text, apps=[*sources])
     task_status.started()
     if not sources:

@@ -331,7 +331,7 @@ def _house(name: str) -> World:
         from homebot.house import thesis_world  # noqa: PLC0415 - a real house needs no simulated one
 
         return thesis_world()
-    from homebot.house.description import load_world  # noqa: PLC0415 - likewise
+    from homebot.house.description import load_world  # noqa: PLC0415 - as above
 
     return load_world(_FAMILY_FOLDER / "house.toml" if name == FAMILY else Path(name))
 

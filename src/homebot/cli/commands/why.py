@@ -124,7 +124,7 @@ def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
     now = house_time(door)
     _print_state(device)
     if found.is_so:
-        print(f"So it is {_wanted(options)} already; `homebot why {_quoted(device)}` tells why.")
+        print(f"It is already {_wanted(options)}; `homebot why {_quoted(device)}` tells why.")
     if asked:
         _print_asked(asked, client, options, device, now, 1 if found.is_so else _MOST)
         if not found.is_so and was_obeyed(asked[-1]):

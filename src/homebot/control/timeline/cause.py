@@ -103,6 +103,6 @@ def _rests_where_sent(fact: Reported, command: CommandProgress) -> bool:
 
 
 def _last_sign(command: CommandProgress) -> float:
-    """Return when the command was last known to be at work."""
+    """Return the time of the last sign that the command was in progress."""
     moved_at = -float("inf") if command.moved_at is None else command.moved_at
     return max(command.sent_at, moved_at, *command.met_times, *command.accepted.values(), command.given_at)

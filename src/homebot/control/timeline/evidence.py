@@ -124,7 +124,7 @@ def _no_answer(progress: CommandProgress, waited: float) -> NoAnswer:
 
 
 def _answer_until(progress: CommandProgress, plan: SendingPlan, echo_until: float) -> float:
-    """Return until when the answer to the last sending may come; later while the device is on its way."""
+    """Return the deadline for an answer to the last sending; it is later while the device is on its way."""
     until = min(plan.asked_at + plan.interval, plan.began + plan.lasts)
     if progress.moved_at is None:
         return min(until, echo_until)

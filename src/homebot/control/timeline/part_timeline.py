@@ -145,7 +145,7 @@ class PartTimeline:
         return next_at
 
     def advance(self, now: float) -> None:
-        """End the commands that waited in vain for a further report."""
+        """End the commands that waited for a further report that did not come."""
         for one in self._active:
             if one.settling is not None and not one.settling.is_over:
                 one.settling.advance(now)

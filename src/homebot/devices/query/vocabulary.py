@@ -136,16 +136,16 @@ ABILITIES: Mapping[str, Query] = MappingProxyType(
 ADJECTIVES: Mapping[str, tuple[StateIs, ...]] = MappingProxyType(
     {
         "on": (StateIs("on_off", "=", True),),  # noqa: FBT003 - a value, not a switch
-        "off": (StateIs("on_off", "=", False),),  # noqa: FBT003 - likewise
+        "off": (StateIs("on_off", "=", False),),  # noqa: FBT003 - as above
         "open": (
-            StateIs("contact", "=", True),  # noqa: FBT003 - likewise
+            StateIs("contact", "=", True),  # noqa: FBT003 - as above
             StateIs("movement", "=", "open"),
             StateIs("valve", "=", "open"),
             StateIs("position", ">", 0.0),
             StateIs("lock", "=", "open"),
         ),
         "closed": (
-            StateIs("contact", "=", False),  # noqa: FBT003 - likewise
+            StateIs("contact", "=", False),  # noqa: FBT003 - as above
             StateIs("movement", "=", "closed"),
             StateIs("valve", "=", "closed"),
             StateIs("position", "=", 0.0),
@@ -156,12 +156,12 @@ ADJECTIVES: Mapping[str, tuple[StateIs, ...]] = MappingProxyType(
         "unlocked": (
             StateIs("lock", "=", "unlocked"),
             StateIs("lock", "=", "open"),
-            StateIs("unlocked", "=", True),  # noqa: FBT003 - likewise
+            StateIs("unlocked", "=", True),  # noqa: FBT003 - as above
         ),
-        "occupied": (StateIs("occupancy", "=", True),),  # noqa: FBT003 - likewise
-        "unoccupied": (StateIs("occupancy", "=", False),),  # noqa: FBT003 - likewise
-        "wet": (StateIs("water_leak", "=", True),),  # noqa: FBT003 - likewise
-        "dry": (StateIs("water_leak", "=", False),),  # noqa: FBT003 - likewise
+        "occupied": (StateIs("occupancy", "=", True),),  # noqa: FBT003 - as above
+        "unoccupied": (StateIs("occupancy", "=", False),),  # noqa: FBT003 - as above
+        "wet": (StateIs("water_leak", "=", True),),  # noqa: FBT003 - as above
+        "dry": (StateIs("water_leak", "=", False),),  # noqa: FBT003 - as above
         "jammed": (StateIs("lock", "=", "jammed"),),
         "cleaning": (StateIs("vacuum", "=", "cleaning"),),
         "playing": (StateIs("playback", "=", "playing"),),

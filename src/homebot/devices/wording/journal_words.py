@@ -144,7 +144,7 @@ def clock_text(time: Time, now: float) -> str:
 def _verdict_text(entry: JournalEntry, _name: str) -> str:
     verdict = entry.verdicts[0]
     reason = f": {printable(verdict.reason)}" if verdict.reason else ""
-    return f"{printable(verdict.policy)} {'allowed it' if verdict.allowed else 'said no'}{reason}"
+    return f"{printable(verdict.policy)} {'allowed it' if verdict.allowed else 'refused it'}{reason}"
 
 
 def _ended_text(entry: JournalEntry, name: str) -> str:
