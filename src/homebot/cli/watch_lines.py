@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal, TypeAlias, TypeVar, final
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias, final
 
 from homebot.devices.outcomes import has_succeeded
 from homebot.devices.wording.journal_words import entry_text, issuer_text, name_text, settings_text, trigger_text
 from homebot.devices.wording.time_format import to_seconds
 from homebot.devices.wording.values import plain_value
+from homebot.support.bounded_map import BoundedMap
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -32,8 +33,6 @@ _MOST: Final = 10_000
 """The limit of known values, and of commands; the oldest are dropped."""
 
 _CAUSES: Final = {"person": "by hand", "device": "by itself", "unknown": "by hand or by itself", "command": "raw text"}
-_KeyT = TypeVar("_KeyT")
-_ValueT = TypeVar("_ValueT")
 _Place: TypeAlias = tuple[str, str, str]
 _Value: TypeAlias = tuple[str, str, str, str]
 """Device, part, capability, and the value as text."""
@@ -86,15 +85,15 @@ class HouseLines:
 
     def __init__(self, names: Mapping[str, str]) -> None:
         self._names = names
-        self._values: dict[_Place, str] = {}
-        self._commands: dict[str, _Command] = {}
-        self._explained: dict[_Value, tuple[str, str]] = {}
+        self._values: BoundedMap[_Place, str] = BoundedMap(_MOST)
+        self._commands: BoundedMap[str, _Command] = BoundedMap(_MOST)
+        self._explained: BoundedMap[_Value, tuple[str, str]] = BoundedMap(_MOST)
         self._waiting: deque[_WaitingLine] = deque()
 
     def learn(self, device: str, readings: Iterable[Reading | State]) -> None:
         """Record known values, which are not changes."""
         for one in readings:
-            _bounded(self._values)[device, one.part, one.capability] = str(plain_value(one.value))
+            self._values[device, one.part, one.capability] = str(plain_value(one.value))
 
     def add_change(self, change: StateChange, now: float) -> None:
         """Add a line for the values of *change* that differ from the known ones."""
@@ -102,7 +101,7 @@ class HouseLines:
         for one in change.readings:
             place, text = (change.device, one.part, one.capability), str(plain_value(one.value))
             if self._values.get(place) != text:
-                _bounded(self._values)[place] = text
+                self._values[place] = text
                 changed.append(one)
         if not changed:
             return
@@ -136,7 +135,7 @@ class HouseLines:
             return  # a text of an app, which is already a request
         values = {one.capability: plain_value(one.value) for one in entry.settings}
         words = settings_text(entry.settings) if entry.settings else repr(printable(entry.text, 60))
-        _bounded(self._commands)[entry.command] = _Command(values, words)
+        self._commands[entry.command] = _Command(values, words)
         cause = trigger_text(entry.trigger, self._names)
         self._add(entry, "command", values, f"→ {words}", f"because {cause}" if cause else "", now)
 
@@ -156,7 +155,7 @@ class HouseLines:
             key = (entry.device, entry.part, one.capability, str(plain_value(one.value)))
             waiting = next((each for each in self._waiting if key in each.keys and not each.line.why), None)
             if waiting is None:
-                _bounded(self._explained)[key] = why, issuer
+                self._explained[key] = why, issuer
             else:
                 waiting.line.why, waiting.line.issuer, waiting.due = why, issuer, 0.0
 
@@ -190,10 +189,3 @@ def fitted(cells: tuple[str, ...], width: int | None) -> str:
     left = room - len(issuer) - 2
     cut = printable(why, left) if left > 0 else ""
     return f"{begin}  {cut:<{min(_WHY, max(left, 0))}}  {issuer}".rstrip()[:width]
-
-
-def _bounded(known: dict[_KeyT, _ValueT]) -> dict[_KeyT, _ValueT]:
-    """Return *known* with room for one more."""
-    if len(known) >= _MOST:
-        del known[next(iter(known))]
-    return known
