@@ -21,6 +21,7 @@ __all__ = ["ServedShelly"]
 
 UNAUTHORIZED = 401
 ALGORITHM = "SHA-256"
+NONCE = 1625038762
 OPEN_METHODS = frozenset({"Shelly.GetDeviceInfo"})
 
 
@@ -33,17 +34,14 @@ class ServedShelly(ServedWebDevice):
         on_command: Callable[[str], None],
         *,
         address: str = "127.0.0.1",
-        port: int = 0,
         announced: bool = False,
         password: str = "",
-        nonce: Callable[[], int] = lambda: 1625038762,
     ) -> None:
-        super().__init__(device, on_command, address=address, port=port, announced=announced)
+        super().__init__(device, on_command, address=address, announced=announced)
         self.refused_calls = 0
         self._dialect = ShellyRpcDialect()
         self._password = password
-        self._make_nonce = nonce
-        self._nonces: dict[int, int] = {}
+        self._count: int | None = None  # that of the last signed call; None before the first challenge
 
     @property
     def id(self) -> str:
@@ -116,9 +114,8 @@ class ServedShelly(ServedWebDevice):
         }
 
     def _refusal(self, call: Mapping[str, object]) -> dict[str, object]:
-        nonce = self._make_nonce()
-        self._nonces = {nonce: 0}
-        challenge = {"auth_type": "digest", "nonce": nonce, "nc": 1, "realm": self.id, "algorithm": ALGORITHM}
+        self._count = 0
+        challenge = {"auth_type": "digest", "nonce": NONCE, "nc": 1, "realm": self.id, "algorithm": ALGORITHM}
         error = {"code": UNAUTHORIZED, "message": json.dumps(challenge)}
         return {"id": call.get("id"), "src": self.id, "dst": call.get("src"), "error": error}
 
@@ -126,15 +123,15 @@ class ServedShelly(ServedWebDevice):
         """Return whether *auth* correctly answers the last challenge with an unused count."""
         if not isinstance(auth, dict):
             return False
-        nonce, count = auth.get("nonce"), auth.get("nc", 1)
-        if not isinstance(nonce, int) or not isinstance(count, int) or count <= self._nonces.get(nonce, count):
+        count = auth.get("nc", 1)
+        if self._count is None or auth.get("nonce") != NONCE or not isinstance(count, int) or count <= self._count:
             return False
         secret = _hash("admin", self.id, self._password)
         request = _hash("dummy_method", "dummy_uri")
-        right = _hash(secret, str(nonce), str(count), str(auth.get("cnonce")), "auth", request)
+        right = _hash(secret, str(NONCE), str(count), str(auth.get("cnonce")), "auth", request)
         if auth.get("response") != right:
             return False
-        self._nonces[nonce] = count
+        self._count = count
         return True
 
     def _answer_http(self, call: Mapping[str, object], *, whole: bool) -> WebReply:
