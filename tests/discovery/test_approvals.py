@@ -126,6 +126,16 @@ def test_what_joins_an_approved_device_with_the_same_identifiers_is_not_approved
     assert not waits_for_approval(only(again))
 
 
+def test_what_joins_an_approved_device_neither_names_nor_places_it(index: DeviceIndex, lock: Sighting) -> None:
+    """A right to the lock in the shed, or called so, would be one to this lock."""
+    index.observe(lock)
+    index.places.approve("door", 1.0)
+    index.observe(announce("sensor/evil", part_of("x_sensor"), ids=(MAC,), name="Shed lock", area="Shed"), 2.0)
+    assert (only(index).names, only(index).area) == (("Door",), "")
+    index.places.disapprove("door")
+    assert (only(index).names, only(index).area) == (("Door", "Shed lock"), "Shed")
+
+
 @pytest.mark.parametrize("kind", ["light", "switch", "x_setting"])
 @pytest.mark.parametrize("relay", [("door_lock", "lock", ""), ("switch", "on_off", "Gate")])
 def test_what_joins_on_the_topic_of_a_lock_always_asks(

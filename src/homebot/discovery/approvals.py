@@ -62,6 +62,13 @@ class ApprovalRegistry:
                     description = CommandDescription.of(part, source.sighting.identifiers)
                     yield place, approval, description.changes(approval.description)
 
+    def approved(self, sources: Collection[SourceRecord]) -> tuple[SourceRecord, ...]:
+        """Return those of *sources* with an approved part, also if it changed since: others only joined these."""
+        known = self._by_place
+        return tuple(
+            one for one in sources if known and any((*one.key, part.id) in known for part in one.sighting.parts)
+        )
+
     def records(self) -> Iterator[tuple[str, str, str, CommandDescription, float]]:
         """Yield gateway, key, part, description and time of each, for the index file."""
         return ((*place, *approval) for place, approval in self._by_place.items())

@@ -71,6 +71,8 @@ def describe_device(
     parts = merged.believed
     main = main_part(parts)
     believed = tuple(filterfalse(_IS_CLAIMED, ordered)) or ordered
+    if len(believed) > 1 and owner is not None:
+        believed = owner.approvals.approved(believed) or believed
     area, outer_areas = next(filter(None, map(_AREA, believed)), ""), NO_AREAS
     facts = _facts(ordered)
     given = _given_in_hub(facts)
