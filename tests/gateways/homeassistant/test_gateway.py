@@ -70,6 +70,18 @@ class NamingHomeAssistant(SimulatedHomeAssistant):
         peer.send(as_json({"id": asked["id"], "type": "result", "success": True, "result": entries}))
 
 
+class GuardedHomeAssistant(SimulatedHomeAssistant):
+    """Home Assistant 2024.3 for a user who is no administrator."""
+
+    def receive(self, peer: WebPeer, message: bytes) -> None:
+        asked = as_object(message)
+        if asked.get("event_type") not in {"floor_registry_updated", "label_registry_updated"}:
+            super().receive(peer, message)
+            return
+        error = {"code": "unauthorized", "message": "Unauthorized"}
+        peer.send(as_json({"id": asked["id"], "type": "result", "success": False, "error": error}))
+
+
 class House(WatchedGateway):
     """A lock in a simulated Home Assistant, and what the gateway says of it."""
 
@@ -122,6 +134,14 @@ async def test_the_aliases_of_an_entity_are_further_names_of_its_device(tmp_path
     async with house(tmp_path, NamingHomeAssistant()) as seen:
         sighting = await seen.sighted(parts=1)
     assert next(one.value for one in sighting.metadata if one.key == "aliases").endswith("Portal")
+
+
+async def test_a_user_who_may_not_follow_floors_and_labels_is_served(tmp_path: Path) -> None:
+    home = GuardedHomeAssistant()
+    home.floors["hall"] = "Ground floor"
+    async with house(tmp_path, home) as seen:
+        sighting = await seen.sighted(parts=1)
+    assert next(one.value for one in sighting.metadata if one.key == "floor") == "Ground floor"
 
 
 async def test_a_renamed_area_is_the_new_room_and_a_change_of_nothing_else_says_nothing(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext, suppress
 from typing import ClassVar, Final
 
 import anyio
@@ -90,7 +91,8 @@ class HomeAssistantGateway(LinkedGateway):
         self._entities.celsius = as_fields(config.get("unit_system")).get("temperature") != "°F"
         for registry in REGISTRIES:
             args = {"event_type": f"{registry}_registry_updated"}
-            await link.call("the registries", "subscribe_events", args, self._on_registry)
+            with _suppress_refusal(registry):
+                await link.call("the registries", "subscribe_events", args, self._on_registry)
         await self._list(set(REGISTRIES))
         self._entities.lose_all()
         loaded = anyio.Event()
@@ -105,17 +107,12 @@ class HomeAssistantGateway(LinkedGateway):
 
     async def _list(self, registries: set[str]) -> None:
         for registry in REGISTRIES:
-            if registry not in registries:
-                continue
-            try:
-                listed = await self._link.call(f"the {registry}s", f"config/{registry}_registry/list")
-                if registry == "entity":
-                    listed = await self._with_aliases(listed)
-            except RefusedError:
-                if registry in {"device", "entity", "area"}:
-                    raise
-                continue  # floors and labels came in 2024.3
-            self._entities.registries.put(registry, listed)
+            if registry in registries:
+                with _suppress_refusal(registry):
+                    listed = await self._link.call(f"the {registry}s", f"config/{registry}_registry/list")
+                    if registry == "entity":
+                        listed = await self._with_aliases(listed)
+                    self._entities.registries.put(registry, listed)
 
     async def _with_aliases(self, listed: object) -> object:
         """Return the entries of entities with their aliases, which the list omits."""
@@ -252,3 +249,8 @@ class HomeAssistantGateway(LinkedGateway):
             if command.code:  # the reason may contain it
                 raise RefusedError(what, "Home Assistant refuses it, or the code is wrong") from None
             raise exc from None
+
+
+def _suppress_refusal(registry: str) -> AbstractContextManager[object, bool | None]:
+    """Suppress a refusal of floors and labels: they came in 2024.3, which lets only administrators follow them."""
+    return suppress(RefusedError) if registry in {"floor", "label"} else nullcontext()
