@@ -53,7 +53,7 @@ def test_a_run_is_recorded_and_replayed(tmp_path: Path) -> None:
         while not (tmp_path / "day.jsonl.gz").exists():
             assert recorder.poll() is None
         refused = shell.run("homebot record other.jsonl")
-        assert (refused.returncode, "makes one recording at a time" in refused.stderr) == (1, True)
+        assert (refused.returncode, "makes one recording for clients at a time" in refused.stderr) == (1, True)
         assert not (tmp_path / "other.jsonl").exists()
         assert shell.run(f"homebot do {LAMP} on").returncode == 0
         out, err = recorder.communicate(timeout=PATIENCE)
