@@ -20,6 +20,7 @@ REFERENCE = 0.005
 """Seconds of the processor for :func:`_work` on the reference machine; a virtual one with two cores."""
 
 _PULSE = 0.05
+_SOME = 0.005
 
 
 class Turns:
@@ -45,6 +46,12 @@ class Turns:
         while True:
             self.take()
             await anyio.lowlevel.checkpoint()
+
+    async def take_some(self) -> None:
+        """Take a turn each few milliseconds, until it is cancelled: the longest is then of all turns between two."""
+        while True:
+            self.take()
+            await anyio.sleep(_SOME)
 
 
 async def longest_turn(measure: Callable[[Turns], Awaitable[None]], *, limit: float) -> float:

@@ -10,6 +10,7 @@ import anyio
 import pytest
 from tests.mqtt.client.mosquitto_broker import MOSQUITTO, MosquittoBroker
 from tests.patience import PATIENCE
+from tests.turns import Turns
 
 from homebot.config import parse_config
 from homebot.devices import Devices
@@ -21,6 +22,7 @@ from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.runtime import Runtime
+from homebot.testing.contexts import in_background
 
 pytestmark = [pytest.mark.system, pytest.mark.skipif(MOSQUITTO is None, reason="mosquitto is not installed")]
 
@@ -80,7 +82,12 @@ async def home(device: AbsentDevice, protocol: MqttProtocol) -> AsyncIterator[tu
         "discovery": {"persist": False},
         "control": {"timeout": TIMEOUT},
     }
-    async with Runtime(parse_config(tables, "test"), with_door=False) as runtime, Node(runtime.graph, "app") as node:
+    turns = Turns()
+    async with (
+        Runtime(parse_config(tables, "test"), with_door=False) as runtime,
+        Node(runtime.graph, "app") as node,
+        in_background(turns.take_some),
+    ):
         devices = Devices(node)
         with anyio.fail_after(PATIENCE):
             while True:
@@ -90,6 +97,7 @@ async def home(device: AbsentDevice, protocol: MqttProtocol) -> AsyncIterator[tu
                     break
                 await anyio.sleep(0.05)
         yield lamps[0], buttons[0]
+    print(f"longest turn {1000 * turns.longest:.1f} ms")
 
 
 async def test_a_device_that_was_away_obeys_no_repetition_over_mqtt_3_1_1() -> None:
