@@ -225,6 +225,21 @@ def test_an_approval_returns_to_its_own_after_a_merge_and_a_split(index: DeviceI
     assert approved(index) == []
 
 
+def test_two_approved_devices_that_an_announcement_makes_one_wait_again(index: DeviceIndex, lock: Sighting) -> None:
+    """A program with a right to the lock of the shed would have one to the front door."""
+    shed = part_of("door_lock", "lock", id="s", writes=("shed/set",))
+    index.observe(lock)
+    index.observe(announce("lock/shed", shed, ids=("id:shed17",), name="Shed lock"))
+    index.places.approve("door", 1.0)
+    index.places.approve("shed_lock", 2.0)
+    index.observe(announce("sensor/evil", part_of("x_sensor"), ids=(MAC, "id:shed17")), 3.0)
+    assert len(only(index).parts) == 3
+    assert not is_approved(only(index))
+    assert waits_for_approval(only(index))
+    index.places.approve(only(index).id, 4.0)
+    assert is_approved(only(index))
+
+
 def test_approvals_are_bounded(lock: Sighting) -> None:
     owner = OwnerFacts("Home", NO_PLACES, 5.0)
     some = CommandDescription("", (), (), (), "")

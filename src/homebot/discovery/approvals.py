@@ -15,6 +15,9 @@ MAX_APPROVALS = 10_000
 """Most approved parts; further ones are refused."""
 
 
+_MERGED = "it is one device now with others, which were approved separately"
+
+
 class Approval(NamedTuple):
     """An approval of one announced part.
 
@@ -61,6 +64,16 @@ class ApprovalRegistry:
                 if (approval := self._by_place.get(place)) is not None:
                     description = CommandDescription.of(part, source.sighting.identifiers)
                     yield place, approval, description.changes(approval.description)
+
+    def of_device(self, sources: Collection[SourceRecord]) -> tuple[tuple[PartPlace, Approval, str], ...]:
+        """Return the approvals of a device, as :meth:`of`; they count only if all were given at once.
+
+        Others are of devices that became one since: a right to one of them is none to the others.
+        """
+        found = tuple(self.of([one for one in sources if not one.is_claimed]))
+        if len({approval.said_at for _, approval, change in found if not change}) < 2:
+            return found
+        return tuple((place, approval, change or _MERGED) for place, approval, change in found)
 
     def approved(self, sources: Collection[SourceRecord]) -> tuple[SourceRecord, ...]:
         """Return those of *sources* with an approved part, also if it changed since: others only joined these."""

@@ -233,7 +233,7 @@ class Entry:
             if owner is not None and not owner.is_empty:
                 if stated := owner.of(self.id, sources):
                     self._description = with_stated_facts(self._description, stated, owner.plan)
-                self._description = with_approvals(self._description, tuple(owner.approvals.of(sources)))
+                self._description = with_approvals(self._description, owner.approvals.of_device(sources))
             if self.known_ids:
                 self.known_ids = lost_ids(self.known_ids, self._description.merged.places)
         return self._description
