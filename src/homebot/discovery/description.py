@@ -70,9 +70,7 @@ def describe_device(
     merged = _with_sirens(merge_parts(ordered, topics, known_ids), first)
     parts = merged.believed
     main = main_part(parts)
-    believed = tuple(filterfalse(_IS_CLAIMED, ordered)) or ordered
-    if len(believed) > 1 and owner is not None:
-        believed = owner.approvals.approved(believed) or believed
+    believed = ordered if len(ordered) == 1 else _believed(ordered, owner)
     area, outer_areas = next(filter(None, map(_AREA, believed)), ""), NO_AREAS
     facts = _facts(ordered)
     given = _given_in_hub(facts)
@@ -109,6 +107,13 @@ _PAIR: Final = attrgetter("key", "value")
 _NAME: Final = attrgetter("sighting.name")
 _AREA: Final = attrgetter("sighting.area")
 _IDENTIFIERS: Final = attrgetter("sighting.identifiers")
+
+
+def _believed(sources: Sequence[SourceRecord], owner: OwnerFacts | None) -> Sequence[SourceRecord]:
+    """Return those of *sources* that name and place their device: nothing that joined an approved device does."""
+    believed = tuple(filterfalse(_IS_CLAIMED, sources)) or sources
+    return believed if owner is None else owner.approvals.approved(believed) or believed
+
 
 _RELAYS: Final = frozenset({"plug", "switch"})
 
