@@ -5,7 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from pydantic import BaseModel, ConfigDict
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 
 from homebot.config import load_config, parse_settings
 from homebot.errors import ConfigError
@@ -112,7 +112,11 @@ def test_a_model_that_says_nothing_of_further_keys_has_none() -> None:
     class Open(Own):
         model_config = ConfigDict(extra="ignore")
 
+    class Renamed(Own):
+        quiet: str = Field("5m", validation_alias=AliasChoices("quiet", "silent"))
+
     with pytest.raises(ConfigError, match=r"here: apps\.hall\.quiett: unknown key; did you mean quiet\?"):
         parse_settings(Own, {"class": "hall:Hall", "quiett": "3m"}, "here", "apps.hall")
     assert parse_settings(Own, {"class": "hall:Hall", "quiet": "3m"}, "here", "apps.hall").quiet == "3m"
     assert parse_settings(Open, {"quiett": "3m"}, "here", "apps.hall").quiet == "5m"
+    assert parse_settings(Renamed, {"silent": "3m"}, "here", "apps.hall") == Renamed(silent="3m")

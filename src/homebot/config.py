@@ -36,6 +36,7 @@ from pydantic import (
     Field,
     ValidationError,
     ValidationInfo,
+    create_model,
     field_validator,
     model_validator,
 )
@@ -228,9 +229,11 @@ def parse_settings(
             ``others``.
     """
     try:
-        values = {name: value for name, value in table.items() if name != "class"}
-        text = to_json(values, inf_nan_mode="constants")
-        settings = model.model_validate_json(text, strict=True, context=in_folder(folder))
+        text = to_json({name: value for name, value in table.items() if name != "class"}, inf_nan_mode="constants")
+        if "extra" not in model.model_config:  # a plain BaseModel ignores misspelt keys
+            strict = create_model(model.__name__, __base__=model, __cls_kwargs__={"extra": "forbid"})
+            strict.model_validate_json(text, strict=True, context=in_folder(folder))
+        return model.model_validate_json(text, strict=True, context=in_folder(folder))
     except ValidationError as exc:
         found = exc.errors(include_url=False, include_context=False)[:_MOST_ERRORS]
         error, *others = [_config_error(model, one, source, key) for one in found]
@@ -239,11 +242,6 @@ def parse_settings(
         raise error from None
     except PydanticSerializationError:
         raise ConfigError(source, key, "is nested too deep") from None
-    if "extra" not in model.model_config:  # a plain BaseModel ignores misspelt keys
-        known = [field.alias or name for name, field in model.model_fields.items()]
-        for name in values.keys() - known:
-            raise ConfigError(source, f"{key}.{name}", unknown_key(name, known))
-    return settings
 
 
 @contextmanager
