@@ -209,7 +209,7 @@ class Devices:
         Raises:
             RefusedError: The device accepts no commands, its gateway only observes, or a policy or lease refuses it.
             LinkError: No gateway of the device is running and connected, or the control layer is away; nothing was
-            sent.
+                sent.
         """
         return await self._view.commander.send_text(device, payload)
 

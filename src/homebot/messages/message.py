@@ -115,7 +115,7 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of a frozen
         ros_type: The full ROS name of the type, ``package/msg/Name``; given as ``class Name(Message, ros_type=…)``, by
             default ``<top-level package>/msg/<class>``.
         key_field: Name of the field that identifies an instance on a topic (a DDS key), ``field.field`` in a nested
-        message; a topic of a type with a key field keeps its history per key.
+            message; a topic of a type with a key field keeps its history per key.
 
     Raises:
         UsageError: The key field of a class does not exist.
