@@ -167,6 +167,9 @@ def test_a_further_route_to_an_approved_part_is_not_approved_and_reports_nothing
     index.report(tell(lock, "lock", "unlocked", part="l", at=10))
     index.report(tell(twin, "lock", "locked", part="l", at=20))
     assert [one.value.plain() for one in only(index).states] == ["unlocked"]
+    index.observe(lock.model_copy(update={"identifiers": (MAC, "id:changed")}), 25.0)
+    assert not is_approved(only(index))
+    assert [one.value.plain() for one in only(index).states] == ["unlocked"]
     index.places.approve("door", 30.0)
     assert [one.value.plain() for one in only(index).states] == ["locked"]
 

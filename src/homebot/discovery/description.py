@@ -231,18 +231,21 @@ def with_approvals(
     if not facts:
         return described
     parts = [_with_approved_routes(part, digests) for part in described.merged.parts]
+    joined = frozenset(_joined(parts, frozenset(place for place, _, _ in approvals)))
     return replace(
         described,
-        merged=described.merged._replace(parts=tuple(parts)).hiding(frozenset(_joined(parts))),
+        merged=described.merged._replace(parts=tuple(parts)).hiding(joined),
         facts=(*facts, *described.facts)[:MAX_FACTS],
     )
 
 
-def _joined(parts: Iterable[DevicePart]) -> Iterator[PartPlace]:
-    """Yield the places that joined approved parts and are not approved themselves."""
+def _joined(parts: Iterable[DevicePart], known: frozenset[PartPlace]) -> Iterator[PartPlace]:
+    """Yield the places that joined approved parts; of a part that changed since, only those never approved."""
     for part in parts:
-        if any(route.approved for route in part.routes):
-            yield from ((one.gateway, one.key, one.part) for one in part.routes if not one.approved)
+        places = {(one.gateway, one.key, one.part): one.approved for one in part.routes}
+        approved = {place for place, digest in places.items() if digest} or known & places.keys()
+        if approved:
+            yield from places.keys() - approved
 
 
 def _with_approved_routes(part: DevicePart, digests: Mapping[PartPlace, str]) -> DevicePart:
