@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from homebot.control.journal.store import JournalStore, LearntRow
 from homebot.control.timeline.profile import KEPT, KEPT_ANSWERS, DeviceProfile, Return
+from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.graph import Node
 from homebot.support.bounded_map import BoundedMap
@@ -178,7 +179,9 @@ class Profiles:
         for capability, echoes in saved.echoes.items():
             profile.echoes.setdefault(capability, deque(echoes, maxlen=KEPT))
         for capability, answers in saved.answers.items():
-            profile.answers.setdefault(capability, BoundedMap(KEPT_ANSWERS)).update(answers)
+            known: BoundedMap[PlainValue, PlainValue] = BoundedMap(KEPT_ANSWERS)
+            known.update(answers)
+            profile.answers.setdefault(capability, known)
         profile.failures = {**saved.failures, **profile.failures}
         profile.is_told_once = profile.is_told_once or saved.is_told_once
 
