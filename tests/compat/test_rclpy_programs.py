@@ -117,6 +117,14 @@ async def test_a_program_has_not_failed_that_works_when_another_one_shuts_down(t
         assert (await programs.exit_code(), programs.text) == (0, "")
 
 
+async def test_a_program_that_uses_the_graph_it_shut_down_fails(tmp_path: Path) -> None:
+    program = tmp_path / "program.py"
+    program.write_text("import rclpy\nrclpy.init()\nrclpy.shutdown()\nrclpy.create_node('late')\n")
+    async with running(str(program.with_suffix(""))) as run:
+        assert await run.exit_code() == 1
+    assert "rclpy is not initialized; call rclpy.init() first" in run.text
+
+
 async def test_an_action_reports_feedback_and_a_result_and_can_be_cancelled() -> None:
     """The execution blocks its thread; feedback arrives meanwhile, and so does the request to cancel a second goal."""
     async with running("action_client", "action_server") as run:

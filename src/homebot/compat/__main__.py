@@ -11,6 +11,7 @@ from types import ModuleType
 
 from homebot.compat import rclpy
 from homebot.compat.messages import program_type
+from homebot.compat.remote import CONTEXT
 from homebot.errors import UsageError
 from homebot.messages.interfaces import Interfaces
 from homebot.messages.interfaces.interface_text import Interface
@@ -92,7 +93,7 @@ def _run(program: str, failed: list[str]) -> None:
         code = compile(Path(program).read_bytes(), program, "exec")
         exec(code, {"__name__": "__main__", "__file__": program})  # noqa: S102 - the program that was named
     except Exception as exc:  # noqa: BLE001 - shown as Python shows the failure of a program
-        if isinstance(exc, UsageError) and not rclpy.ok():  # another program shut the graph down
+        if isinstance(exc, UsageError) and CONTEXT.is_ended_by_another():
             return
         failed.append(program)
         traceback.print_exc()

@@ -45,6 +45,7 @@ class _Context:
     def __init__(self) -> None:
         self._portal: BlockingPortal | None = None
         self._thread = 0
+        self._ended_by = 0
         self._exits = ExitStack()
 
     @property
@@ -55,6 +56,10 @@ class _Context:
 
     def ok(self) -> bool:
         return self._portal is not None
+
+    def is_ended_by_another(self) -> bool:
+        """Return whether another thread shut the graph down."""
+        return self._portal is None and self._ended_by not in {0, threading.get_ident()}
 
     def init(self) -> None:
         if self._portal is not None:
@@ -69,6 +74,8 @@ class _Context:
 
     def shutdown(self) -> None:
         """Close the nodes, and end each ``spin`` and the event loop; idempotent."""
+        if self._portal is not None:
+            self._ended_by = threading.get_ident()
         self._portal, self._thread = None, 0
         self._exits.pop_all().close()  # only effective in the first of several threads
 
