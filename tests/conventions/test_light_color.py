@@ -39,9 +39,13 @@ def test_kelvin_and_mired_are_rounded_down(value: float, converted: int) -> None
     assert kelvin_mired(value) == converted
 
 
-@pytest.mark.parametrize(("most", "lowest"), [(500, 1997.0), (65_279, 1000.0)], ids=["usual", "Namron 1402768"])
-def test_no_lamp_has_a_white_below_any_flame(most: int, lowest: float) -> None:
-    assert mired_bounds(250, most) == (lowest, 4000.0)
+@pytest.mark.parametrize(
+    ("bounds", "kelvin"),
+    [((250, 500), (1997.0, 4000.0)), ((250, 65_279), (1000.0, 4000.0)), ((1_500, 2_000), (1000.0, 1000.0))],
+    ids=["usual", "Namron 1402768", "all below"],
+)
+def test_no_lamp_has_a_white_below_any_flame(bounds: tuple[int, int], kelvin: tuple[float, float]) -> None:
+    assert mired_bounds(*bounds) == kelvin
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ def mired_bounds(least: float, most: float) -> tuple[float, float]:
     The results of :func:`kelvin_mired` for both are within these mired, rounded down, and no white is below 1,000 K: a
     Namron 1402768 claims 65,279 mired.
     """
-    coldest, warmest = math.floor(least), math.floor(min(most, 1_000))
+    coldest, warmest = math.floor(min(least, 1_000)), math.floor(min(most, 1_000))
     low, high = MIRED // (warmest + 1) + 1, kelvin_mired(coldest)
     return (float(low), float(high)) if low <= high else (float(kelvin_mired(warmest)), float(high))
 
