@@ -104,6 +104,11 @@ def test_rooms_are_imported_from_the_map_of_a_robot(run: Run, topic: str) -> Non
     assert sorted(attic["polygon"]) == [[0, 0], [0, 5], [6, 0], [6, 5]]
 
 
+def test_a_file_named_map_is_no_topic(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "map").write_text("[places.rooms.Attic]\npolygon = [[0, 0], [6, 0], [6, 5]]\n")
+    assert run("places", "import", str(tmp_path / "map"))[0] == 0
+
+
 def test_a_map_of_a_robot_that_contradicts_itself_is_refused() -> None:
     def problem(**changed: object) -> str:
         info = FLOOR.info.model_copy(update=changed)

@@ -195,7 +195,7 @@ def _export(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _import(options: argparse.Namespace) -> int:
-    is_map = options.file.endswith((_MAP, ".yaml", ".yml"))
+    is_map = _is_topic(options.file) or options.file.endswith((".yaml", ".yml"))
     if is_map and not options.room:
         raise UsageError("a map has walls and no rooms; give a point in each room: --room Hall=1,2")
     if options.room and not is_map:
@@ -230,6 +230,10 @@ def _room_point(text: str) -> tuple[str, tuple[float, float]]:
     return name, (position.x, position.y)
 
 
+def _is_topic(file: str) -> bool:
+    return file.startswith("/") and file.endswith(_MAP) and not Path(file).is_file()
+
+
 def _map_text(door: DoorClient, file: str, points: Mapping[str, tuple[float, float]]) -> str:
     doors = cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {}))).doors
     rooms = [*_map(door, file).rooms(points, [[*zip(one.x, one.y, strict=True)] for one in doors if len(one.x) > 1])]
@@ -242,7 +246,7 @@ def _map(door: DoorClient, file: str) -> RobotMap:
     check_extra("a map", "maps", "PIL", "yaml")
     from homebot.cli.robot_map import RobotMap, read_map  # noqa: PLC0415 - with the first map
 
-    if file.endswith(_MAP):
+    if _is_topic(file):
         door.subscribe(file)
         found = next((one for one in door.until(_WAIT) if one.topic == file), None)
         if found is None:
