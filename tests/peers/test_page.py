@@ -128,6 +128,13 @@ def page(browser: Any) -> OpenPage:
     return opened
 
 
+@pytest.fixture
+def zigbee_lamp(tmp_path: Path) -> World:
+    house = '[house]\ndialect = "zigbee2mqtt"\n[rooms.hall]\n[devices.lamp]\nkind = "lamp"\nroom = "hall"\n'
+    (tmp_path / "house.toml").write_text(house)
+    return load_world(tmp_path / "house.toml")
+
+
 async def test_a_lamp_is_turned_on_and_the_page_says_how_that_is_known(page: OpenPage) -> None:
     async with page() as own:
         await own.open(shows="3 devices")
@@ -363,12 +370,9 @@ async def test_axe_finds_nothing_serious(page: OpenPage, axe: str, scheme: str, 
         assert found == []
 
 
-async def test_a_field_has_the_value_with_two_decimal_places(page: OpenPage, tmp_path: Path) -> None:
+async def test_a_field_has_the_value_with_two_decimal_places(page: OpenPage, zigbee_lamp: World) -> None:
     """A lamp at 102 of 254 had 40.15748031496063, of which the field showed the half."""
-    house = '[house]\ndialect = "zigbee2mqtt"\n[rooms.hall]\n[devices.lamp]\nkind = "lamp"\nroom = "hall"\n'
-    (tmp_path / "house.toml").write_text(house)
-    world = await to_thread.run_sync(load_world, tmp_path / "house.toml")
-    async with page(world) as own:
+    async with page(zigbee_lamp) as own:
         await own.open("#/device/lamp", shows="Commands")
         assert await to_thread.run_sync(own.browser.execute_async_script, COMMAND, "lamp", "40 %") == "confirmed"
         await own.shows("40.2")
@@ -378,12 +382,9 @@ async def test_a_field_has_the_value_with_two_decimal_places(page: OpenPage, tmp
         assert field.get_attribute("value") == "40.16"
 
 
-async def test_a_way_to_a_device_is_none_of_homebots_own_addresses(page: OpenPage, tmp_path: Path) -> None:
+async def test_a_way_to_a_device_is_none_of_homebots_own_addresses(page: OpenPage, zigbee_lamp: World) -> None:
     """It read "words:zigbee2mqtt:0x02…#light", twice."""
-    house = '[house]\ndialect = "zigbee2mqtt"\n[rooms.hall]\n[devices.lamp]\nkind = "lamp"\nroom = "hall"\n'
-    (tmp_path / "house.toml").write_text(house)
-    world = await to_thread.run_sync(load_world, tmp_path / "house.toml")
-    async with page(world) as own:
+    async with page(zigbee_lamp) as own:
         await own.open("#/device/lamp", shows="mqtt: zigbee2mqtt:0x")
         await own.hides("words:", "main")
 
