@@ -9,8 +9,9 @@ from typing import Final, NamedTuple, TypeAlias
 from homebot.devices import DevicePart, Route
 from homebot.devices.device import EVERYTHING
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.part import Capability, Part
-from homebot.discovery.merging.matching import SETTING, Candidate, candidates, match
+from homebot.devices.part import Part
+from homebot.discovery.merging.matching import Candidate, candidates, match
+from homebot.discovery.merging.part_description import Origin, Way, described_part, settable_by
 from homebot.discovery.merging.part_ids import NO_IDS, Named, PartIds, PartPlace, part_ids
 from homebot.discovery.source_record import SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
@@ -32,13 +33,6 @@ MAX_PARTS = 1000
 
 CONFIRM = "confirm it with `homebot merge` and the name of the device, or undo it with `homebot split`"
 
-_Origin: TypeAlias = tuple[bool, bool, str, str]
-"""Whether it is claimed, whether it is not native, gateway, convention. Claimed origins sort last, so that they do not
-decide which parts of others are one."""
-
-_Way: TypeAlias = tuple[PartPlace, _Origin, Part]
-"""The place of a part, the origin of its announcement, and its description."""
-
 _NONE_CLAIMED: Final[frozenset[int]] = frozenset()
 _NONE_HIDDEN: Final[frozenset[PartPlace]] = frozenset()
 
@@ -53,7 +47,7 @@ class _SourcePart:
     """
 
     part: Part
-    origin: _Origin
+    origin: Origin
     sources: list[SourceRecord] = field(default_factory=list)
     group: int = 0
 
@@ -73,7 +67,7 @@ class _Merged:
     number: int
     source: SourceRecord
     places: list[tuple[int, PartPlace]] = field(default_factory=list)
-    ways: list[_Way] = field(default_factory=list)
+    ways: list[Way] = field(default_factory=list)
     claimant: SourceRecord | None = None
     is_described: bool = False
 
@@ -82,7 +76,7 @@ class _Merged:
         """The places that do not describe it, if any does."""
         return {place for _, place in self.places} - {way[0] for way in self.ways} if self.ways else set()
 
-    def add(self, source: SourceRecord, part: Part, origin: _Origin, topics: TopicOwnership) -> str:
+    def add(self, source: SourceRecord, part: Part, origin: Origin, topics: TopicOwnership) -> str:
         """Add *part* of *source*; return its conflict over a command topic in words, empty for none."""
         place = (*source.key, part.id)
         self.places.append((source.number, place))
@@ -190,64 +184,6 @@ def main_part(parts: Sequence[DevicePart]) -> DevicePart | None:
     )
 
 
-def _merge_capabilities(parts: Sequence[Part]) -> Part:
-    """Return the first of *parts* with the capabilities of all: they describe the same part, best first."""
-    best = parts[0]
-    if len(parts) == 1 or all(one.capabilities == best.capabilities for one in parts):
-        return best
-    found: dict[str, Capability] = {}
-    for part in parts:
-        for capability in part.capabilities:
-            known = found.get(capability.name)
-            found[capability.name] = capability if known is None else _joined(known, capability)
-    capabilities = tuple(found.values())
-    return best if capabilities == best.capabilities else best.model_copy(update={"capabilities": capabilities})
-
-
-def _decided(ways: Sequence[_Way]) -> Part:
-    """Return :func:`_merge_capabilities` of *ways*, best first; it is a setting if one of them says so.
-
-    A source that states the category decides it, and for settings also the type, as Home Assistant calls a setting that
-    is on or off a switch.
-    """
-    heard, others = _heard(ways)
-    whole = _merge_capabilities(heard + others)
-    knows = next((one for one in heard if one.category), whole)
-    is_setting = knows.service_type == SETTING
-    service_type, advertised = (SETTING, knows.advertised) if is_setting else (whole.service_type, whole.advertised)
-    if (knows.category, service_type) == (whole.category, whole.service_type):
-        return whole
-    changes = {"category": knows.category, "service_type": service_type, "advertised": advertised}
-    return whole.model_copy(update=changes)
-
-
-def _heard(ways: Sequence[_Way]) -> tuple[list[Part], list[Part]]:
-    """Return the parts that decide on type and category, and the others.
-
-    A setting of a source that is not native, and has no command topic that another one has at its gateway, is not
-    heard: any program may announce it, and would make a harmless setting of a gate.
-    """
-    topics = {(gateway, topic) for (gateway, *_), _, one in ways if not _is_setting(one) for topic in one.writes}
-    gateways = {gateway for gateway, _ in topics}
-    heard, others = list[Part](), list[Part]()
-    for (gateway, *_), (_, is_foreign, *_), one in ways:
-        is_alone = is_foreign and gateway in gateways and topics.isdisjoint((gateway, topic) for topic in one.writes)
-        (others if is_alone and _is_setting(one) else heard).append(one)
-    return heard, others
-
-
-def _is_setting(part: Part) -> bool:
-    return bool(part.category) or part.service_type == SETTING
-
-
-def _settable_by(part: Part, whole: Part) -> tuple[str, ...]:
-    """Return the capabilities of *whole* that can be set through the way described as *part*."""
-    if part is whole:
-        return EVERYTHING
-    names = _settable(part)
-    return EVERYTHING if names == _settable(whole) else tuple(names)
-
-
 _ID = attrgetter("id")
 
 
@@ -299,8 +235,8 @@ def _left_out(count: int) -> str:
 def _occurrences(sources: Sequence[SourceRecord], conflicts: list[str]) -> list[_Occurrence]:
     """Return each part of each source with the part of its origin; those of other devices are in *conflicts*."""
     found: list[_Occurrence] = []
-    origins: dict[_Origin, list[_SourcePart]] = {}
-    namesakes: dict[tuple[_Origin, str, str], list[_SourcePart]] = {}
+    origins: dict[Origin, list[_SourcePart]] = {}
+    namesakes: dict[tuple[Origin, str, str], list[_SourcePart]] = {}
     repeated: dict[tuple[object, ...], _SourcePart] = {}
     for source in sources:
         origin = _origin(source)
@@ -336,7 +272,7 @@ def _is_relayed(source: SourceRecord, part: Part) -> bool:
     return source.sighting.native and not source.sighting.whole_device and not part.writes
 
 
-def _group(origins: Mapping[_Origin, Sequence[_SourcePart]]) -> None:
+def _group(origins: Mapping[Origin, Sequence[_SourcePart]]) -> None:
     """Give parts of different origins that are one part of the device the same group, an arbitrary number."""
     groups: list[list[Candidate]] = []
     for origin in sorted(origins):
@@ -363,14 +299,14 @@ def _named(merged: Sequence[_Merged], known: PartIds) -> tuple[DevicePart, ...]:
 
 
 def _device_part(part_id: str, one: _Merged) -> DevicePart:
-    part = _decided(sorted(one.ways, key=lambda way: way[1])) if len(one.ways) > 1 else one.part
+    part = described_part(sorted(one.ways, key=lambda way: way[1])) if len(one.ways) > 1 else one.part
     routes = tuple(
         _route_of(
             gateway=gateway,
             key=key,
             part=name,
             convention=origin[-1],
-            takes=_settable_by(described, part),
+            takes=settable_by(described, part),
             approved="",
             topics=described.writes,
         )
@@ -379,7 +315,7 @@ def _device_part(part_id: str, one: _Merged) -> DevicePart:
     return _part_of(id=part_id, part=part, routes=routes)
 
 
-def _origin(source: SourceRecord) -> _Origin:
+def _origin(source: SourceRecord) -> Origin:
     sighting = source.sighting
     return source.is_claimed, not sighting.native, sighting.gateway, sighting.convention
 
@@ -395,25 +331,3 @@ def _same_topics(part: Part, other: Part) -> bool:
     if part.writes or other.writes:
         return set(part.writes) == set(other.writes)
     return part.reads == other.reads
-
-
-def _settable(part: Part) -> dict[str, None]:
-    return {one.name: None for one in part.capabilities if one.settable}
-
-
-def _all_options(best: Capability, other: Capability) -> tuple[str, ...]:
-    both_have_some = best.options and other.options
-    return tuple(dict.fromkeys(best.options + other.options)) if both_have_some else best.options
-
-
-def _joined(best: Capability, other: Capability) -> Capability:
-    """Join two capabilities; if only one is settable, its range and options count, as they are those of commands."""
-    if best == other:
-        return best
-    shown = other if other.settable and not best.settable else best
-    options = _all_options(best, other) if best.settable == other.settable else shown.options
-    readable, settable = best.readable or other.readable, best.settable or other.settable
-    echoed = all(one.echoed for one in (best, other) if one.readable)  # the other one is still readable
-    return shown.model_copy(
-        update={"readable": readable, "settable": settable, "options": options, "echoed": readable and echoed}
-    )
