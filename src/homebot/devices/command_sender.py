@@ -171,7 +171,10 @@ class TextSender:
                 problem = exc
                 continue
             if why_not := peer.refusal():
-                raise RefusedError(f"a command to {device.id}", why_not)
+                problem = RefusedError(f"a command to {device.id}", why_not)
+                if why_not == ONLY_OBSERVES:
+                    continue
+                raise problem
             if not peer.unavailable and peer.out.reaches(peer.node):
                 return _target(device, endpoint, payload)
         if problem is not None:
@@ -241,8 +244,8 @@ class GatewayOutput:
     def refusal(self) -> str:
         """Return why it sends no commands, by its last state; empty if it does, or has reported no state yet."""
         if self._states.mailbox.waiting and (state := self._states.take()) is not None:
-            self._refusal = "" if state.acts else state.reason or ONLY_OBSERVES
             self.unavailable = (state.reason or "no reason is known") if state.state == "unavailable" else ""
+            self._refusal = "" if state.acts else ONLY_OBSERVES if self.unavailable else state.reason or ONLY_OBSERVES
         return self._refusal
 
 

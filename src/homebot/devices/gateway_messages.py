@@ -176,8 +176,8 @@ class SendCommandResponse(ServiceAnswer):
         problem: ``refused`` by the part, the gateway or the network, so repeating it is useless; ``unreachable`` if it
             was not sent, because the device or its network cannot be reached now; ``unanswered`` if it was sent but the
             network has not acknowledged it: it may still have an effect.
-        unable: Whether it was refused because the part, as described there, cannot do that. Nothing was sent, and
-            another route to the part may work.
+        unable: Whether it was refused because the part, as described there, cannot do that, or because the owner lets
+            the gateway only observe. Nothing was sent, and another route to the part may work.
     """
 
     problem: Literal["", "refused", "unreachable", "unanswered"] = ""

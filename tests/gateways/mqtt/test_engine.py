@@ -461,7 +461,7 @@ async def test_a_gateway_that_only_observes_refuses_every_command_and_still_asks
         await house.listen("lamp1/#")
         await house.announce("lamp1", asks=True)
         answer = await house.command(LAMP, "lamp", "on_off", True)
-        assert (answer.problem, answer.unable, "only observes" in answer.message) == ("refused", False, True)
+        assert (answer.problem, answer.unable, "only observes" in answer.message) == ("refused", True, True)
         assert [one.topic for one in await house.heard()] == ["lamp1/get"]
 
 

@@ -11,7 +11,7 @@ from homebot.devices.approval_messages import DescribeCommands
 from homebot.devices.command_description import CommandDescription
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthResponse
-from homebot.devices.names import TEXT_SCHEME, read_text_address
+from homebot.devices.names import ONLY_OBSERVES, TEXT_SCHEME, read_text_address
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.text.commands import decode_command
 from homebot.devices.value import Value
@@ -102,7 +102,8 @@ class CommandServer:
         """Carry out *command*, and return its outcome."""
         if not self._gateway.acts:
             self._counters.commands_refused += 1
-            return SendCommandResponse(success=False, message=self._gateway.observes_because, problem="refused")
+            why = self._gateway.observes_because
+            return SendCommandResponse(success=False, message=why, problem="refused", unable=why == ONLY_OBSERVES)
         limit = asyncio.timeout(command.expires_after or None)
         requests = SentRequests()
         token = SENT_REQUESTS.set(requests)

@@ -67,7 +67,7 @@ class CommandSuite(GatewayWorld):
         async with self.house(act=False) as (lamp, watcher):
             await announced(lamp, watcher)
             response = await send(lamp, watcher)
-            assert (response.success, response.problem, response.unable) == (False, "refused", False)
+            assert (response.success, response.problem, response.unable) == (False, "refused", True)
             assert lamp.gateway.observes_because in response.message
             assert await lamp.told() is None
 

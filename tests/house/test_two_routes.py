@@ -1,8 +1,8 @@
-"""A lamp that MQTT and Home Assistant both reach, one of which it stops to obey."""
+"""A lamp that MQTT and Home Assistant both reach: one of them without effect, or only to observe."""
 
 import asyncio
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable, Collection
 from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
@@ -19,7 +19,9 @@ from homebot.cli.main import main
 from homebot.config import parse_config
 from homebot.devices import Devices
 from homebot.devices.handles import Light
-from homebot.devices.outcomes import Confirmed, Outcome
+from homebot.devices.names import ONLY_OBSERVES
+from homebot.devices.outcomes import Confirmed, Outcome, Refused
+from homebot.errors import RefusedError
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState
 from homebot.house.homeassistant import SimulatedHomeAssistant
@@ -66,12 +68,19 @@ class TwoWayLamp:
 
 
 @asynccontextmanager
-async def porch(tmp_path: Path, **tables: object) -> AsyncIterator[tuple[Runtime, TwoWayLamp, Light]]:
+async def porch(
+    tmp_path: Path, observing: Collection[str] = (), **tables: object
+) -> AsyncIterator[tuple[Runtime, TwoWayLamp, Light]]:
     home = SimulatedHomeAssistant(port=reserve_port())
     token = tmp_path / "token"
     token.touch(mode=0o600)
     token.write_text(home.token)
-    gateways = {"mqtt": {}, "homeassistant": {"url": f"http://127.0.0.1:{home.server.port}", "token_file": str(token)}}
+    gateways: dict[str, dict[str, object]] = {
+        "mqtt": {},
+        "homeassistant": {"url": f"http://127.0.0.1:{home.server.port}", "token_file": str(token)},
+    }
+    for name in observing:
+        gateways[name]["act"] = False
     usual = {"gateways": gateways, "door": {"port": 0}, "control": {"timeout": 1.5, "approvals": False}}
     async with alone_on_loopback(), MemoryBroker() as broker, anyio.create_task_group() as tasks:
         options = MqttOptions(host="memory")
@@ -117,6 +126,12 @@ async def said(runtime: Runtime, capsys: pytest.CaptureFixture[str], *words: str
     return capsys.readouterr().out
 
 
+async def until(holds: Callable[[], bool]) -> None:
+    with anyio.fail_after(PATIENCE):
+        while not holds():  # noqa: ASYNC110 - the lamp tells nobody
+            await anyio.sleep(0.02)
+
+
 async def obeyed(lamp: TwoWayLamp, outcome: Outcome) -> list[str]:
     """Return the ways by which the last command came."""
     assert isinstance(outcome, Confirmed), outcome
@@ -150,3 +165,29 @@ async def test_a_gateway_that_the_owner_prefers_stays_the_first(tmp_path: Path) 
         for number in range(4):
             outcome = await (light.turn_off() if number % 2 else light.turn_on())
             assert await obeyed(lamp, outcome) == ["mqtt", "homeassistant"]
+
+
+@pytest.mark.parametrize("prefer", [[], ["mqtt"], ["homeassistant"]])
+@pytest.mark.parametrize(("observing", "acting"), [("mqtt", "homeassistant"), ("homeassistant", "mqtt")])
+async def test_a_command_goes_by_the_gateway_that_may_act(
+    tmp_path: Path, observing: str, acting: str, prefer: list[str]
+) -> None:
+    async with porch(tmp_path, [observing], discovery={"prefer": prefer, "persist": False}) as (runtime, lamp, light):
+        lamp.obeys = {acting}
+        assert await obeyed(lamp, await light.turn_on()) == [acting]
+        async with Node(runtime.graph, "writer") as node:
+            devices = Devices(node)
+            await devices.tell((await devices.find())[0], "off")
+            await until(lambda: lamp.commands == [acting])
+
+
+async def test_a_command_is_refused_while_both_gateways_only_observe(tmp_path: Path) -> None:
+    async with porch(tmp_path, ["mqtt", "homeassistant"]) as (runtime, lamp, light):
+        outcome = await light.turn_on()
+        assert isinstance(outcome, Refused)
+        assert outcome.reason == ONLY_OBSERVES
+        async with Node(runtime.graph, "writer") as node:
+            devices = Devices(node)
+            with pytest.raises(RefusedError, match=ONLY_OBSERVES):
+                await devices.tell((await devices.find())[0], "off")
+        assert not lamp.commands
