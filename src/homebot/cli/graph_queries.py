@@ -1,23 +1,33 @@
-"""Requests of the command line to ``/rosapi``: the entities of the graph, and the fields of its messages."""
+"""The entities of the graph and the fields of its messages, as ``/rosapi`` lists them.
+
+Also the commands that ``homebot topic``, ``service`` and ``action`` share: ``list``, ``type`` and ``find``.
+"""
 
 from __future__ import annotations
 
+import argparse
 import base64
 import binascii
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, TypedDict, cast
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Final, cast
 
-from homebot.cli.door_client import DoorClient
+from homebot.cli.arguments import Commands, add_verb
+from homebot.cli.door_client import DoorClient, set_door_command
+from homebot.cli.yaml import message, type_or_message
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError
+from homebot.names import absolute_name
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.bridges.rosapi.endpoints import EndpointDetails
+    from homebot.bridges.rosapi.services import TypeDef
 
 __all__ = [
-    "MessageTypeRecord",
     "Schema",
+    "add_entity_verbs",
+    "add_value_arguments",
+    "check_type",
     "entities",
     "is_hidden",
     "message_schema",
@@ -26,7 +36,15 @@ __all__ = [
     "not_yet",
     "response_schema",
     "topic_type",
+    "type_of",
 ]
+
+
+_ENDS: Final = {
+    "topic": ("publisher", "subscription"),
+    "service": ("service",),
+    "action": ("action server", "action client"),
+}
 
 
 def entities(door: DoorClient, *, kind: str = "", name: str = "", node: str = "") -> list[EndpointDetails]:
@@ -61,21 +79,12 @@ def not_found(kind: str, name: str, known: Iterable[str]) -> PeerError:
     return PeerError(f"there is no {kind} {name}; {did_you_mean(name, known, f'`homebot {kind} list` lists all')}")
 
 
-class MessageTypeRecord(TypedDict):
-    """``rosapi_msgs/msg/TypeDef`` in JSON."""
-
-    type: str
-    fieldnames: list[str]
-    fieldtypes: list[str]
-    fieldarraylen: list[int]
-
-
 class Schema:
     """A message type and the types in it, from rosapi."""
 
-    def __init__(self, typedefs: list[MessageTypeRecord]) -> None:
-        self._types = {one["type"]: _fields(one) for one in typedefs}
-        self._root = typedefs[0]["type"] if typedefs else ""
+    def __init__(self, typedefs: Sequence[TypeDef]) -> None:
+        self._types = {one.type: _fields(one) for one in typedefs}
+        self._root = typedefs[0].type if typedefs else ""
 
     def readable(self, message: dict[str, object]) -> dict[str, object]:
         """Return *message* with its base64-encoded bytes as text if possible, else as a list."""
@@ -104,12 +113,17 @@ def response_schema(door: DoorClient, ros_type: str) -> Schema:
 
 
 def _schema(door: DoorClient, service: str, ros_type: str) -> Schema:
-    return Schema(cast("list[MessageTypeRecord]", door.call(service, {"type": ros_type})["typedefs"]))
+    return Schema(typedefs(door, service, ros_type))
 
 
-def _fields(typedef: MessageTypeRecord) -> dict[str, str]:
+def typedefs(door: DoorClient, service: str, ros_type: str) -> Sequence[TypeDef]:
+    """Return *ros_type* and the types in it, as a *service* of ``/rosapi`` describes them."""
+    return cast("Sequence[TypeDef]", JsonMessage(door.call(service, {"type": ros_type})).typedefs)
+
+
+def _fields(typedef: TypeDef) -> dict[str, str]:
     """Return the type of each field by name; array types end in ``[]``."""
-    kinds = (typedef["fieldnames"], typedef["fieldtypes"], typedef["fieldarraylen"])
+    kinds = (typedef.fieldnames, typedef.fieldtypes, typedef.fieldarraylen)
     return {name: kind if length < 0 else f"{kind}[]" for name, kind, length in zip(*kinds, strict=True)}
 
 
@@ -126,3 +140,85 @@ def _readable_bytes(text: str) -> str | list[int]:
         return value.decode()
     except UnicodeDecodeError:
         return list(value)
+
+
+def add_entity_verbs(verbs: Commands, kind: str, name: str, ros_type: str) -> None:
+    """Add the commands for *kind*, a key of the table above; *name* and *ros_type* are for the examples."""
+    listed = add_verb(verbs, "list", f"list every {kind}")
+    listed.add_argument("-t", "--show-types", action="store_true", help=f"show each {kind}'s type")
+    set_door_command(listed, _list, f"  homebot {kind} list\n  homebot {kind} list -t\n")
+    typed = add_verb(verbs, "type", f"print the type of one {kind}")
+    typed.add_argument("name", metavar=kind.upper(), help=f"name of the {kind}")
+    set_door_command(typed, _type, f"  homebot {kind} type {name}\n")
+    found = add_verb(verbs, "find", f"list the {kind}s of a type")
+    found.add_argument("type", metavar="TYPE", help=f"type of the {kind}s")
+    set_door_command(found, _find, f"  homebot {kind} find {ros_type}\n")
+    for command in (listed, typed, found):
+        command.set_defaults(kind=kind, all=False)
+    for command in (listed, found):
+        command.add_argument("-a", "--all", action="store_true", help=f"show hidden {kind}s too")
+
+
+def add_value_arguments(command: argparse.ArgumentParser, kind: str, value: str) -> None:
+    """Add the name of a *kind*, and the type and fields of a *value* for it."""
+    command.add_argument(kind, metavar=kind.upper(), help=f"name of the {kind}")
+    command.add_argument(
+        "type", metavar="TYPE", nargs="?", default="", type=type_or_message, help="expected type (default: any)"
+    )
+    command.add_argument(
+        value, metavar=value.upper(), nargs="?", default="{}", type=message, help="as JSON or as {field: value}"
+    )
+
+
+def type_of(door: DoorClient, kind: str, name: str) -> str:
+    """Return the type of the *kind* called *name*.
+
+    Raises:
+        PeerError: There is none; names similar ones.
+    """
+    known = _types(door, kind, show_hidden=True)
+    full_name = absolute_name(name)
+    if full_name not in known:
+        raise not_found(kind, full_name, known)
+    return known[full_name]
+
+
+def check_type(kind: str, name: str, ros_type: str, expected: str) -> None:
+    """Check that *ros_type* is the *expected* one, if any, with or without its kind.
+
+    Raises:
+        PeerError: It is a different type.
+    """
+    if expected and _short(expected) != _short(ros_type):
+        raise PeerError(f"{kind} {name} is a {ros_type}, not a {expected}")
+
+
+def _list(door: DoorClient, options: argparse.Namespace) -> int:
+    for name, ros_type in _types(door, options.kind, show_hidden=options.all).items():
+        print(f"{name} [{ros_type}]" if options.show_types else name)
+    return 0
+
+
+def _type(door: DoorClient, options: argparse.Namespace) -> int:
+    print(type_of(door, options.kind, options.name))
+    return 0
+
+
+def _find(door: DoorClient, options: argparse.Namespace) -> int:
+    kind, known = options.kind, _types(door, options.kind, show_hidden=options.all)
+    found = [name for name, ros_type in known.items() if _short(ros_type) == _short(options.type)]
+    if not found:
+        hint = did_you_mean(options.type, {*known.values()}, f"`homebot {kind} list -t` shows the types of all")
+        raise PeerError(f"there is no {kind} of type {options.type}; {hint}")
+    print("\n".join(found))
+    return 0
+
+
+def _types(door: DoorClient, kind: str, *, show_hidden: bool) -> dict[str, str]:
+    ends = [one for one in entities(door) if one.kind in _ENDS[kind] and (show_hidden or not is_hidden(one))]
+    return {one.name: one.type for one in ends}
+
+
+def _short(ros_type: str) -> str:
+    package, _, name = ros_type.partition("/")
+    return f"{package}/{name.rpartition('/')[2]}"

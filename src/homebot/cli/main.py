@@ -68,7 +68,16 @@ COMMANDS: Final = {
 """The purpose of each command in one line."""
 
 _OWNER: Final = ("alias", "approve", "forget", "merge", "pair", "place", "split", "trust")
-_MODULES: Final = {"import": "import_thing", "release": "leases", "why-not": "why"} | dict.fromkeys(_OWNER, "owner")
+_MODULES: Final = {
+    "action": "service",
+    "find": "devices",
+    "import": "import_thing",
+    "param": "node",
+    "release": "leases",
+    "restore": "backup",
+    "why-not": "why",
+    **dict.fromkeys(_OWNER, "owner"),
+}
 """The modules of commands whose module has another name."""
 
 _WRONG_COMMAND_LINE: Final = 2

@@ -65,7 +65,7 @@ def _doctor(options: argparse.Namespace) -> int:
 
 
 def _check_offline(options: argparse.Namespace) -> int:
-    from homebot.cli.offline_checks import offline_findings  # noqa: PLC0415 - loads the plug-ins
+    from homebot.cli.commands.config import offline_findings  # noqa: PLC0415 - loads the plug-ins
 
     file = Path(options.config or DEFAULT_CONFIG)
     findings = [one.model_dump(mode="json") for one in offline_findings(file, reaches=options.reach)]

@@ -1,10 +1,11 @@
-"""``homebot import``."""
+"""Things in files: ``homebot import``, and the Thing Descriptions of devices."""
 
 from __future__ import annotations
 
 import argparse
 import json
 import re
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -14,18 +15,21 @@ from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.publishing import GatewayPublisher
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
+from homebot.devices import Device
 from homebot.devices.names import DEVICE_CHANGES
-from homebot.devices.wording.json_message import JsonMessage
+from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.errors import ConfigError, UsageError, WireError
+from homebot.messages.json import message_from_json
+from homebot.names import escape_token
 from homebot.support.printable import printable
+from homebot.wot.export import MqttForms, to_thing
 from homebot.wot.parse import read_thing
 from homebot.wot.thing import Thing
 
 if TYPE_CHECKING:
-    from homebot.devices import Device, DeviceChange
+    from homebot.devices import DeviceChange
 
-__all__ = ["add_arguments", "topic_level"]
-
+__all__ = ["add_arguments", "thing_text", "to_device", "topic_level", "write_things"]
 
 _EXAMPLES = """\
   homebot import desk_lamp.td.json
@@ -34,6 +38,8 @@ _EXAMPLES = """\
 The description is published as a retained message on homebot/things/NAME/td; the gateway turns it into a device, which
 stays until `homebot forget DEVICE --purge`. MQTT forms with JSON or plain text can be read and written.
 """
+
+_LONGEST = 200
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -134,3 +140,37 @@ def _is_of(device: Device, gateway: str, key: str) -> bool:
     ways = [(one.gateway, one.key) for one in device.endpoints]
     ways += [(route.gateway, route.key) for part in device.parts for route in part.routes]
     return (gateway, key) in ways
+
+
+def to_device(record: Device) -> Device:
+    """Return the message that *record* represents."""
+    return message_from_json(Device, fields_of(record))
+
+
+def thing_text(device: Device, broker: str) -> str:
+    """Return the Thing Description of *device*; *broker* is the address of its gateways' broker."""
+    gateways = {one.gateway for one in device.endpoints}
+    gateways |= {route.gateway for part in device.parts for route in part.routes}
+    return json.dumps(to_thing(device, MqttForms(dict.fromkeys(gateways, broker))), indent=2)
+
+
+def write_things(devices: Iterable[Device], directory: str, broker: str) -> list[Path]:
+    """Write a file for each device into *directory*, which is created if necessary; return the files.
+
+    A file is named after the device's id, like a graph topic: ``lights/lamp`` is ``lights_x2flamp.td.json``.
+
+    Raises:
+        ConfigError: They cannot be written.
+    """
+    written: list[Path] = []
+    try:
+        Path(directory).mkdir(parents=True, exist_ok=True)
+        for device in devices:
+            name = escape_token(device.id)
+            name = name if len(name) <= _LONGEST else f"{name[:_LONGEST]}_{len(written)}"
+            file = Path(directory) / f"{name}.td.json"
+            file.write_text(f"{thing_text(device, broker)}\n", encoding="utf-8")
+            written.append(file)
+    except OSError as exc:
+        raise ConfigError("--td", directory, f"cannot be written: {exc.strerror}") from exc
+    return written

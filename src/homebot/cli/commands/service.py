@@ -1,4 +1,4 @@
-"""``homebot service``: ``list``, ``type``, ``find``, ``call`` and ``install``."""
+"""``homebot service`` and ``homebot action``."""
 
 import argparse
 import json
@@ -6,17 +6,26 @@ import os
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Final, cast
+from textwrap import indent
+from typing import Final
 
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, seconds, set_command
 from homebot.cli.door_client import DoorClient, set_door_command
-from homebot.cli.entity_verbs import add_entity_verbs, add_value_arguments, check_type, type_of
-from homebot.cli.graph_queries import MessageTypeRecord, response_schema
+from homebot.cli.graph_queries import (
+    add_entity_verbs,
+    add_value_arguments,
+    check_type,
+    entities,
+    response_schema,
+    type_of,
+    typedefs,
+)
 from homebot.cli.yaml import to_yaml
-from homebot.errors import UsageError
+from homebot.errors import PeerError, UsageError
+from homebot.names import absolute_name
 from homebot.support.printable import printable
 
-__all__ = ["add_arguments", "unit_text"]
+__all__ = ["add_action_arguments", "add_arguments", "unit_text"]
 
 _REQUEST = "/rosapi/service_request_details"
 
@@ -89,6 +98,17 @@ DeviceAllow=char-ttyUSB rw
 DeviceAllow=char-ttyACM rw
 """
 
+_STATES: Final = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
+
+_ACTION_EXAMPLES = """\
+  homebot action list -t
+  homebot action info /navigate_to_pose
+"""
+_GOAL_EXAMPLES = """\
+  homebot action send_goal /fibonacci '{order: 5}'
+  homebot action send_goal --feedback /fibonacci example_interfaces/action/Fibonacci '{order: 5}'
+"""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, _EXAMPLES)
@@ -111,8 +131,7 @@ def _call(door: DoorClient, options: argparse.Namespace) -> int:
         expected, request = "", expected
     ros_type = type_of(door, "service", options.service)
     if expected and "/" not in expected and not request:
-        (typedef,) = cast("list[MessageTypeRecord]", door.call(_REQUEST, {"type": ros_type})["typedefs"])[:1]
-        field = next(iter(typedef["fieldnames"]), "field")
+        field = next(iter(typedefs(door, _REQUEST, ros_type)[0].fieldnames), "field")
         name, _, value = expected.rpartition("=")
         request = f"{{{name or field}: {value}}}"
         raise UsageError(f"{expected!r} was taken as a type; write the request as {request}")
@@ -175,3 +194,51 @@ def _install(options: argparse.Namespace) -> int:
 def _quoted(path: str) -> str:
     escaped = path.replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%").replace("$", "$$")
     return f'"{escaped}"'
+
+
+def add_action_arguments(parser: argparse.ArgumentParser) -> None:
+    verbs = add_verbs(parser, _ACTION_EXAMPLES)
+    add_entity_verbs(verbs, "action", "/navigate_to_pose", "nav2_msgs/action/NavigateToPose")
+    command = add_verb(verbs, "info", "show the servers and clients of an action")
+    command.add_argument("action", metavar="ACTION", help="name of the action")
+    set_door_command(command, _info, "  homebot action info /navigate_to_pose\n")
+    command = add_verb(verbs, "send_goal", "send a goal, and wait for its result; Ctrl-C cancels it")
+    add_value_arguments(command, "action", "goal")
+    command.add_argument("-f", "--feedback", action="store_true", help="print the feedback too")
+    set_door_command(command, _send_goal, _GOAL_EXAMPLES, acts=True)
+
+
+def _info(door: DoorClient, options: argparse.Namespace) -> int:
+    name = absolute_name(options.action)
+    print(f"Action: {name} [{type_of(door, 'action', name)}]")
+    for kind in ("action client", "action server"):
+        nodes = [one.node for one in entities(door, kind=kind, name=name)]
+        print(f"{kind.capitalize()}s: {len(nodes)}", *nodes, sep="\n    ")
+    return 0
+
+
+def _send_goal(door: DoorClient, options: argparse.Namespace) -> int:
+    """Send a goal and print its result; return 1 unless it succeeded."""
+    name = absolute_name(options.action)
+    ros_type = type_of(door, "action", name)
+    if isinstance(options.type, dict):  # the type was omitted
+        options.type, options.goal = "", options.type
+    check_type("action", name, ros_type, options.type)
+    _show("Sending goal", options.goal)
+    for frame in door.perform(name, ros_type, options.goal):
+        values = frame.get("values")
+        if not isinstance(values, dict):
+            raise PeerError(f"action {name} failed: {values}")
+        if frame["op"] == "action_result":
+            _show("Result", values)
+            state = _STATES[int(str(frame["status"]))]
+            has_succeeded = state == "SUCCEEDED"
+            print(f"Goal finished with status: {state}", file=sys.stdout if has_succeeded else sys.stderr)
+            return 0 if has_succeeded else 1
+        if options.feedback:
+            _show("Feedback", values)
+    return 1
+
+
+def _show(title: str, values: Mapping[str, object]) -> None:
+    print(f"{title}:\n{indent(to_yaml(dict(values)), '    ')}", flush=True)

@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _show(door: DoorClient, options: argparse.Namespace) -> int:
     device = named_device(door, options.device)
     if options.td:
-        from homebot.cli.thing_files import thing_text, to_device  # noqa: PLC0415 - for Thing Descriptions alone
+        from homebot.cli.commands.import_thing import thing_text, to_device  # noqa: PLC0415 - for Thing Descriptions alone
 
         print(thing_text(to_device(device), options.broker))
     elif options.json:

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 from homebot.cli.arguments import Commands, add_verb, add_verbs, positive, seconds, whole
 from homebot.cli.device_queries import find_devices
 from homebot.cli.door_client import DoorClient, ReceivedMessage, set_door_command
-from homebot.cli.entity_verbs import add_entity_verbs
 from homebot.cli.graph_queries import (
     Schema,
+    add_entity_verbs,
     entities,
     message_schema,
     no_such_topic,
