@@ -88,6 +88,22 @@ async def test_a_failed_call_says_why(
     assert re.search(problem, answer["values"])
 
 
+@pytest.mark.parametrize("ros_type", ["", "std_srvs/SetBool", "std_srvs/srv/SetBool"])
+async def test_a_call_may_state_the_type_of_its_service(house: House, peer: Peer, ros_type: str) -> None:
+    house.node("lamp").create_service(SetBool, "/switch", echo)
+    await peer.send("call_service", service="/switch", type=ros_type, args=[True])
+    assert (await peer.receive())["result"] is True
+
+
+async def test_a_call_with_the_type_of_another_service_is_refused(house: House, peer: Peer) -> None:
+    """A request that fits both would otherwise do what its sender does not expect."""
+    house.node("lamp").create_service(Trigger, "/beep", lambda _: SuccessResponse(success=True, message="beep"))
+    await peer.send("call_service", id="7", service="/beep", type="std_srvs/srv/Empty", args={})
+    answer = await peer.receive()
+    assert (answer["op"], answer["id"], answer["result"]) == ("service_response", "7", False)
+    assert answer["values"] == "service /beep is a std_srvs/srv/Trigger, not a std_srvs/srv/Empty"
+
+
 async def test_a_call_counts_until_its_handler_has_ended(open_house: Any) -> None:
     """Or a client with short time limits could have any number of handlers at work."""
     opened = anyio.Event()

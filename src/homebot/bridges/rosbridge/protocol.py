@@ -157,8 +157,9 @@ class ServiceOperation(Operation, ops=("unadvertise_service",)):
 
 
 class CallService(Request, ServiceOperation, ops=("call_service",)):
-    """A service call."""
+    """A service call; ``type`` may be empty."""
 
+    type: str = ""
     timeout: Seconds = 0
 
 

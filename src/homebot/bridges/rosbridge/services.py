@@ -167,9 +167,9 @@ def _prepare(node: Node, op: CallService, access: ClientAccess) -> tuple[Client[
     The client is only for this call: a lasting one would fix the type of the name after the server is gone.
     """
     name = node.resolve_name(op.service, "service name")
-    service_type = node.graph.get_service_type(name)
-    if service_type is None:
+    if node.graph.get_service_type(name) is None:
         raise ServiceUnavailableError(name)
+    service_type = service_type_of(node.graph, name, op.type)
     request_type: type[Message] = service_type.Request
     values, problem = parse_queries(request_type, named_values(request_type, op.args))
     request = request_from_client(request_type, access.stamped(request_type, values), node.graph.clock.now())
