@@ -5,7 +5,6 @@ from typing import Any
 import pytest
 
 from homebot.graph import Graph, Node, ParameterDescriptor
-from homebot.graph.parameter_services import offer_parameter_services
 from homebot.messages.interfaces import find_service
 from homebot.messages.rcl_interfaces import Parameter, ParameterValue
 
@@ -20,8 +19,6 @@ class Tool:
         self.node.declare_parameter("arm.reach", 0.8)
         self.node.declare_parameter("arm.hand.grip", ())
         self._tool = Node(graph, "tool")
-        offer_parameter_services(self.node)
-        offer_parameter_services(self.node)
 
     async def call(self, name: str, ros_name: str, **request: Any) -> Any:
         service = find_service(f"rcl_interfaces/srv/{ros_name}")

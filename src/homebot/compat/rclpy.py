@@ -30,7 +30,7 @@ from homebot.compat.messages import to_program
 from homebot.compat.remote import CONTEXT, Future, Remote, SpinExecutor
 from homebot.errors import ParameterError
 from homebot.graph import qos as graph_qos
-from homebot.graph.parameter_services import offer_parameter_services, set_parameters
+from homebot.graph.parameter_services import set_parameters
 
 __all__ = [
     "ActionClient",
@@ -251,7 +251,6 @@ class RclpyNode(Remote):
             span = next(iter((*descriptor.integer_range, *descriptor.floating_point_range)), None)
             bounds = (None, None) if span is None else (float(span.from_value), float(span.to_value))
             limits = graph.ParameterDescriptor(descriptor.description, descriptor.read_only, *bounds)
-        CONTEXT.call(offer_parameter_services, self.graph_object)
         CONTEXT.call(self.graph_object.declare_parameter, name, value, limits)
         return self.get_parameter(name)
 

@@ -32,7 +32,7 @@ from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity, Offere
 from homebot.graph.graph import Graph
 from homebot.graph.mailbox import BoundedQueue
 from homebot.graph.node_tasks import NodeTasks
-from homebot.graph.parameters import Parameter, ParameterDescriptor, ParameterSet, Value
+from homebot.graph.parameters import PARAMETER_SERVICES, Parameter, ParameterDescriptor, ParameterSet, Value
 from homebot.graph.publisher import History, Publisher
 from homebot.graph.qos import QoSLike, qos_profile_parameter_events, to_qos_profile
 from homebot.graph.service import Handler, Service, ServiceSlot
@@ -85,7 +85,11 @@ class Node:
         graph.add_node(self)
         self._events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
         self.parameters = ParameterSet(
-            self.full_name, parameters or {}, self._announce_parameters, self._record_check_failure
+            self.full_name,
+            parameters or {},
+            self._announce_parameters,
+            self._record_check_failure,
+            self._offer_parameters,
         )
 
     def create_publisher(
@@ -336,6 +340,16 @@ class Node:
 
     def _record_check_failure(self, name: str, error: Exception) -> None:
         self.graph.failures.record(self.full_name, f"check of parameter {name}", error, "the value is refused")
+
+    def _offer_parameters(self) -> None:
+        for name, ros_type in PARAMETER_SERVICES.items():
+            self.offer_service(ros_type, f"~/{name}", partial(self._serve_parameters, name))
+
+    def _serve_parameters(self, name: str) -> None:
+        from homebot.graph.parameter_services import parameter_service  # noqa: PLC0415 - few runs are asked
+
+        service_type, handle = parameter_service(self.parameters, name)
+        self.create_service(service_type, f"~/{name}", handle)
 
     def _announce_parameters(self, kind: Literal["new", "changed"], parameters: Sequence[Parameter]) -> None:
         messages = tuple(parameter.to_message() for parameter in parameters)

@@ -1,5 +1,7 @@
 """The services with which ROS tools read and set the parameters of a node: ``~/get_parameters`` and five others.
 
+Loaded when one is used.
+
 Source: ROS 2, rclpy ``parameter_service.py``, rcl_interfaces.
 """
 
@@ -8,13 +10,11 @@ from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from homebot.errors import ParameterError
-from homebot.graph.endpoint import EntityKind
-from homebot.graph.node import Node
-from homebot.graph.parameters import ParameterSet, value_of
+from homebot.graph.parameters import PARAMETER_SERVICES, ParameterSet, value_of
 from homebot.messages.interfaces import find_message, find_service
-from homebot.messages.message import Message
+from homebot.messages.message import Message, ServiceType
 
-__all__ = ["offer_parameter_services", "set_parameters"]
+__all__ = ["parameter_service", "set_parameters"]
 
 _RANGES: Final = {
     2: ("integer_range", "IntegerRange", -(2**63), 2**63 - 1),
@@ -25,23 +25,18 @@ _RANGES: Final = {
 # The message types are built from text, so they are typed as Any; pydantic validates each message.
 
 
-def offer_parameter_services(node: Node) -> None:
-    """Offer the parameters of *node* through ROS's services, unless they are offered already, until the node ends."""
-    if node.graph.get_endpoints(kind=EntityKind.SERVICE, name=f"{node.full_name}/list_parameters"):
-        return
-    known = node.parameters
+def parameter_service(known: ParameterSet, name: str) -> tuple[ServiceType[Any, Any], Callable[[Any], Message]]:
+    """Return the type and the handler of the service ``~/NAME`` for the parameters *known*."""
     answers: dict[str, Callable[[Any], object]] = {
-        "DescribeParameters": lambda request: _each(known, request, lambda name: _descriptor(known, name)),
-        "GetParameterTypes": lambda request: bytes(_each(known, request, lambda name: known.describe(name)[0])),
-        "GetParameters": lambda request: _each(known, request, lambda name: known.get(name).to_message().value),
-        "ListParameters": lambda request: _list(known, request),
-        "SetParameters": lambda request: tuple(set_parameters(known, (one,)) for one in request.parameters),
-        "SetParametersAtomically": lambda request: set_parameters(known, request.parameters),
+        "describe_parameters": lambda request: _each(known, request, lambda name: _descriptor(known, name)),
+        "get_parameter_types": lambda request: bytes(_each(known, request, lambda name: known.describe(name)[0])),
+        "get_parameters": lambda request: _each(known, request, lambda name: known.get(name).to_message().value),
+        "list_parameters": lambda request: _list(known, request),
+        "set_parameters": lambda request: tuple(set_parameters(known, (one,)) for one in request.parameters),
+        "set_parameters_atomically": lambda request: set_parameters(known, request.parameters),
     }
-    for ros_name, answer in answers.items():
-        service = find_service(f"rcl_interfaces/srv/{ros_name}")
-        name = "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in ros_name)
-        node.create_service(service, f"~/{name[1:]}", _handler(service.Response, answer))
+    service = find_service(PARAMETER_SERVICES[name])
+    return service, _handler(service.Response, answers[name])
 
 
 def set_parameters(parameters: ParameterSet, given: Iterable[Any]) -> Message:

@@ -8,7 +8,7 @@ strings.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Final, Literal, NamedTuple, TypeAlias
 
 from homebot.errors import ParameterError
 from homebot.messages.rcl_interfaces import Parameter as ParameterMessage
@@ -16,10 +16,23 @@ from homebot.messages.rcl_interfaces import ParameterValue
 from homebot.support.isolation import crash_of, error_text
 from homebot.support.similar import did_you_mean
 
-__all__ = ["Parameter", "ParameterDescriptor", "ParameterSet", "Value", "value_of"]
+__all__ = ["PARAMETER_SERVICES", "Parameter", "ParameterDescriptor", "ParameterSet", "Value", "value_of"]
 
 Value: TypeAlias = bool | int | float | str | bytes | Sequence[bool] | Sequence[int] | Sequence[float] | Sequence[str]
 Kind: TypeAlias = Literal["new", "changed"]
+
+PARAMETER_SERVICES: Final = {
+    name: f"rcl_interfaces/srv/{name.title().replace('_', '')}"
+    for name in (
+        "describe_parameters",
+        "get_parameter_types",
+        "get_parameters",
+        "list_parameters",
+        "set_parameters",
+        "set_parameters_atomically",
+    )
+}
+"""The types of the services, below its node, of each parameter set that is used."""
 
 
 class ParameterDescriptor(NamedTuple):
@@ -56,6 +69,7 @@ class ParameterSet:
         overrides: Start-up values by name; they replace the defaults at declaration.
         on_event: Called with the parameters that are declared or set together.
         on_failure: Called with the name of a parameter and the exception of its check.
+        on_use: Called once, before the first declaration.
     """
 
     def __init__(
@@ -64,17 +78,20 @@ class ParameterSet:
         overrides: Mapping[str, Value],
         on_event: Callable[[Kind, Sequence[Parameter]], None],
         on_failure: Callable[[str, Exception], None] = lambda _name, _error: None,
+        on_use: Callable[[], None] = lambda: None,
     ) -> None:
         self._node = node
         self._overrides = dict(overrides)
         self._on_event = on_event
         self._on_failure = on_failure
+        self._on_use: Callable[[], None] | None = on_use
         self._known: dict[str, _Declared] = {}
         self._checks: list[Callable[[Parameter], str | None]] = []
         self._sources: list[Callable[[], None]] = []
 
     def declare_later(self, declare: Callable[[], None]) -> None:
         """Call *declare*, which declares parameters, when a parameter is first requested."""
+        self._use()
         self._sources.append(declare)
 
     def declare(self, name: str, default: Value, descriptor: ParameterDescriptor | None = None) -> Parameter:
@@ -89,6 +106,7 @@ class ParameterSet:
         parameter = Parameter(name, self._fitting(name, declared, self._overrides.get(name, default)))
         self._check(parameter)
         declared.value = parameter.value
+        self._use()
         self._declared[name] = declared
         self._on_event("new", (parameter,))
         return parameter
@@ -138,6 +156,11 @@ class ParameterSet:
         An exception refuses the value.
         """
         self._checks.append(check)
+
+    def _use(self) -> None:
+        on_use, self._on_use = self._on_use, None
+        if on_use is not None:
+            on_use()
 
     @property
     def _declared(self) -> dict[str, _Declared]:

@@ -197,6 +197,16 @@ async def test_actions_come_with_their_types(ask: Asker) -> None:
             assert details == await ask("message_details", type=message.ros_type)
 
 
+async def test_the_services_for_the_parameters_of_a_node_are_listed_before_they_are_used(ask: Asker) -> None:
+    """A node without parameters has none."""
+    listed = (await ask("node_details", node="/talker"))["services"]
+    names = ("describe_parameters", "get_parameter_types", "get_parameters", "list_parameters", "set_parameters")
+    assert listed == [f"/talker/{name}" for name in (*names, "set_parameters_atomically")]
+    ros_type = "rcl_interfaces/srv/GetParameters"
+    assert await ask("service_type", service="/talker/get_parameters") == {"type": ros_type}
+    assert await ask("services_for_type", type=ros_type) == {"services": ["/talker/get_parameters"]}
+
+
 async def test_parameters_are_read_as_json(ask: Asker) -> None:
     assert (await ask("get_param_names"))["names"] == ["/talker:key", "/talker:names", "/talker:rate"]
     values = {name: (await ask("get_param", name=f"/talker:{name}"))["value"] for name in ("rate", "names", "key")}

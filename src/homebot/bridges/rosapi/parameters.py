@@ -59,14 +59,9 @@ def has_parameter(graph: Graph, request: Any) -> bool:
 
 
 def list_parameters(graph: Graph, _request: Message) -> tuple[str, ...]:
-    """Return all names; each node that has some offers ROS's own services for them from then on."""
-    from homebot.graph.parameter_services import offer_parameter_services  # noqa: PLC0415 - few runs are asked
-
+    """Return all names."""
     nodes = [node for name in graph.get_node_names() if (node := graph.get_node(name)) is not None]
-    with_parameters = [node for node in nodes if node.parameters.names()]
-    for node in with_parameters:
-        offer_parameter_services(node)
-    return tuple(f"{node.full_name}:{name}" for node in with_parameters for name in node.parameters.names())
+    return tuple(f"{node.full_name}:{name}" for node in nodes for name in node.parameters.names())
 
 
 def _find(graph: Graph, full_name: str) -> tuple[ParameterSet, str]:
