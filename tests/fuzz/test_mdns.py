@@ -5,8 +5,7 @@ from tests.gateways.mdns.packets import AAAA, address, answer, pointer, record, 
 from zeroconf._protocol.incoming import DNSIncoming
 from zeroconf.asyncio import AsyncZeroconf
 
-from homebot.conventions.dns_sd.found_service import facts_of, identifiers_of
-from homebot.conventions.dns_sd.records import read_txt
+from homebot.conventions.dns_sd import facts_of, identifiers_of, read_txt
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.mdns.network import ServiceNews
 from homebot.gateways.mdns.zeroconf_network import LONGEST_TTL, MdnsNetwork

@@ -1,11 +1,13 @@
-"""Description of an announced device, with the codec of each part. Pure values."""
+"""Description of an announced device, with the codec of each part, and the work of reading a message. Pure values."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from contextvars import ContextVar
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
-from typing import Literal, NamedTuple, Protocol, TypeAlias, runtime_checkable
+from typing import Final, Literal, NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
@@ -26,6 +28,8 @@ __all__ = [
     "Publications",
     "TakesCode",
     "TextEndpoint",
+    "begin_message",
+    "work_left",
 ]
 
 AvailabilityMode: TypeAlias = Literal["all", "any", "latest"]
@@ -230,3 +234,13 @@ class DeviceRequest(NamedTuple):
 
 
 AnnouncementEvent: TypeAlias = DeviceAnnounced | DeviceWithdrawn | DeviceRequest
+
+
+MOST_WORK: Final = 30_000
+"""Steps of all readers of a message, beside those that each has for itself; a step is about a microsecond."""
+
+work_left: Final = ContextVar[int | None]("work_left", default=None)
+"""The steps that are left for the message that this task reads; None if it reads none."""
+
+begin_message: Final[Callable[[], object]] = partial(work_left.set, MOST_WORK)
+"""Let the readers of the next message, in this task, have :data:`MOST_WORK` to share."""

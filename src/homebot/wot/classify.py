@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from homebot.conventions.thermostat_modes import climate_type, setpoints_of
+from homebot.conventions.entity_rows import climate_type, setpoints_of
 from homebot.conventions.units import measured_in
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.command_description import payload_digest

@@ -5,10 +5,10 @@ from contextlib import suppress
 
 import pytest
 
+from homebot.conventions.description import begin_message, work_left
 from homebot.conventions.jinja import PayloadContext, TemplateError, compile_template
 from homebot.conventions.jinja.evaluation import Run
 from homebot.conventions.jinja.values import MAX_ITEMS, MAX_STEPS, MAX_TEXT
-from homebot.conventions.message_work import begin_message, work_left
 
 pytestmark = pytest.mark.slow
 

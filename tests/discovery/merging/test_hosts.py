@@ -6,7 +6,7 @@ from itertools import permutations
 import pytest
 from tests.discovery.announcements import announce, part_of
 
-from homebot.conventions.dns_sd.found_service import FoundService, host_identifiers, identifiers_of, name_of
+from homebot.conventions.dns_sd import FoundService, host_identifiers, identifiers_of, name_of
 from homebot.devices import Sighting
 from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex

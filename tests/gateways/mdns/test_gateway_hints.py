@@ -2,7 +2,7 @@
 
 import pytest
 
-from homebot.conventions.dns_sd.found_service import FoundService
+from homebot.conventions.dns_sd import FoundService
 from homebot.gateways.mdns.gateway_hints import hint_facts
 from homebot.gateways.mdns.settings import KNOWN_TYPES
 

@@ -17,7 +17,7 @@ from homebot.conventions.bluetooth.broadcast import (
     BroadcastValue,
     sensor_part,
 )
-from homebot.conventions.bthome.models import model_called
+from homebot.conventions.bthome.objects import model_called
 from homebot.conventions.bthome.packet import BTHOME_UUID, BTHomeFrame, BTHomePacket, Measured, read_frame, read_objects
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Category, Part

@@ -13,12 +13,12 @@ from homebot.conventions.entity_rows import (
     EntityRow,
     Fields,
     ReadField,
+    climate_type,
     has_feature,
     options_of,
     whole_of,
 )
 from homebot.conventions.esphome.entity import choice_row, flag_row, listed, number_of, numbers_of, read_named
-from homebot.conventions.thermostat_modes import climate_type
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError

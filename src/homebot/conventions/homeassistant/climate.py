@@ -12,11 +12,11 @@ from functools import partial
 
 from homebot.conventions.command_values import require_bool, require_number
 from homebot.conventions.description import DescribedPart, Publications
+from homebot.conventions.entity_rows import climate_type, modes_of_switch, setpoints_of
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.payload import NO_READINGS, Readings, read_number, shown
-from homebot.conventions.thermostat_modes import climate_type, modes_of_switch, setpoints_of
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TypeAlias, final
 
+from homebot.conventions.description import work_left
 from homebot.conventions.jinja.values import (
     FREE_STEPS,
     MAX_NUMBER_BITS,
@@ -16,7 +17,6 @@ from homebot.conventions.jinja.values import (
     text,
     weigh,
 )
-from homebot.conventions.message_work import work_left
 
 __all__ = ["Evaluate", "Program", "Run", "path_program"]
 

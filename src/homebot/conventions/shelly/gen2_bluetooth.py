@@ -11,8 +11,7 @@ from collections.abc import Iterable, Iterator
 from itertools import chain
 from typing import Final, NamedTuple
 
-from homebot.conventions.bthome.models import MODELS, BluModel, model_called
-from homebot.conventions.bthome.objects import BTHOME_OBJECTS, BUTTON
+from homebot.conventions.bthome.objects import BTHOME_OBJECTS, BUTTON, MODELS, BluModel, model_called
 from homebot.conventions.bthome.parser import TAGS
 from homebot.conventions.command_values import number_writer
 from homebot.conventions.description import Publications

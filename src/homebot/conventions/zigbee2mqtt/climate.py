@@ -12,8 +12,8 @@ from functools import partial
 
 from homebot.conventions.command_values import bool_writer, require_bool, require_option
 from homebot.conventions.description import DescribedPart, Publications
+from homebot.conventions.entity_rows import climate_type, modes_of_switch, setpoints_of
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
-from homebot.conventions.thermostat_modes import climate_type, modes_of_switch, setpoints_of
 from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, text_of
 from homebot.devices.value import PlainValue

@@ -8,8 +8,7 @@ from functools import partial
 from typing import NamedTuple
 
 from homebot.clock import Clock, TimeSlice
-from homebot.conventions.description import AutoExpiry
-from homebot.conventions.message_work import begin_message
+from homebot.conventions.description import AutoExpiry, begin_message
 from homebot.conventions.payload import MAX_STATE_BYTES
 from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS

@@ -10,7 +10,7 @@ from typing import ClassVar, Final, TypeVar
 
 from pydantic import BaseModel, ConfigDict
 
-from homebot.conventions.dns_sd.found_service import FoundService
+from homebot.conventions.dns_sd import FoundService
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.gateways.announced.device_runner import DriverHost

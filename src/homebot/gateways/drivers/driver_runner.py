@@ -6,7 +6,7 @@ from typing import Final
 
 import anyio
 
-from homebot.conventions.dns_sd.found_service import FoundService
+from homebot.conventions.dns_sd import FoundService
 from homebot.devices.gateway_messages import Command
 from homebot.gateways.announced.device_runner import DeviceRunner
 from homebot.gateways.announced.gateway_device import GatewayDevice

@@ -7,7 +7,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from homebot.config import in_folder
-from homebot.conventions.dns_sd.records import full_type
+from homebot.conventions.dns_sd import full_type
 from homebot.errors import PluginError, UsageError
 from homebot.gateways.drivers import Driver, DriverSettings
 from homebot.plugins import load_plugin, plugin_names

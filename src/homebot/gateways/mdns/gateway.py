@@ -13,7 +13,7 @@ import anyio.to_thread
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
-from homebot.conventions.dns_sd.found_service import FoundService, facts_of, host_identifiers, identifiers_of, name_of
+from homebot.conventions.dns_sd import FoundService, facts_of, host_identifiers, identifiers_of, name_of
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.gateways.announced.device_runner import problems_of

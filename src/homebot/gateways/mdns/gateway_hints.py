@@ -7,7 +7,7 @@ Sources: Home Assistant core 2024.3, ``components/zeroconf/__init__.py``; HomeKi
 from collections.abc import Callable, Collection, Mapping
 from typing import Final, NamedTuple
 
-from homebot.conventions.dns_sd.found_service import FoundService, name_of, printable
+from homebot.conventions.dns_sd import FoundService, name_of, printable
 from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP
 
 __all__ = ["hint_facts"]

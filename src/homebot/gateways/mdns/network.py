@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
 import anyio
 
-from homebot.conventions.dns_sd.found_service import FoundService
+from homebot.conventions.dns_sd import FoundService
 
 if TYPE_CHECKING:
     from ifaddr import Adapter

@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING, Final
 import anyio
 from anyio import to_thread
 
-from homebot.conventions.dns_sd.found_service import FoundService
-from homebot.conventions.dns_sd.records import full_type
+from homebot.conventions.dns_sd import FoundService, full_type
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.errors import LinkError
 from homebot.gateways.mdns.network import OwnService

@@ -15,7 +15,7 @@ import anyio
 from anyio.abc import TaskGroup
 
 from homebot.clock import Clock
-from homebot.conventions.dns_sd.found_service import FoundService
+from homebot.conventions.dns_sd import FoundService
 from homebot.gateways.mdns.network import ResolvedService, ServiceNetwork, ServiceNews
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.isolation import isolated

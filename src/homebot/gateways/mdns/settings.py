@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field, PrivateAttr, field_validator
 
 from homebot.config import folder_of
-from homebot.conventions.dns_sd.records import ENUMERATION, full_type, is_service_type
+from homebot.conventions.dns_sd import ENUMERATION, full_type, is_service_type
 from homebot.gateways.base import GatewaySettings
 from homebot.units import Seconds
 

@@ -18,14 +18,16 @@ import anyio
 from zeroconf import Error, IPVersion, ServiceInfo, ServiceStateChange, Zeroconf, current_time_millis
 from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
 
-from homebot.conventions.dns_sd.found_service import FoundService, printable, usable_addresses
-from homebot.conventions.dns_sd.records import (
+from homebot.conventions.dns_sd import (
     ENUMERATION,
+    FoundService,
     base_type,
     full_type,
     instance_label,
     is_service_type,
+    printable,
     read_txt,
+    usable_addresses,
 )
 from homebot.errors import LinkError
 from homebot.gateways.announced.counters import GatewayCounters

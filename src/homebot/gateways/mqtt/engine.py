@@ -15,7 +15,7 @@ import anyio
 import anyio.lowlevel
 
 from homebot.conventions.convention import Convention, ProblemReportingConvention, TextConvention
-from homebot.conventions.message_work import begin_message
+from homebot.conventions.description import begin_message
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.devices import RawCommand, RawMessage
 from homebot.devices.health import Count, HealthResponse

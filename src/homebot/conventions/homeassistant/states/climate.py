@@ -12,7 +12,9 @@ from homebot.conventions.entity_rows import (
     EntityRow,
     Fields,
     ReadField,
+    climate_type,
     options_of,
+    setpoints_of,
     whole_of,
 )
 from homebot.conventions.homeassistant.states.rows import (
@@ -28,7 +30,6 @@ from homebot.conventions.homeassistant.states.rows import (
     read_while_on,
     sensed,
 )
-from homebot.conventions.thermostat_modes import climate_type, setpoints_of
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
