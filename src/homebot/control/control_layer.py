@@ -110,7 +110,8 @@ class ControlLayer:
         """Return the health of the journal, with notes for the owner."""
         notes = await self.policies.approval_notes() + self.executor.witnesses.notes() + self.policies.notes()
         executor = self.executor
-        counts = {"leases_refused": executor.leases.refused, **executor.witnesses.counts, **self.policies.counts}
+        own = {"leases_refused": executor.leases.refused, "codes_refused": executor.codes.refused}
+        counts = {**own, **executor.witnesses.counts, **self.policies.counts}
         return self.journal.health(counts, notes)
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import ClassVar, Final, Protocol, final
 
 from homebot.control import durations
+from homebot.control.code_guesses import CodeGuesses
 from homebot.control.command import (
     IssuedCommand,
     KnownState,
@@ -114,6 +115,7 @@ class CommandExecutor:
         timelines.on_report, timelines.on_end, timelines.on_undone = self._on_report, self._on_end, self._on_undone
         feed.on_answer = self._on_answer
         self.witnesses = Witnesses(node, settings, feed, lookup)
+        self.codes = CodeGuesses(self._clock)
 
     async def perform(self, request: CommandRequest) -> Outcome:
         """Carry out a command, and return its outcome."""
@@ -131,7 +133,10 @@ class CommandExecutor:
         elif device is None or part is None:
             outcome = no_such_part(request.device, request.part, device, name)
         else:
-            outcome = await self._carry_out(self._issued(name, request, device, part, asked_at))
+            command = self._issued(name, request, device, part, asked_at)
+            outcome = await self._carry_out(command)
+            if command.code:
+                self.codes.end(command, outcome)
         self._journal.decided(request.issuer, place, outcome)
         return outcome
 
@@ -195,7 +200,10 @@ class CommandExecutor:
         if len(self._open) >= MOST_PENDING:
             reason = f"{MOST_PENDING:,} commands wait for their outcome"
             return Refused("control", reason, command_id=command.id)
-        if (refused := self.check(command)) is not None:
+        refused = self.check(command)
+        if refused is None and command.code:
+            refused = self.codes.begin(command)
+        if refused is not None:
             return refused
         if self._learnt.is_awaited:
             await self._learnt.load()

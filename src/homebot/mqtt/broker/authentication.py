@@ -11,6 +11,7 @@ from homebot.mqtt.broker.ports import ConnectedClient
 from homebot.mqtt.packets import ReasonCode
 from homebot.support.addresses import network_of
 from homebot.support.bounded_map import BoundedMap
+from homebot.support.guess_delays import GuessDelays
 
 __all__ = ["Applicant", "Authentication", "LoginThrottle", "WaitingLogins", "host_of"]
 
@@ -55,12 +56,6 @@ class Authentication:
         return hmac.digest(self._key, password, "sha256")
 
 
-_FREE: Final = 3  # wrong passwords without a delay: people mistype
-_FIRST: Final = 0.5
-_LONGEST: Final = 8.0
-"""Seconds; less than a CONNECT may wait, so that an honest client on the same host gets its chance."""
-_FORGOTTEN: Final = 600.0  # seconds after the last wrong password
-_MOST_HOSTS: Final = 1000
 _MOST_KNOWN: Final = 2000
 _LONG: Final = 16  # bytes of a password too long to guess
 
@@ -73,27 +68,18 @@ class Applicant(NamedTuple):
     client_id: str
 
 
-class _Guesser:
-    __slots__ = ("failed_at", "failures", "until")
-
-    def __init__(self) -> None:
-        self.failures = 0
-        self.failed_at = self.until = 0.0
-
-
 @final
 class LoginThrottle:
-    """The delays of login attempts, by host.
+    """The delays of login attempts, by host: see :class:`homebot.support.guess_delays.GuessDelays`.
 
-    After three wrong passwords from a host, each further one delays all new attempts from there: by half a second at
-    first, twice as long each time, at most eight seconds. A client that has logged in from there before does not wait
-    until its password is wrong once; with a long password it never waits, because guessers may use its name. The
-    numbers of remembered hosts and clients are bounded; the least recent are forgotten first.
+    A client that has logged in from there before does not wait until its password is wrong once; with a long password
+    it never waits, because guessers may use its name. The numbers of remembered hosts and clients are bounded; the
+    least recent are forgotten first.
     """
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._guessers: BoundedMap[str, _Guesser] = BoundedMap(_MOST_HOSTS)
+        self._guessers: GuessDelays[str] = GuessDelays()
         self._known: BoundedMap[Applicant, bool] = BoundedMap(_MOST_KNOWN)  # whether it has been right since
 
     def __len__(self) -> int:
@@ -105,26 +91,16 @@ class LoginThrottle:
         Args:
             right: Its password if correct, otherwise empty.
         """
-        guesser, was_right = self._guessers.get(applicant.host), self._known.get(applicant)
-        if guesser is None or was_right or (was_right is not None and len(right) >= _LONG):
+        was_right = self._known.get(applicant)
+        if was_right or (was_right is not None and len(right) >= _LONG):
             return 0.0
-        return guesser.until
+        return self._guessers.until(applicant.host)
 
     def failed(self, applicant: Applicant) -> tuple[int, float]:
         """Record a wrong password; return the number from this host, and the delay of its next attempt."""
-        now = self._clock.monotonic()
         if applicant in self._known:
             self._known[applicant] = False
-        guesser = self._guessers.pop(applicant.host, None)
-        if guesser is None or guesser.failed_at < now - _FORGOTTEN:
-            guesser = _Guesser()
-        self._guessers[applicant.host] = guesser
-        guesser.failed_at = now
-        guesser.failures += 1
-        excess = guesser.failures - _FREE
-        delay = 0.0 if excess <= 0 else min(_FIRST * 2.0 ** min(excess - 1, 10), _LONGEST)
-        guesser.until = now + delay
-        return guesser.failures, delay
+        return self._guessers.failed(applicant.host, self._clock.monotonic())
 
     def succeeded(self, applicant: Applicant) -> None:
         """Record a correct password."""
