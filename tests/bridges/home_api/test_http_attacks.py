@@ -8,6 +8,7 @@ from typing import Any
 import anyio.lowlevel
 import pytest
 from anyio.abc import SocketStream
+from structlog.testing import capture_logs
 from tests.bridges.conftest import House
 from tests.patience import PATIENCE
 
@@ -70,6 +71,13 @@ LAMP_ON = {"device": "lamp", "do": "on"}
 async def test_a_page_of_another_server_neither_reads_nor_commands(house: House, header: str) -> None:
     assert (await answer(house, f"{GET}{header}\r\n\r\n"))[0] == 403
     assert (await answer(house, posted(LAMP_ON, header)))[0] in {400, 403}
+
+
+async def test_an_invalid_request_is_logged_without_the_token_in_it(house: House) -> None:
+    with capture_logs() as logs:
+        assert (await answer(house, f"{POST}Authorization : Bearer hunter2\r\n\r\n"))[0] == 400
+    assert ["illegal header line" in one["message"] for one in logs] == [True]
+    assert "hunter2" not in str(logs)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from contextlib import AsyncExitStack, suppress
 
 import anyio
 import pytest
+from structlog.testing import capture_logs
 from tests.bridges.thing_directory.conftest import OpenHouse, ServedHouse
 from tests.patience import PATIENCE
 
@@ -51,6 +52,21 @@ async def test_an_invalid_request_is_refused_and_the_next_one_is_answered(
     answer = await answer_to(house.bridge.port, request_)
     assert any(one in answer if one else not answer for one in status), answer
     assert len(await house.things(2)) == 2
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        b"GET /things HTTP/1.1\r\nAuthorization : Bearer hunter2\r\n\r\n",
+        b"GET /things?token=hunter2 HTTP/9.7\r\n\r\n",
+        b"GET /things?token=hunter2" + b"a" * 9_000 + b" HTTP/1.1\r\n\r\n",
+    ],
+)
+async def test_an_invalid_request_is_logged_without_the_token_in_it(house: ServedHouse, request_: bytes) -> None:
+    with capture_logs() as logs:
+        await answer_to(house.bridge.port, request_)
+    assert [one["event"] for one in logs] == ["thing_directory.invalid_http"]
+    assert "hunter2" not in str(logs)
 
 
 async def test_connections_beyond_the_limit_are_refused_until_others_close(served_house: OpenHouse) -> None:
