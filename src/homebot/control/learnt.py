@@ -1,16 +1,15 @@
 """Knowledge about devices that survives a restart, in the journal's store: records, and the profile of each part."""
 
-from collections import deque
+import json
 from collections.abc import Callable
-from functools import partial
-from typing import Annotated, Final, Literal, TypeAlias, final
+from functools import cache, partial
+from typing import Final, Literal, TypeAlias, final
 
 import anyio
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 from homebot.control.journal.store import JournalStore, LearntRow
-from homebot.control.timeline.profile import KEPT, KEPT_ANSWERS, DeviceProfile, Return
-from homebot.devices.value import PlainValue
+from homebot.control.timeline.profile import DeviceProfile
 from homebot.errors import WireError
 from homebot.graph import Node
 from homebot.support.bounded_map import BoundedMap
@@ -109,27 +108,13 @@ class LearntPersistence:
         self._store.learn(LearntRow(kind, name, record, self._node.graph.clock.now()))
 
 
-_Seconds: TypeAlias = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-_Times: TypeAlias = Annotated[tuple[_Seconds, ...], Field(max_length=KEPT)]
-_Returns: TypeAlias = Annotated[tuple[tuple[bool, _Seconds | None], ...], Field(max_length=KEPT)]
-_Echoes: TypeAlias = Annotated[tuple[bool, ...], Field(max_length=KEPT)]
-_Value: TypeAlias = bool | float | str | tuple[float, ...] | None
-_Answers: TypeAlias = Annotated[tuple[tuple[_Value, _Value], ...], Field(max_length=KEPT_ANSWERS)]
-
-
-class _SavedProfile(BaseModel):
-    """Record of a profile; fields of later versions are ignored."""
+class _Header(BaseModel):
+    """The fields of a saved profile besides the profile itself; fields of later versions are ignored."""
 
     model_config = ConfigDict(extra="ignore", defer_build=True)
 
     version: Literal[1] = 1
     target: str
-    times: dict[str, _Times] = Field(default_factory=dict)
-    returns: dict[str, _Returns] = Field(default_factory=dict)
-    echoes: dict[str, _Echoes] = Field(default_factory=dict)
-    answers: dict[str, _Answers] = Field(default_factory=dict)
-    failures: Annotated[dict[str, int], Field(max_length=KEPT)] = Field(default_factory=dict)
-    is_told_once: bool = False
 
 
 @final
@@ -154,16 +139,8 @@ class Profiles:
         if not profile.is_changed:
             return
         profile.is_changed = False
-        record = _SavedProfile.model_construct(
-            target=target,
-            times={name: tuple(times) for name, times in profile.times.items()},
-            returns={name: tuple((one.is_fast, one.after) for one in known) for name, known in profile.returns.items()},
-            echoes={name: tuple(known) for name, known in profile.echoes.items()},
-            answers={name: tuple(known.items()) for name, known in profile.answers.items()},
-            failures=dict(profile.failures),
-            is_told_once=profile.is_told_once,
-        )
-        self._save(target, record.model_dump_json(exclude_defaults=True))
+        fields = _form().dump_python(profile, mode="json", exclude={"is_changed"}, exclude_defaults=True)
+        self._save(target, json.dumps({"target": target, **fields}, separators=(",", ":")))
 
     def restore(self, name: str, record: str) -> None:
         """Restore a profile of an earlier run.
@@ -171,26 +148,15 @@ class Profiles:
         Raises:
             WireError: It cannot be read, or is of another version.
         """
-        saved, profile = _read(name, record), self.of(name)
-        for capability, times in saved.times.items():
-            profile.times.setdefault(capability, deque(times, maxlen=KEPT))
-        for capability, returns in saved.returns.items():
-            profile.returns.setdefault(capability, deque((Return(*one) for one in returns), maxlen=KEPT))
-        for capability, echoes in saved.echoes.items():
-            profile.echoes.setdefault(capability, deque(echoes, maxlen=KEPT))
-        for capability, answers in saved.answers.items():
-            known: BoundedMap[PlainValue, PlainValue] = BoundedMap(KEPT_ANSWERS)
-            known.update(answers)
-            profile.answers.setdefault(capability, known)
-        profile.failures = {**saved.failures, **profile.failures}
-        profile.is_told_once = profile.is_told_once or saved.is_told_once
+        try:
+            header, saved = _Header.model_validate_json(record), _form().validate_json(record)
+        except ValidationError as exc:
+            raise WireError(f"it is not the profile of a device: {exc.errors()[0]['msg']}", record.encode()) from exc
+        if name != header.target:
+            raise WireError("its name is that of another device", record.encode())
+        self.of(name).add(saved)
 
 
-def _read(name: str, record: str) -> _SavedProfile:
-    try:
-        saved = _SavedProfile.model_validate_json(record)
-    except ValidationError as exc:
-        raise WireError(f"it is not the profile of a device: {exc.errors()[0]['msg']}", record.encode()) from exc
-    if name != saved.target:
-        raise WireError("its name is that of another device", record.encode())
-    return saved
+@cache
+def _form() -> TypeAdapter[DeviceProfile]:
+    return TypeAdapter(DeviceProfile)

@@ -1,8 +1,7 @@
 """What a profile knows of the routes to a device."""
 
 from homebot.control.learnt import Profiles
-from homebot.control.timeline.profile import KEPT, KEPT_ANSWERS, DeviceProfile
-from homebot.support.bounded_map import BoundedMap
+from homebot.control.timeline.profile import KEPT, DeviceProfile
 
 
 def test_a_route_is_ineffective_after_two_commands_in_a_row_and_until_it_works() -> None:
@@ -48,10 +47,9 @@ def test_an_ineffective_route_is_known_after_a_restart() -> None:
 def test_answers_of_this_run_outlast_records_that_are_read_late() -> None:
     saved: dict[str, str] = {}
     before, after = (Profiles(lambda name, record: saved.update({name: record})) for _ in range(2))
-    for profiles, answer in ((before, 48), (after, 49)):
-        profiles.of("lamp").answers["level"] = BoundedMap(KEPT_ANSWERS)
-        profiles.of("lamp").answers["level"][50] = answer
+    for profiles, answer in ((before, 48.0), (after, 49.0)):
+        profiles.of("lamp").answers["level"] = [(50.0, answer)]
     before.of("lamp").is_changed = True
     before.save("lamp", before.of("lamp"))
     after.restore("lamp", saved["lamp"])
-    assert after.of("lamp").answers["level"] == {50: 49}
+    assert after.of("lamp").answers["level"] == [(50.0, 49.0)]

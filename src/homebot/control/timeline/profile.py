@@ -3,21 +3,21 @@
 A profile may be deleted at any time: commands then wait a little longer, and no outcome becomes wrong.
 """
 
-from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from typing import Annotated, Final, NamedTuple, TypeAlias, TypeVar
+
+from pydantic import Field
 
 from homebot.control import durations
 from homebot.control.values import fits, is_same
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.value import PlainValue
-from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["KEPT", "KEPT_ANSWERS", "DeviceProfile", "Return"]
+__all__ = ["KEPT", "DeviceProfile", "Return"]
 
 KEPT: Final = 16
-KEPT_ANSWERS: Final = 8
+_KEPT_ANSWERS: Final = 8
 """The limit of answers to different values, for each capability."""
 
 _ENOUGH: Final = 3
@@ -35,6 +35,13 @@ Sources: openhab/org.openhab.binding.zigbee#108 (99 becomes 98), home-assistant/
 """
 
 
+_T = TypeVar("_T")
+_Newest: TypeAlias = Annotated[list[_T], Field(max_length=KEPT)]
+_Seconds: TypeAlias = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+_Answers: TypeAlias = Annotated[list[tuple[PlainValue, PlainValue]], Field(max_length=_KEPT_ANSWERS)]
+"""The reported values for commanded values, each of which occurs once."""
+
+
 class Return(NamedTuple):
     """End of one confirmed value.
 
@@ -44,7 +51,7 @@ class Return(NamedTuple):
     """
 
     is_fast: bool
-    after: float | None
+    after: _Seconds | None
 
 
 @dataclass(slots=True, eq=False)
@@ -61,13 +68,22 @@ class DeviceProfile:
         is_changed: Whether it has unsaved knowledge.
     """
 
-    times: dict[str, deque[float]] = field(default_factory=dict)
-    returns: dict[str, deque[Return]] = field(default_factory=dict)
-    echoes: dict[str, deque[bool]] = field(default_factory=dict)
-    answers: dict[str, BoundedMap[PlainValue, PlainValue]] = field(default_factory=dict)
-    failures: dict[str, int] = field(default_factory=dict)
+    times: dict[str, _Newest[_Seconds]] = field(default_factory=dict)
+    returns: dict[str, _Newest[Return]] = field(default_factory=dict)
+    echoes: dict[str, _Newest[bool]] = field(default_factory=dict)
+    answers: dict[str, _Answers] = field(default_factory=dict)
+    failures: Annotated[dict[str, int], Field(max_length=KEPT)] = field(default_factory=dict)
     is_told_once: bool = False
     is_changed: bool = False
+
+    def add(self, earlier: "DeviceProfile") -> None:
+        """Add the knowledge of an earlier run, except about capabilities and routes that are known already."""
+        self.times = earlier.times | self.times
+        self.returns = earlier.returns | self.returns
+        self.echoes = earlier.echoes | self.echoes
+        self.answers = earlier.answers | self.answers
+        self.failures = earlier.failures | self.failures
+        self.is_told_once = self.is_told_once or earlier.is_told_once
 
     def answer_time(self, capabilities: Iterable[str], first: float) -> tuple[float, float]:
         """Return how long to wait for an answer, and the longest known answer, in seconds.
@@ -96,21 +112,21 @@ class DeviceProfile:
         limit = durations.ANSWER_FACTOR * seconds + durations.ANSWER_SPARE
         if not is_change and limit > self.answer_time((capability,), first)[0]:
             return
-        times = self.times.setdefault(capability, deque(maxlen=KEPT))
+        times = self.times.setdefault(capability, [])
         longest, count = max(times, default=0.0), len(times)
-        times.append(min(seconds, first) if sendings > 1 else seconds)
+        _append(times, min(seconds, first) if sendings > 1 else seconds)
         if count == _ENOUGH - 1 or abs(max(times) - longest) >= durations.ANSWER_SPARE:  # the next wait depends on it
             self.is_changed = True
 
     def learn_return(self, capability: str, after: float | None, *, is_fast: bool) -> None:
         """Record the end of a confirmed value; a device that never reverts one has no record."""
         if after is not None or capability in self.returns:
-            self.returns.setdefault(capability, deque(maxlen=KEPT)).append(Return(is_fast, after))
+            _append(self.returns.setdefault(capability, []), Return(is_fast, after))
             self.is_changed = True
 
     def learn_echo(self, capability: str, *, is_answered: bool) -> None:
         """Record whether the device's own report followed an echo."""
-        self.echoes.setdefault(capability, deque(maxlen=KEPT)).append(is_answered)
+        _append(self.echoes.setdefault(capability, []), is_answered)
         self.is_changed = True
 
     def learn_routes(self, routes: Iterable[str], worked: str = "") -> None:
@@ -136,16 +152,15 @@ class DeviceProfile:
             is_usual = wanted == seen or not (rounds or fits(capability, wanted, seen))
             if is_usual or is_same(capability, wanted, seen):
                 return
-        answers = self.answers.setdefault(capability, BoundedMap(KEPT_ANSWERS))
-        if answers.get(wanted, _NONE) == seen:
-            return
-        answers[wanted] = seen
-        self.is_changed = True
+        answers = self.answers.get(capability, [])
+        if (wanted, seen) not in answers:
+            others = [one for one in answers if one[0] != wanted]
+            self.answers[capability] = [*others, (wanted, seen)][-_KEPT_ANSWERS:]
+            self.is_changed = True
 
     def is_answer(self, capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
         """Return whether *seen* was the answer to the same command earlier."""
-        answers = self.answers.get(capability)
-        return answers is not None and answers.get(wanted, _NONE) == seen
+        return (wanted, seen) in self.answers.get(capability, ())
 
     def rounding(self, capability: str) -> float:
         """Return by how much the device rounds values of *capability*; 0 if unknown.
@@ -156,7 +171,7 @@ class DeviceProfile:
             return 0.0
         known = [
             (wanted, seen)
-            for wanted, seen in self.answers[capability].items()
+            for wanted, seen in self.answers[capability]
             if isinstance(wanted, float) and isinstance(seen, float)
         ]
         if len(known) < _ENOUGH or len({seen for _, seen in known}) < 2:
@@ -179,7 +194,7 @@ class DeviceProfile:
         """Return the seconds after which the device goes back by itself; None if it is not known to."""
         if capability not in self.returns:
             return None
-        known = [one.after for one in list(self.returns[capability])[-_ENOUGH:] if one.after is not None]
+        known = [one.after for one in self.returns[capability][-_ENOUGH:] if one.after is not None]
         if len(known) < _ENOUGH or max(known) - min(known) > durations.REGULAR:
             return None
         return sum(known) / len(known)
@@ -192,4 +207,6 @@ class DeviceProfile:
         return min(durations.ECHO_PATIENCE, limit) if len(echoes) < _FIRST_ECHOES else 0.0
 
 
-_NONE: Final = object()
+def _append(known: list[_T], newest: _T) -> None:
+    known.append(newest)
+    del known[:-KEPT]
