@@ -32,13 +32,11 @@ if TYPE_CHECKING:
     from homebot.control.executor import Rehearsal
     from homebot.control.journal.store import JournalStore
     from homebot.control.settings import ControlSettings
-    from homebot.control.timeline.cause import Attribution
     from homebot.devices.command_messages import (
         CommandDevicesRequest,
         CommandDevicesResponse,
         CommandRequest,
     )
-    from homebot.devices.device import ChangedSetting
     from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
     from homebot.devices.outcomes import Outcome
 
@@ -84,9 +82,7 @@ class Control:
         lookup = DeviceLookup(node)
         self._feed = GatewayFeed(node)
         is_dry_run = rehearsal is not None and rehearsal.is_live
-        self._house_watch = HouseWatch(
-            node, lookup, lambda: self._layer.journal, self._cause_of_change, is_dry_run=is_dry_run
-        )
+        self._house_watch = HouseWatch(node, lookup, lambda: self._layer, is_dry_run=is_dry_run)
 
         def build() -> ControlLayer:
             from homebot.control.control_layer import ControlLayer  # noqa: PLC0415 - loaded with the first command
@@ -95,7 +91,6 @@ class Control:
                 node,
                 self._feed,
                 lookup,
-                self._house_watch,
                 self._given_settings,
                 grants,
                 trusts_apps=trusts_apps,
@@ -199,13 +194,6 @@ class Control:
 
     async def _on_refusal(self, refused: AccessRefused) -> None:
         await self._layer.denied.record(refused)
-
-    def _cause_of_change(self, change: ChangedSetting) -> Attribution | None:
-        """Return the cause of a change; None if no command was ever given to the part."""
-        if not self._begun.is_set():
-            return None
-        stamp = change.told_at.to_seconds()
-        return self._layer.timelines.cause((change.device, change.part), change.capability, change.value.plain(), stamp)
 
     def _begin_check(self) -> None:
         """Start the check of names if the settings have any: few homes do."""

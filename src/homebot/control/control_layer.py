@@ -13,7 +13,6 @@ from homebot.control.explanations import Explanations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal.denied_requests import DeniedRequests
 from homebot.control.journal.file_store import FileStore
-from homebot.control.journal.house_watch import HouseWatch
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.journal.store import JournalStore
 from homebot.control.learnt import PROFILE, LearntPersistence, Profiles
@@ -47,7 +46,6 @@ class ControlLayer:
         node: Node,
         feed: GatewayFeed,
         lookup: DeviceLookup,
-        house_watch: HouseWatch,
         settings: ControlSettings | None,
         grants: Mapping[str, tuple[str, ...]],
         *,
@@ -60,7 +58,7 @@ class ControlLayer:
     ) -> None:
         settings = _with_approvals(settings, approves_all=approves_all)
         store = store or _store(node, settings, journal_file)
-        self.journal = CommandJournal(node, store, lookup, house_watch.begin_raw, settings.settle)
+        self.journal = CommandJournal(node, store, lookup, settings.settle)
         self.learnt = LearntPersistence(node, store)
         profiles = Profiles(self.learnt.saver(PROFILE))
         self.learnt.add(PROFILE, profiles.restore)

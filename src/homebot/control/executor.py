@@ -112,7 +112,7 @@ class CommandExecutor:
         self._publishes_undoings = settings.settle > 0
         self._limits = TimeLimits()
         self._open: dict[str, OpenCommand] = {}
-        timelines.on_report, timelines.on_end, timelines.on_undone = self._on_report, self._on_end, self._on_undone
+        timelines.on_news, timelines.on_undone = self._on_news, self._on_undone
         feed.on_answer = self._on_answer
         self.witnesses = Witnesses(node, settings, feed, lookup)
         self.codes = CodeGuesses(self._clock)
@@ -289,16 +289,20 @@ class CommandExecutor:
         self.timelines.schedule(command.place)
         return outcome
 
-    def _on_report(self, progress: CommandProgress, fact: Reported) -> None:
-        """Record a report for a command, and wake the task that waits for it."""
-        opened = self._open.get(progress.order.id) if progress.is_open else None
-        if opened is None:
-            if _is_late_answer(progress, fact) and self._cause_of(progress, fact).command == progress.order.id:
-                self._journal.reported(progress.order, fact, Cause.COMMAND.value)
-            return
-        if fact.capability in progress.wanted and _is_news(opened, fact):
-            self._journal.reported(progress.order, fact, self._cause_of_answer(progress, fact))
-        opened.wake()
+    def _on_news(self, progress: CommandProgress, fact: Reported | None) -> None:
+        """Record a report for a command, or its end, and wake the task that waits for it."""
+        opened = self._open.get(progress.order.id)
+        if fact is not None:
+            self._record(progress, fact, opened if progress.is_open else None)
+        if opened is not None:
+            opened.wake()
+
+    def _record(self, progress: CommandProgress, fact: Reported, opened: OpenCommand | None) -> None:
+        if opened is not None:
+            if fact.capability in progress.wanted and _is_news(opened, fact):
+                self._journal.reported(progress.order, fact, self._cause_of_answer(progress, fact))
+        elif _is_late_answer(progress, fact) and self._cause_of(progress, fact).command == progress.order.id:
+            self._journal.reported(progress.order, fact, Cause.COMMAND.value)
 
     def _cause_of(self, progress: CommandProgress, fact: Reported) -> Attribution:
         return self.timelines.cause_of(progress.order.place, fact)
@@ -325,15 +329,11 @@ class CommandExecutor:
         )
         self._node.log.warning(REVERTED, message=f"{order.label}: {outcome.text}", device=device, command=order.id)
 
-    def _on_end(self, progress: CommandProgress) -> None:
-        opened = self._open.get(progress.order.id)
-        if opened is not None:
-            opened.wake()
-
     def _on_answer(self, command: str, capability: str, problem: str) -> None:
         opened = self._open.get(command)
-        if opened is not None:
-            opened.timeline.accept(command, capability, problem, self._clock.monotonic())
+        if opened is not None and capability in opened.command.settings:
+            opened.progress.accept(capability, problem, self._clock.monotonic())
+            opened.wake()
 
 
 def _contradicts(older: Mapping[str, PlainValue], command: IssuedCommand) -> bool:

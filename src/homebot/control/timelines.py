@@ -54,8 +54,7 @@ class Timelines:
         self._settle = settle
         self._limits = TimeLimits()
         self._entries: OrderedDict[PartRef, _TrackedPart] = OrderedDict()
-        self.on_report: Callable[[CommandProgress, Reported], None] = lambda *_: None
-        self.on_end: Callable[[CommandProgress], None] = lambda *_: None
+        self.on_news: Callable[[CommandProgress, Reported | None], None] = lambda *_: None
         self.on_undone: Callable[[CommandProgress], None] = lambda *_: None
 
     def of(self, device: Device, part: DevicePart) -> PartTimeline:
@@ -108,7 +107,7 @@ class Timelines:
         target = target_of(device.id, part.id)
         timeline = PartTimeline(self._profiles.of(target), self._timeout, self._settle)
         _seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
-        timeline.on_report, timeline.on_end, timeline.on_undone = self.on_report, self.on_end, self._on_undone
+        timeline.on_news, timeline.on_undone = self.on_news, self._on_undone
         entry = self._entries[place] = _TrackedPart(timeline, target)
         if len(self._entries) > _MOST:
             self._forget_oldest()

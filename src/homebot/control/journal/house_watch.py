@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias, final
+from typing import TYPE_CHECKING, Final, TypeAlias, final
 
 from homebot.control.device_lookup import DeviceLookup
 from homebot.devices import GatewayNames, RawCommand
-from homebot.devices.device import ChangedSetting, ChangedSettings
+from homebot.devices.device import ChangedSettings
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
 from homebot.devices.value import PlainValue
 from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
 from homebot.support.bounded_map import BoundedMap
 
 if TYPE_CHECKING:
-    from homebot.control.journal.journal import CommandJournal
-    from homebot.control.timeline.cause import Attribution
+    from homebot.control.control_layer import ControlLayer
 
 __all__ = ["HouseWatch"]
 
@@ -27,39 +25,11 @@ _SETTINGS: Final = QoSProfile(depth=100)
 _RAW: Final = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
 """In a flood the oldest is dropped; a gateway's commands never wait for the journal."""
 
-_MOST_COMMANDS: Final = 10
-"""The newest raw commands of one device."""
-
-_DELAY: Final = 0.2
-"""Seconds by which the journal may receive a raw command later than the gateway if the event loop is busy."""
-
 _MOST: Final = 100_000
 _CALM: Final = 10.0
 """Seconds in which further numbers of one setting are not recorded: from a dial that is turned, or a moving blind."""
 
 _Place: TypeAlias = tuple[str, str, str]
-
-
-class RawWindow(NamedTuple):
-    """The time during which a raw command explains changes of its device, in seconds since the Unix epoch.
-
-    Attributes:
-        id: The id of the command; empty for none.
-    """
-
-    id: str = ""
-    began: float = 0.0
-    until: float = 0.0
-    text: str = ""
-
-    def means(self, value: PlainValue) -> bool:
-        """Return whether the command is the usual text for *value*."""
-        if isinstance(value, bool):
-            return self.text == ("on" if value else "off")
-        return isinstance(value, str) and self.text == value.casefold()
-
-
-_NONE: Final = RawWindow()
 
 
 def _is_change(before: PlainValue, before_at: float, value: PlainValue, at: float) -> bool:
@@ -71,12 +41,11 @@ def _is_change(before: PlainValue, before_at: float, value: PlainValue, at: floa
 class HouseWatch:
     """Records unexplained changes and raw commands in the journal.
 
-    The first value of each setting is not a change. At most 100,000 values, and as many devices with recent raw
-    commands, are stored; the least recently used are dropped.
+    The first value of each setting is not a change. At most 100,000 values are stored; the least recently used are
+    dropped.
 
     Args:
-        journal: Returns the journal, which is built when the first entry is recorded.
-        cause_of: Returns the cause of a change; None if no command was ever given to the part.
+        layer: Returns the control layer, which is built for the first entry.
         is_dry_run: Whether gateways send nothing, so raw commands have no effect.
     """
 
@@ -84,18 +53,15 @@ class HouseWatch:
         self,
         node: Node,
         lookup: DeviceLookup,
-        journal: Callable[[], CommandJournal],
-        cause_of: Callable[[ChangedSetting], Attribution | None],
+        layer: Callable[[], ControlLayer],
         *,
-        is_dry_run: bool = False,
+        is_dry_run: bool,
     ) -> None:
         self._node = node
         self._clock = node.graph.clock
         self._lookup = lookup
-        self._journal = journal
+        self._layer = layer
         self._is_dry_run = is_dry_run
-        self._cause_of = cause_of
-        self._raw: BoundedMap[str, deque[RawWindow]] = BoundedMap(_MOST)
         self._values: BoundedMap[_Place, tuple[PlainValue, float]] = BoundedMap(_MOST)
 
     def follow_settings(self) -> None:
@@ -109,11 +75,6 @@ class HouseWatch:
         out = GatewayNames(gateway).out
         self._node.create_subscription(RawCommand, out, partial(self._on_raw, gateway), _RAW, from_node=OTHERS)
 
-    def begin_raw(self, device: str, command: str, text: str, now: float, until: float) -> None:
-        """Add a raw command that explains changes of the device from *now* to *until*."""
-        known = self._raw[device] = self._raw.get(device) or deque(maxlen=_MOST_COMMANDS)
-        known.append(RawWindow(command, now - _DELAY, until, text.strip().casefold()))
-
     def _on_settings(self, changed: ChangedSettings) -> None:
         for change in changed.changes:
             place, value = (change.device, change.part, change.capability), change.value.plain()
@@ -123,18 +84,12 @@ class HouseWatch:
             self._values[place] = value, at
             if not _is_change(before, before_at, value, at):
                 continue
-            raw, attribution = self._explaining(change.device, value, at), self._cause_of(change)
-            if raw.id and raw.means(value):
-                self._journal().changed(change, before, raw.id, "command")
-            elif attribution is None or attribution.role is None:  # else the entries of a command record it
-                cause = "person" if attribution is None else attribution.cause.value
-                self._journal().changed(change, before, raw.id, "command" if raw.id else cause)
-
-    def _explaining(self, device: str, value: PlainValue, at: float) -> RawWindow:
-        """Return the newest raw command that may explain a report; an empty one if there is none."""
-        raw = [one for one in self._raw.get(device, ()) if one.began <= at <= one.until]
-        meant = [one for one in raw if one.means(value)] or raw
-        return max(meant, key=lambda one: one.began, default=_NONE)
+            layer = self._layer()
+            raw = layer.journal.raw_command(change.device, value, at)
+            attribution = layer.timelines.cause(place[:2], change.capability, value, at)
+            if (raw.id and raw.means(value)) or attribution is None or attribution.role is None:
+                cause = "command" if raw.id else "person" if attribution is None else attribution.cause.value
+                layer.journal.changed(change, before, raw.id, cause)  # else the entries of a command record it
 
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:
         if command.command_id:
@@ -142,4 +97,4 @@ class HouseWatch:
         now = self._clock.now()
         device = await self._lookup.device_at(gateway, command.address)
         if device:
-            self._journal().published(device, command, now, is_sent=not self._is_dry_run)
+            self._layer().journal.published(device, command, now, is_sent=not self._is_dry_run)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Mapping
 from itertools import count
-from typing import TYPE_CHECKING, Literal, TypeAlias, final
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias, final
 
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.command_folding import CommandFolding
@@ -34,6 +35,7 @@ from homebot.devices.wording.time_format import ago
 from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.messages import Time
+from homebot.support.bounded_map import BoundedMap
 
 if TYPE_CHECKING:
     from homebot.control.command import IssuedCommand
@@ -47,32 +49,51 @@ __all__ = ["CommandJournal", "LeaseStep"]
 
 LeaseStep: TypeAlias = Literal["held", "released", "ended", "expired", "outranked", "handed_back"]
 
-BeginRaw: TypeAlias = Callable[[str, str, str, float, float], None]
-
 _DEPTH = 1000
 _SHORTEST_SETTLE = 2.0
 """The least time in seconds: the directory publishes a change a little later than the gateway."""
 
-
 _MOST_NAMES = 500
 _LONGEST = 500
+_MOST_DEVICES: Final = 100_000
+_MOST_RAW: Final = 10
+_DELAY: Final = 0.2
+"""Seconds by which the journal may receive a raw command later than the gateway if the event loop is busy."""
+
+
+class RawWindow(NamedTuple):
+    """The time during which a raw command explains changes of its device, in seconds since the Unix epoch.
+
+    Attributes:
+        id: The id of the command; empty for none.
+    """
+
+    id: str = ""
+    began: float = 0.0
+    until: float = 0.0
+    text: str = ""
+
+    def means(self, value: PlainValue) -> bool:
+        """Return whether the command is the usual text for *value*."""
+        if isinstance(value, bool):
+            return self.text == ("on" if value else "off")
+        return isinstance(value, str) and self.text == value.casefold()
+
+
+_NO_RAW: Final = RawWindow()
 
 
 @final
 class CommandJournal:
-    """Publishes and stores the entries.
+    """Publishes and stores the entries; it remembers the last ten raw commands of each of 100,000 devices.
 
     Args:
-        begin_raw: Called with each raw command that is sent: the device, the id, the text, and the time in which it
-            explains changes.
         settle: Seconds after a raw command in which it explains a change of the device.
     """
 
-    def __init__(
-        self, node: Node, store: JournalStore, lookup: DeviceLookup, begin_raw: BeginRaw, settle: float
-    ) -> None:
+    def __init__(self, node: Node, store: JournalStore, lookup: DeviceLookup, settle: float) -> None:
         self._clock = node.graph.clock
-        self._begin_raw = begin_raw
+        self._raw: BoundedMap[str, deque[RawWindow]] = BoundedMap(_MOST_DEVICES)
         self._settle = max(settle, _SHORTEST_SETTLE)
         self._ids = map(f"{round(self._clock.now()):x}-{{}}".format, count(1))
         self._store = store
@@ -198,9 +219,16 @@ class CommandJournal:
             JournalNote("published", at, device, "", name, issuer=command.issuer, trigger=command.trigger, text=text)
         )
         if is_sent:
-            self._begin_raw(device, name, command.payload, at, at + self._settle)
+            known = self._raw[device] = self._raw.get(device) or deque(maxlen=_MOST_RAW)
+            known.append(RawWindow(name, at - _DELAY, at + self._settle, command.payload.strip().casefold()))
         else:
             self._add(JournalNote("would", at, device, "", name, issuer=command.issuer))
+
+    def raw_command(self, device: str, value: PlainValue, at: float) -> RawWindow:
+        """Return the newest raw command that may explain a report of *value*; an empty one if there is none."""
+        raw = [one for one in self._raw.get(device, ()) if one.began <= at <= one.until]
+        meant = [one for one in raw if one.means(value)] or raw
+        return max(meant, key=lambda one: one.began, default=_NO_RAW)
 
     def denied(self, refused: AccessRefused, device: str, count: int) -> None:
         """Record that the door refused *count* requests such as this one, to *device* if it is known."""

@@ -37,8 +37,7 @@ class PartTimeline:
         commands: The commands, including older ones that may still have an effect, oldest first.
         unsure_since: Since when the value of each capability may differ from the reported one.
         dropped_change: The newest unexplained change that is no longer among the reports; None if there is none.
-        on_report: Called with each report for each command that may have caused it.
-        on_end: Called with a command when a newer one replaces it, or it is answered.
+        on_news: Called with each report for each command that may have caused it, and with None for a replaced command.
         on_undone: Called with a command when its confirmed value is undone.
     """
 
@@ -48,8 +47,7 @@ class PartTimeline:
         self.profile = profile
         self.unsure_since: dict[str, float] = {}
         self.dropped_change: Reported | None = None
-        self.on_report: Callable[[CommandProgress, Reported], None] = lambda *_: None
-        self.on_end: Callable[[CommandProgress], None] = lambda *_: None
+        self.on_news: Callable[[CommandProgress, Reported | None], None] = lambda *_: None
         self.on_undone: Callable[[CommandProgress], None] = lambda *_: None
         self._first = first
         self._settle = settle
@@ -79,7 +77,7 @@ class PartTimeline:
         for older in self._active:
             older.supersede(order, at)
             if older.superseded_by:
-                self.on_end(older)
+                self.on_news(older, None)
         progress = CommandProgress(order, at, known, last, self.profile, is_raw=is_raw)
         if is_raw:
             progress.send(at)
@@ -89,17 +87,6 @@ class PartTimeline:
         if len(self.commands) > MOST_REPORTS or self.commands[0].ended_at < at - durations.REMEMBERED:
             self._drop_commands(at - durations.REMEMBERED)
         return progress
-
-    def accept(self, command: str, capability: str, problem: str, at: float) -> None:
-        """Record the answer of the network or the device to a command; a *problem* is a refusal."""
-        progress = next((one for one in self.commands if one.order.id == command), None)
-        if progress is None or capability not in progress.order.settings:
-            return
-        if problem:
-            progress.refusal = progress.refusal or problem
-        else:
-            progress.accepted.setdefault(capability, at)
-        self.on_end(progress)
 
     def decide(self, progress: CommandProgress, outcome: Outcome, at: float) -> None:
         """Record the outcome of a command, and learn from it."""
@@ -132,7 +119,7 @@ class PartTimeline:
             one.report(fact)
             self._learn(one)
         for one in active:
-            self.on_report(one, fact)
+            self.on_news(one, fact)
         return fact
 
     @property

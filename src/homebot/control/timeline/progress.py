@@ -212,6 +212,13 @@ class CommandProgress:
         self.is_unacknowledged = True
         self.must_answer = self.must_answer or not self.wanted
 
+    def accept(self, capability: str, problem: str, at: float) -> None:
+        """Record the answer of the network or the device to a setting; a *problem* is a refusal."""
+        if problem:
+            self.refusal = self.refusal or problem
+        else:
+            self.accepted.setdefault(capability, at)
+
     def decide(self, outcome: Outcome, now: float, settle: float) -> None:
         """Record the outcome; a confirmed value has to last for *settle* seconds."""
         self.outcome, self.ended_at = outcome, min(self.ended_at, now)
