@@ -38,7 +38,7 @@ def test_the_unit_of_a_user_runs_homebot_and_can_be_reloaded(config: Path, tmp_p
     ]
     assert (keys["Type"], keys["ExecReload"], keys["WatchdogSec"]) == ("notify", "kill -HUP $MAINPID", "30")
     assert keys["WantedBy"] == "default.target"
-    assert "DynamicUser" not in keys
+    assert "User" not in keys
     printed = capsys.readouterr().out
     assert f"wrote {file}" in printed
     assert "systemctl --user enable --now homebot" in printed
@@ -48,7 +48,7 @@ def test_the_unit_of_a_user_runs_homebot_and_can_be_reloaded(config: Path, tmp_p
 def test_the_unit_of_the_computer_is_hardened(config: Path, capsys: Text) -> None:
     assert main(["service", "install", "--print", "--config", str(config)]) == 0
     keys = _keys(capsys.readouterr().out)
-    expected = {"DynamicUser": "yes", "ProtectSystem": "strict", "NoNewPrivileges": "yes", "CapabilityBoundingSet": ""}
+    expected = {"User": "homebot", "ProtectSystem": "strict", "NoNewPrivileges": "yes", "CapabilityBoundingSet": ""}
     assert expected.items() <= keys.items()
     assert "AF_BLUETOOTH" in keys["RestrictAddressFamilies"]
     assert keys["WantedBy"] == "multi-user.target"

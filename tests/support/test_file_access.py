@@ -2,13 +2,17 @@
 
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from homebot.support.file_access import readable_by_others, why_not_private, why_not_trusted
+from homebot.errors import UsageError
+from homebot.support.file_access import read_secret, readable_by_others, why_not_private, why_not_trusted
 
 NOBODYS_GROUP = 54_321
+NOBODY = 65_534
 
 
 def found(mode: int, *, group: int = NOBODYS_GROUP) -> os.stat_result:
@@ -74,3 +78,24 @@ def test_a_file_of_another_user_is_not_trusted(tmp_path: Path) -> None:
     os.chown(file, 0, -1)
     os.chown(tmp_path, 54_321, -1)
     assert why_not_trusted(file).startswith(f"{tmp_path} belongs to the user 54321")
+
+
+@contextmanager
+def nobody() -> Iterator[None]:
+    """Act as the user nobody, if it is root that runs the tests."""
+    user = os.geteuid()
+    if user == 0:
+        os.seteuid(NOBODY)
+    try:
+        yield
+    finally:
+        os.seteuid(user)
+
+
+def test_a_secret_of_somebody_else_says_how_to_give_it_to_the_reader(tmp_path: Path) -> None:
+    """As in a service of the system, for which root has made a token."""
+    file = tmp_path / "panel.token"
+    file.write_text("secret")
+    file.chmod(0)
+    with nobody(), pytest.raises(UsageError, match=rf"belong to the user (\w+): chown \1 '{file}'"):
+        read_secret(file)

@@ -162,6 +162,6 @@ class AppPlanner:
             raise ConfigError(
                 config.source,
                 f"apps.{name}.act",
-                "has changed; reload the configuration first: kill -HUP, or systemctl reload homebot",
+                "has changed; reload the configuration first: kill -HUP, or systemctl [--user] reload homebot",
             )
         return planned

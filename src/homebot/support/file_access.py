@@ -40,7 +40,8 @@ def why_not_trusted(path: Path) -> str:
         except OSError as exc:
             return f"{place} cannot be checked: {exc.strerror}"
         if number <= 1 and found.st_uid not in {0, os.geteuid()}:
-            return f"{place} belongs to {_user(found.st_uid)}; run homebot as that user, or make the file your own"
+            owner = _user_name(found.st_uid)
+            return f"{place} belongs to the user {owner}; run homebot as that user, or make the file your own"
         is_shared = number > 0 and bool(found.st_mode & stat.S_ISVTX)
         if not is_shared and _is_writable_by_others(found):
             return f"{place} can be written by others; remove that permission: chmod go-w '{place}'"
@@ -78,7 +79,7 @@ def read_secret(path: Path) -> str:
             check_secret_file(path, os.fstat(file.fileno()))
             secret = file.readline(_LONGEST_SECRET).partition("\n")[0].removesuffix("\r")
     except (OSError, ValueError) as exc:
-        raise UsageError(f"{path} cannot be read: {_unreadable(exc)}") from exc
+        raise UsageError(f"{path} cannot be read: {_unreadable(path, exc)}") from exc
     if not secret:
         raise UsageError(f"the first line of {path} is empty")
     return secret
@@ -114,11 +115,11 @@ def _is_private_group(found: os.stat_result) -> bool:
     return owner.pw_gid == group.gr_gid and group.gr_name == owner.pw_name and set(group.gr_mem) <= {owner.pw_name}
 
 
-def _user(uid: int) -> str:
+def _user_name(uid: int) -> str:
     try:
-        return f"the user {pwd.getpwuid(uid).pw_name}"
+        return pwd.getpwuid(uid).pw_name
     except KeyError:
-        return f"the user {uid}"
+        return str(uid)
 
 
 @lru_cache(maxsize=64)
@@ -128,7 +129,10 @@ def _warn_of_readers(warning: str, file: str, _identity: tuple[int, int, int]) -
     get_logger().warning(READABLE, message=warning, file=file)
 
 
-def _unreadable(error: OSError | ValueError) -> str:
+def _unreadable(path: Path, error: OSError | ValueError) -> str:
+    if isinstance(error, PermissionError) and os.name == "posix":
+        user = _user_name(os.geteuid())
+        return f"it must belong to the user {user}: chown {user} '{path}'"
     if isinstance(error, OSError):
         return error.strerror or str(error)
     return "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else str(error)

@@ -77,7 +77,7 @@ RestrictAddressFamilies=AF_UNIX AF_INET AF_INET6 AF_NETLINK AF_BLUETOOTH
 WantedBy={target}
 """
 _SYSTEM: Final = """\
-DynamicUser=yes
+User=homebot
 StateDirectory=homebot
 Environment=HOMEBOT_DATA=%S/homebot
 EnvironmentFile=-/etc/homebot/environment
@@ -185,7 +185,10 @@ def _install(options: argparse.Namespace) -> int:
         hint = "" if options.user else "; use sudo, or --user"
         raise UsageError(f"{file} cannot be written: {exc.strerror}{hint}") from exc
     systemctl = "systemctl --user" if options.user else "systemctl"
-    print(f"wrote {file}; now:\n  {systemctl} daemon-reload\n  {systemctl} enable --now homebot")
+    print(f"wrote {file}; now:")
+    if not options.user:
+        print("  useradd --system homebot     if there is no such user yet")
+    print(f"  {systemctl} daemon-reload\n  {systemctl} enable --now homebot")
     if options.user:
         print("  loginctl enable-linger       to keep it running while you are not logged in")
     return 0

@@ -21,7 +21,7 @@ _EXAMPLES = """\
 
 The token is written to the file NAME.token next to the configuration, which only you can read, and the table
 [door.tokens.NAME] is appended to the configuration; without a configuration, the table is printed. A running homebot
-reads it at SIGHUP (`systemctl reload homebot`), without a restart.
+reads it at SIGHUP (`systemctl [--user] reload homebot`), without a restart.
 """
 _SENDING = """\
 A client sends the token, the only line of that file, in one of two ways:
@@ -73,7 +73,7 @@ def _new(options: argparse.Namespace) -> int:
         raise UsageError(f"{exc}; no token was created") from exc
     print(f"the token is in {token_file}, which only you can read")
     print(
-        f"{config} has its table now; `systemctl reload homebot`, or `kill -HUP`, makes a running homebot read it"
+        f"{config} has its table now; `systemctl [--user] reload homebot`, or `kill -HUP`, makes homebot read it"
         if config.exists()
         else f"add to homebot.toml:\n\n{table}"
     )
