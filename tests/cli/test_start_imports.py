@@ -104,7 +104,6 @@ def test_commands_of_a_client_start_without_pydantic() -> None:
         "show",
         "tag",
         "topic",
-        "why",
     )
     code = (
         f"import sys, {', '.join(f'homebot.cli.commands.{name}' for name in names)}\nprint('pydantic' in sys.modules)"

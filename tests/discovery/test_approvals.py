@@ -7,8 +7,7 @@ from tests.discovery.announcements import announce, part_of, tell
 
 from homebot.devices import Device, Sighting
 from homebot.devices.always_ask import always_asks, is_approved, waits_for_approval
-from homebot.devices.command_description import CommandDescription
-from homebot.devices.part import Capability
+from homebot.devices.part import Capability, CommandDescription
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.discovery.approvals import MAX_APPROVALS
 from homebot.errors import RefusedError

@@ -8,9 +8,10 @@ from aioesphomeapi.model_conversions import STATE_TYPE_TO_INFO_TYPE
 from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.conventions.esphome.device import EsphomeDevice
+from homebot.devices.part import check_setting
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.gateways.announced.gateway_device import can_report, check_command
+from homebot.gateways.announced.gateway_device import can_report
 
 KINDS = {kind: info for kind, info in model.COMPONENT_TYPE_TO_INFO.items() if kind != "camera"}
 STATES = {info: state for state, info in STATE_TYPE_TO_INFO_TYPE.items()}
@@ -59,7 +60,7 @@ def test_odd_entities_are_described_read_and_commanded(fuzz: Fuzz) -> None:
                 choices: tuple[PlainValue, ...] = (*one.options, True, False, 0.0, 50.0, 100.0, 2700.0, (10.0, 20.0))
                 allowed = rng.choice(choices)
                 try:
-                    check_command(part, one.name, allowed)
+                    check_setting("esp", part, one.name, allowed)
                 except RefusedError:
                     continue
                 tell(entity.command, one.name, allowed, 0.0)

@@ -1,15 +1,14 @@
 """Commands as a gateway gets them: checked against the part."""
 
 from homebot.devices.gateway_messages import Command
-from homebot.devices.part import Part
+from homebot.devices.part import Part, check_setting
 from homebot.devices.value import PlainValue, Value
-from homebot.gateways.announced.gateway_device import check_command
 
 
 def checked_command(
     part: Part, capability: str, value: PlainValue, *, transition: float = 0.0, code: str = ""
 ) -> Command:
     """A command to *part*; RefusedError for one that does not fit."""
-    check_command(part, capability, value)
+    check_setting("key", part, capability, value)
     wanted = Value.of(value)
     return Command(key="key", part=part.id, capability=capability, value=wanted, transition=transition, code=code)

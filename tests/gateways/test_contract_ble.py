@@ -10,8 +10,8 @@ import pytest
 
 from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
+from homebot.gateways.base import GatewayContext
 from homebot.gateways.ble import BleGateway, BleGatewaySettings
-from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
 from homebot.house.virtual_bleak import backend_of
 from homebot.house.virtual_radio import GattValue, VirtualPeripheral, VirtualRadio

@@ -75,7 +75,8 @@ _MODULES: Final = {
     "param": "node",
     "release": "leases",
     "restore": "backup",
-    "why-not": "why",
+    "why": "journal",
+    "why-not": "journal",
     **dict.fromkeys(_OWNER, "owner"),
 }
 """The modules of commands whose module has another name."""

@@ -10,8 +10,7 @@ from homebot.conventions.command_values import Writer
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
 from homebot.conventions.payload import JsonMessage
 from homebot.conventions.table_codec import CodedWriter, PayloadParser, Reader, TableCodec, json_object
-from homebot.devices.command_description import payload_digest
-from homebot.devices.part import Capability, Category, Part
+from homebot.devices.part import Capability, Category, Part, payload_digest
 
 __all__ = [
     "BytesPart",

@@ -71,7 +71,7 @@ class Route(Message):
     Attributes:
         takes: Names of the capabilities that can be set through it, or :data:`EVERYTHING`.
         approved: The digest of its description if the owner approved exactly this description, else empty; see
-            :mod:`homebot.devices.command_description`.
+            :mod:`homebot.devices.part`.
         topics: The announced addresses for commands, which were compared with those of other devices.
     """
 

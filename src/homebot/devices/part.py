@@ -1,8 +1,11 @@
-"""Parts of devices, with their capabilities and the values that these accept."""
+"""Parts of devices, with their capabilities, the values that these accept, and the description to approve."""
+
+from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Final, Literal, TypeAlias
+from collections.abc import Iterable, Iterator
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
 from homebot.errors import RefusedError
@@ -11,8 +14,17 @@ from homebot.messages.message import Message
 if TYPE_CHECKING:
     from homebot.devices.value import PlainValue
 
-__all__ = ["Capability", "Category", "Part", "accepted_values", "check_setting", "size_of_texts", "texts_of"]
-
+__all__ = [
+    "Capability",
+    "Category",
+    "CommandDescription",
+    "Part",
+    "accepted_values",
+    "check_setting",
+    "payload_digest",
+    "size_of_texts",
+    "texts_of",
+]
 
 Category: TypeAlias = Literal["", "config", "diagnostic"]
 
@@ -22,6 +34,8 @@ _EACH = 32
 _HUE, _SATURATION = 360, 100
 _COLOR: Final = "hue (0 to 360) and saturation (0 to 100), such as 0,100 for red or 240,50 for pale blue"
 """The accepted values of a colour, the only capability with several numbers."""
+
+_DIGEST_BYTES = 16
 
 
 class Capability(Message):
@@ -97,7 +111,7 @@ def texts_of(part: Part) -> list[str]:
     return texts
 
 
-def check_setting(target: str, part: Part, capability: str, value: "PlainValue") -> None:
+def check_setting(target: str, part: Part, capability: str, value: PlainValue) -> None:
     """Refuse *value* for *capability* if the part does not accept it.
 
     Args:
@@ -142,7 +156,7 @@ def _accepted(capability: Capability) -> str:
     return "a text"
 
 
-def _is_taken(capability: Capability, value: "PlainValue") -> bool:
+def _is_taken(capability: Capability, value: PlainValue) -> bool:
     """Return whether *value* has the right kind for *capability* and is accepted; an unknown capability accepts any."""
     known = CAPABILITIES.get(capability.name, OWN)
     kind = known.kind
@@ -159,3 +173,60 @@ def _is_taken(capability: Capability, value: "PlainValue") -> bool:
         case (float() | int() as hue, float() | int() as saturation):
             return kind in ("numbers", "") and 0 <= hue <= _HUE and 0 <= saturation <= _SATURATION
     return False
+
+
+def payload_digest(announced: object) -> str:
+    """Return the digest of *announced*, the plain values that determine the payloads of commands."""
+    return blake2b(repr(announced).encode(errors="surrogatepass"), digest_size=_DIGEST_BYTES).hexdigest()
+
+
+class CommandDescription(NamedTuple):
+    """Announced facts about the commands of a part.
+
+    Attributes:
+        identifiers: The identifiers of the device, sorted.
+        payloads: See :attr:`homebot.devices.part.Part.payloads`.
+    """
+
+    service_type: str
+    identifiers: tuple[str, ...]
+    topics: tuple[str, ...]
+    settings: tuple[str, ...]
+    payloads: str
+
+    @classmethod
+    def of(cls, part: Part, identifiers: tuple[str, ...]) -> CommandDescription:
+        """Return the description of *part*, announced with the *identifiers* of its device."""
+        settings = tuple([one.name for one in part.capabilities if one.settable])
+        return cls(part.service_type, tuple(sorted(identifiers)), part.writes, settings, part.payloads)
+
+    @property
+    def digest(self) -> str:
+        """Digest of all fields."""
+        return payload_digest(tuple(self))
+
+    def changes(self, before: CommandDescription) -> str:
+        """Return the differences from *before* as text; empty if there are none."""
+        return "; ".join(self._changes(before))
+
+    def _changes(self, before: CommandDescription) -> Iterator[str]:
+        if self.service_type != before.service_type:
+            yield f"its type is {self.service_type}, it was {before.service_type}"
+        for name, now, then in (
+            ("its commands go to", self.topics, before.topics),
+            ("it takes", self.settings, before.settings),
+            ("its identifiers are", self.identifiers, before.identifiers),
+        ):
+            if now != then:
+                yield f"{name} {_listed(now)} instead of {_listed(then)}"
+        if self.payloads != before.payloads:
+            yield "the payloads of its commands changed"
+
+
+_MOST_LISTED = 5
+_LONGEST = 100
+
+
+def _listed(words: tuple[str, ...]) -> str:
+    shown = ", ".join([one[:_LONGEST] for one in words[:_MOST_LISTED]])
+    return (f"{shown}, …" if len(words) > _MOST_LISTED else shown) or "none"

@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable, Iterator
 from itertools import islice
 from typing import NamedTuple, final
 
-from homebot.devices.command_description import CommandDescription, payload_digest
+from homebot.devices.part import CommandDescription, payload_digest
 from homebot.discovery.merging.part_ids import PartPlace
 from homebot.discovery.source_record import SourceRecord
 from homebot.errors import RefusedError

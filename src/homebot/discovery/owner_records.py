@@ -3,7 +3,7 @@
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
 from homebot.config import value_errors
-from homebot.devices.command_description import CommandDescription
+from homebot.devices.part import CommandDescription
 from homebot.errors import WireError
 from homebot.places import HouseDoor, HouseRoom, OwnerFact, read_position
 

@@ -1,6 +1,5 @@
 """The proxy layer: one gateway per protocol."""
 
-from homebot.gateways.base import Gateway, GatewaySettings
-from homebot.gateways.context import GatewayContext, HostService
+from homebot.gateways.base import Gateway, GatewayContext, GatewaySettings, HostService
 
 __all__ = ["Gateway", "GatewayContext", "GatewaySettings", "HostService"]

@@ -8,8 +8,7 @@ from anyio.abc import TaskStatus
 
 from homebot.errors import LinkError, PeerError, UsageError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import Gateway, GatewaySettings
-from homebot.gateways.context import GatewayContext
+from homebot.gateways.base import Gateway, GatewayContext, GatewaySettings
 from homebot.graph import Node
 from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, WRONG_ANSWER_BACKOFF, BackoffCounter
 from homebot.support.isolation import run_as

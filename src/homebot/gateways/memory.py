@@ -21,8 +21,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, WireError
 from homebot.gateways.announced.exposed_devices import ExposedDevices, KnownStates
 from homebot.gateways.announced.published_devices import MAX_DEVICES, PublishedDevices
-from homebot.gateways.base import Gateway, GatewaySettings
-from homebot.gateways.context import GatewayContext
+from homebot.gateways.base import Gateway, GatewayContext, GatewaySettings
 from homebot.graph import Node
 
 __all__ = ["MemoryGateway", "MemoryGatewaySettings"]

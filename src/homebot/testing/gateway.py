@@ -6,7 +6,7 @@ from pydantic import BaseModel
 
 from homebot.errors import RefusedError
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.context import GatewayContext
+from homebot.gateways.base import GatewayContext
 from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
 from homebot.graph import Node
 

@@ -9,9 +9,8 @@ from dataclasses import dataclass, field, replace
 from homebot.conventions.entity_rows import climate_type, setpoints_of
 from homebot.conventions.units import measured_in
 from homebot.devices.capabilities import CAPABILITIES, OWN
-from homebot.devices.command_description import payload_digest
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.part import Capability, Category, Part
+from homebot.devices.part import Capability, Category, Part, payload_digest
 from homebot.support.folding import fold, words_of
 from homebot.wot.binding import Binding, ClassifiedAffordance, ClassifiedPart
 from homebot.wot.payload import is_rgb

@@ -7,7 +7,7 @@ from tests.conventions.announced_parts import Say, device_in, heard, part_in
 
 from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn, Publication
 from homebot.conventions.homie import Homie
-from homebot.devices.command_description import CommandDescription
+from homebot.devices.part import CommandDescription
 from homebot.errors import WireError
 from homebot.mqtt.topics import topic_matches
 

@@ -11,9 +11,9 @@ import anyio.lowlevel
 import pytest
 
 from homebot.devices import RawCommand
-from homebot.devices.command_description import CommandDescription
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.names import text_address
+from homebot.devices.part import CommandDescription
 from homebot.devices.value import Value
 from homebot.errors import LinkError, ServiceFailedError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part

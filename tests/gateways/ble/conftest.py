@@ -11,8 +11,8 @@ from tests.patience import PATIENCE
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Report
 from homebot.devices.value import PlainValue
+from homebot.gateways.base import GatewayContext
 from homebot.gateways.ble import BleGateway, BleGatewaySettings
-from homebot.gateways.context import GatewayContext
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
 from homebot.house.virtual_bleak import backend_of
 from homebot.house.virtual_radio import VirtualRadio

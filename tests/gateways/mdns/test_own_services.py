@@ -16,7 +16,7 @@ from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZerocon
 import homebot
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.gateways.announced.counters import GatewayCounters
-from homebot.gateways.context import GatewayContext
+from homebot.gateways.base import GatewayContext
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
 from homebot.gateways.mdns.network import OwnService, ServiceNews
 from homebot.gateways.mdns.zeroconf_network import MdnsNetwork

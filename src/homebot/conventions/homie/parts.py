@@ -26,8 +26,7 @@ from homebot.conventions.homie.roles import CONTROLS, THERMOSTAT_ROLES, NodeRole
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.units import sensor_type
 from homebot.devices.always_ask import BREAKER
-from homebot.devices.command_description import payload_digest
-from homebot.devices.part import Category
+from homebot.devices.part import Category, payload_digest
 
 __all__ = ["build_parts"]
 

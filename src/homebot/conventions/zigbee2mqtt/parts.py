@@ -26,7 +26,7 @@ from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, read_
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, text_of
 from homebot.conventions.zigbee2mqtt.generic import build_generic
 from homebot.conventions.zigbee2mqtt.light import build_light
-from homebot.devices.command_description import payload_digest
+from homebot.devices.part import payload_digest
 
 __all__ = ["build_parts"]
 

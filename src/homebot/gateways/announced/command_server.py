@@ -8,10 +8,10 @@ import anyio.lowlevel
 
 from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.approval_messages import DescribeCommands
-from homebot.devices.command_description import CommandDescription
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthResponse
 from homebot.devices.names import ONLY_OBSERVES, TEXT_SCHEME, read_text_address
+from homebot.devices.part import CommandDescription
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.text.commands import decode_command
 from homebot.devices.value import Value

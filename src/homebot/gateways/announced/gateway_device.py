@@ -4,18 +4,16 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
 from homebot.conventions.description import AutoExpiry, Codec, DescribedPart, DeviceAnnounced, Publication
 from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Part
-from homebot.devices.text.states import bounds_of
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.gateways.announced.announcement import StoredAnnouncement
 
-__all__ = ["GatewayDevice", "ShowingCodec", "can_report", "check_command", "simple_part"]
+__all__ = ["GatewayDevice", "ShowingCodec", "can_report", "simple_part"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,38 +126,10 @@ def simple_part(service_type: str, *, settable: tuple[str, ...] = (), readable: 
     return Part(id="", service_type=service_type, capabilities=capabilities)
 
 
-def check_command(part: Part, capability: str, value: PlainValue) -> None:
-    """Check that *capability* of *part* can be set to *value*.
-
-    Raises:
-        RefusedError: It cannot be; the message names the accepted values.
-    """
-    found = _settable(part, capability)
-    kind = CAPABILITIES.get(capability, OWN).kind
-    if kind == "bool":
-        require_bool(capability, value)
-    elif kind == "number":
-        require_number(capability, value, *bounds_of(found), found.unit)
-    elif kind == "numbers":
-        require_color(value)
-    elif found.options:
-        require_option(capability, value, found.options)
-    elif not isinstance(value, str):
-        raise RefusedError(f"{capability} {str(value)[:40]}", "it takes a text")
-
-
 def can_report(part: Part, capability: str, value: PlainValue) -> bool:
     """Return whether *part* can report *value* for *capability*; None, for unknown, always can be."""
     found = next((one for one in part.capabilities if one.name == capability and one.readable), None)
     return found is not None and (value is None or _is_of_kind(CAPABILITIES.get(capability, OWN).kind, value))
-
-
-def _settable(part: Part, capability: str) -> Capability:
-    found = {one.name: one for one in part.capabilities if one.settable}
-    if capability not in found:
-        known = ", ".join(found) or "nothing"
-        raise RefusedError(f"{capability[:40]} for the part {part.id[:40]!r}", f"this part takes {known}")
-    return found[capability]
 
 
 def _is_of_kind(kind: str, value: PlainValue) -> bool:

@@ -12,12 +12,13 @@ import anyio.lowlevel
 from homebot.devices import RawCommand, RawMessage
 from homebot.devices.gateway_messages import Command
 from homebot.devices.health import HealthResponse
+from homebot.devices.part import check_setting
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UnableError, WireError
 from homebot.gateways.announced.announcement import SightingKind, StoredAnnouncement
 from homebot.gateways.announced.command_server import CommandServer, Perform
 from homebot.gateways.announced.engine import GatewayEngine
-from homebot.gateways.announced.gateway_device import GatewayDevice, can_report, check_command
+from homebot.gateways.announced.gateway_device import GatewayDevice, can_report
 from homebot.gateways.announced.registry import DeviceRegistry, RegistryLimits
 from homebot.gateways.base import Gateway, GatewaySettings
 from homebot.gateways.raw_delivery import PartTexts, missed
@@ -262,7 +263,7 @@ class PublishedDevices:
         """Carry out *command* if it fits the part."""
         part = self.engine.find_part(command.key, command.part, command.topics).described.part
         try:
-            check_command(part, command.capability, command.value.plain())
+            check_setting(command.key[:100], part, command.capability, command.value.plain())
         except RefusedError as exc:
             raise UnableError(str(exc)) from exc
         await self._perform(command)

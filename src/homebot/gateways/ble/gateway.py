@@ -17,12 +17,11 @@ from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PluginError, UsageError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import Gateway
+from homebot.gateways.base import Gateway, GatewayContext
 from homebot.gateways.ble.connections import Connections
 from homebot.gateways.ble.intake import BluetoothUnavailableError, Intake
 from homebot.gateways.ble.known_device import KnownDevice
 from homebot.gateways.ble.settings import PARSERS, BleDeviceSettings, BleGatewaySettings
-from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
 from homebot.plugins import check_extra, load_plugin
 from homebot.support.backoff import LINK_BACKOFF, BackoffCounter

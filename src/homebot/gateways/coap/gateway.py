@@ -16,11 +16,10 @@ from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, UnableError, UsageError, WireError
 from homebot.gateways.announced.device_runner import problems_of
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import Gateway
+from homebot.gateways.base import Gateway, GatewayContext
 from homebot.gateways.coap.directory_client import DirectoryClient
 from homebot.gateways.coap.session import EndpointSession
 from homebot.gateways.coap.settings import CoapCredentials, CoapGatewaySettings
-from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
 from homebot.plugins import check_extra
 from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter

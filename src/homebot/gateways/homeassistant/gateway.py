@@ -16,7 +16,7 @@ from homebot.conventions.payload import as_fields, compact_json, shown, text_of
 from homebot.devices.gateway_messages import Command
 from homebot.errors import RefusedError, UsageError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.context import GatewayContext
+from homebot.gateways.base import GatewayContext
 from homebot.gateways.homeassistant.entities import HomeAssistantEntities
 from homebot.gateways.homeassistant.link import HomeAssistantLink, connected
 from homebot.gateways.homeassistant.settings import HOW_TO_LOG_IN, HomeAssistantGatewaySettings

@@ -23,8 +23,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, UnableError, WireError
 from homebot.gateways.announced.device_runner import MAX_PROBLEMS, problems_of
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import Gateway, GatewaySettings
-from homebot.gateways.context import GatewayContext
+from homebot.gateways.base import Gateway, GatewayContext, GatewaySettings
 from homebot.gateways.homekit.accessory_device import describe
 from homebot.gateways.homekit.accessory_runner import AccessoryRunner
 from homebot.gateways.homekit.port import FoundAccessory, HomekitPort, Pairing

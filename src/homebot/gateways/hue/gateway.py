@@ -22,8 +22,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.errors import HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.announced.device_runner import problems_of
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import Gateway, GatewaySettings
-from homebot.gateways.context import GatewayContext
+from homebot.gateways.base import Gateway, GatewayContext, GatewaySettings
 from homebot.gateways.http_address import http_origin
 from homebot.gateways.hue.bridge import BridgeRunner
 from homebot.gateways.pairing import PairingFile, PairingServices

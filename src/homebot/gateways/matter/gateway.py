@@ -15,8 +15,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import GatewaySettings
-from homebot.gateways.context import GatewayContext
+from homebot.gateways.base import GatewayContext, GatewaySettings
 from homebot.gateways.linked_gateway import LinkedGateway
 from homebot.gateways.matter.commissioning import CommissionRequest, serve_commissioning
 from homebot.gateways.matter.node import BASIC, BRIDGED, MatterNode, NodeDevice, node_id_of, parse_path

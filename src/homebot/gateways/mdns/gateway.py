@@ -19,10 +19,8 @@ from homebot.errors import LinkError
 from homebot.gateways.announced.device_runner import problems_of
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import Gateway
-from homebot.gateways.context import GatewayContext
-from homebot.gateways.drivers.driver_runner import LOST_BACKOFF, DriverRunner
-from homebot.gateways.drivers.installed_drivers import UsableDriver, find_drivers
+from homebot.gateways.base import Gateway, GatewayContext
+from homebot.gateways.drivers.driver_runner import LOST_BACKOFF, DriverRunner, UsableDriver, find_drivers
 from homebot.gateways.mdns.gateway_hints import hint_facts
 from homebot.gateways.mdns.network import Interfaces, NetworkInterfaces, ResolvedService, ServiceNews
 from homebot.gateways.mdns.own_services import OwnServices

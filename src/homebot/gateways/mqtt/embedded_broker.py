@@ -9,7 +9,7 @@ from functools import partial
 from homebot.clock import Clock
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.errors import LinkError
-from homebot.gateways.context import HostService
+from homebot.gateways.base import HostService
 from homebot.graph import Graph, Node
 from homebot.mqtt.broker import Broker, PortTakenError
 from homebot.mqtt.clients import HostedBroker

@@ -21,8 +21,7 @@ from homebot.conventions.payload import MAX_LONG_STATE_BYTES
 from homebot.devices import GatewayState, SubscribeToTopic
 from homebot.devices.gateway_messages import CommandAnswer
 from homebot.errors import ClosedError
-from homebot.gateways.base import Gateway
-from homebot.gateways.context import GatewayContext, HostService
+from homebot.gateways.base import Gateway, GatewayContext, HostService
 from homebot.gateways.mqtt.acting_lease import ActingLease
 from homebot.gateways.mqtt.command_publisher import Responses
 from homebot.gateways.mqtt.embedded_broker import EMBEDDED_BROKER

@@ -20,8 +20,7 @@ from homebot.devices.tags import TagTap
 from homebot.errors import LinkError, RefusedError, UsageError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import Gateway
-from homebot.gateways.context import GatewayContext
+from homebot.gateways.base import Gateway, GatewayContext
 from homebot.gateways.nfc.device_finder import DeviceFinder, PointedAt, RoomTagger
 from homebot.gateways.nfc.pcsc_reader import PcscReader
 from homebot.gateways.nfc.reader import (

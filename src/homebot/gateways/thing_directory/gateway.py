@@ -10,10 +10,9 @@ from pydantic import BaseModel
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import Gateway
-from homebot.gateways.context import GatewayContext
+from homebot.gateways.base import Gateway, GatewayContext
+from homebot.gateways.password_settings import read_logins
 from homebot.gateways.thing_directory.settings import ThingDirectorySettings
-from homebot.gateways.things.http_credentials import read_logins
 from homebot.graph import Node
 from homebot.plugins import check_extra
 from homebot.support.backoff import DEVICE_BACKOFF, DEVICE_REFUSED_BACKOFF, BackoffCounter

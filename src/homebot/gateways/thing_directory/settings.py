@@ -6,7 +6,7 @@ from urllib.parse import urlsplit
 from pydantic import AfterValidator, Field
 
 from homebot.gateways.base import GatewaySettings
-from homebot.gateways.things.http_credentials import HttpLoginSettings
+from homebot.gateways.password_settings import HttpLoginSettings
 from homebot.units import Seconds
 
 __all__ = ["ThingDirectorySettings"]

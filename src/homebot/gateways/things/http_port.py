@@ -19,7 +19,7 @@ from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.http_address import parse_url
 from homebot.gateways.http_client import HttpAnswer, HttpClient
 from homebot.gateways.http_middlewares import HttpLogin
-from homebot.gateways.things.http_credentials import ThingLogin
+from homebot.gateways.password_settings import ThingLogin
 from homebot.gateways.things.thing_device import ThingPayload
 from homebot.support.isolation import run_as, ungrouped
 from homebot.wot.binding import RequestBinding

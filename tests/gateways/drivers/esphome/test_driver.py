@@ -18,11 +18,10 @@ from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UnableError, UsageError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.drivers.driver_runner import DriverRunner
+from homebot.gateways.drivers.driver_runner import DriverRunner, UsableDriver
 from homebot.gateways.drivers.esphome import EsphomeDriver, EsphomeSettings
 from homebot.gateways.drivers.esphome.driver import StateQueue
 from homebot.gateways.drivers.esphome.settings import EsphomeSecrets
-from homebot.gateways.drivers.installed_drivers import UsableDriver
 from homebot.gateways.memory import MemoryGateway
 from homebot.graph import Graph, Node, Subscription
 from homebot.house.dialect import DeviceState

@@ -14,8 +14,7 @@ from homebot.conventions.homeassistant.states.registries import EntityEntry
 from homebot.conventions.payload import Readings
 from homebot.conventions.secrets import names_secret
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.command_description import payload_digest
-from homebot.devices.part import Part
+from homebot.devices.part import Part, payload_digest
 from homebot.devices.value import PlainValue
 
 __all__ = ["HomeAssistantEntity", "ServiceCall"]

@@ -9,7 +9,7 @@ from pydantic import Field
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.gateways.drivers.base import Driver, DriverSettings
-from homebot.gateways.things.http_credentials import HttpLoginSettings, read_logins
+from homebot.gateways.password_settings import HttpLoginSettings, read_logins
 from homebot.units import Seconds
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import FoundService, first_answer
 from homebot.gateways.http_address import http_origin, parse_url, shown_url
 from homebot.gateways.http_client import HttpClient
-from homebot.gateways.things.http_credentials import ThingLogin
+from homebot.gateways.password_settings import ThingLogin
 from homebot.gateways.things.http_port import HTTP_BINDING, HttpThingPort, login_at
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
 from homebot.support.isolation import run_as, ungrouped
