@@ -399,6 +399,8 @@ def test_a_scope_has_the_rights_that_it_lists() -> None:
         ("act", "'act': act needs a query, or all: 'act: light in hall'"),
         ("act:", "'act:': act needs a query"),
         ("read: light", "'read: light': read takes no query"),
+        ("robot: ro sie", "'robot: ro sie': node name 'ro sie' has a character"),
+        ("robot: devices", "'robot: devices': robot 'devices' has the name of homebot's own topics"),
         ("act: (light", "'act: (light': "),
         ("act: ligth in hall", "'act: ligth in hall': 'ligth' is neither a type nor a capability"),
         ("act: not (lamp or foo)", "'foo' is neither a type nor a capability"),

@@ -238,7 +238,17 @@ async def test_a_vacuum_s_map_is_laid_on_three_rooms_of_the_same_names() -> None
     [
         ({"rosie": {"frame": []}}, "robots.rosie.frame: unknown key; did you mean frames?"),
         ({"rosie": {"limit": 0}}, "robots.rosie.limit: "),
-        ({"discovery": {}}, "robots.discovery: is the name of one of homebot's own nodes; choose another name"),
+        ({"discovery": {}}, "robots.discovery: robot 'discovery' has the name of homebot's own topics"),
+        (
+            {"devices": {}},
+            "robots.devices: robot 'devices' has the name of homebot's own topics, /devices/",
+        ),
+        ({"tf": {}}, "robots.tf: robot 'tf' has the name of the topic /tf of all robots; choose another"),
+        ({"map": {}}, "robots.map: robot 'map' has the name of the topic /map of all robots; choose another"),
+        (
+            {"all": {}},
+            "robots.all: robot 'all' has the name of all robots in the rights of clients; choose another",
+        ),
         ({"ro sie": {}}, "robots.ro sie: "),
         ({"rosie": {"map_transform": [0.0, 1.0]}}, "robots.rosie.map_transform"),
         ({"rosie": {"frames": ["/map"]}}, "robots.rosie.frames: 'map' is a frame of the house already"),

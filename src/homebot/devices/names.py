@@ -54,6 +54,29 @@ START_RECORDER = "/homebot/start_recorder"
 COPY_FILES = "/homebot/copy_files"
 READ_RECORDING = "/homebot/recorder/read"
 ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
+OWN_NAMESPACES = frozenset(
+    {
+        "apps",
+        "broker",
+        "control",
+        "devices",
+        "discovery",
+        "gateway",
+        "getIndexData",
+        "history",
+        "homebot",
+        "network_services",
+        "parameter_events",
+        "robots",
+        "rosapi",
+        "rosbridge_websocket",
+        "rosout",
+        "subscribe_to_mqtt_topic",
+        "thing_directory",
+    }
+)
+"""First parts of the names of homebot's own topics and services."""
+
 POSE_TOPICS = frozenset({"amcl_pose", "odom", "pose", "room", "tf", "tf_static"})
 """Last parts of the names of the topics on which robots publish their poses."""
 

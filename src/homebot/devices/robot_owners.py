@@ -8,9 +8,12 @@ The frame ``map`` belongs to the house: no robot may state its position.
 from collections.abc import Iterable, Mapping
 from typing import Final, final
 
+from homebot.devices.names import OWN_NAMESPACES
+from homebot.errors import InvalidNameError
 from homebot.messages.message import Message
+from homebot.names import validate_node_name
 
-__all__ = ["DEFAULT_ROBOT", "MAP", "SHARED_TOPICS", "RobotOwners"]
+__all__ = ["DEFAULT_ROBOT", "MAP", "SHARED_TOPICS", "RobotOwners", "check_robot_name"]
 
 DEFAULT_ROBOT: Final = "robot"
 """The name of the robot in a house without named robots."""
@@ -23,6 +26,24 @@ SHARED_TOPICS: Final = frozenset({"/tf", "/tf_static"})
 
 _SOLE_TOPICS: Final = frozenset({"/amcl_pose", "/initialpose", "/odom"})
 _SOLE_NAMESPACE: Final = "/robot/"
+
+
+def check_robot_name(name: str) -> None:
+    """Refuse a name under which a robot could not have topics and frames of its own.
+
+    Raises:
+        InvalidNameError: It is no name of a node, or homebot's or the house's.
+    """
+    validate_node_name(name)
+    taken = ""
+    if name in OWN_NAMESPACES:
+        taken = f"homebot's own topics, /{name}/…"
+    elif name == MAP or f"/{name}" in SHARED_TOPICS | _SOLE_TOPICS:
+        taken = f"the topic /{name} of all robots"
+    elif name == "all":
+        taken = "all robots in the rights of clients"
+    if taken:
+        raise InvalidNameError("robot", name, f"has the name of {taken}; choose another")
 
 
 @final

@@ -278,13 +278,17 @@ def _places(config: Config) -> Places:
 def _robots(config: Config) -> Mapping[str, RobotSettings]:
     if not config.robots:
         return {}
-    from homebot.devices.robot_owners import MAP  # noqa: PLC0415 - as below
+    from homebot.devices.robot_owners import MAP, check_robot_name  # noqa: PLC0415 - as below
     from homebot.robots.settings import RobotSettings  # noqa: PLC0415 - only with a table
 
     robots: dict[str, RobotSettings] = {}
     owners = {MAP: "the house"}
     for name, table in config.robots.items():
-        _check_name(key := f"robots.{name}", name, config.source)
+        key = f"robots.{name}"
+        try:
+            check_robot_name(name)
+        except UsageError as exc:
+            raise ConfigError(config.source, key, str(exc)) from exc
         robots[name] = parse_settings(RobotSettings, table, config.source, key, config.folder)
         for frame in robots[name].frames:
             if (owner := owners.setdefault(frame, f"the robot {name}")) != f"the robot {name}":

@@ -27,12 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ClientAccess", "MissingRightError", "right_to_call", "right_to_publish"]
 
-_OWN: Final = (
-    "apps broker control devices discovery gateway getIndexData history homebot network_services parameter_events "
-    "robots rosapi rosbridge_websocket rosout subscribe_to_mqtt_topic thing_directory"
-)
-"""First tokens of homebot's own names."""
-
 _READING: Final = frozenset(
     {
         names.EXPLAIN_DEVICE,
@@ -236,7 +230,7 @@ def right_to_call(name: str) -> Right:
 
 
 def _is_own(name: str) -> bool:
-    return name.split("/", 2)[1] in _OWN.split()
+    return name.split("/", 2)[1] in names.OWN_NAMESPACES
 
 
 def _text(values: Mapping[str, object], key: str) -> str:
