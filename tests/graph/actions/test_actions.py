@@ -298,6 +298,19 @@ async def test_preemption_aborts_the_old_goal_and_waits_for_its_end(node: Node, 
     assert (line.begun, line.most) == ([1, 3], 1)
 
 
+async def test_a_server_that_closes_while_a_goal_is_being_preempted_answers_at_once(node: Node, other: Node) -> None:
+    server = ActionServer(node, Fibonacci, "fib", Line().execute, preemption=Preemption.ABORT)
+    client = client_of(other)
+    first = await client.send_goal(Goal(order=1))
+    await anyio.sleep(0.5)
+    result = asyncio.create_task(first.result())
+    await client.send_goal(Goal(order=2))
+    await anyio.sleep(0.1)
+    server.close()
+    with anyio.fail_after(0.1):
+        assert await result == (GoalState.ABORTED, EMPTY)
+
+
 async def test_preemption_queues_goals_and_a_waiting_one_is_cancelled_at_once(node: Node, other: Node) -> None:
     line = Line()
     ActionServer(node, Fibonacci, "fib", line.execute, preemption=Preemption.QUEUE, on_cancel=lambda _goal: False)
@@ -426,12 +439,14 @@ async def test_an_offered_action_goes_with_its_node(graph: Graph, other: Node) -
 
 
 async def test_an_execution_that_was_preempted_may_still_end_its_goal(node: Node, other: Node, graph: Graph) -> None:
-    """A program for ROS cleans up and says how it ended; that comes too late, and is no failure."""
+    """A program for ROS cleans up and says how it ended: the goal is aborted already, but its result counts."""
+    preempted = []
 
     async def execute(goal: Served) -> Result:
         try:
             await anyio.sleep(10.0)
         except asyncio.CancelledError:
+            preempted.append(goal.is_preempted)
             goal.canceled(Result(sequence=(7,)))
             raise
         goal.succeed()
@@ -442,6 +457,8 @@ async def test_an_execution_that_was_preempted_may_still_end_its_goal(node: Node
     first, second = await client.send_goal(Goal(order=1)), await client.send_goal(Goal(order=2))
     await anyio.sleep(1.0)
     third = await client.send_goal(Goal(order=3))
-    for goal, state in ((first, GoalState.ABORTED), (second, GoalState.ABORTED), (third, GoalState.SUCCEEDED)):
-        assert await goal.result() == (state, EMPTY)
+    assert await first.result() == (GoalState.ABORTED, EMPTY)
+    assert await second.result() == (GoalState.ABORTED, Result(sequence=(7,)))
+    assert await third.result() == (GoalState.SUCCEEDED, EMPTY)
+    assert preempted == [True]
     assert list(graph.failures) == []

@@ -121,8 +121,9 @@ class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         """Leave the graph: active goals are ABORTED, and callers waiting for their results are answered. Idempotent."""
         if self.is_closed:
             return
-        for goal in self.goals:
-            goal.revoke()
+        for goal in self._goals.values():
+            if goal.is_active or goal.is_preempted:
+                goal.revoke()
         super().close()
         self._results.close(finish=True)
         for end in (self._sending, self._canceling, self._feedback, self._status):
@@ -134,7 +135,7 @@ class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         if accepted:
             if self._preemption is Preemption.ABORT:
                 for goal in self.goals:
-                    goal.revoke()
+                    goal.preempt()
             info = GoalInfo(goal_id=request.goal_id, stamp=stamp)
             goal = ServerGoal(self._type, request.goal, info, self._publish_states, self._publish_feedback)
             self._goals[request.goal_id.uuid] = goal

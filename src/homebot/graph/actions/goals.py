@@ -63,6 +63,7 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
     Attributes:
         state: Its state; the server publishes each change.
         outcome: Its result, once it has ended.
+        is_preempted: Whether another goal replaced it. It is ABORTED then; its execution can still give it a result.
     """
 
     def __init__(
@@ -82,7 +83,8 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
         self.outcome: asyncio.Future[ResultT] = asyncio.get_running_loop().create_future()
         self._on_change = on_change
         self._on_feedback = on_feedback
-        self._is_revoked = False
+        self.is_preempted = False
+        self._has_ended_early = False
 
     @property
     def goal_id(self) -> UUID:
@@ -142,13 +144,17 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
         self.state = state
         self._on_change()
 
+    def preempt(self) -> None:
+        """Abort the goal as another one replaces it, and cancel its execution, whose result counts."""
+        self.is_preempted = True
+        self._end_early()
+        self.scope.cancel()
+
     def revoke(self) -> None:
-        """Abort the goal on the server's behalf, and cancel its execution."""
+        """Abort the goal, without a result, as its server ends, and cancel its execution."""
         if self.is_active:
-            self._is_revoked = True
-            self.state = GoalState.ABORTED
-            self.finish(None)
-            self._on_change()
+            self._end_early()
+        self.finish(None)
         self.scope.cancel()
 
     def finish(self, result: ResultT | None) -> None:
@@ -156,11 +162,15 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
         if not self.outcome.done():
             self.outcome.set_result(result or zero_message(self.action_type.Result))
 
+    def _end_early(self) -> None:
+        self._has_ended_early = True
+        self.state = GoalState.ABORTED
+        self._on_change()
+
     def _end(self, state: GoalState, result: ResultT | None) -> None:
         check_type(result, self.action_type.Result)
-        if self._is_revoked:
-            return
-        self.change_state(state)
+        if not self._has_ended_early:
+            self.change_state(state)
         if result is not None:
             self.finish(result)
 
