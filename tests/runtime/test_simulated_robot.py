@@ -175,8 +175,9 @@ async def test_a_cancelled_goal_stops_it_and_a_place_in_no_room_is_refused_with_
         goal = await navigate.send_goal(goal_at(8.5, 1.0))
         await anyio.sleep(4)
         await goal.cancel()
-        state, _ = await goal.result()
-        assert state is GoalState.CANCELED
+        state, result = await goal.result()
+        assert (state, result.error_code) == (GoalState.CANCELED, 0)
+        assert result.error_msg == "its client cancelled it"
         await anyio.sleep(1)
         stopped = len(poses)
         await anyio.sleep(20)
@@ -188,6 +189,41 @@ async def test_a_cancelled_goal_stops_it_and_a_place_in_no_room_is_refused_with_
         state, result = await (await ActionClient(node, DOCK, "/dock_robot").send_goal(elsewhere)).result()
         assert (state, result.error_code) == (GoalState.ABORTED, 901)
         assert result.error_msg == "there is no dock 'garage'; the only one is dock"
+
+
+async def test_a_goal_that_another_one_replaces_says_which() -> None:
+    """The robot drove to its dock, and the goal to drive said that no room was there."""
+    async with running() as (_, node):
+        await anyio.sleep(2)
+        navigate, dock = ActionClient(node, NAVIGATE, "/navigate_to_pose"), ActionClient(node, DOCK, "/dock_robot")
+        first = await navigate.send_goal(goal_at(8.5, 1.0))
+        await anyio.sleep(2)
+        second = await navigate.send_goal(goal_at(8.0, 1.0))
+        state, result = await first.result()
+        assert (state, result.error_msg) == (GoalState.ABORTED, "another goal of /navigate_to_pose replaced it")
+        await anyio.sleep(2)
+        third = await dock.send_goal(DOCK_GOAL)
+        state, result = await second.result()
+        assert state is GoalState.ABORTED
+        assert result.error_msg == "the robot was stopped or sent elsewhere by a goal of /dock_robot"
+        state, result = await third.result()
+        assert (state, result.success, result.error_msg) == (GoalState.SUCCEEDED, True, "")
+
+
+async def test_a_goal_that_is_cancelled_once_it_is_reached_succeeds() -> None:
+    """As ROS 2 allows: what has been done cannot be undone, and the result says it."""
+    async with running() as (_, node):
+        await anyio.sleep(2)
+        dock = ActionClient(node, DOCK, "/dock_robot")
+        state, _ = await (
+            await ActionClient(node, NAVIGATE, "/navigate_to_pose").send_goal(goal_at(1.05, 0.0))
+        ).result()
+        assert state is GoalState.SUCCEEDED
+        goal = await dock.send_goal(DOCK_GOAL)
+        await anyio.sleep(2.15)  # it took 2.1 s; the next look at it follows at 2.2 s
+        assert (await goal.cancel()).return_code == 0
+        state, result = await goal.result()
+        assert (state, result.success) == (GoalState.SUCCEEDED, True)
 
 
 async def test_a_house_without_a_robot_gains_nothing() -> None:

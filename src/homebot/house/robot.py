@@ -8,6 +8,7 @@ from homebot.errors import UsageError
 from homebot.house.rooms import Rooms
 from homebot.house.simulated_device import Drive, SimulatedDevice
 from homebot.places import read_position
+from homebot.places.plan import Point
 from homebot.places.rigid import MapPose
 
 __all__ = ["Robot"]
@@ -73,6 +74,10 @@ class Robot(SimulatedDevice):
         return MapPose(
             self._from.x + (goal.x - self._from.x) * share, self._from.y + (goal.y - self._from.y) * share, heading
         )
+
+    def heads_for(self, point: Point) -> bool:
+        """Return whether it drives to *point*, or stands there."""
+        return (self._ahead[-1][1:] if self._ahead else self.pose()[:2]) == point
 
     def metres_left(self) -> float:
         """Return the length of the remaining path."""

@@ -125,6 +125,20 @@ async def test_a_goal_that_is_cancelled_at_once_reaches_its_client_before_the_ca
         assert [(await robot.receive())["op"] for _ in range(2)] == ["send_action_goal", "cancel_action_goal"]
 
 
+@pytest.mark.parametrize("status", [4, 5, 6])
+async def test_a_goal_that_is_cancelled_ends_as_its_server_says(house: House, status: int) -> None:
+    """A robot that is in its dock when the cancellation arrives has succeeded."""
+    async with house.peer() as robot, house.peer() as user:
+        await robot.tell("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
+        await user.send("send_action_goal", id="g", args={"order": 5}, **GOAL)
+        asked = await robot.receive()
+        await user.send("cancel_action_goal", id="g", action="/fib")
+        assert (await robot.receive())["op"] == "cancel_action_goal"
+        end = {"values": {"sequence": [0]}, "status": status, "result": True}
+        await robot.send("action_result", id=asked["id"], action="/fib", **end)
+        assert await user.receive() == {"op": "action_result", "id": "g", "action": "/fib", **end}
+
+
 async def test_the_goals_of_a_server_that_leaves_are_aborted(house: House) -> None:
     async with house.node("app") as app:
         client = ActionClient(app, Fibonacci, "/fib")
