@@ -1,5 +1,7 @@
 """``homebot action`` and ``homebot param``, and the types of topics and services: what they print, letter by letter."""
 
+import os
+import signal
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +38,7 @@ DUMP = """\
 
 
 def robot(graph: Graph) -> Node:
-    """A node with parameters and an action; a goal of more than 90 ends aborted."""
+    """A node with parameters and an action; a goal of 90 ends aborted; during one of 80 Ctrl-C is pressed."""
     node = Node(graph, "robot")
     node.declare_parameter("speed", 0.5, ParameterDescriptor("Metres per second.", minimum=0.0, maximum=2.0))
     node.declare_parameter("speed.limit", 2.0)
@@ -49,6 +51,8 @@ def robot(graph: Graph) -> Node:
         while len(sequence) <= goal.request.order < 90:
             sequence.append(sequence[-1] + sequence[-2])
             goal.publish_feedback(FIBONACCI.Feedback(sequence=sequence))
+            if goal.request.order == 80 and len(sequence) == 4:
+                os.kill(os.getpid(), signal.SIGINT)
             await anyio.sleep(0.02)  # as an arm moves
         (goal.succeed if goal.request.order < 90 else goal.abort)()
         result: Message = FIBONACCI.Result(sequence=sequence)
@@ -153,6 +157,13 @@ def test_a_goal_that_is_aborted_is_a_failure(door: str, capsys: Text) -> None:
     out, err = capsys.readouterr()
     assert "Result:\n    sequence: [0, 1]\n" in out
     assert err == "Goal finished with status: ABORTED\n"
+
+
+def test_ctrl_c_cancels_a_goal_and_shows_how_it_ended(door: str, capsys: Text) -> None:
+    assert main(["--door", door, *split("action send_goal /fibonacci {order: 80}")]) == 130
+    out, err = capsys.readouterr()
+    assert out == "Sending goal:\n    order: 80\n\nResult:\n    sequence: []\n\n"
+    assert err == "Cancelling the goal; its end is awaited for 5 s\nGoal finished with status: CANCELED\n"
 
 
 PARAMS = """\

@@ -185,19 +185,20 @@ class DoorClient:
 
         return response
 
-    def perform(self, action: str, ros_type: str, goal: Mapping[str, object]) -> Iterator[dict[str, object]]:
-        """Send *goal*; yield the frames of its feedback, and finally that of its result.
+    def send_goal(self, action: str, ros_type: str, goal: Mapping[str, object]) -> str:
+        """Send *goal* and return its id; its feedback, and finally its result, are frames for :meth:`next`.
 
-        The end of the connection cancels it; errors as for :meth:`next`.
+        The end of the connection cancels it.
         """
         self._calls += 1
         identifier = f"goal:{self._calls}"
         frame = {"op": "send_action_goal", "id": identifier, "action": action, "action_type": ros_type}
         self._send(frame | {"args": dict(goal), "feedback": True})
-        op = ""
-        while op != "action_result":
-            op, received, _ = self.next()
-            yield received
+        return identifier
+
+    def cancel_goal(self, action: str, identifier: str) -> None:
+        """Ask the server of *action* to cancel a goal, whose result tells how it ended."""
+        self._send({"op": "cancel_action_goal", "id": identifier, "action": action})
 
     def subscribe(self, topic: str) -> None:
         """Subscribe to *topic*, which need not exist yet."""

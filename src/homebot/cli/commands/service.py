@@ -4,13 +4,13 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from textwrap import indent
 from typing import Final
 
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, seconds, set_command
-from homebot.cli.door_client import DoorClient, set_door_command
+from homebot.cli.door_client import DoorClient, ReceivedMessage, set_door_command
 from homebot.cli.graph_queries import (
     add_entity_verbs,
     add_value_arguments,
@@ -98,7 +98,9 @@ DeviceAllow=char-ttyUSB rw
 DeviceAllow=char-ttyACM rw
 """
 
-_STATES: Final = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED", "ABORTED")
+_SUCCEEDED: Final = "SUCCEEDED"
+_STATES: Final = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", _SUCCEEDED, "CANCELED", "ABORTED")
+_CANCEL_WITHIN: Final = 5.0
 
 _ACTION_EXAMPLES = """\
   homebot action list -t
@@ -228,19 +230,32 @@ def _send_goal(door: DoorClient, options: argparse.Namespace) -> int:
         options.type, options.goal = "", options.type
     check_type("action", name, ros_type, options.type)
     _show("Sending goal", options.goal)
-    for frame in door.perform(name, ros_type, options.goal):
+    goal = door.send_goal(name, ros_type, options.goal)
+    try:
+        state = _follow_goal(name, iter(door.next, None), options)
+    except KeyboardInterrupt:
+        print(f"Cancelling the goal; its end is awaited for {_CANCEL_WITHIN:g} s", file=sys.stderr)
+        door.cancel_goal(name, goal)
+        if not _follow_goal(name, door.until(_CANCEL_WITHIN), options):
+            print(f"Goal still executed: {name} has not ended it yet", file=sys.stderr)
+        raise
+    return 0 if state == _SUCCEEDED else 1
+
+
+def _follow_goal(action: str, received: Iterable[ReceivedMessage], options: argparse.Namespace) -> str:
+    """Print what is *received* about a goal; return the state in which it ended, empty if it has not."""
+    for _, frame, _ in received:
         values = frame.get("values")
         if not isinstance(values, dict):
-            raise PeerError(f"action {name} failed: {values}")
+            raise PeerError(f"action {action} failed: {values}")
         if frame["op"] == "action_result":
             _show("Result", values)
             state = _STATES[int(str(frame["status"]))]
-            has_succeeded = state == "SUCCEEDED"
-            print(f"Goal finished with status: {state}", file=sys.stdout if has_succeeded else sys.stderr)
-            return 0 if has_succeeded else 1
+            print(f"Goal finished with status: {state}", file=sys.stdout if state == _SUCCEEDED else sys.stderr)
+            return state
         if options.feedback:
             _show("Feedback", values)
-    return 1
+    return ""
 
 
 def _show(title: str, values: Mapping[str, object]) -> None:
