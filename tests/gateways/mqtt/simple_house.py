@@ -23,17 +23,20 @@ from homebot.conventions.description import (
     Publication,
 )
 from homebot.conventions.payload import parse_object
-from homebot.devices import Sighting
+from homebot.devices import RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse, Quarantine
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Capability, Part
+from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, WireError
 from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription
+from homebot.messages import Time
 from homebot.messages.message import Message
+from homebot.mqtt.broker import BrokerPolicy
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
@@ -223,6 +226,15 @@ class House:
             )
         )
 
+    async def subscribe(self, topic: str, listener: str = "/watcher") -> SubscribeToTopicResponse:
+        """Ask for the raw messages of *topic*, those since the start as well."""
+        client = self.watcher.create_client(SubscribeToTopic, self.gateway.names.subscribe)
+        start = Time(sec=0, nanosec=0)
+        return await client.call(SubscribeToTopicRequest(topic=topic, listener=listener, since=start))
+
+    def raw(self, response: SubscribeToTopicResponse) -> Subscription[RawMessage]:
+        return self.watcher.create_subscription(RawMessage, response.data_topic, qos_profile=10)
+
     async def health(self) -> HealthResponse:
         return await self.watcher.create_client(GetHealth, self.gateway.names.health).call(HealthRequest())
 
@@ -258,13 +270,18 @@ def _drain(subscription: Subscription[MessageT]) -> list[MessageT]:
 async def simple_house(
     before: Callable[[MqttConnection], Awaitable[None]] | None = None,
     clock: Callable[[], Clock] = LoopClock,
+    policy: BrokerPolicy | None = None,
     **settings: object,
 ) -> AsyncIterator[House]:
-    """Run a house; *settings* are those of its gateway, *before* is done before that starts, by *clock*."""
+    """Run a house; *settings* are those of its gateway, *before* is done before that starts, by *clock*.
+
+    Args:
+        policy: What the broker refuses.
+    """
     table = {"root": "home425", "act": True, "conventions": (f"{__name__}:SimpleConvention",), **settings}
     graph = Graph(clock())
     async with (
-        MemoryBroker(random=Random(1)) as broker,  # noqa: S311 - the same run each time
+        MemoryBroker(policy=policy, random=Random(1)) as broker,  # noqa: S311 - the same run each time
         Node(graph, "mqtt", namespace="/gateway") as node,
         Node(graph, "watcher") as watcher,
         MqttConnection(MqttOptions.from_url(broker.url), broker.make_client, status_topic=None) as devices,

@@ -1,7 +1,6 @@
 """What the gateway makes of devices that announce themselves, from the first word to the last."""
 
 import asyncio
-from typing import Any
 
 import anyio
 import pytest
@@ -9,12 +8,10 @@ from structlog.testing import capture_logs
 from tests.busy_clock import BusyClock
 from tests.gateways.mqtt.simple_house import SimpleCodec, simple_house
 
-from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
+from homebot.devices import RawCommand
 from homebot.devices.gateway_messages import Report
 from homebot.devices.names import text_address
-from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.graph import DurabilityPolicy, QoSProfile
-from homebot.messages import Time
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 from homebot.testing.gateway_contract.steps import kept
@@ -24,7 +21,6 @@ pytestmark = pytest.mark.virtual_time
 
 LAMP = "simple:lamp1"
 CONVENTION = "tests.gateways.mqtt.simple_house:SimpleConvention"
-START = Time(sec=0, nanosec=0)
 
 
 async def test_an_announced_device_is_sighted_with_its_parts() -> None:
@@ -395,34 +391,26 @@ async def test_a_device_that_speaks_where_others_announce_leaves_that_subscripti
         assert [one.key for one in house.sighted()] == ["simple:lamp3"]
 
 
-async def subscribe(house: Any, topic: str, since: Time = START) -> SubscribeToTopicResponse:
-    client = house.watcher.create_client(SubscribeToTopic, house.gateway.names.subscribe)
-    response: SubscribeToTopicResponse = await client.call(
-        SubscribeToTopicRequest(topic=topic, listener="/watcher", since=since)
-    )
-    return response
-
-
 async def test_the_bytes_of_a_state_topic_can_be_subscribed_to() -> None:
     async with simple_house() as house:
         await house.announce("lamp1")
         await house.say("lamp1/state", "on_off=on")
-        answer = await subscribe(house, "lamp1/state")
+        answer = await house.subscribe("lamp1/state")
         assert [(one.key, one.payload) for one in answer.missed] == [(LAMP, b"on_off=on")]
-        inbox = house.watcher.create_subscription(RawMessage, answer.data_topic, qos_profile=10)
+        inbox = house.raw(answer)
         await house.say("lamp1/state", b"\xff")
         message = inbox.take()
         assert message is not None
         assert message.payload == b"\xff"
-        assert not (await subscribe(house, "nobody/state")).success
+        assert not (await house.subscribe("nobody/state")).success
 
 
 async def test_plain_words_may_be_listened_to_before_the_device_is_there() -> None:
     """An application that was there before the gateway asks for them as soon as that is back."""
     async with simple_house() as house:
-        answer = await subscribe(house, text_address(LAMP, "lamp"))
+        answer = await house.subscribe(text_address(LAMP, "lamp"))
         assert answer.success
-        inbox = house.watcher.create_subscription(RawMessage, answer.data_topic, qos_profile=10)
+        inbox = house.raw(answer)
         await house.announce("lamp1")
         await house.say("lamp1/state", "on_off=on level=7")
         message = inbox.take()

@@ -2,10 +2,12 @@
 
 import anyio
 import pytest
+from structlog.testing import capture_logs
 from tests.gateways.mqtt.simple_house import House, settled, simple_house
 
 from homebot.devices import GatewayState
 from homebot.graph import qos_profile_latched
+from homebot.mqtt.broker import RefusedFilters
 from homebot.mqtt.client.memory_transport import MemorySocket
 from homebot.mqtt.client.transport import TransportUser
 
@@ -47,6 +49,45 @@ async def test_a_gateway_that_stops_has_lost_nothing(capsys: pytest.CaptureFixtu
     async with simple_house():
         await settled()
     assert "lost the connection" not in capsys.readouterr().out
+
+
+async def test_each_lost_link_is_told() -> None:
+    """Two outages within seconds are two lines."""
+    with capture_logs() as lines:
+        async with simple_house() as house:
+            for _ in range(2):
+                await house.broker.stop()
+                await anyio.sleep(1)
+                await house.broker.start()
+                await anyio.sleep(5)
+    assert sum(line["event"] == "gateway.link_lost" for line in lines) == 2
+
+
+@pytest.mark.parametrize(
+    ("refused", "state", "outcome"),
+    [
+        pytest.param(
+            ("home425/+/+/out", "home425", "home425/+", "home425/+/+", "home425/+/+/+/+/#"),
+            "unavailable",
+            "receives nothing",
+            id="all",
+        ),
+        pytest.param(("home425",), "active", "listening to home425", id="one of several"),
+    ],
+)
+async def test_a_broker_that_refuses_subscriptions_is_told_in_one_line(
+    refused: tuple[str, ...], state: str, outcome: str
+) -> None:
+    """Connected is not enough to be well."""
+    with capture_logs() as lines:
+        async with simple_house(policy=RefusedFilters(refused), conventions=("thesis",)) as house:
+            now = await house.watcher.create_subscription(
+                GatewayState, house.gateway.names.state, qos_profile=qos_profile_latched
+            ).receive()
+    assert now.state == state
+    assert "refused the subscription to" in now.reason
+    (told,) = [line for line in lines if line["event"] == "gateway.subscription_refused"]
+    assert outcome in told["message"]
 
 
 async def test_a_broker_that_is_away_for_hours_is_a_line_every_ten_minutes(capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,17 +5,19 @@ from typing import Any, ClassVar
 import anyio
 import pytest
 from pydantic import BaseModel
+from structlog.testing import capture_logs
 from tests.gateways.mqtt.simple_house import simple_house
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication, TextEndpoint
 from homebot.conventions.text_codec import TextCodec
-from homebot.devices import RawCommand, RawMessage
+from homebot.devices import RawCommand, Sighting
 from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Capability, Part
-from homebot.devices.services import SubscribeToTopic, SubscribeToTopicRequest
+from homebot.devices.services import NEVER
 from homebot.devices.value import PlainValue
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.mqtt.connection import MqttConnection
+from homebot.names import escape_token
 
 pytestmark = pytest.mark.virtual_time
 
@@ -70,7 +72,10 @@ async def test_a_device_that_is_taken_out_leaves_no_report_behind() -> None:
     async with simple_house(**THESIS) as house:
         await house.say(LAMP, "on", retain=True)
         await house.say(LAMP, "", retain=True)
+        assert [one.kind for one in house.sighted()] == ["appeared", "removed"]
         assert house.told() == [(KEY, {".on_off": True}, False)]
+        sighted = house.watcher.create_subscription(Sighting, house.gateway.names.received_topics, qos_profile=LATCHED)
+        assert sighted.take() is None
         late = house.watcher.create_subscription(Report, house.gateway.names.readings, qos_profile=LATCHED)
         assert late.take() is None
         response = await house.command(KEY, "", "on_off", value=True)
@@ -159,9 +164,7 @@ async def test_the_topic_of_a_device_may_be_the_state_topic_of_an_announced_one_
     async with simple_house(conventions=both) as house:
         await house.announce("shadow", state=LAMP)
         await house.say(LAMP, "on_off=on")
-        client = house.watcher.create_client(SubscribeToTopic, house.gateway.names.subscribe)
-        answer = await client.call(SubscribeToTopicRequest(topic=LAMP, listener=house.watcher.full_name))
-        inbox = house.watcher.create_subscription(RawMessage, answer.data_topic, qos_profile=10)
+        inbox = house.raw(await house.subscribe(LAMP))
         await house.say(LAMP, "off")
         assert {one.key for one in house.sighted()} == {"simple:shadow", KEY}
         assert house.told() == [("simple:shadow", {"lamp.on_off": True}, False), (KEY, {".on_off": False}, False)]
@@ -177,27 +180,124 @@ async def test_no_topic_of_the_layout_is_subscribed_to_by_itself() -> None:
         assert not house.gateway._described._topics.users
 
 
-async def test_a_publication_of_an_app_on_a_state_topic_is_no_device() -> None:
+async def test_neither_a_publication_of_an_app_nor_a_command_is_a_device() -> None:
     async with simple_house(**THESIS) as house:
         raw = house.watcher.create_publisher(RawCommand, house.gateway.names.out)
-        await raw.send(RawCommand(address=LAMP, payload="on"))
+        for address in (LAMP, "home425/lights/lamp/in"):
+            await raw.send(RawCommand(address=address, payload="on"))
+        await house.say("home425/lights/stranger/in", "on")
         await house.say("home425/lights/other/out", "on")
         assert [one.key for one in house.sighted()] == ["lights/other"]
+        assert house.gateway.counters.received == 1
 
 
 async def test_a_message_that_the_broker_had_kept_is_no_sign_of_life() -> None:
-    """Not even when it comes again on a new link, minutes later."""
+    """Not even when it comes again on a new link, minutes later; the log says that it may be a ghost."""
 
     async def before(devices: MqttConnection) -> None:
         await devices.publish(LAMP, b"on", qos=1, retain=True)
 
-    async with simple_house(before, **THESIS) as house:
-        assert [one.confirmed for one in house.sighted()] == [False]
-        await anyio.sleep(100)
-        await house.cut()
-        assert house.sighted() == []
+    with capture_logs() as lines:
+        async with simple_house(before, **THESIS) as house:
+            assert [one.confirmed for one in house.sighted()] == [False]
+            await anyio.sleep(100)
+            await house.cut()
+            assert house.sighted() == []
+            await house.say(LAMP, "on")
+            assert [(one.kind, one.confirmed) for one in house.sighted()] == [("updated", True)]
+    (told,) = (line for line in lines if line["event"] == "gateway.retained_only")
+    assert f"{KEY} is known only from a retained message" in told["message"]
+
+
+BROKEN = ("home425/lights", "home425//lamp/out", "home425/lights/lamp/out/deep", "home425/lights//out")
+
+
+async def test_each_topic_that_breaks_the_layout_is_counted_and_named_once_with_the_reason() -> None:
+    """The rest goes on."""
+    async with simple_house(**THESIS) as house:
+        with capture_logs() as lines:
+            for topic in (*BROKEN, *BROKEN, LAMP):
+                await house.say(topic, "on")
+        assert [one.key for one in house.sighted()] == [KEY]
+        assert house.gateway.counters.rejected == 2 * len(BROKEN)
+    told = [line for line in lines if line["event"] == "gateway.message_rejected"]
+    assert [line["topic"] for line in told] == list(BROKEN)
+    assert all(repr(line["topic"]) in line["message"] for line in told)
+
+
+@pytest.mark.parametrize("device_id", ["Küche 1", "0x00158d"])
+async def test_an_odd_device_id_is_a_device_and_its_mirror_topic_is_escaped(device_id: str) -> None:
+    """The escape is legal, visible and reversible; see homebot.names."""
+    async with simple_house(**THESIS) as house:
+        await house.say(f"home425/lights/{device_id}/out", "on")
+        assert [one.name for one in house.sighted()] == [device_id]
+        answer = await house.subscribe(f"home425/lights/{device_id}/out", listener="")
+        assert answer.data_topic == f"/gateway/mqtt/received_data/{escape_token(device_id)}"
+
+
+@pytest.mark.parametrize(
+    ("topic", "reason"),
+    [
+        ("home425/+/lamp/out", "wildcard"),
+        ("home425/lights/lamp/in", "no device publishes on topic"),
+        ("home426/lights/lamp/out", "no device publishes on topic"),
+        ("home425/lights", "1 levels"),
+        ("", "is empty"),
+    ],
+)
+async def test_a_topic_that_no_device_has_cannot_be_subscribed_to(topic: str, reason: str) -> None:
+    async with simple_house(**THESIS) as house:
+        answer = await house.subscribe(topic)
+        assert not answer.success
+        assert reason in answer.message
+
+
+async def test_a_node_that_is_not_there_cannot_subscribe() -> None:
+    async with simple_house(**THESIS) as house:
+        assert "no such node" in (await house.subscribe(LAMP, listener="/nobody")).message
+
+
+async def test_what_was_missed_comes_once() -> None:
+    async with simple_house(**THESIS) as house:
         await house.say(LAMP, "on")
-        assert [(one.kind, one.confirmed) for one in house.sighted()] == [("updated", True)]
+        assert [len((await house.subscribe(LAMP)).missed) for _ in range(2)] == [1, 0]
+
+
+async def test_commands_to_illegal_addresses_are_refused_counted_and_told() -> None:
+    """And the next good one goes through."""
+    async with simple_house(**THESIS) as house:
+        await house.listen("home425/lights/lamp/in")
+        raw = house.watcher.create_publisher(RawCommand, house.gateway.names.out)
+        with capture_logs() as lines:
+            for address in ("home425/+/in", "", "a\0b", "home425/lights/lamp/in"):
+                raw.publish(RawCommand(address=address, payload="off"))
+            assert [one.payload for one in await house.heard()] == [b"off"]
+        assert house.gateway.counters.commands_refused == 3
+    assert any(line["event"] == "gateway.command_refused" and "wildcard" in line["message"] for line in lines)
+
+
+async def test_clearing_a_topic_that_this_gateway_never_heard_removes_the_device_too() -> None:
+    """The directory may know it from before the gateway's restart."""
+    async with simple_house(**THESIS) as house:
+        await house.say(LAMP, "", retain=True)
+        assert [(one.key, one.kind) for one in house.sighted()] == [(KEY, "removed")]
+
+
+async def test_devices_that_come_and_go_leave_nothing_behind() -> None:
+    """However many names somebody invents."""
+    async with simple_house(**THESIS) as house:
+        for number in range(50):
+            await house.say(f"home425/lights/{number}/out", "on")
+            await house.say(f"home425/lights/{number}/out", "")
+        assert len(house.sighted()) == 100
+        assert house.gateway._described._listeners.by_address == {}
+
+
+async def test_a_device_that_never_becomes_stale_has_the_last_time_there_is() -> None:
+    """A time of ROS ends in 2038; a larger number must not crash the gateway with every message."""
+    async with simple_house(stale_after=1e12, **THESIS) as house:
+        await house.say(LAMP, "on")
+        assert [one.expires_at for one in house.sighted()] == [NEVER]
 
 
 class BellSettings(BaseModel):
