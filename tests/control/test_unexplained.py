@@ -38,6 +38,32 @@ async def test_a_hand_at_the_switch_is_in_the_journal(home: Home) -> None:
     assert (change.command, change.issuer, change.trigger.kind) == ("", "", "")
 
 
+@pytest.mark.parametrize("is_commanded", [False, True])
+async def test_a_change_after_an_absence_may_be_the_device_s_own(home: Home, *, is_commanded: bool) -> None:
+    """An accessory that restarts begins with the values that it has then."""
+    home.put("lamp", "light", "on_off")
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(1)
+    if is_commanded:
+        home.behaviours["lamp"] = obey_after(0.1)
+        assert (await (await home.handle(Light)).turn_off()).succeeded
+        assert (await (await home.handle(Light)).turn_on()).succeeded
+    await anyio.sleep(120)
+    home.gateway.devices.report_reachable("lamp", reachable=True)
+    home.gateway.devices.report_reachable("lamp", reachable=False)
+    await anyio.sleep(1)
+    await home.report("lamp", "on_off", False)
+    home.gateway.devices.report_reachable("lamp", reachable=True)
+    await anyio.sleep(30)
+    home.gateway.set_unavailable("the cable is out")
+    await anyio.sleep(1)
+    home.gateway.set_available()
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(30)
+    await home.report("lamp", "on_off", False)
+    assert [one.cause for one in await changes(home)] == ["unknown", "unknown", "person"]
+
+
 async def test_a_value_that_is_unknown_for_a_while_is_no_change(home: Home) -> None:
     """Home Assistant knows no states of MQTT when it has just started."""
     home.put("lamp", "light", "on_off")

@@ -244,13 +244,18 @@ class DeviceChange(Message):
 
 
 class ChangedSetting(Message):
-    """A new value of something that people and programs set (:data:`homebot.devices.capabilities.SETTABLE`)."""
+    """A new value of something that people and programs set (:data:`homebot.devices.capabilities.SETTABLE`).
+
+    Attributes:
+        was_absent: Whether the device was unreachable since the value before, so that it may have changed by itself.
+    """
 
     device: str
     part: str
     capability: str
     value: Value
     told_at: Time
+    was_absent: bool = False
 
 
 class ChangedSettings(Message):

@@ -10,7 +10,7 @@ from homebot.devices import DevicePart
 from homebot.devices.capabilities import EVENTS, SETTABLE
 from homebot.devices.device import ChangedSetting
 from homebot.devices.gateway_messages import REACHABLE, Report
-from homebot.devices.value import Reading, Value
+from homebot.devices.value import Reading
 from homebot.discovery.changes import stream_of
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.echoes import Echoes
@@ -34,8 +34,8 @@ _NewValue: TypeAlias = tuple[tuple[str, str], Reading, StoredValue]
 _MOST_CHANGED: Final = 10_000
 """Most changed settings waiting to be popped; further ones are dropped and counted as lost states."""
 
-_Waiting: TypeAlias = tuple[Entry, SourceRecord, Reading, Time, StoredValue]
-"""The device, its announcement, the first new value, the time of that, and the storage of the newest one."""
+_Waiting: TypeAlias = tuple[Entry, SourceRecord, Reading, Time, bool, StoredValue]
+"""The device, its announcement, the first new value, the time of that, whether it was away, and the newest value."""
 
 Trust: TypeAlias = Callable[[Entry, frozenset[EndpointKey]], None]
 
@@ -85,7 +85,7 @@ class StateRecorder:
     def _record_link_of(self, entry: Entry, source: SourceRecord, lost: LostLink | None) -> bool:
         """Record the link of *source*; return whether that changed the reachability of *entry*."""
         before = self._reach(entry)
-        source.lost = lost
+        source.lost, source.absent_at = lost, self._liveness.now
         entry.is_denied = is_denied(entry.sources.values())
         entry.device = None
         after = self._reach(entry)
@@ -107,8 +107,10 @@ class StateRecorder:
                 if stored is not None:
                     new.append((place, reading, stored))
             elif live or not stored.live:  # retained values never overwrite live ones
+                was_absent = stored.heard_at <= source.absent_at
                 stored.told_at, stored.live, stored.heard_at = stamp, live, now
                 if reading.value is not stored.reported and self._replace(entry, source, reading, stored, stamp):
+                    stored.was_absent = was_absent
                     new.append((place, reading, stored))
         return new
 
@@ -159,6 +161,8 @@ class StateRecorder:
             self._trust(entry, agreeing)
 
     def _record_reachability(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> None:
+        if not reading.value.flag:
+            source.absent_at = self._liveness.now
         if report.address:
             if reading.part not in source.reach:
                 self._table.changes.announced += 1  # the first one still belongs to its announcement
@@ -301,7 +305,7 @@ class SettingChanges:
             if place[1] not in SETTABLE or id(stored) in waiting:
                 continue
             if len(waiting) < _MOST_CHANGED:
-                waiting[id(stored)] = entry, source, reading, stored.since, stored
+                waiting[id(stored)] = entry, source, reading, stored.since, stored.was_absent, stored
             else:
                 self._table.changes.states_lost += 1
 
@@ -309,7 +313,7 @@ class SettingChanges:
         """Remove and yield the changes, as for `ChangedSettings`."""
         table, waiting = self._table, self.waiting
         self.waiting = {}
-        for entry, source, first, since, stored in waiting.values():
+        for entry, source, first, since, was_absent, stored in waiting.values():
             if table.entries.get(entry.id) is not entry:
                 continue
             part = entry.parts(table.topics).shown_part_of(source, first.part)
@@ -317,10 +321,18 @@ class SettingChanges:
                 continue
             newest = stored.reported
             if newest is first.value or not (newest.number and first.value.number):
-                yield _changed(entry, part, first.capability, first.value, since)
+                yield _changed(entry, part, first, since, was_absent=was_absent)
             if newest is not first.value:
-                yield _changed(entry, part, first.capability, newest, stored.since)
+                last = first.model_copy(update={"value": newest})
+                yield _changed(entry, part, last, stored.since, was_absent=was_absent)
 
 
-def _changed(entry: Entry, part: DevicePart, capability: str, value: Value, at: Time) -> ChangedSetting:
-    return ChangedSetting(device=entry.id, part=part.id, capability=capability, value=value, told_at=at)
+def _changed(entry: Entry, part: DevicePart, new: Reading, at: Time, *, was_absent: bool) -> ChangedSetting:
+    return ChangedSetting(
+        device=entry.id,
+        part=part.id,
+        capability=new.capability,
+        value=new.value,
+        told_at=at,
+        was_absent=was_absent,
+    )

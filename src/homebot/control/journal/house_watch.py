@@ -88,7 +88,9 @@ class HouseWatch:
             raw = layer.journal.raw_command(change.device, value, at)
             attribution = layer.timelines.cause(place[:2], change.capability, value, at)
             if (raw.id and raw.means(value)) or attribution is None or attribution.role is None:
-                cause = "command" if raw.id else "person" if attribution is None else attribution.cause.value
+                cause = "person" if attribution is None else attribution.cause.value
+                cause = "unknown" if cause == "person" and change.was_absent else cause
+                cause = "command" if raw.id else cause
                 layer.journal.changed(change, before, raw.id, cause)  # else the entries of a command record it
 
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:

@@ -25,6 +25,7 @@ class StoredValue:
         live: Whether the device reported it live, rather than a retained message.
         column: The column with a copy of ``value``; None if it is not searchable.
         is_first: Whether no other value was reported before it.
+        was_absent: Whether the device was unreachable since the value before it.
     """
 
     reported: Value
@@ -36,6 +37,7 @@ class StoredValue:
     column: Column | None = None
     row: int = 0
     is_first: bool = True
+    was_absent: bool = False
 
 
 @final
