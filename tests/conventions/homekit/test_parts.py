@@ -6,6 +6,7 @@ import pytest
 from tests.gateways.checked_command import checked_command
 from tests.gateways.homekit.fake_accessories import accessory, characteristic, service
 
+from homebot.control.values import fits
 from homebot.conventions.homekit.accessory import parse_accessories, short_type
 from homebot.conventions.homekit.parts import HomekitPart, parts_of
 from homebot.devices.part import Capability
@@ -155,6 +156,22 @@ def test_a_service_is_a_part_with_its_readings(
         ("4A", {"F": 0, "33": 1, "11": 20.0, "35": 20.0}, "heating_setpoint", 22.0, {"35": 22.0}),
         ("4A", {"F": 0, "33": 2, "11": 20.0, "35": 20.0}, "cooling_setpoint", 22.0, {"35": 22.0}),
         ("4A", {"F": 0, "33": 3, "11": 20.0, "35": 20.0, "12": 18.0}, "heating_setpoint", 19.0, {"12": 19.0}),
+        (
+            "4A",
+            {"F": 0, "33": 3, "11": 20.0, "35": 20.0, "12": 18.0, "D": 24.0},
+            "heating_setpoint",
+            24.0,
+            {"12": 24.0},
+        ),
+        # Apart from the mode auto, the other threshold does not count.
+        (
+            "4A",
+            {"F": 0, "33": 2, "11": 20.0, "35": 20.0, "12": 18.0, "D": 24.0},
+            "heating_setpoint",
+            25.0,
+            {"12": 25.0},
+        ),
+        ("BC", {"B0": 1, "B1": 1, "B2": 1, "11": 20.0, "12": 18.0, "D": 24.0}, "heating_setpoint", 25.0, {"12": 25.0}),
         ("4A", {"F": 0, "33": 0, "11": 20.0, "35": 20.0}, "thermostat_mode", "auto", {"33": 3}),
         ("BC", {"B0": 1, "B1": 1, "B2": 0, "11": 20.0}, "thermostat_mode", "off", {"B0": 0}),
         ("BC", {"B0": 0, "B1": 0, "B2": 0, "11": 20.0}, "thermostat_mode", "cool", {"B2": 2, "B0": 1}),
@@ -181,6 +198,9 @@ def test_a_command_is_the_values_of_characteristics(
         ("45", {"1D": 0, "1E": 0}, "lock", "jammed"),
         ("8C", {"6D": 0, "7C": 0, "72": 2}, "movement", "stopped"),
         ("4A", {"F": 0, "33": 2, "11": 20.0, "35": 20.0}, "heating_setpoint", 22.0),
+        ("4A", {"F": 0, "33": 3, "11": 20.0, "35": 20.0, "12": 18.0, "D": 24.0}, "heating_setpoint", 24.5),
+        ("4A", {"F": 0, "33": 3, "11": 20.0, "35": 20.0, "12": 18.0, "D": 24.0}, "cooling_setpoint", 17.5),
+        ("BC", {"B0": 1, "B1": 1, "B2": 0, "11": 20.0, "12": 18.0, "D": 24.0}, "heating_setpoint", 24.5),
         ("7E", {"66": 3, "67": 3}, "alarm", "triggered"),
     ],
 )
@@ -213,6 +233,29 @@ def test_options_and_bounds_are_those_that_the_accessory_has(
 ) -> None:
     found = described(part(kind, raw, "", **limits), capability)
     assert (found.options, found.bounds) == (options, bounds)
+
+
+@pytest.mark.parametrize(
+    ("limits", "percent", "speed", "reported"),
+    [
+        ({"minValue": 0, "maxValue": 100, "minStep": 25}, 33.0, 50.0, 50.0),
+        ({"minValue": 0, "maxValue": 100, "minStep": 25}, 75.0, 75.0, 75.0),
+        ({"minValue": 0, "maxValue": 100, "minStep": 1}, 33.0, 33.0, 33.0),
+        ({"minValue": 0, "maxValue": 3, "minStep": 1}, 33.0, 1.0, 33.3333),
+        ({"minValue": 0, "maxValue": 3, "minStep": 1}, 67.0, 2.0, 66.6667),
+        ({"minValue": 0, "maxValue": 100, "minStep": 33.3333}, 67.0, 66.6666, 66.6666),
+    ],
+)
+@pytest.mark.parametrize(("kind", "switch"), [("40", "25"), ("BC", "B0")])
+def test_a_fan_with_few_speeds_takes_the_next_one_which_confirms_the_command(
+    kind: str, switch: str, limits: dict[str, object], percent: float, speed: float, reported: float
+) -> None:
+    fan = part(kind, {switch: 1, "29": 0.0}, c29={"format": "float", **limits})
+    known = fan.service.characteristics["29"]
+    known.value = known.encode(written(fan, "fan_speed", percent)["29"])
+    assert known.value == pytest.approx(speed)
+    assert values(fan)["fan_speed"] == pytest.approx(reported)
+    assert fits("fan_speed", percent, reported)
 
 
 def test_a_thermostat_that_only_heats_is_not_set_to_cool() -> None:

@@ -30,6 +30,7 @@ _VOCOLINC_SPRAY: Final = "69D52519-0A4E-4898-8335-4739F9116D0A"
 _HUMIDIFIER_MODES: Final = {0: "auto", 1: "humidify", 2: "dehumidify"}
 _HEAT, _COOL, _AUTO = 1, 2, 3
 _DRY: Final = 2
+_HEATER_AUTO: Final = 0
 
 
 def _can(mode: int, service: HapService) -> bool:
@@ -46,6 +47,23 @@ def _setpoint_of(threshold: str, service: HapService) -> str | None:
     return SETPOINT if is_of_heating == (threshold == HEAT_TO) else None
 
 
+def _check_order(service: HapService, capability: str, kind: str, celsius: float) -> None:
+    """Refuse a temperature to heat to above the one to cool to."""
+    ends = {one: service.number(one) for one in (HEAT_TO, COOL_TO)} | {kind: celsius}
+    low, high = ends[HEAT_TO], ends[COOL_TO]
+    if low is not None and high is not None and low > high:
+        raise RefusedError(f"{capability} {celsius:g}", f"it would heat to {low:g} °C, and cool to {high:g} °C")
+
+
+def _heater_setpoint_row(capability: str, threshold: str) -> ServiceRow:
+    def write(service: HapService, command: Command) -> Writes:
+        if service.number(HEATER_TARGET) == _HEATER_AUTO:
+            _check_order(service, capability, threshold, command.value.number)
+        return {threshold: command.value.number}
+
+    return ServiceRow(HEATER, capability, threshold, threshold, write=write)
+
+
 def _setpoint_row(capability: str, threshold: str, mode: int) -> ServiceRow:
     def read(service: HapService) -> PlainValue:
         kind = _setpoint_of(threshold, service)
@@ -56,7 +74,10 @@ def _setpoint_row(capability: str, threshold: str, mode: int) -> ServiceRow:
         if kind is None:
             raise RefusedError(capability, "the thermostat is in another mode; set thermostat_mode first")
         least, most = service.characteristics[kind].bounds or (-50.0, 100.0)
-        return {kind: require_number(capability, command.value.number, least, most, "°C")}
+        celsius = require_number(capability, command.value.number, least, most, "°C")
+        if service.number(TARGET) == _AUTO:
+            _check_order(service, capability, kind, celsius)
+        return {kind: celsius}
 
     watched = f"{SETPOINT} {threshold} {TARGET}"
     return ServiceRow(THERMOSTAT, capability, watched, SETPOINT, None, read, write, when=partial(_can, mode))
@@ -98,8 +119,8 @@ CLIMATE_ROWS: Final = (
         lambda service: ("off", *known_values(service, HEATER_TARGET, _HEATER_MODES).values()),
     ),
     ServiceRow(HEATER, "thermostat_action", "B1", "", _HEATER_ACTIONS),
-    ServiceRow(HEATER, "heating_setpoint", HEAT_TO, HEAT_TO),
-    ServiceRow(HEATER, "cooling_setpoint", COOL_TO, COOL_TO),
+    _heater_setpoint_row("heating_setpoint", HEAT_TO),
+    _heater_setpoint_row("cooling_setpoint", COOL_TO),
     ServiceRow(HUMIDIFIER, "on_off", ACTIVE, ACTIVE),
     ServiceRow(HUMIDIFIER, "humidifier_mode", HUMIDIFIER_TARGET, HUMIDIFIER_TARGET, _HUMIDIFIER_MODES),
     ServiceRow(

@@ -4,6 +4,7 @@ Source: HomeKit Accessory Protocol Specification R2, chapters 8 (services) and 9
 8.13 Fan, 8.23 Light Bulb, 8.29 Outlet, 8.36 Speaker, 8.38 Switch.
 """
 
+import math
 from collections.abc import Callable
 from typing import Final
 
@@ -19,6 +20,9 @@ LIGHT, SWITCH, OUTLET, SIMPLE_FAN, FAN, PURIFIER = "43", "49", "47", "40", "B7",
 HEATER, HUMIDIFIER, THERMOSTAT = "BC", "BD", "4A"
 SPEAKER, SMART_SPEAKER, TELEVISION = "113", "228", "D8"
 ON, ACTIVE, BRIGHTNESS, HUE, SATURATION, MIREDS, SPEED = "25", "B0", "8", "13", "2F", "CE", "29"
+_SLACK: Final = 0.05
+"""Of one speed: 67 % of three speeds is the second one."""
+
 _USUAL_MIREDS: Final = (50.0, 400.0)
 _FANS: Final = f"{SIMPLE_FAN} {FAN} {PURIFIER}"
 _DIRECTIONS: Final = {0: "forward", 1: "reverse"}
@@ -62,17 +66,23 @@ def _switch_of(service: HapService) -> str:
     return ON if ON in service.characteristics else ACTIVE
 
 
-def _share(service: HapService, kind: str) -> float:
-    """Return what one percent is: some fans count their speeds from 0 to 3."""
-    bounds = service.characteristics[kind].bounds
-    return bounds[1] / 100 if kind == SPEED and bounds and bounds[1] > 0 else 1.0
+def _share(service: HapService) -> float:
+    """Return what one percent of speed is: some fans count their speeds from 0 to 3."""
+    bounds = service.characteristics[SPEED].bounds
+    return bounds[1] / 100 if bounds and bounds[1] > 0 else 1.0
+
+
+def _speed(service: HapService, percent: float) -> float:
+    """Return the speed of a fan for a percentage; of few speeds the next higher one, as Home Assistant takes it."""
+    step = service.characteristics[SPEED].step or 1.0
+    return math.ceil(percent * _share(service) / step - _SLACK) * step
 
 
 def _read_speed(service: HapService) -> PlainValue:
     if service.type in _FANS.split() and service.number(_switch_of(service)) == 0:
         return 0.0  # it keeps the speed of before
     speed = service.number(SPEED)
-    percent = None if speed is None else round(speed / _share(service, SPEED), 4)
+    percent = None if speed is None else round(speed / _share(service), 4)
     return percent if percent is not None and 0 <= percent <= 100 else None
 
 
@@ -82,8 +92,9 @@ def _writer(kind: str) -> Callable[[HapService, Command], Writes]:
     def write(service: HapService, command: Command) -> Writes:
         if command.value.number == 0:
             return {_switch_of(service): 0}
-        least = service.characteristics[kind].step or 1.0
-        return {kind: max(least, command.value.number * _share(service, kind)), _switch_of(service): 1}
+        percent = command.value.number
+        amount = _speed(service, percent) if kind == SPEED else max(service.characteristics[kind].step or 1.0, percent)
+        return {kind: amount, _switch_of(service): 1}
 
     return write
 
@@ -110,7 +121,7 @@ POWER_ROWS: Final = (
         SPEED,
         SPEED,
         read=_read_speed,
-        write=lambda service, command: {SPEED: command.value.number * _share(service, SPEED)},
+        write=lambda service, command: {SPEED: _speed(service, command.value.number)},
     ),
     ServiceRow(f"{FAN} {THERMOSTAT}", "fan_mode", "BF", "BF", _FAN_MODES),
     ServiceRow(PURIFIER, "fan_mode", "A8", "A8", _FAN_MODES),
