@@ -151,6 +151,20 @@ def test_lights_that_notice_motion_in_a_room_are_a_sensor_there() -> None:
     assert described(resources, "update", {"id": "area", "name": "Couch"}) == {"area"}
 
 
+@pytest.mark.parametrize(
+    ("kind", "recall"), [("scene", {"action": "active", "duration": 2000}), ("smart_scene", {"action": "activate"})]
+)
+def test_a_scene_takes_a_transition_and_one_that_follows_the_day_has_its_own(kind: str, recall: HueBody) -> None:
+    resources = HueResources()
+    scene = {"id": "scene", "type": kind, "group": {"rid": "room", "rtype": "room"}, "metadata": {"name": "Relax"}}
+    resources.replace([{"id": "room", "type": "room", "metadata": {"name": "Hall"}}, scene])
+    (found,) = devices_of(resources, {"room"})
+    (only,) = found.services
+    (write,) = (one.write for one in only.rows)
+    assert write is not None
+    assert write(scene, checked_command(only.part, "scene", True, transition=2.0)) == {"recall": recall}
+
+
 def test_a_turn_of_a_dial_is_a_press() -> None:
     report = {"action": "repeat", "rotation": {"direction": "counter_clock_wise", "steps": 30}, "updated": "now"}
     assert press_of({"relative_rotary": {"rotary_report": report}}) == ("rotate_left", "now")

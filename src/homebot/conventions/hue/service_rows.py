@@ -10,7 +10,6 @@ Source: Philips Hue, CLIP API v2 reference, resources ``light``, ``motion``, ``c
 """
 
 from collections.abc import Callable, Mapping
-from functools import partial
 from typing import Final
 
 from homebot.conventions.command_values import require_option, require_transition, require_true
@@ -203,9 +202,11 @@ def _words(meanings: Mapping[str, bool], *path: str) -> Callable[[Fields], Plain
     return lambda one: None if one.get("enabled") is False else meanings.get(text_of(at(one, *path)))
 
 
-def _write_recall(action: str, _scene: Fields, command: Command) -> HueBody:
+def _write_recall(scene: Fields, command: Command) -> HueBody:
+    """Recall a scene; one that follows the day has its own duration."""
     require_true("scene", command.value.plain())
-    return {"recall": {"action": action, **_transition_of(command)}}
+    is_smart = scene.get("type") == "smart_scene"
+    return {"recall": {"action": "activate"} if is_smart else {"action": "active", **_transition_of(command)}}
 
 
 _MOTION, _WARMTH, _LIGHT = (frozenset({one, "enabled"}) for one in ("motion", "temperature", "light"))
@@ -225,6 +226,5 @@ SERVICE_ROWS: Final = (
     HueRow("device_power", "battery_low", _POWER, _read_low),
     *(HueRow(kind, "press", _ANY, options=_presses) for kind in BUTTON_KINDS),
     HueRow("relative_rotary", "press", _ANY, options=lambda _: tuple(_TURNS.values())),
-    HueRow("scene", "scene", frozenset(), write=partial(_write_recall, "active")),
-    HueRow("smart_scene", "scene", frozenset(), write=partial(_write_recall, "activate")),
+    *(HueRow(kind, "scene", frozenset(), write=_write_recall) for kind in ("scene", "smart_scene")),
 )
