@@ -7,9 +7,16 @@ import anyio
 import pytest
 
 from homebot.devices.names import ONLY_OBSERVES, PairingNames
-from homebot.devices.pairing_messages import Pair, PairRequest, PairResponse, Unpair, UnpairRequest
 from homebot.errors import LinkError, RefusedError, TypeMismatchError, UsageError
-from homebot.gateways.pairing import PairingFile, PairingServices
+from homebot.gateways.pairing import (
+    Pair,
+    PairingFile,
+    PairingServices,
+    PairRequest,
+    PairResponse,
+    Unpair,
+    UnpairRequest,
+)
 from homebot.graph import Graph, Node
 from homebot.messages.json import message_from_json
 

@@ -11,9 +11,9 @@ from homebot.devices import GatewayState, Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import PairingNames
-from homebot.devices.pairing_messages import Pair, PairRequest, PairResponse, Unpair, UnpairRequest
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways import Gateway
+from homebot.gateways.pairing import Pair, PairRequest, PairResponse, Unpair, UnpairRequest
 from homebot.graph import Graph, Node, Subscription
 from homebot.messages.message import Message
 from homebot.testing.gateway_contract import running

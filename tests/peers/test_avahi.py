@@ -12,7 +12,7 @@ from tests.peers.network import INTERFACE, Lan, Machine
 
 from homebot.devices import GatewayState, Sighting
 from homebot.devices.device import KeyValue
-from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
+from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
 from homebot.graph import Graph, Node, Subscription
 

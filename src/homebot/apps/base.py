@@ -16,6 +16,8 @@ from pydantic import BaseModel, ConfigDict
 from typing_extensions import TypeVar
 
 from homebot.apps.context import AppContext
+from homebot.apps.reactions import ItemHandler, Reaction
+from homebot.apps.run_modes import RunHandler, RunMode, check_handler
 from homebot.devices import Devices
 from homebot.devices.handles.handle import Handle
 from homebot.errors import RefusedError, UsageError
@@ -25,8 +27,6 @@ from homebot.support.isolation import isolated
 
 if TYPE_CHECKING:
     from homebot.apps.jobs import Job
-    from homebot.apps.reactions import ItemHandler, Reaction
-    from homebot.apps.run_modes import RunHandler, RunMode
     from homebot.apps.schedule import Length, Schedule
     from homebot.apps.store import Store
     from homebot.devices.history_client import HistoryClient
@@ -297,8 +297,6 @@ class App(ABC, Generic[SettingsT]):
         """
         if handler is None:
             return partial(self.on, query, mode=mode, most=most, key=key)
-        from homebot.apps.reactions import Reaction  # noqa: PLC0415 - some apps follow by themselves
-
         queries = query if isinstance(query, Sequence) else (query,)
         reaction = Reaction(self.node, self.start_task, queries, handler, mode, most, key)
         self._reactions.add(reaction)
@@ -320,8 +318,7 @@ class App(ABC, Generic[SettingsT]):
         Raises:
             UsageError: *command* is not a function of a handle.
         """
-        from homebot.apps.run_modes import check_handler  # noqa: PLC0415 - some apps only watch
-        from homebot.devices.outcomes import Refused  # noqa: PLC0415
+        from homebot.devices.outcomes import Refused  # noqa: PLC0415 - with the first command
 
         check_handler(command, "a handle")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, ParamSpec, TypeAlias, TypeVar, overload
+from typing import ParamSpec, TypeAlias, TypeVar, overload
 
 import anyio.lowlevel
 
@@ -16,6 +16,7 @@ from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.handles.follow import FollowHandles
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleQuery, HandleType
+from homebot.devices.handles.messages import HandleMessages
 from homebot.devices.house_view import HouseView
 from homebot.devices.names import FIND_DEVICES, GatewayNames
 from homebot.devices.query import And, type_is
@@ -31,9 +32,6 @@ from homebot.graph import Client, Node, Subscription
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.log import LogLimit
 from homebot.messages import Time
-
-if TYPE_CHECKING:
-    from homebot.devices.handles.messages import HandleMessages
 
 __all__ = ["Devices", "MessageHandler"]
 
@@ -144,8 +142,6 @@ class Devices:
         A message whose values are already known is left out, so that with :meth:`follow` each report comes once. Use
         :meth:`listen` for every message.
         """
-        from homebot.devices.handles.messages import HandleMessages  # noqa: PLC0415 - most apps need none
-
         return HandleMessages(self._node, self.follow(kind, *none, **query), self.listen)
 
     def offer(self, offer: ExposedDevice, gateway: str = "mqtt") -> Exposure:

@@ -1,4 +1,4 @@
-"""Exposure of homebot's own robots, apps and switches to other systems of the house, such as Home Assistant.
+"""Exposure of homebot's own robots, apps, switches and network services to other systems, such as Home Assistant.
 
 An exposed device goes to a gateway on ``/gateway/<name>/offers``, and its states on ``/gateway/<name>/offer_reports``.
 Both topics are latched. Commands of the other systems arrive on ``/gateway/<name>/offer_commands`` as
@@ -7,21 +7,26 @@ Both topics are latched. Commands of the other systems arrive on ``/gateway/<nam
 
 from collections.abc import AsyncIterator
 from types import TracebackType
-from typing import ClassVar, Self
+from typing import ClassVar, Final, Self
 
+from homebot.devices.device import KeyValue
 from homebot.devices.gateway_messages import Command
 from homebot.devices.names import GatewayNames
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue, Reading, Value
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
-from homebot.messages.message import Message
+from homebot.messages.message import Message, UInt16
 
-__all__ = ["ExposedDevice", "ExposedState", "Exposure"]
-
+__all__ = ["NETWORK_SERVICES", "NETWORK_SERVICES_QOS", "ExposedDevice", "ExposedState", "Exposure", "NetworkService"]
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _COMMANDS_DEPTH = 100
+
+NETWORK_SERVICES = "/network_services"
+"""The topic on which components that listen on a port announce it."""
+
+NETWORK_SERVICES_QOS: Final = _LATCHED
 
 
 class ExposedDevice(Message):
@@ -94,3 +99,23 @@ class Exposure:
         async for command in self._commands:
             if command.key == self.offer.id:
                 yield command
+
+
+class NetworkService(Message):
+    """A service of this process on the network.
+
+    Attributes:
+        service_type: Its type in DNS-SD (RFC 6763): ``_rosbridge._tcp``, perhaps with a subtype.
+        addresses: The addresses that it listens on; ``0.0.0.0`` and ``::`` mean all addresses of the computer.
+        port: Its TCP or UDP port.
+        facts: Facts for programs that connect, such as a path; no secrets, because all programs see them.
+        is_withdrawn: Whether it is no longer available.
+    """
+
+    key_field: ClassVar[str | None] = "service_type"
+
+    service_type: str
+    addresses: tuple[str, ...] = ()
+    port: UInt16 = 0
+    facts: tuple[KeyValue, ...] = ()
+    is_withdrawn: bool = False

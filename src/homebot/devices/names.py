@@ -193,8 +193,8 @@ class PairingNames:
     """The additional graph names of a gateway that pairs devices.
 
     Attributes:
-        pair: Service :data:`homebot.devices.pairing_messages.Pair`.
-        unpair: Service :data:`homebot.devices.pairing_messages.Unpair`.
+        pair: Service :data:`homebot.gateways.pairing.Pair`.
+        unpair: Service :data:`homebot.gateways.pairing.Unpair`.
     """
 
     def __init__(self, gateway: str) -> None:

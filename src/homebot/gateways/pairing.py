@@ -4,21 +4,76 @@ import json
 import os
 from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
-from typing import Final, Protocol, Self
+from typing import Annotated, Final, Literal, Protocol, Self
 
 from anyio import to_thread
+from pydantic import ConfigDict, Field
 
 from homebot.devices.names import PairingNames
-from homebot.devices.pairing_messages import Pair, PairRequest, PairResponse, Unpair, UnpairRequest
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError, UsageError
 from homebot.gateways.base import Gateway
 from homebot.graph import Node
+from homebot.messages.message import Message, ServiceAnswer, ServiceType
 from homebot.support.file_access import check_secret_file
 from homebot.support.installation import Installation
 
-__all__ = ["ActingGateway", "PairingFile", "PairingGateway", "PairingRequests", "PairingServices"]
+__all__ = [
+    "ActingGateway",
+    "Pair",
+    "PairRequest",
+    "PairResponse",
+    "PairingFile",
+    "PairingGateway",
+    "PairingRequests",
+    "PairingServices",
+    "Unpair",
+    "UnpairRequest",
+]
+
 
 _LONGEST: Final = 4 * 1024 * 1024
+
+
+class PairRequest(Message):
+    """Request to pair homebot with a device.
+
+    Attributes:
+        device: The gateway's key of the device.
+        code: The code on the device; empty if a button is pressed instead. It is a secret that is used once and never
+            shown.
+    """
+
+    model_config = ConfigDict(hide_input_in_errors=True)
+
+    device: str
+    code: Annotated[str, Field(repr=False, max_length=255)] = ""
+
+
+class UnpairRequest(Message):
+    """Request to end the pairing with a device.
+
+    Attributes:
+        device: The gateway's key of the device.
+    """
+
+    device: str
+
+
+class PairResponse(ServiceAnswer):
+    """The result of pairing or unpairing.
+
+    Attributes:
+        problem: ``refused`` by the gateway or the device; ``unreachable`` if the device cannot be reached now;
+            ``busy`` while another device is paired.
+    """
+
+    problem: Literal["", "refused", "unreachable", "busy"] = ""
+    key: str = ""
+    name: str = ""
+
+
+Pair = ServiceType("homebot/srv/Pair", PairRequest, PairResponse)
+Unpair = ServiceType("homebot/srv/Unpair", UnpairRequest, PairResponse)
 
 
 class ActingGateway(Protocol):

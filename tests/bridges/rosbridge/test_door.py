@@ -15,7 +15,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from homebot.bridges.rosbridge import Door, DoorSettings
-from homebot.devices.network_service import NetworkService
+from homebot.devices.exposure import NetworkService
 from homebot.errors import ConfigError, UsageError
 from homebot.graph import Graph, Node
 from homebot.messages import String

@@ -12,7 +12,7 @@ from tests.patience import PATIENCE
 
 from homebot.bridges.thing_directory import DirectoryBridgeSettings
 from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge
-from homebot.devices.network_service import NetworkService
+from homebot.devices.exposure import NetworkService
 from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway

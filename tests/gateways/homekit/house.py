@@ -10,11 +10,11 @@ from tests.gateways.homekit.fake_accessories import CODE, FakeMdns, FakePort, Fa
 from tests.gateways.watched_gateway import WatchedGateway, reading, watched
 
 from homebot.devices.gateway_messages import Report
-from homebot.devices.pairing_messages import PairResponse
 from homebot.devices.value import PlainValue
 from homebot.gateways import GatewayContext
 from homebot.gateways.homekit import HomekitGateway, HomekitGatewaySettings
 from homebot.gateways.homekit.port import HomekitPort
+from homebot.gateways.pairing import PairResponse
 from homebot.graph import Graph, Node, Subscription
 
 

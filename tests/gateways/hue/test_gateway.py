@@ -21,9 +21,9 @@ from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
 from homebot.devices.gateway_messages import SendCommandResponse
-from homebot.devices.pairing_messages import PairResponse
 from homebot.devices.value import PlainValue
 from homebot.gateways.hue import HueGateway, HueGatewaySettings
+from homebot.gateways.pairing import PairResponse
 from homebot.graph import Graph, Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.hue import HueHouseDevice, SimulatedHueBridge, make_certificate

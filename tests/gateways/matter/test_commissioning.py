@@ -16,7 +16,6 @@ from tests.patience import PATIENCE
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand
-from homebot.devices.pairing_messages import PairResponse
 from homebot.devices.value import Value
 from homebot.errors import TypeMismatchError
 from homebot.gateways.matter.commissioning import (
@@ -26,6 +25,7 @@ from homebot.gateways.matter.commissioning import (
     Decommission,
     DecommissionRequest,
 )
+from homebot.gateways.pairing import PairResponse
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter import ServedMatterNode

@@ -14,7 +14,7 @@ from zeroconf import IPVersion, ServiceStateChange
 from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
 
 import homebot
-from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
+from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.base import GatewayContext
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings

@@ -26,9 +26,9 @@ from homebot.bridges.rosbridge.entrance import LOG_IN, Entrance, Site, address_o
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights
+from homebot.devices.exposure import NetworkService
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.names import HOME_HEADER
-from homebot.devices.network_service import NetworkService
 from homebot.errors import UsageError
 from homebot.graph import Node
 from homebot.support.logger import get_logger

@@ -28,8 +28,8 @@ from homebot.bridges.token_check import TokenCheck
 from homebot.bridges.turns import ServerTurns
 from homebot.conventions.payload import compact_json
 from homebot.devices.device import KeyValue
+from homebot.devices.exposure import NetworkService
 from homebot.devices.health import Count, HealthRequest, HealthResponse
-from homebot.devices.network_service import NetworkService
 from homebot.errors import ConfigError
 from homebot.graph import Node
 from homebot.support.addresses import is_loopback

@@ -5,14 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 import shlex
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Never, cast
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Never, cast, final
 
 from homebot.cli.arguments import duration, whole
-from homebot.cli.device_json import json_text
+from homebot.cli.device_json import chain_json, entry_json, json_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, set_door_command
-from homebot.cli.journal_client import JournalClient, chain_json, entry_json
 from homebot.cli.terminal import print_line, print_rows
 from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE, JOURNAL_ENTRIES, READ_JOURNAL
 from homebot.devices.wording.journal_words import (
@@ -37,7 +36,7 @@ from homebot.errors import UsageError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
-    from homebot.devices import Device
+    from homebot.devices import Device, KeyValue
     from homebot.devices.journal_messages import (
         ExplainDeviceResponse,
         ExplainMissingStateResponse,
@@ -277,3 +276,29 @@ def _row(chain: Chain, client: JournalClient, now: float) -> tuple[str, ...]:
     result = (f"{printable(part, 60)}: " if part else "") + result_text(chain, now)
     result += f" (asked because {cause})" if cause else ""
     return clock_text(chain[0].at, now), issuer_text(chain[0].issuer), result
+
+
+@final
+class JournalClient:
+    """Reads the journal of a running homebot."""
+
+    def __init__(self, door: DoorClient, *known: Device) -> None:
+        self._door = door
+        self.names = {one.id: one.name for one in known}
+
+    def ask(self, service: str, request: Mapping[str, object]) -> JsonMessage:
+        """Return the answer of a *service* of the journal.
+
+        Raises:
+            PeerError: The journal cannot be read; the message says why.
+        """
+        found = self._door.ask(service, request)
+        names = cast("list[KeyValue]", found.names)
+        self.names.update({one.key: one.value for one in names})
+        return found
+
+    def read_name(self, device: str) -> None:
+        """Read the name of the device of an entry, unless it is known."""
+        if device and device not in self.names:
+            self.names[device] = device
+            self.ask(READ_JOURNAL, {"device": device, "limit": 1})

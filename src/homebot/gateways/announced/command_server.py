@@ -1,27 +1,29 @@
 """The commands, texts and raw messages of a gateway, over the ports of its protocol."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable, Coroutine, Iterator
 from typing import Any, Literal, Protocol, TypeAlias
 
 import anyio.lowlevel
 
+from homebot.conventions.description import Codec, DescribedPart, Publications, TakesCode
 from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
-from homebot.devices.approval_messages import DescribeCommands
+from homebot.devices.approval_messages import DescribeCommands, DescribeCommandsRequest, DescribeCommandsResponse
+from homebot.devices.capabilities import CAPABILITIES, MOMENTARY, OWN
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthResponse
 from homebot.devices.names import ONLY_OBSERVES, TEXT_SCHEME, read_text_address
-from homebot.devices.part import CommandDescription
+from homebot.devices.part import Capability, CommandDescription
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.text.commands import decode_command
-from homebot.devices.value import Value
-from homebot.errors import HomebotError, LinkError, RefusedError, UnableError
+from homebot.devices.value import PlainValue, Value
+from homebot.errors import HomebotError, LinkError, RefusedError, UnableError, WrongCodeError
 from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.raw_delivery import begin_of
 from homebot.support.unanswered import SENT_REQUESTS, SentRequests
 
-__all__ = ["CommandServer", "Perform", "RawMessages"]
+__all__ = ["MOST_LINES", "CommandServer", "Perform", "RawMessages", "sent_commands"]
 
 COMMAND_REFUSED = "gateway.command_refused"
 COMMAND_FAILED = "gateway.command_failed"
@@ -36,6 +38,13 @@ It raises :class:`UnableError` if the part as described cannot do that and nothi
 :class:`LinkError` if the device or its network cannot be reached now, and :class:`RefusedError` if one of them
 refuses. It waits for an answer inside :func:`homebot.support.unanswered.awaiting_answer`.
 """
+
+MOST_LINES = 64
+"""Settings shown of one part; no more are tried, as a template may take milliseconds."""
+
+_LONGEST = 200
+_CODE = "CODE"
+_COLOR = (0.0, 100.0)
 
 
 class RawMessages(Protocol):
@@ -95,7 +104,7 @@ class CommandServer:
         node.create_service(SendCommand, names.send_command, self.serve, concurrent=True)
         node.create_service(SubscribeToTopic, names.subscribe, self.subscribe)
         node.create_service(GetHealth, names.health, lambda _: engine.health(health()))
-        node.create_service(DescribeCommands, names.describe_commands, engine.describe_commands, concurrent=True)
+        node.create_service(DescribeCommands, names.describe_commands, self.describe_commands, concurrent=True)
         self._out = node.create_subscription(RawCommand, names.out, self._send, _OUT_DEPTH, concurrent=True)
 
     async def serve(self, command: Command) -> SendCommandResponse:
@@ -147,6 +156,15 @@ class CommandServer:
             since = begin_of(request.since, self._clock)
             missed = self._raw.missed_by(request.topic, since) if part is None else self._missed_texts(*part, since)
         return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=missed)
+
+    async def describe_commands(self, request: DescribeCommandsRequest) -> DescribeCommandsResponse:
+        """Return the messages that commands to a device would send, as text."""
+        stored, lines = self._devices.get(request.key), list[str]()
+        for part in () if stored is None else stored.described.parts:
+            for line in sent_commands(part):
+                lines.append(line)
+                await anyio.lowlevel.checkpoint()  # a stranger's template may take milliseconds
+        return DescribeCommandsResponse(commands=tuple(lines))
 
     def _check_approved(self, command: Command) -> None:
         """Refuse a command to a part whose description has changed since the owner approved it."""
@@ -219,3 +237,69 @@ class CommandServer:
         if recent or not self._keeps_states or not part.kept:
             return recent
         return (part.kept[-1][1].model_copy(update={"retained": True}),)
+
+
+def sent_commands(described: DescribedPart) -> Iterator[str]:
+    """Yield a line with payload and address for each setting of a part; none if its gateway encodes by itself.
+
+    A number is shown with its largest value. A codec with memory is not tried: its payloads depend on the reports of
+    the device, and it may remember commands too.
+    """
+    part = described.part
+    label = f"{part.name or part.id}: " if part.name or part.id else ""
+    if described.remembers:
+        yield f"{label}{', '.join(part.writes)}: what is sent depends on what the device reported"
+        return
+    settings = [(one, value) for one in part.capabilities if one.settable for value in _samples(one)]
+    for capability, value in settings[:MOST_LINES]:
+        sent = _sent(described.codec, capability.name, value)
+        if sent is not None:
+            yield f"{label}{capability.name}={_spelt(value)}: {sent}"
+    if len(settings) > MOST_LINES:
+        yield f"{label}and {len(settings) - MOST_LINES} further settings"
+
+
+def _samples(capability: Capability) -> tuple[PlainValue, ...]:
+    """Return the values that a capability can be set to; only the largest of a number."""
+    known = CAPABILITIES.get(capability.name, OWN)
+    if capability.options or not known.kind:
+        return capability.options
+    match known.kind:
+        case "bool":
+            return (True,) if known.name in MOMENTARY else (True, False)
+        case "number":
+            return (capability.bounds or known.bounds or (1.0,))[-1:]
+        case "numbers":
+            return (_COLOR,)
+        case _:
+            return known.options or ("TEXT",)
+
+
+def _sent(codec: Codec, capability: str, value: PlainValue) -> str | None:
+    """Return the message as text; None if the part refuses *value*."""
+    try:
+        try:
+            return _shown(codec.write(capability, value))
+        except WrongCodeError:
+            return _shown(codec.write_with_code(capability, value, _CODE)) if isinstance(codec, TakesCode) else None
+    except WrongCodeError:
+        return "it takes a code, which is not shown"
+    except HomebotError:
+        return None
+
+
+def _shown(publications: Publications) -> str:
+    texts = []
+    for topic, payload, _, retain in publications:
+        text = payload.decode(errors="backslashreplace")
+        shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}… ({len(payload):,} bytes)"
+        texts.append(f"{topic} {shown}{' (retained)' if retain else ''}".rstrip())
+    return ", ".join(texts) or "nothing"
+
+
+def _spelt(value: PlainValue) -> str:
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, tuple):
+        return ",".join(f"{one:g}" for one in value)
+    return f"{value:g}" if isinstance(value, float) else str(value)

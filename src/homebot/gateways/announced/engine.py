@@ -4,9 +4,6 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Generic, TypeVar
 
-import anyio.lowlevel
-
-from homebot.devices.approval_messages import DescribeCommandsRequest, DescribeCommandsResponse
 from homebot.devices.health import Count, HealthResponse
 from homebot.errors import RefusedError, UnableError
 from homebot.gateways.announced.announcement import AnnouncedPart, StoredAnnouncement
@@ -14,7 +11,6 @@ from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
-from homebot.gateways.announced.sent_commands import sent_commands
 from homebot.gateways.announced.state_reader import StateReader
 from homebot.gateways.announced.work_budget import WorkBudgets
 from homebot.gateways.base import Gateway
@@ -96,15 +92,6 @@ class GatewayEngine(Generic[MessageT]):
             why = f"it has no part {part_id[:100]!r}; it has {known}"
         refused = RefusedError(f"a command to {key[:100]}", why)
         raise UnableError(str(refused)) from refused
-
-    async def describe_commands(self, request: DescribeCommandsRequest) -> DescribeCommandsResponse:
-        """Return the messages that commands to a device would send, as text."""
-        stored, lines = self.devices.get(request.key), list[str]()
-        for part in () if stored is None else stored.described.parts:
-            for line in sent_commands(part):
-                lines.append(line)
-                await anyio.lowlevel.checkpoint()  # a stranger's template may take milliseconds
-        return DescribeCommandsResponse(commands=tuple(lines))
 
     def health(self, own: HealthResponse) -> HealthResponse:
         """Return the health report *own*, completed with the counters and quarantined sources of the engine."""

@@ -7,8 +7,7 @@ from typing import Annotated
 from pydantic import ConfigDict, Field
 
 from homebot.devices.names import GatewayNames
-from homebot.devices.pairing_messages import PairResponse
-from homebot.gateways.pairing import ActingGateway, PairingRequests
+from homebot.gateways.pairing import ActingGateway, PairingRequests, PairResponse
 from homebot.graph import Node
 from homebot.messages.message import Message, ServiceType
 

@@ -1,7 +1,7 @@
 """The services that homebot announces on the network.
 
 ``_homebot._tcp`` is always announced, with name, version and id. Other services are announced as published on
-:data:`homebot.devices.network_service.NETWORK_SERVICES`, unless they listen on loopback only.
+:data:`homebot.devices.exposure.NETWORK_SERVICES`, unless they listen on loopback only.
 
 Several homebots on one network, or on one computer, have different names, host names and ids. A name that another
 program has is changed, and kept for the next start; of two homebots that have one id, because a folder was copied, the
@@ -20,7 +20,7 @@ import anyio
 from anyio import to_thread
 
 from homebot.conventions.dns_sd import FoundService, full_type
-from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
+from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.errors import LinkError
 from homebot.gateways.mdns.network import OwnService
 from homebot.graph import Node
