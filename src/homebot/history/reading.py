@@ -7,8 +7,7 @@ from datetime import datetime, tzinfo
 from typing import Final, NamedTuple, final
 
 from homebot.history.batch import Batch, StateRow
-from homebot.history.buckets import FIVE_MINUTES, HOUR, Bucket, buckets_of, combined, wider
-from homebot.history.codec import decode_buckets, decode_values
+from homebot.history.codec import FIVE_MINUTES, HOUR, Bucket, buckets_of, combined, decode_buckets, decode_values, wider
 from homebot.history.sealing import BITS, FIVES, HOURS, MASK, Points, key_of, points_of, read_blob, read_recent
 from homebot.history.settings import KeepSettings
 

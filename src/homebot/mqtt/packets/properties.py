@@ -6,8 +6,15 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from homebot.errors import UsageError
-from homebot.mqtt.packets.primitives import Cursor, encode_binary, encode_text, encode_uint16, encode_varint
-from homebot.mqtt.packets.reason import PacketError, ReasonCode
+from homebot.mqtt.packets.primitives import (
+    Cursor,
+    PacketError,
+    ReasonCode,
+    encode_binary,
+    encode_text,
+    encode_uint16,
+    encode_varint,
+)
 
 __all__ = [
     "NO_PROPERTIES",

@@ -7,9 +7,8 @@ pytest-asyncio, with the plug-in of anyio, or with homebot's alone.
 
 from homebot.testing.gateway_contract.command_suite import CommandSuite
 from homebot.testing.gateway_contract.device_suite import DeviceSuite
-from homebot.testing.gateway_contract.lamp import Lamp, Neighbour
 from homebot.testing.gateway_contract.message_suite import MessageSuite
-from homebot.testing.gateway_contract.world import running
+from homebot.testing.gateway_contract.world import Lamp, Neighbour, running
 
 __all__ = ["GatewayContract", "Lamp", "Neighbour", "running"]
 

@@ -1,8 +1,7 @@
 """Hypothesis strategies: random houses, random days in them, and the failing day in a file."""
 
 try:
-    from homebot.testing.strategies.days import days, saved_if_failing
-    from homebot.testing.strategies.houses import houses
+    from homebot.testing.strategies.days import days, houses, saved_if_failing
 except ModuleNotFoundError as exc:
     if exc.name != "hypothesis":
         raise
