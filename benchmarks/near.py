@@ -21,7 +21,8 @@ from homebot.devices import QUERY_DEVICES, QueryDevices, Sighting
 from homebot.devices.gateway_messages import Report as DeviceReport
 from homebot.devices.names import WHERE_IS_ROBOT
 from homebot.devices.part import Capability, Part
-from homebot.devices.query import parse_query, query_terms
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.term_messages import query_terms
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.devices.value import Reading, Value

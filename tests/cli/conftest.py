@@ -26,7 +26,8 @@ from homebot.devices import (
     RawMessage,
 )
 from homebot.devices.client_rights import SIMULATED_HOUSE_RIGHTS
-from homebot.devices.query import And, TypeIs, read_terms
+from homebot.devices.query.term_messages import read_terms
+from homebot.devices.query.terms import And, TypeIs
 from homebot.devices.services import (
     FindDevicesRequest,
     FindDevicesResponse,

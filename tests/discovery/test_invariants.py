@@ -10,7 +10,7 @@ from tests.announcements import sighting_of
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Capability, Part
-from homebot.devices.query import And
+from homebot.devices.query.terms import And
 from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex
 from homebot.discovery.record import entry_record, read_entry

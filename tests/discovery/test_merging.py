@@ -8,7 +8,7 @@ from tests.discovery.announcements import announce, part_of, tell
 from homebot.devices import DeviceChange, Sighting
 from homebot.devices.device import EVERYTHING
 from homebot.devices.part import Capability, Part
-from homebot.devices.query import parse_query
+from homebot.devices.query.parse import parse_query
 from homebot.discovery import DeviceIndex
 
 IEEE = "eui64:00158d0001abcdef"

@@ -19,7 +19,8 @@ from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest, ReadJournalResponse
 from homebot.devices.names import JOURNAL_ENTRIES, LIST_DEVICES, READ_JOURNAL, ROBOT_POSES, WHERE_IS_ROBOT, GatewayNames
-from homebot.devices.query import parse_query, query_terms
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.term_messages import query_terms
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.services import ListDevices, QueryDevicesResponse
 from homebot.discovery import Directory, DirectorySettings

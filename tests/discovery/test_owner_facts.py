@@ -12,7 +12,7 @@ from tests.discovery.announcements import announce, part_of
 
 from homebot.devices import Device, KeyValue, Sighting
 from homebot.devices.client_rights import without_taught_room
-from homebot.devices.query import parse_query
+from homebot.devices.query.parse import parse_query
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.discovery.description import MAX_FACTS, position_of
 from homebot.discovery.owner_facts import MAX_STATEMENTS

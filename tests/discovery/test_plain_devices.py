@@ -5,7 +5,7 @@ from tests.discovery.announcements import part_of, tell
 
 from homebot.devices import Sighting
 from homebot.devices.part import Part
-from homebot.devices.query import parse_query
+from homebot.devices.query.parse import parse_query
 from homebot.discovery import DeviceIndex
 
 KEY, OUT, IN = "lights/lamp", "home/lights/lamp/out", "home/lights/lamp/in"

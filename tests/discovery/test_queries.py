@@ -9,7 +9,10 @@ from tests.discovery.announcements import announce, part_of, tell
 from homebot.devices import KeyValue
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Capability, Part
-from homebot.devices.query import AreaIs, NameIs, Not, Query, facets_of, fits, parse_query
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import fits
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.terms import AreaIs, NameIs, Not, Query
 from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex
 from homebot.discovery.search.rank import rank, reasons

@@ -9,7 +9,7 @@ from tests.discovery.announcements import announce, part_of, tell
 from homebot.devices import Device, Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Part
-from homebot.devices.query import parse_query
+from homebot.devices.query.parse import parse_query
 from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex
 from homebot.discovery.source_record import LostLink

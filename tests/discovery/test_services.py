@@ -10,7 +10,8 @@ from homebot.clock import LoopClock, ManualClock
 from homebot.devices import Follow, KeyValue, Sighting, StateChange, names, services
 from homebot.devices.gateway_messages import Report
 from homebot.devices.health import GetHealth
-from homebot.devices.query import QueryTerm, parse_query, query_terms
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.term_messages import QueryTerm, query_terms
 from homebot.discovery import Directory, DirectorySettings
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.persistence import IndexPersistence

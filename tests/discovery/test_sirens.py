@@ -4,7 +4,7 @@ import pytest
 from tests.discovery.announcements import announce, part_of
 
 from homebot.devices import Device, Sighting
-from homebot.devices.query import parse_query
+from homebot.devices.query.parse import parse_query
 from homebot.discovery import DeviceIndex
 
 

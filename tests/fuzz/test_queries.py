@@ -5,7 +5,7 @@ from contextlib import suppress
 from tests.fuzz.conftest import Fuzz
 
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.query import parse_query
+from homebot.devices.query.parse import parse_query
 from homebot.devices.query.tokens import quoted
 from homebot.discovery import DeviceIndex
 from homebot.errors import UsageError

@@ -7,7 +7,8 @@ from homebot.devices import FIND_DEVICES, Devices, FindDevices
 from homebot.devices.approval_messages import GetUnapproved
 from homebot.devices.handles import Light
 from homebot.devices.names import GET_UNAPPROVED
-from homebot.devices.query import IsUnapproved, query_terms
+from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.terms import IsUnapproved
 from homebot.devices.services import FindDevicesRequest
 from homebot.graph import Node
 from homebot.house import thesis_world

@@ -11,20 +11,12 @@ from homebot.control.spoken_settings import spoken_settings
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, QueryDevices
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device import is_commanded
-from homebot.devices.query import (
-    And,
-    HasText,
-    IsNear,
-    Or,
-    PartFacets,
-    Query,
-    fits,
-    parse_query,
-    query_terms,
-    split_near,
-)
 from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import PartFacets, fits
+from homebot.devices.query.parse import parse_query
 from homebot.devices.query.readings import Readings, readings_of
+from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.terms import And, HasText, IsNear, Or, Query, split_near
 from homebot.devices.services import QueryDevicesRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError

@@ -6,7 +6,8 @@ from functools import lru_cache
 from typing import Final, TypeAlias, final
 
 from homebot.devices import FIND_DEVICES, Device, FindDevices
-from homebot.devices.query import FactIs, NameIs, Or, Query, query_terms
+from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.terms import FactIs, NameIs, Or, Query
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import Node

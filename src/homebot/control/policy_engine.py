@@ -22,7 +22,9 @@ from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedRespo
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
 from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.outcomes import Refused
-from homebot.devices.query import IsUnapproved, Or, facets_of, fits
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import fits
+from homebot.devices.query.terms import IsUnapproved, Or
 from homebot.errors import ServiceError
 from homebot.graph import Node
 

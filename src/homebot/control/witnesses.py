@@ -18,7 +18,7 @@ from homebot.control.timeline.evidence import outcome_of
 from homebot.devices import Device, DevicePart
 from homebot.devices.approval_messages import TrustDeviceRequest, TrustDeviceResponse
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
-from homebot.devices.query import PartFacets, fits
+from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.graph import Node

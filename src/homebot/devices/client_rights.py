@@ -4,7 +4,6 @@ from collections.abc import Iterable
 from enum import Enum
 from typing import NamedTuple
 
-import homebot.devices.query
 from homebot.devices.always_ask import is_declared
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import TAG
@@ -208,7 +207,9 @@ def _check_robot(text: str, name: str) -> None:
 
 
 def _parse(text: str) -> Query:
+    from homebot.devices.query.exact import parse_exact_query  # noqa: PLC0415 - few clients have a scope
+
     try:
-        return homebot.devices.query.parse_exact_query(text)
+        return parse_exact_query(text)
     except UsageError as exc:
         raise UsageError(f"'act: {text}': {exc}") from exc

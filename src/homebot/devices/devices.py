@@ -19,7 +19,7 @@ from homebot.devices.handles.handle_query import HandleQuery, HandleType
 from homebot.devices.handles.messages import HandleMessages
 from homebot.devices.house_view import HouseView
 from homebot.devices.names import FIND_DEVICES, GatewayNames
-from homebot.devices.query import And, type_is
+from homebot.devices.query.terms import And, type_is
 from homebot.devices.services import (
     FindDevices,
     FindDevicesRequest,

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Final, Generic, Self, TypeVar
 import anyio
 import anyio.lowlevel
 
-import homebot.devices.query
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.house_view import HouseView, HouseWatcher
-from homebot.devices.query import And, AreaIs, FactIs, NameIs, Query, StateIs, TypeIs, facets_of, fits, type_is
-from homebot.devices.query.terms import leaves
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import fits
+from homebot.devices.query.terms import And, AreaIs, FactIs, NameIs, Query, StateIs, TypeIs, leaves, split_near, type_is
 from homebot.errors import ClosedError, UsageError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -189,11 +189,11 @@ class Follow(LiveQuery[DeviceChange]):
     def __init__(self, node: Node, service_type: str = "", query: str | Query = "") -> None:
         terms: list[Query] = [type_is(service_type)] if service_type else []
         if query:
-            terms.append(homebot.devices.query.parse_query(query) if isinstance(query, str) else query)
+            terms.append(_parsed(query) if isinstance(query, str) else query)
         self._query = terms[0] if len(terms) == 1 else And(tuple(terms))
         near: Query | None = None
         if query:
-            near, self._query = homebot.devices.query.split_near(self._query)
+            near, self._query = split_near(self._query)
         is_known = isinstance(self._query, TypeIs) and self._query.types
         text = f"follow({query or service_type!r})"
         super().__init__(node, _ANY if is_known else self._query, text, near)
@@ -248,3 +248,9 @@ def _of_values(change: StateChange, device: Device, *, does_match: bool) -> Devi
     kind: ChangeKind = "appeared" if does_match else "removed"
     why = f"{values} now" if does_match else NO_LONGER
     return DeviceChange(kind=kind, device=device, sequence=change.sequence, why=why)
+
+
+def _parsed(query: str) -> Query:
+    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - most apps follow types
+
+    return parse_query(query)

@@ -2,7 +2,6 @@
 
 from typing import TypeVar, final
 
-import homebot.devices.query
 from homebot.devices.handles.handle import Handle
 from homebot.devices.history_messages import (
     MOST_POINTS,
@@ -14,7 +13,8 @@ from homebot.devices.history_messages import (
     ReadHistoryRequest,
 )
 from homebot.devices.names import READ_ENERGY, READ_HISTORY
-from homebot.devices.query import query_terms
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.term_messages import query_terms
 from homebot.errors import ServiceUnavailableError, UsageError
 from homebot.graph import Node
 from homebot.messages import Time
@@ -53,7 +53,7 @@ class HistoryClient:
 
     async def read_energy(self, query: str, since: str | float) -> tuple[EnergyOfDay, ...]:
         """Return the energy by day and device."""
-        terms = query_terms(homebot.devices.query.parse_query(str(query))) if query else ()
+        terms = query_terms(parse_query(str(query))) if query else ()
         request = ReadEnergyRequest(query=terms, since=self._begin(since))
         return (await self._call(ReadEnergy, READ_ENERGY, request)).days
 

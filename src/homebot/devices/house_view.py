@@ -12,7 +12,8 @@ import anyio
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.device_view import DeviceView
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES, QUERY_DEVICES
-from homebot.devices.query import Query, query_terms
+from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.terms import Query
 from homebot.devices.services import (
     FindDevices,
     FindDevicesRequest,

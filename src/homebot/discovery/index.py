@@ -12,7 +12,8 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, final
 
 from homebot.devices import Device
-from homebot.devices.query import Query, facets_of, type_is
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.terms import Query, type_is
 from homebot.discovery.device_table import DeviceTable, IndexCounters
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness

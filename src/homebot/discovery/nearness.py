@@ -12,7 +12,8 @@ from typing import Final, NamedTuple, final
 from homebot.clock import TimeSlice
 from homebot.devices.device import Device
 from homebot.devices.names import WHERE_IS_ROBOT
-from homebot.devices.query import IsNear, IsUnapproved, NameIs, Query, query_terms
+from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.terms import IsNear, IsUnapproved, NameIs, Query
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest
 from homebot.devices.services import QueryDevicesResponse
 from homebot.devices.value import PlainValue

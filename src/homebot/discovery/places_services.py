@@ -15,7 +15,7 @@ from homebot.devices import approval_messages as approvals
 from homebot.devices import names
 from homebot.devices import places_messages as messages
 from homebot.devices.device import KeyValue
-from homebot.devices.query import NameIs
+from homebot.devices.query.terms import NameIs
 from homebot.discovery.index import DeviceIndex
 from homebot.errors import ConfigError, RefusedError, ServiceError, UsageError
 from homebot.graph import Node

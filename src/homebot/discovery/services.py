@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import anyio.lowlevel
 from anyio import to_thread
 
-import homebot.devices.query
 import homebot.places
 from homebot.devices import FIND_DEVICES, GET_CHANGES, GET_INDEX_DATA, QUERY_DEVICES, Device, names
 from homebot.devices import services as messages
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.query import And, Query, read_terms, type_is
+from homebot.devices.query.term_messages import read_terms
+from homebot.devices.query.terms import And, Query, split_near, type_is
 from homebot.devices.value import Reading
 from homebot.discovery.description import position_of
 from homebot.discovery.index import DeviceIndex
@@ -99,7 +99,7 @@ class DirectoryServices:
 
     async def _near_robot(self, request: messages.FindDevicesRequest) -> list[str] | None:
         """Return the ids of the devices near a robot for *request*, best first; None if it does not ask for that."""
-        near, rest = homebot.devices.query.split_near(read_terms(request.query))
+        near, rest = split_near(read_terms(request.query))
         if near is None:
             return None
         return [one.device for one in (await (await self._nearness()).find(near, rest)).devices]
@@ -133,7 +133,7 @@ class DirectoryServices:
         try:
             query = read_terms(request.query)
             self._check_words(query)
-            near, rest = homebot.devices.query.split_near(query)
+            near, rest = split_near(query)
             if near is None:
                 ranked = [(score, one, ()) for score, one in rank(query, index.find(query), index.postings)]
                 answer = messages.QueryDevicesResponse(success=True, total=len(ranked))

@@ -6,7 +6,9 @@ import pytest
 from tests.bridges.conftest import House, Peer
 
 from homebot.devices import FIND_DEVICES, QUERY_DEVICES, FindDevices, QueryDevices
-from homebot.devices.query import And, Query, parse_query, query_terms, read_terms
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.term_messages import query_terms, read_terms
+from homebot.devices.query.terms import And, Query
 from homebot.devices.services import (
     FindDevicesRequest,
     FindDevicesResponse,

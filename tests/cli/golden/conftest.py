@@ -54,7 +54,9 @@ from homebot.devices.names import (
     text_address,
 )
 from homebot.devices.part import Capability, Part
-from homebot.devices.query import facets_of, fits, read_terms
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import fits
+from homebot.devices.query.term_messages import read_terms
 from homebot.devices.services import (
     AnnouncedOn,
     FindDevicesRequest,

@@ -21,7 +21,10 @@ from homebot.devices.handles import DoorLock, Light
 from homebot.devices.health import GetHealth
 from homebot.devices.names import APPROVE_DEVICE, GET_UNAPPROVED
 from homebot.devices.outcomes import Refused
-from homebot.devices.query import IsUnapproved, PartFacets, facets_of, fits, read_terms
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import PartFacets, fits
+from homebot.devices.query.term_messages import read_terms
+from homebot.devices.query.terms import IsUnapproved
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.devices.value import PlainValue, Value
 from homebot.graph import Graph, Node

@@ -10,7 +10,7 @@ from homebot.control import ControlSettings
 from homebot.control.command import IssuedCommand
 from homebot.control.policies import Facts, HomePolicy, Verdict
 from homebot.control.policy_engine import Policies
-from homebot.devices.query import CanDo, Or
+from homebot.devices.query.terms import CanDo, Or
 
 LAMP = make_command(make_device("lamp", "light", settable=("on_off",)), {"on_off": True})
 

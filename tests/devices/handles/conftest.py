@@ -24,7 +24,9 @@ from homebot.devices import (
 from homebot.devices.device import ChangeKind
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.part import Capability, Part
-from homebot.devices.query import facets_of, fits, read_terms
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import fits
+from homebot.devices.query.term_messages import read_terms
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.devices.value import PlainValue, Reading, Value
 from homebot.graph import Graph, Node

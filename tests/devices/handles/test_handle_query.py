@@ -9,7 +9,9 @@ from homebot.devices import Device, DevicePart, Endpoint, State
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.handles import Closure, ContactSensor, Handle, Light, TemperatureSensor, Thermostat, WindowCovering
 from homebot.devices.part import Capability, Part
-from homebot.devices.query import facets_of, fits, query_terms, read_terms
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import fits
+from homebot.devices.query.term_messages import query_terms, read_terms
 from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time
 

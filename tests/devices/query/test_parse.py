@@ -5,7 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.query import (
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.terms import (
     And,
     CanDo,
     FactIs,
@@ -22,10 +23,9 @@ from homebot.devices.query import (
     Query,
     ReachableIs,
     StateIs,
-    parse_query,
-    quoted,
     type_is,
 )
+from homebot.devices.query.tokens import quoted
 from homebot.errors import UsageError
 
 LIGHT = frozenset({"light"})

@@ -4,7 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.devices.query import (
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.term_messages import MAX_DEPTH, MAX_TERMS, QueryTerm, query_terms, read_terms
+from homebot.devices.query.terms import (
     And,
     AreaIs,
     CanDo,
@@ -19,15 +21,10 @@ from homebot.devices.query import (
     Not,
     Or,
     Query,
-    QueryTerm,
     ReachableIs,
     StateIs,
     TypeIs,
-    parse_query,
-    query_terms,
-    read_terms,
 )
-from homebot.devices.query.term_messages import MAX_DEPTH, MAX_TERMS
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import UsageError
 

@@ -3,7 +3,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.devices.query import StateIs, parse_query
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.terms import StateIs
 from homebot.devices.value import PlainValue, Value
 from homebot.discovery.search.columns import Column, StoredValue
 from homebot.messages import Time

@@ -12,7 +12,8 @@ from homebot.devices import QUERY_DEVICES, Device, GatewayState, QueryDevices
 from homebot.devices.findings import Finding, FindingKind, Row
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
 from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, SENDS_NOTHING, GatewayNames
-from homebot.devices.query import parse_query, query_terms
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.term_messages import query_terms
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.devices.wording.time_format import age, ago
 from homebot.devices.wording.values import plain_value

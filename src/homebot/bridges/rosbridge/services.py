@@ -20,8 +20,9 @@ from homebot.bridges.rosbridge.shared_state import Provisions, SharedState
 from homebot.bridges.rosbridge.types import request_from_client, service_type_of
 from homebot.bridges.turns import ServerTurns
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND
-from homebot.devices.query import Or, QueryTerm, query_terms
 from homebot.devices.query.parse import parse_query
+from homebot.devices.query.term_messages import QueryTerm, query_terms
+from homebot.devices.query.terms import Or
 from homebot.devices.services import QueryDevicesResponse
 from homebot.errors import (
     HomebotError,

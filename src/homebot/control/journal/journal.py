@@ -27,8 +27,7 @@ from homebot.devices.journal_messages import (
     ReadJournalResponse,
 )
 from homebot.devices.names import JOURNAL_ENTRIES
-from homebot.devices.query import Or
-from homebot.devices.query.terms import FactIs
+from homebot.devices.query.terms import FactIs, Or
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, Value
 from homebot.devices.wording.time_format import ago

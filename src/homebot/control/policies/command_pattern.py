@@ -13,8 +13,9 @@ from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
 from homebot.control.values import END_POSITIONS
 from homebot.control.values import fits as is_reached
-from homebot.devices.query import PartFacets, Query, fits, type_is
 from homebot.devices.query.exact import parse_exact_query
+from homebot.devices.query.matching import PartFacets, fits
+from homebot.devices.query.terms import Query, type_is
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean

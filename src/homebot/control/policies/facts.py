@@ -12,7 +12,7 @@ from homebot.control.command import IssuedCommand
 from homebot.control.policies.house import House
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.devices import Device, DevicePart
-from homebot.devices.query import Query
+from homebot.devices.query.terms import Query
 from homebot.devices.value import PlainValue
 
 __all__ = ["FactUsed", "Facts", "PolicyTable", "Verdict"]

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict
 from homebot.config import parse_settings
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts, Verdict
-from homebot.devices.query import Query
+from homebot.devices.query.terms import Query
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.plugins import has_plugin, load_plugin, plugin_names
 from homebot.support.similar import did_you_mean

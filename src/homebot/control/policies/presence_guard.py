@@ -8,7 +8,7 @@ from homebot.control.command import IssuedCommand
 from homebot.control.policies.command_pattern import CommandPattern, Patterns, pattern_of_type
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 from homebot.control.policies.house import OCCUPANCY, SensorReading
-from homebot.devices.query import CanDo, Or, Query
+from homebot.devices.query.terms import CanDo, Or, Query
 from homebot.support.folding import fold
 from homebot.units import Seconds
 

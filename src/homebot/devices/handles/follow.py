@@ -18,7 +18,7 @@ from homebot.devices.follow import LiveQuery
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleQuery
 from homebot.devices.house_view import HouseView
-from homebot.devices.query import And
+from homebot.devices.query.terms import And
 from homebot.errors import UsageError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE

@@ -13,8 +13,7 @@ from homebot.devices.device_view import DeviceView
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, Term
 from homebot.devices.house_view import HouseView
 from homebot.devices.part import Capability
-from homebot.devices.query import CanDo, Not, StateIs
-from homebot.devices.query.terms import Operator
+from homebot.devices.query.terms import CanDo, Not, Operator, StateIs
 from homebot.devices.value import PlainValue, plain_value
 from homebot.errors import UsageError
 from homebot.support.folding import fold

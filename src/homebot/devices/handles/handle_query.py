@@ -17,11 +17,11 @@ from typing import (
     get_args,
 )
 
-import homebot.devices.query
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device import Device
 from homebot.devices.part import Category
-from homebot.devices.query import (
+from homebot.devices.query.matching import PartFacets, fits
+from homebot.devices.query.terms import (
     And,
     AreaIs,
     CanDo,
@@ -30,14 +30,12 @@ from homebot.devices.query import (
     IsNear,
     NameIs,
     Not,
-    PartFacets,
     Query,
     ReachableIs,
     StateIs,
     TypeIs,
-    fits,
+    leaves,
 )
-from homebot.devices.query.terms import leaves
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
@@ -224,10 +222,11 @@ def _check_value(term: StateIs) -> None:
 
 
 def _hint(kind: type[Handle], name: str) -> str:
-    fields = homebot.devices.query.FIELDS
+    from homebot.devices.query.vocabulary import FIELDS  # noqa: PLC0415 - after a mistake alone
+
     known = [one for one in inspect.signature(kind.where).parameters if one != "filters"] + list(_FILTER_TYPES)
-    meant = [fields[name]] if fields.get(name) in known else known
-    return did_you_mean(fields.get(name, name), meant, f"it takes {', '.join(sorted(known))}", _CUTOFF)
+    meant = [FIELDS[name]] if FIELDS.get(name) in known else known
+    return did_you_mean(FIELDS.get(name, name), meant, f"it takes {', '.join(sorted(known))}", _CUTOFF)
 
 
 def _called(kind: type) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery
-from homebot.devices.query import StateIs
+from homebot.devices.query.terms import StateIs
 
 if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome

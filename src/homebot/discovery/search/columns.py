@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import compress
 from typing import final
 
-from homebot.devices.query import StateIs
 from homebot.devices.query.matching import COMPARISONS, compares
+from homebot.devices.query.terms import StateIs
 from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time
 

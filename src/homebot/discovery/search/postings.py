@@ -10,11 +10,12 @@ from itertools import repeat
 from operator import and_
 from typing import Any, ClassVar, TypeAlias, final
 
-from homebot.devices.query import (
+from homebot.devices.query.facets import Facets
+from homebot.devices.query.matching import compares, matches_kind
+from homebot.devices.query.terms import (
     And,
     AreaIs,
     CanDo,
-    Facets,
     FactIs,
     FreshnessIs,
     GatewayIs,
@@ -31,7 +32,6 @@ from homebot.devices.query import (
     StateIs,
     TypeIs,
 )
-from homebot.devices.query.matching import compares, matches_kind
 from homebot.devices.value import PlainValue
 from homebot.discovery.search.columns import Column, StoredValue
 from homebot.support.folding import fold, is_typo, may_be_typo, words_of

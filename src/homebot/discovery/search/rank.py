@@ -5,10 +5,11 @@ from collections.abc import Set as AbstractSet
 from functools import lru_cache
 from typing import TypeAlias
 
-from homebot.devices.query import (
+from homebot.devices.query.facets import Facets
+from homebot.devices.query.matching import fits, matches_kind
+from homebot.devices.query.terms import (
     And,
     CanDo,
-    Facets,
     FactIs,
     FreshnessIs,
     HasText,
@@ -19,9 +20,7 @@ from homebot.devices.query import (
     Query,
     StateIs,
     TypeIs,
-    fits,
 )
-from homebot.devices.query.matching import matches_kind
 from homebot.devices.value import PlainValue
 from homebot.discovery.search.postings import Postings
 from homebot.support.folding import is_typo, words_of

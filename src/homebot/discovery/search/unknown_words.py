@@ -7,8 +7,7 @@ from collections.abc import Callable, Collection, Iterable
 
 from homebot.devices import Device
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.query import AreaIs, FactIs, GatewayIs, HasText, InArea, NameIs, Query, TypeIs
-from homebot.devices.query.terms import leaves
+from homebot.devices.query.terms import AreaIs, FactIs, GatewayIs, HasText, InArea, NameIs, Query, TypeIs, leaves
 from homebot.devices.query.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, KEYWORDS, TYPE_WORDS
 from homebot.discovery.search.postings import Postings
 from homebot.errors import RefusedError, UsageError
