@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from tests.sizes import size
 
-from homebot.history.batch import Batch, Series
+from homebot.history.codec import Batch, Series
 from homebot.history.history_file import HistoryFile
 from homebot.history.settings import KeepSettings
 

@@ -12,7 +12,7 @@ from tests.history.conftest import MIDNIGHT, MakeHouse
 from homebot.clock import LoopClock
 from homebot.devices.health import HealthRequest
 from homebot.graph import Graph, Node
-from homebot.history.batch import Batch, Series
+from homebot.history.codec import Batch, Series
 from homebot.history.collector import MOST_WAITING, Collector
 from homebot.history.history import HistoryKeeper
 from homebot.history.history_file import HistoryFile, HistoryStore

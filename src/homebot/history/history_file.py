@@ -15,8 +15,7 @@ from anyio import to_thread
 
 from homebot.errors import HomebotError, LinkError
 from homebot.graph import Node
-from homebot.history.batch import Batch, Place, Series
-from homebot.history.codec import COUNTERS, HOUR, decode_values, encode_batch
+from homebot.history.codec import COUNTERS, HOUR, Batch, Place, Series, decode_values, encode_batch
 from homebot.history.collector import Collector
 from homebot.history.reading import HistoryReader
 from homebot.history.sealing import BITS, HOURS, MASK, key_of, points_of, read_recent, seal_day, seal_hours

@@ -18,8 +18,7 @@ from homebot.devices.query.term_messages import QueryTerm
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.errors import LinkError, ServiceError
 from homebot.graph import Node
-from homebot.history.batch import Series
-from homebot.history.codec import COUNTERS
+from homebot.history.codec import COUNTERS, Series
 from homebot.history.collector import Collector
 from homebot.history.history_file import HistoryStore
 from homebot.history.reading import HistoryReader, Numbers, Span, StoredStates

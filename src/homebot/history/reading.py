@@ -6,8 +6,18 @@ from dataclasses import dataclass
 from datetime import datetime, tzinfo
 from typing import Final, NamedTuple, final
 
-from homebot.history.batch import Batch, StateRow
-from homebot.history.codec import FIVE_MINUTES, HOUR, Bucket, buckets_of, combined, decode_buckets, decode_values, wider
+from homebot.history.codec import (
+    FIVE_MINUTES,
+    HOUR,
+    Batch,
+    Bucket,
+    StateRow,
+    buckets_of,
+    combined,
+    decode_buckets,
+    decode_values,
+    wider,
+)
 from homebot.history.sealing import BITS, FIVES, HOURS, MASK, Points, key_of, points_of, read_blob, read_recent
 from homebot.history.settings import KeepSettings
 

@@ -21,8 +21,7 @@ from homebot.gateways import Gateway
 from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
-from homebot.runtime.door_table import read_access, read_door
-from homebot.runtime.grants import grants_of, scope_of, without_act
+from homebot.runtime.door_table import grants_of, read_access, read_door, scope_of, without_act
 from homebot.runtime.settings_parameters import declare_settings
 from homebot.support.similar import did_you_mean
 

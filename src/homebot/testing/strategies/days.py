@@ -20,8 +20,19 @@ from homebot.errors import UsageError
 from homebot.house.rooms import OUTSIDE
 from homebot.testing.day import Day
 from homebot.testing.day_event import HAPPENINGS, DayEvent, What, write_time
-from homebot.testing.strategies.choices import MADE, chosen, moments, one_of, optional, several, target
-from homebot.testing.strategies.devices import FAULT_SETTINGS, KIND_SETTINGS, commands, devices
+from homebot.testing.strategies.devices import (
+    FAULT_SETTINGS,
+    KIND_SETTINGS,
+    MADE,
+    chosen,
+    commands,
+    devices,
+    moments,
+    one_of,
+    optional,
+    several,
+    target,
+)
 from homebot.units import parse_duration
 
 __all__ = ["days", "houses", "saved_if_failing"]
