@@ -15,6 +15,7 @@ from tests.shell import homebot_in
 from homebot.cli.commands.watch import MOST_LINES, _LinePrinter
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted
 from homebot.devices.wording.json_message import JsonMessage
+from homebot.messages import Time
 
 pytestmark = pytest.mark.slow
 HOMEBOT = (sys.executable, "-m", "homebot")
@@ -115,7 +116,7 @@ def test_a_reader_that_has_enough_ends_it_quietly(door: str) -> None:
 def test_a_flood_is_counted(capsys: pytest.CaptureFixture[str]) -> None:
     printer = _LinePrinter({}, as_json=False)
     for number in range(MOST_LINES + 130):
-        printer.print(WatchLine(0.0, "change", "lamp", "", {}, str(number)), 10.0)
+        printer.print(WatchLine(Time(sec=0, nanosec=0), "change", "lamp", "", {}, str(number)), 10.0)
     printer.end_second(10.9)
     printer.end_second(11.0)
     lines = capsys.readouterr().out.splitlines()

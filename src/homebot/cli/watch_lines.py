@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias, final
 
 from homebot.devices.outcomes import has_succeeded
 from homebot.devices.wording.journal_words import entry_text, issuer_text, name_text, settings_text, trigger_text
-from homebot.devices.wording.time_format import to_seconds
 from homebot.devices.wording.values import plain_value
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.printable import printable
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
     from homebot.devices import State, StateChange
     from homebot.devices.journal_messages import JournalEntry
     from homebot.devices.value import Reading
+    from homebot.messages import Time
 
 __all__ = ["HouseLines", "WatchLine", "fitted", "line_cells"]
 
@@ -43,7 +43,6 @@ class WatchLine:
     """One line.
 
     Attributes:
-        at: Seconds since 1970.
         kind: ``change``, ``command``, or the ``outcome`` of a command without a change.
         part: The id of the part; empty for a device with one part.
         values: The values as text, by capability.
@@ -51,7 +50,7 @@ class WatchLine:
         issuer: The issuer of the command, in words; empty for none.
     """
 
-    at: float
+    at: Time
     kind: Literal["change", "command", "outcome"]
     device: str
     part: str
@@ -108,8 +107,8 @@ class HouseLines:
         keys = tuple((change.device, one.part, one.capability, str(plain_value(one.value))) for one in changed)
         why, issuer = next((self._explained.pop(key) for key in keys if key in self._explained), ("", ""))
         values = {one.capability: plain_value(one.value) for one in changed}
-        at, part = to_seconds(change.told_at), changed[0].part
-        line = WatchLine(at, "change", change.device, part, values, settings_text(changed), why, issuer)
+        part = changed[0].part
+        line = WatchLine(change.told_at, "change", change.device, part, values, settings_text(changed), why, issuer)
         self._waiting.append(_WaitingLine(line, now if why else now + EXPLAINED_WITHIN, keys))
 
     def add_entry(self, entry: JournalEntry, now: float) -> None:
@@ -169,7 +168,7 @@ class HouseLines:
         now: float,
     ) -> None:
         issuer = issuer_text(entry.issuer) if entry.issuer else ""
-        line = WatchLine(to_seconds(entry.at), kind, entry.device, entry.part, values, words, why, issuer)
+        line = WatchLine(entry.at, kind, entry.device, entry.part, values, words, why, issuer)
         self._waiting.append(_WaitingLine(line, now))
 
 

@@ -18,6 +18,7 @@ from homebot.devices.device import DeviceChange, StateChange, part_names
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.devices.wording.json_message import JsonMessage
+from homebot.devices.wording.time_format import to_seconds
 from homebot.errors import ClosedError
 from homebot.graph import EntityKind, GraphChange, Node, QoSProfile, qos_profile_rosout
 from homebot.messages import Message
@@ -193,5 +194,5 @@ def _lines(events: Iterable[HouseEvent]) -> Iterator[str]:
                 lines.add_entry(cast("JournalEntry", JsonMessage(message_to_json(event.said))), event.at)
         found += lines.pop(event.at)
     for line in (*found, *lines.pop(math.inf)):
-        stamp = f"{datetime.fromtimestamp(line.at, UTC):%H:%M:%S.%f}"[:-3]
+        stamp = f"{datetime.fromtimestamp(to_seconds(line.at), UTC):%H:%M:%S.%f}"[:-3]
         yield fitted(line_cells(line, names, stamp), WIDTH)

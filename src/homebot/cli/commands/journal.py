@@ -30,7 +30,7 @@ from homebot.devices.wording.journal_words import (
     was_obeyed,
 )
 from homebot.devices.wording.json_message import JsonMessage
-from homebot.devices.wording.time_format import ago, from_seconds, iso, to_seconds
+from homebot.devices.wording.time_format import ago, from_seconds, iso
 from homebot.devices.wording.values import state_text
 from homebot.errors import UsageError
 from homebot.support.printable import printable
@@ -186,7 +186,7 @@ def _print(device: Device, found: ExplainDeviceResponse, client: JournalClient, 
         print()
         print_rows([*chain_lines(chains, client.names, now)])
     for fight in found.fights:
-        print_line(f"{printable(fight.text)}, the last {ago_text(to_seconds(fight.newest), now)}.", "yellow")
+        print_line(f"{printable(fight.text)}, the last {ago_text(fight.newest, now)}.", "yellow")
     for route in dict.fromkeys(one.value for one in found.ineffective):
         print_line(f"The last commands via {printable(route)} had no effect: another route is tried first.", "yellow")
 
@@ -246,7 +246,7 @@ def _unasked(device: Device, options: argparse.Namespace, found: ExplainMissingS
     if found.problem:
         return printable(found.problem)
     begins = found.begins
-    since = f" since the journal began, {ago_text(to_seconds(begins), now)}" if begins.sec else ""
+    since = f" since the journal began, {ago_text(begins, now)}" if begins.sec else ""
     empty = "" if begins.sec else ": the journal is empty"
     how = f" To ask for it: homebot do {_quoted(device)} {printable(found.word)}" if found.word else ""
     return f"Nobody asked for {_wanted(options)}{since}{empty}.{how}"

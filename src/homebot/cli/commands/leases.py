@@ -13,7 +13,7 @@ from homebot.cli.terminal import print_table
 from homebot.devices.names import END_LEASES, FIND_DEVICES, GET_LEASES
 from homebot.devices.wording.journal_words import issuer_text, settings_text, trigger_text
 from homebot.devices.wording.json_message import JsonMessage
-from homebot.devices.wording.time_format import age, from_seconds, iso, to_seconds
+from homebot.devices.wording.time_format import age_text, iso, to_seconds
 from homebot.devices.wording.values import plain_value
 from homebot.errors import PeerError
 from homebot.support.printable import printable
@@ -111,7 +111,7 @@ def _rows(label: str, held: HeldPart, now: float) -> Iterator[tuple[str, ...]]:
 
 
 def _left(until: Time, now: float) -> str:
-    return age(cast("Time", JsonMessage(from_seconds(now))), to_seconds(until))
+    return age_text(to_seconds(until) - now)
 
 
 def _json(held: HeldPart) -> dict[str, object]:

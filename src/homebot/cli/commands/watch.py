@@ -18,13 +18,12 @@ from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, JOURNAL_ENTRIES
 from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.journal_words import clock_text
 from homebot.devices.wording.json_message import JsonMessage
-from homebot.devices.wording.time_format import from_seconds, iso
+from homebot.devices.wording.time_format import iso
 from homebot.support.output import CleanText, wants_colour
 
 if TYPE_CHECKING:
     from homebot.devices import Device, DeviceChange, StateChange
     from homebot.devices.journal_messages import JournalEntry
-    from homebot.messages import Time
 
 __all__ = ["add_arguments"]
 
@@ -152,13 +151,13 @@ class _LinePrinter:
         self._out.flush()
 
     def _text(self, line: WatchLine) -> str:
-        stamp = clock_text(_time(line), time.time())
+        stamp = clock_text(line.at, time.time())
         width = shutil.get_terminal_size().columns if is_terminal() else None
         return fitted(line_cells(line, self._names, stamp), width)
 
     def _json(self, line: WatchLine) -> str:
         found = {
-            "at": iso(_time(line)),
+            "at": iso(line.at),
             "kind": line.kind,
             "device": line.device,
             "part": line.part,
@@ -169,7 +168,3 @@ class _LinePrinter:
             "issuer": line.issuer,
         }
         return json.dumps({key: value for key, value in found.items() if value != ""}, ensure_ascii=False)
-
-
-def _time(line: WatchLine) -> Time:
-    return cast("Time", JsonMessage(from_seconds(line.at)))

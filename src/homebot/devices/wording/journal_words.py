@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TYPE_CHECKING, TypeAlias
 
 from homebot.devices.outcomes import has_succeeded
-from homebot.devices.wording.json_message import JsonMessage
-from homebot.devices.wording.time_format import ago, from_seconds, to_seconds
+from homebot.devices.wording.time_format import ago, to_seconds
 from homebot.devices.wording.values import plain_value, value_text
 from homebot.support.printable import printable
 
@@ -126,9 +125,8 @@ def name_text(device: str, names: Mapping[str, str], part: str = "") -> str:
     return printable(names.get(f"{device}#{part}") or names.get(device) or device, 60)
 
 
-def ago_text(seconds: float, now: float) -> str:
-    """Return a time in seconds since 1970 as ``4 min ago, at 10:03:12`` or ``just now, at 10:03:12``."""
-    time = cast("Time", JsonMessage(from_seconds(seconds)))
+def ago_text(time: Time, now: float) -> str:
+    """Return a time as ``4 min ago, at 10:03:12`` or ``just now, at 10:03:12``."""
     return f"{ago(time, now).replace('now', 'just now')}, at {clock_text(time, now).rpartition('.')[0]}"
 
 
@@ -240,7 +238,7 @@ def finding_text(found: ExplainDeviceResponse, names: Mapping[str, str], now: fl
         no_change = "It reported no change after the newest command."
         return no_change if chains else "Nobody commanded it, and it reported no change."
     reason = reason_text(chains[-1], names) if chains else _UNEXPLAINED
-    return _FINDINGS[found.finding].format(ago=ago_text(to_seconds(found.changed_at), now), reason=reason)
+    return _FINDINGS[found.finding].format(ago=ago_text(found.changed_at, now), reason=reason)
 
 
 def chain_lines(chains: Iterable[Chain], names: Mapping[str, str], now: float) -> Iterator[tuple[str, str]]:
