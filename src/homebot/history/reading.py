@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime, tzinfo
 from typing import Final, NamedTuple, final
 
+from homebot.history import KeepSettings
 from homebot.history.codec import (
     FIVE_MINUTES,
     HOUR,
@@ -19,7 +20,6 @@ from homebot.history.codec import (
     wider,
 )
 from homebot.history.sealing import BITS, FIVES, HOURS, MASK, Points, key_of, points_of, read_blob, read_recent
-from homebot.history.settings import KeepSettings
 
 __all__ = ["HistoryReader", "Numbers", "Span", "StoredStates"]
 

@@ -19,6 +19,7 @@ from anyio.abc import TaskStatus
 
 from homebot.bridges.admission import TokenCheck, refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
+from homebot.bridges.thing_directory import DirectoryBridgeSettings
 from homebot.bridges.thing_directory.catalog import CatalogChange, ThingCatalog
 from homebot.bridges.thing_directory.documents import (
     BEARER,
@@ -31,7 +32,6 @@ from homebot.bridges.thing_directory.documents import (
 from homebot.bridges.thing_directory.http_server import BoundedServer, HttpExchange
 from homebot.bridges.thing_directory.listed_devices import ListedDevices
 from homebot.bridges.thing_directory.requests import DirectoryRequests
-from homebot.bridges.thing_directory.settings import DirectoryBridgeSettings
 from homebot.bridges.turns import ServerTurns
 from homebot.conventions.payload import compact_json
 from homebot.devices.device import KeyValue
