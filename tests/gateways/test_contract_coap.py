@@ -21,6 +21,9 @@ from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
+OLD = 75.0
+"""Seconds after which the last state is too old, and the list is read again: Max-Age is a minute where none is told."""
+
 
 async def serve(port: int, site: resource.Site | None, *, task_status: TaskStatus[None]) -> None:
     """Run a CoAP server until cancelled, without a site aiocoap's resource directory."""
@@ -134,7 +137,7 @@ class CoapLamp(OrderedLamp):
         await self.world.end()
         loop = asyncio.get_running_loop()
         now = loop.time
-        loop.time = lambda: now() + 15.0  # type: ignore[method-assign]  # the last state is too old at once
+        loop.time = lambda: now() + OLD  # type: ignore[method-assign]
 
     async def mend_link(self) -> None:
         self.device._registration = ""
