@@ -37,6 +37,7 @@ CASES: dict[str, tuple[str, bytes | None, str]] = {
     "toml": ("day", b"[home]\n", "day is not a recording: its first line is no header"),
     "binary": ("day", b"\xff\xfe\n", "day is not a recording: its first line is no header"),
     "quotes": ("day", b"{'recording'}\n", "day is not a recording: its first line is no header"),
+    "object": ("day", b"{}\n", "day is not a recording: its first line is no header; `homebot record` makes one"),
     "json": (
         "day",
         b'{"recording": 1}\n',

@@ -26,10 +26,10 @@ def observing(acting: Attacked, tmp_path_factory: pytest.TempPathFactory) -> Ite
         yield homebot
 
 
-def publish(homebot: Attacked, address: str, gateway: str = "mqtt") -> int:
+def publish(homebot: Attacked, address: str) -> int:
     command = f"{{address: '{address}', payload: open}}"
     door = f"127.0.0.1:{homebot.door}"
-    return main(["--door", door, "topic", "pub", "--once", f"/gateway/{gateway}/out", command])
+    return main(["--door", door, "topic", "pub", "--once", "/gateway/mqtt/out", command])
 
 
 def test_a_command_that_is_sent_ends_well(acting: Attacked, capsys: Text) -> None:
@@ -51,8 +51,3 @@ def test_a_gateway_that_only_observes_is_told(observing: Attacked, capsys: Text)
     out, err = capsys.readouterr()
     assert out == ""
     assert "was refused: the gateway only observes; start with --act, or set act = true" in err
-
-
-def test_a_gateway_that_is_not_there_is_told(acting: Attacked, capsys: Text) -> None:
-    assert publish(acting, "home425/windows/firstlevel1/in", gateway="ble") == 1
-    assert "there is no topic /gateway/ble/out" in capsys.readouterr().err

@@ -170,19 +170,6 @@ async def test_a_switch_without_a_state_that_answered_once_has_to_answer() -> No
         assert isinstance(await home.switch.command("on_off", value=True), NoAnswer)
 
 
-async def test_late_and_strange_responses_are_counted_and_change_nothing() -> None:
-    async with home_on(Broker(credentials=CREDENTIALS), reports=True, timeout=SILENCE) as home:
-        home.responder.response = None
-        assert isinstance(await home.switch.command("on_off", value=True), NoAnswer)
-        first = home.responder.commands[0]
-        await home.responder.answer(ACCEPTS, first)
-        await home.responder.answer(ACCEPTS, first)
-        with anyio.fail_after(PATIENCE):
-            while not await home.count("responses_unknown"):  # noqa: ASYNC110 - likewise
-                await anyio.sleep(0.01)
-        assert (await home.count("responses_late"), await home.count("responses")) == (1, 0)
-
-
 async def test_a_switch_without_a_state_that_is_away_did_not_get_the_command(broker: AnyBroker, client: str) -> None:
     async with home_on(broker, client=client) as home:
         await home.responder.connection.unsubscribe("switch/set")

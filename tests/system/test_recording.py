@@ -7,7 +7,6 @@ import signal
 import subprocess
 from pathlib import Path
 
-import pytest
 from tests.patience import PATIENCE
 from tests.shell import Homebot, environment, homebot_in
 
@@ -98,22 +97,6 @@ def test_a_changed_app_gives_other_commands(tmp_path: Path) -> None:
     assert done.returncode == 1
     assert re.search(rf"^- .*  {LAMP}  off  light_service, because .*\n.*[1-9]\d* gone", done.stdout, re.DOTALL)
     assert set(kinds(shell, RUNS_HERE[2])) == {("gone", f"lights/{LAMP}")}
-
-
-@pytest.mark.parametrize(
-    ("content", "problem"),
-    [
-        ("", "day.jsonl is empty, and not a recording"),
-        (
-            "{}\n",
-            "day.jsonl is not a recording: its first line is no header; `homebot record` makes one",
-        ),
-    ],
-)
-def test_a_file_that_is_no_recording_is_refused_with_code_2(tmp_path: Path, content: str, problem: str) -> None:
-    (tmp_path / "day.jsonl").write_text(content)
-    done = Homebot(tmp_path).run("homebot replay day.jsonl --diff")
-    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"homebot: {problem}\n")
 
 
 def test_a_dry_run_sends_nothing_and_says_so(tmp_path: Path) -> None:

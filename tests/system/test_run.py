@@ -4,13 +4,11 @@ import contextlib
 import json
 import os
 import re
-import shutil
 import signal
 import socket
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -18,8 +16,6 @@ import pytest
 from tests.ports import reserve_port
 from tests.system.own_time import own_time_until_end
 from tests.turns import slowness
-
-from homebot.cli.serve import EXIT_AFTER
 
 STOPS_WITHIN = 5.0
 
@@ -229,34 +225,6 @@ def test_a_gateway_without_an_address_has_the_embedded_broker(start: Start, tmp_
     assert "found" not in run.text
 
 
-def test_a_wrong_password_is_told_without_it_and_it_keeps_trying(start: Start, tmp_path: Path) -> None:
-    """And it can be stopped as ever."""
-    program = shutil.which("mosquitto", path=f"{os.environ['PATH']}:/usr/sbin:/usr/local/sbin")
-    if program is None:
-        pytest.skip("mosquitto is not installed")
-    port = reserve_port()
-    (tmp_path / "mosquitto.conf").write_text(f"listener {port} 127.0.0.1\nallow_anonymous false\n")
-    secret = tmp_path / "secret"
-    secret.write_text("hunter2\n")
-    secret.chmod(0o600)
-    (tmp_path / "homebot.toml").write_text(
-        f'[gateways.mqtt]\nurl = "mqtt://127.0.0.1:{port}"\nuser = "robot"\npassword_file = "secret"\n'
-    )
-    with subprocess.Popen([program, "-c", str(tmp_path / "mosquitto.conf")], stderr=subprocess.DEVNULL) as broker:
-        try:
-            while is_free(port) and broker.poll() is None:
-                time.sleep(0.01)
-            run = start()
-            line = run.until("cannot connect to")
-            assert run.stop() == 0
-        finally:
-            broker.terminate()
-    assert f"cannot connect to mqtt://127.0.0.1:{port}: the login was refused: " in line
-    assert "; check user and password_file, which are read at the start; trying again" in line
-    assert "hunter2" not in run.text
-    assert "Traceback" not in run.text
-
-
 def test_an_absent_broker_is_told_and_does_not_delay_the_stop(start: Start) -> None:
     """The one who ends it has waited long enough."""
     port = reserve_port()
@@ -316,45 +284,3 @@ def test_a_door_for_everybody_needs_a_token_and_takes_it_from_the_environment(st
     run.until("is running")
     assert run.stop() == 0
     assert "hunter2" not in run.text
-
-
-CRASHING_APP = """
-from homebot.apps import App
-
-
-class Crashing(App):
-    async def run(self) -> None:
-        raise RuntimeError("ouch")
-"""
-
-BLOCKING_APP = """
-import time
-from homebot.apps import App
-
-
-class Blocking(App):
-    async def run(self) -> None:
-        self.node.log.info("app.blocks", message="blocks now")
-        time.sleep(60)
-"""
-
-
-def test_what_crashes_and_what_blocks_is_left_behind_and_the_exit_code_says_so(start: Start, tmp_path: Path) -> None:
-    """Two runs side by side, because both take their time.
-
-    An app that keeps crashing is given up, and the light service is not disturbed. A blocked event loop hears no
-    signal, so somebody else has to.
-    """
-    (tmp_path / "my_crashing_app.py").write_text(CRASHING_APP)
-    (tmp_path / "my_blocking_app.py").write_text(BLOCKING_APP)
-    crashing = start("--app", "my_crashing_app:Crashing", "--app", "light_service")
-    blocking = start("--app", "my_blocking_app:Blocking")
-
-    blocking.until("blocks now")
-    assert EXIT_AFTER < STOPS_WITHIN
-    assert blocking.stop(within=CUT_OFF_WITHIN) == 1
-    assert "not everything stopped in time; exiting anyway" in blocking.log[-1]
-
-    crashing.until("roomlights405 → off")
-    crashing.until("crashing crashed 5 times within a minute and will not be restarted: RuntimeError: ouch")
-    assert crashing.stop() == 1

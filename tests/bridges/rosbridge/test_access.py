@@ -222,6 +222,17 @@ async def test_only_a_robot_asks_for_doors_which_an_app_may_unlock(open_house: A
             assert (await heard.receive()).door_name == "front_door"
 
 
+async def test_only_a_robot_says_where_it_is_and_says_nothing_of_another(open_house: Any) -> None:
+    room: dict[str, Any] = {"topic": "/rosie/room", "type": "homebot/RobotRoom"}
+    async with robot(open_house, "read", "act: all", "manage", "raw") as (_, peer):
+        for topic, kind in (("/robot/pose", "geometry_msgs/PoseStamped"), ("/tf", "tf2_msgs/TFMessage")):
+            refused = await refusal(peer, "publish", topic=topic, type=kind, msg={})
+            assert refused.startswith("the right robot is missing; ")
+    async with robot(open_house, "read", "robot: rosie") as (_, peer):
+        refused = await refusal(peer, "publish", **room, msg={"robot": "bob", "room": "Hall"})
+        assert refused == "the robot 'bob' is not of the robot rosie"
+
+
 async def test_a_client_without_the_right_raw_does_not_send_commands_by_a_gateway(open_house: Any) -> None:
     sent: list[Command] = []
 
