@@ -415,12 +415,33 @@ async def test_after_an_unanswered_off_an_older_level_counts_no_more(home: Home)
     assert home.commands
 
 
-async def test_a_lock_that_jams_on_its_way_is_contradicted(home: Home) -> None:
-    outcome = await (
-        await home.new(DoorLock, "lock", "lock", behaviour=report((1.0, "locking"), (4.0, "jammed")))
-    ).lock()
-    assert isinstance(outcome, Contradicted)
-    assert outcome.saw == "lock is jammed"
+async def test_a_lock_that_jams_on_its_way_is_soon_contradicted_each_time(home: Home) -> None:
+    lock = await home.new(DoorLock, "lock", "lock", behaviour=report((1.0, "locking"), (4.0, "jammed")))
+    for _ in range(2):
+        began = anyio.current_time()
+        outcome = await lock.lock()
+        assert isinstance(outcome, Contradicted)
+        assert outcome.saw == "lock is jammed"
+        assert anyio.current_time() - began < 20
+
+
+async def test_a_lock_that_tries_again_after_a_jam_is_awaited(home: Home) -> None:
+    behaviour = report((1.0, "locking"), (4.0, "jammed"), (9.0, "locking"), (30.0, "locked"))
+    assert isinstance(await (await home.new(DoorLock, "lock", "lock", behaviour=behaviour)).lock(), Confirmed)
+
+
+async def test_an_alarm_that_is_disarmed_while_it_arms_is_soon_contradicted(home: Home) -> None:
+    alarm = await home.new(
+        Handle,
+        "alarm",
+        "alarm",
+        service_type="x_alarm_panel",
+        before={"alarm": "disarmed"},
+        behaviour=report((0.5, "arming"), (6.0, "disarmed")),
+    )
+    began = anyio.current_time()
+    assert isinstance(await alarm.command("alarm", "armed_away"), Contradicted)
+    assert anyio.current_time() - began < 20
 
 
 async def test_a_newer_command_takes_the_place_of_the_older_one(home: Home) -> None:

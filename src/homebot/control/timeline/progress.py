@@ -24,6 +24,9 @@ _TURNED: Final = POWERS | MODES
 """Capabilities by which a person may turn a part on or off against a command."""
 
 _POSITIONS: Final = frozenset({"position", "tilt"})
+_GIVEN_UP: Final = frozenset({"lock", "alarm"})
+"""Capabilities that end their way with any other state, as a lock that jams; a cover may be open on its way."""
+
 _NONE: Final[frozenset[str]] = frozenset()
 _MET_AT: Final = attrgetter("met_at")
 _WAS_SO: Final = attrgetter("was_so")
@@ -294,6 +297,8 @@ class CommandProgress:
             wanted.is_step, wanted.is_overruled = True, False
             return ReportRole.ASTRAY if self._is_astray(wanted, fact, before) else ReportRole.STEP
         self.told_otherwise_at = fact.at
+        if wanted.is_step and capability in _GIVEN_UP:
+            self.stopped_at = fact.at
         is_repeated = before == value
         if not is_repeated:
             wanted.is_overruled = wanted.is_step or self.last.get(capability, value) != value
