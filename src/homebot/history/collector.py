@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, final
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.house_view import HouseWatcher
 from homebot.history.codec import COUNTERS, Batch, Place, Series, StateRow, StoredState
-from homebot.history.sealing import MASK
+from homebot.history.reading import MASK
 
 if TYPE_CHECKING:
     from homebot.clock import Clock

@@ -20,11 +20,12 @@ from anyio.abc import TaskStatus
 from homebot.bridges.admission import TokenCheck, refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.thing_directory import DirectoryBridgeSettings
-from homebot.bridges.thing_directory.catalog import CatalogChange, ThingCatalog
 from homebot.bridges.thing_directory.documents import (
     BEARER,
     PREFLIGHT,
+    CatalogChange,
     RequestError,
+    ThingCatalog,
     at_base,
     directory_description,
     sharing_headers,
