@@ -2,6 +2,7 @@
 
 import json
 import math
+import time
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -167,3 +168,26 @@ def test_a_short_file_does_not_grow_by_aliases(tmp_path: Path) -> None:
     file.write_text("\n".join(("a: &a [x]", *levels, "image: *l", "resolution: 0.05")))
     with pytest.raises(UsageError, match="write the value itself"):
         read_map(str(file))
+
+
+def cluttered(share: float) -> RobotMap:
+    """A hall of 100 m x 100 m in which a *share* of the cells is occupied, as by legs of chairs."""
+    row = bytes(100 if column * 1237 % 2000 < share * 2000 else 0 for column in range(2000))
+    shifts = [line * line * 911 % 2000 for line in range(2000)]
+    cells = Image.frombytes("L", (2000, 2000), b"".join(row[shift:] + row[:shift] for shift in shifts))
+    cells.paste(0, (900, 900, 1100, 1100))
+    return RobotMap(cells, 0.05, MapPose(0.0, 0.0, 0.0))
+
+
+def test_a_room_of_four_million_cells_takes_seconds() -> None:
+    """Cell by cell it took minutes, on the smaller computers of robots."""
+    began = time.process_time()
+    (hall,) = cluttered(0.04).rooms({"Hall": (50.0, 50.0)}, [])
+    assert time.process_time() - began < 15
+    assert Polygon(hall.polygons[0][0]).area == pytest.approx(10_000, rel=0.01)
+
+
+def test_noise_is_no_room() -> None:
+    """Millions of its edges would fill the memory."""
+    with pytest.raises(UsageError, match="a free area of the map is in over 300,000 rows; filter its noise first"):
+        list(cluttered(0.2).rooms({"Hall": (50.0, 50.0)}, []))

@@ -34,7 +34,9 @@ UNKNOWN: Final = 255
 """The byte of an unknown cell: -1."""
 
 _OCCUPIED: Final = 100
+_FREE: Final = re.compile(b"\0+")
 _MOST_ROOMS: Final = 150
+_MOST_RUNS: Final = 300_000
 _MOST_PIXELS: Final = 16_000_000
 _UNKNOWN_GREY: Final = 205
 _BESIDE: Final = 0.2
@@ -119,39 +121,36 @@ class RobotMap(NamedTuple):
         names = list(points)
         if len(names) > _MOST_ROOMS:
             raise UsageError(f"{len(names):,} rooms are too many; {_MOST_ROOMS} is the limit")
-        cells = self._closed_cells(doors)
+        rows = self._closed_rows(doors)
         for number, (name, point) in enumerate(points.items(), _OCCUPIED + 1):
             column, row = self._pixel(point)
-            is_inside = 0 <= column < cells.width and 0 <= row < cells.height
-            here = cells.getpixel((column, row)) if is_inside else UNKNOWN
-            if isinstance(here, int) and _OCCUPIED < here < UNKNOWN:
+            is_inside = 0 <= column < self.cells.width and 0 <= row < self.cells.height
+            here = rows[row][column] if is_inside else UNKNOWN
+            if _OCCUPIED < here < UNKNOWN:
                 other = names[here - _OCCUPIED - 1]
                 door = f'rooms = ["{other}", "{name}"], position = [[X, Y], [X, Y]]'
                 hint = f"state both ends of the door between them: [[places.doors]] {door}"
                 raise UsageError(f"{other} and {name} are one free area of the map; {hint}")
             if here != 0:
                 raise UsageError(f"the point {point[0]:g},{point[1]:g} of {name} is not free in the map")
-            ImageDraw.floodfill(cells, (column, row), number)
-            ring = simplified(self._outline(cells, number))
+            ring = simplified(self._in_metres(traced(_filled(rows, row, column, number))))
             if not ring:
                 raise UsageError(f"the free area around {point[0]:g},{point[1]:g} is too small for {name}")
             yield HouseRoom(name, polygons=((ring,),))
 
-    def _closed_cells(self, doors: Iterable[Sequence[Point]]) -> Image.Image:
+    def _closed_rows(self, doors: Iterable[Sequence[Point]]) -> list[bytearray]:
+        """Return the cells by row, with a wall in each door."""
         cells = self.cells.copy()
         for first, last in doors:
             share = 1 + _BESIDE / (math.dist(first, last) or 1.0)
             ends = (self._pixel(_between(a, b, share)) for a, b in ((first, last), (last, first)))
             ImageDraw.Draw(cells).line([*ends], fill=_OCCUPIED)
-        return cells
+        return [bytearray(cells.crop((0, row, cells.width, row + 1)).tobytes()) for row in range(cells.height)]
 
-    def _outline(self, cells: Image.Image, value: int) -> list[Point]:
-        """Return the corners around the cells with *value*, in metres in the house."""
-        rows = (cells.crop((0, row, cells.width, row + 1)).tobytes() for row in range(cells.height))
-        same = re.compile(re.escape(bytes([value])) + b"+")
-        ends = {number: [end for run in same.finditer(row) for end in run.span()] for number, row in enumerate(rows)}
-        ring = traced({row: found for row, found in ends.items() if found})
-        at = (self.origin.then(MapPose(x * self.resolution, (cells.height - y) * self.resolution)) for x, y in ring)
+    def _in_metres(self, ring: Iterable[tuple[int, int]]) -> list[Point]:
+        """Return the corners of cells in metres in the house."""
+        height, size = self.cells.height, self.resolution
+        at = (self.origin.then(MapPose(x * size, (height - y) * size)) for x, y in ring)
         return [(round(one.x, 3), round(one.y, 3)) for one in at]
 
     def _pixel(self, point: Point) -> tuple[int, int]:
@@ -207,6 +206,31 @@ def _cell(grey: int, settings: MapSettings) -> int:
     if share <= free:
         return 0
     return round((share - free) / (occupied - free) * 100) if settings.mode == "scale" else UNKNOWN
+
+
+def _filled(rows: list[bytearray], row: int, column: int, value: int) -> dict[int, list[int]]:
+    """Give the free cells that are connected with one *value*; return the columns at which they begin and end, by row.
+
+    Raises:
+        UsageError: They are no room, but noise.
+    """
+    ends: dict[int, list[int]] = {}
+    runs = 0
+    waiting = [(row, column, column + 1)]
+    while waiting:
+        row, left, right = waiting.pop()
+        cells = rows[row]
+        while (at := cells.find(0, left, right)) >= 0:
+            begin = len(cells[:at].rstrip(b"\0"))
+            found = _FREE.match(cells, at)
+            left = found.end() if found else right
+            cells[begin:left] = bytes((value,)) * (left - begin)
+            ends.setdefault(row, []).extend((begin, left))
+            runs += 1
+            if runs > _MOST_RUNS:
+                raise UsageError(f"a free area of the map is in over {_MOST_RUNS:,} rows; filter its noise first")
+            waiting += [(one, begin, left) for one in (row - 1, row + 1) if 0 <= one < len(rows)]
+    return {row: sorted(found) for row, found in ends.items()}
 
 
 def _single(number: float) -> float:

@@ -31,8 +31,9 @@ def traced(rows: Mapping[int, Sequence[int]]) -> list[_Corner]:
     above: set[int] = set()
     for row in range(min(rows, default=0), max(rows, default=-1) + 2):
         here = set(rows.get(row, ()))
+        ends = sorted(above), sorted(here)
         for x in sorted(above & here):
-            is_above, is_here = (bisect_right(sorted(one), x) % 2 for one in (above, here))
+            is_above, is_here = (bisect_right(one, x) % 2 for one in ends)  # an even number of ends is moved below x
             if x in here and is_above != is_here:
                 here ^= {x - 1, x} if is_here else {x, x + 1}
         corners = sorted(above ^ here)
@@ -50,14 +51,15 @@ def traced(rows: Mapping[int, Sequence[int]]) -> list[_Corner]:
 
 def _rings(across: dict[_Corner, _Corner], down: Mapping[_Corner, _Corner]) -> Iterator[list[_Corner]]:
     """Yield the rings of edges, which alternate between *across* and *down*, each from one end to the other."""
-    while across:
-        ring, at = [], next(iter(across))
+    for start in tuple(across):
+        ring, at = [], start
         while at in across:
             other = across.pop(at)
             del across[other]
             ring += [at, other]
             at = down[other]
-        yield ring
+        if ring:
+            yield ring
 
 
 def simplified(ring: Sequence[Point]) -> tuple[Point, ...]:
