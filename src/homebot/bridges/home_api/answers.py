@@ -1,25 +1,27 @@
 """Answers to the questions of agents and scripts, in as few words as an agent needs, and the device that is meant."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Final, NamedTuple, Protocol, cast
+from typing import Final, NamedTuple, Protocol, cast
 
 from homebot.bridges.home_api import shapes
 from homebot.bridges.home_api.shapes import ProblemError
-from homebot.devices import names
+from homebot.devices import Device, names
+from homebot.devices.approval_messages import UnapprovedResponse
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.client_rights import CLIENT_RIGHTS
+from homebot.devices.command_messages import CommandDevicesResponse
+from homebot.devices.history_messages import HistorySeries, ReadHistoryResponse
+from homebot.devices.journal_messages import ExplainDeviceResponse, ExplainMissingStateResponse
 from homebot.devices.names import FIND_DEVICES, LIST_DEVICES
 from homebot.devices.outcomes import Evidence
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.query.terms import FactIs, NameIs, Or
 from homebot.devices.query.tokens import quoted
-from homebot.devices.services import MOST_LISTED
+from homebot.devices.services import MOST_LISTED, ListDevicesResponse, ListedDevice
 from homebot.devices.wording.journal_words import (
     chain_lines,
     chains_of,
@@ -37,14 +39,6 @@ from homebot.support.folding import fold
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 from homebot.units import parse_duration
-
-if TYPE_CHECKING:
-    from homebot.devices import Device
-    from homebot.devices.approval_messages import UnapprovedResponse
-    from homebot.devices.command_messages import CommandDevicesResponse
-    from homebot.devices.history_messages import HistorySeries, ReadHistoryResponse
-    from homebot.devices.journal_messages import ExplainDeviceResponse, ExplainMissingStateResponse
-    from homebot.devices.services import ListDevicesResponse, ListedDevice
 
 __all__ = ["HomeCalls", "command", "device_details", "find_devices", "history", "home_in_short", "meant_device", "why"]
 

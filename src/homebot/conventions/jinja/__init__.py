@@ -1,18 +1,14 @@
 """Templates of announcements, in a bounded subset of Jinja2 as Home Assistant has it: values in, text out."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING, final
+from typing import final
 
+from homebot.conventions.jinja.evaluation import Program
 from homebot.conventions.jinja.syntax import parse
 from homebot.conventions.jinja.values import MAX_SOURCE, UNDEFINED, NotDefinedError, TemplateError, UndefinedValueError
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, parse_json
 from homebot.errors import WireError
-
-if TYPE_CHECKING:
-    from homebot.conventions.jinja.evaluation import Program
 
 __all__ = ["NotDefinedError", "PayloadContext", "Template", "TemplateError", "UndefinedValueError", "compile_template"]
 
