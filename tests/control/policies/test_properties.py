@@ -2,11 +2,8 @@
 
 from datetime import UTC, datetime
 
-import anyio
-import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.control.conftest import Home, OpenHome
 from tests.control.policies.houses import START, make_command, make_device, make_facts
 from tests.sizes import examples
 
@@ -14,8 +11,6 @@ from homebot.config import parse_settings
 from homebot.control import ControlSettings
 from homebot.control.policy_engine import Policies
 from homebot.devices import Device
-from homebot.devices.gateway_messages import Command
-from homebot.devices.handles import Light
 
 ROOMS = ("hall", "bath", "")
 TABLE: dict[str, object] = {
@@ -94,47 +89,3 @@ def test_what_is_allowed_violates_no_policy(
         local = datetime.fromtimestamp(now, UTC).time()
         assert datetime(2027, 1, 1, 6, 30, tzinfo=UTC).time() <= local < datetime(2027, 1, 1, 22, tzinfo=UTC).time()
     assert kind != "door_lock"
-
-
-STEPS = st.lists(
-    st.tuples(st.sampled_from(["motion", "still", "off", "on", "deaf", "obey"]), st.floats(0.1, 90)),
-    min_size=1,
-    max_size=12,
-)
-
-
-@pytest.mark.virtual_time
-@settings(
-    max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
-)
-@given(STEPS)
-async def test_no_off_reaches_a_lamp_beside_somebody(open_home: OpenHome, steps: list[tuple[str, float]]) -> None:
-    """Also no repetition of one, whenever somebody comes in."""
-    seen: list[bool] = []
-    present = False
-
-    async def watch(home: Home, command: Command) -> None:
-        seen.append(present and command.value.plain() is False)
-        if not is_deaf:
-            await home.report("lamp", "on_off", command.value.plain())
-
-    is_deaf = False
-    async with open_home(presence_guard=True, rate_limit=False) as home:
-        home.put("lamp", "light", "on_off", area="hall")
-        home.put("motion", "occupancy_sensor", readable=("occupancy",), area="hall")
-        home.behaviours["lamp"] = watch
-        lamp = await home.handle(Light, "lamp")
-        for step, seconds in steps:
-            match step:
-                case "motion" | "still":
-                    await home.report("motion", "occupancy", step == "motion")
-                    await anyio.sleep(0.01)  # until it is known
-                    present = step == "motion"
-                case "deaf" | "obey":
-                    is_deaf = step == "deaf"
-                case "on":
-                    home.tasks.start_soon(lamp.turn_on)
-                case _:
-                    home.tasks.start_soon(lamp.turn_off)
-            await anyio.sleep(seconds * 10)
-    assert not any(seen)
