@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Mapping
 from contextlib import AbstractAsyncContextManager
 from functools import cached_property
@@ -59,7 +58,7 @@ class Commander:
         self._clock = node.graph.clock
         self._control = node.create_client(PerformCommand, PERFORM_COMMAND)
         self._sender = CommandSender(node)
-        self._under_way: Counter[tuple[str, str]] = Counter()  # by device and part
+        self._under_way: dict[tuple[str, str], int] = {}  # the number of commands by device and part
         self._ended: BoundedMap[tuple[str, str], float] = BoundedMap(_MOST_ENDED)
         self._limit = LogLimit(self._clock)
 
@@ -84,7 +83,7 @@ class Commander:
             RefusedError: The part does not support one of these, or a value is out of range; nothing was sent.
         """
         place = view.device.id, part_id
-        self._under_way[place] += 1
+        self._under_way[place] = self._under_way.get(place, 0) + 1
         try:
             outcome = await self._perform(view, part_id, values, transition, code)
         except RefusedError as exc:
@@ -92,7 +91,8 @@ class Commander:
             raise
         finally:
             self._under_way[place] -= 1
-            self._under_way += Counter()  # drops counts of 0
+            if not self._under_way[place]:
+                del self._under_way[place]
             self._ended[place] = self._clock.monotonic()
         if not outcome.succeeded and not outcome.command_id:
             self._log_failure(view.device, part_id, outcome.text)
