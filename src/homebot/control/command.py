@@ -61,10 +61,8 @@ class IssuedCommand:
         issued_at: Seconds since the Unix epoch.
         transition: Seconds that the change takes.
         scope: The rights of a client of the door, by its token.
-        is_momentary: Whether sending it twice would act twice, as for a press.
         states: The states of the part at the time of the command, by capability.
         why_it_asks: Why the part is one that always asks; empty if it is not.
-        moves: Whether it starts a motor.
     """
 
     id: str
@@ -80,19 +78,15 @@ class IssuedCommand:
     code: str = field(default="", repr=False)
     scope: tuple[str, ...] = ()
     is_client: bool = field(init=False)
-    is_momentary: bool = field(init=False)
     place: tuple[str, str] = field(init=False)
     states: dict[str, State] = field(init=False)
     why_it_asks: str = field(init=False)
-    moves: bool = field(init=False)
 
     def __post_init__(self) -> None:
         self.place = self.device.id, self.part.id
         self.states = {one.capability: one for one in self.device.states if one.part == self.part.id}
         self.why_it_asks = why_it_asks(self.device, self.part)
         self.is_client = is_client(self.issuer)
-        self.is_momentary = not MOMENTARY.isdisjoint(self.settings)
-        self.moves = not _MOTIONS.isdisjoint(self.settings) and _starts_motor(self.settings)
 
     @property
     def target(self) -> str:
@@ -112,8 +106,10 @@ class IssuedCommand:
     @property
     def is_always_sent(self) -> bool:
         """True for a stop, a press, or the latch of an unlocked door: no report can show that it is unnecessary."""
-        always = (value in CAPABILITIES.get(name, OWN).obedience.always_sent for name, value in self.settings.items())
-        return self.is_momentary or any(always)
+        return any(
+            name in MOMENTARY or value in CAPABILITIES.get(name, OWN).obedience.always_sent
+            for name, value in self.settings.items()
+        )
 
     @property
     def opens_further(self) -> bool:
@@ -132,10 +128,6 @@ class IssuedCommand:
         if settings.get("level") == 0 or settings.get("fan_speed") == 0:
             return False
         return not settings.keys().isdisjoint(_LIT if self.part.part.service_type == "light" else POWERS)
-
-
-def _starts_motor(settings: Mapping[str, PlainValue]) -> bool:
-    return any(one in _MOTIONS and value != STOPPED for one, value in settings.items())
 
 
 def is_by_hand(trigger: Trigger, now: float) -> bool:
@@ -167,8 +159,8 @@ def order_of(command: IssuedCommand) -> Order:
         settings,
         _expected(settings, readable),
         command.transition,
-        moves=command.moves,
-        is_momentary=command.is_momentary,
+        moves=not _MOTIONS.isdisjoint(settings) and any(settings[one] != STOPPED for one in _MOTIONS & settings.keys()),
+        is_momentary=not MOMENTARY.isdisjoint(settings),
         opens_further=command.opens_further,
         turns_on=command.turns_on,
         has_ramp=has_ramp,

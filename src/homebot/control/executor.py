@@ -39,7 +39,6 @@ from homebot.devices.outcomes import (
     AlreadySo,
     Confirmed,
     Contradicted,
-    Evidence,
     Gone,
     NoAnswer,
     Outcome,
@@ -279,7 +278,6 @@ class CommandExecutor:
     def _decided(self, opened: OpenCommand, outcome: Outcome) -> Outcome:
         command, timeline, progress = opened.command, opened.timeline, opened.progress
         if isinstance(outcome, Confirmed):
-            progress.is_witnessed = outcome.evidence is Evidence.WITNESSED
             for capability in command.settings if timeline.unsure_since else ():
                 timeline.unsure_since.pop(capability, None)
         elif outcome.may_obey_later:  # it may have changed, although no report says so

@@ -105,15 +105,16 @@ class Sending:
         return outcome_of(progress, clock.monotonic())
 
     def _plan(self, sent: OpenCommand) -> SendingPlan:
-        command, profile, timeout = sent.command, sent.timeline.profile, self._settings.timeout
-        tries = 1 if command.is_momentary or profile.is_told_once else 1 + self._settings.retries
+        command, order, profile = sent.command, sent.progress.order, sent.timeline.profile
+        timeout = self._settings.timeout
+        tries = 1 if order.is_momentary or profile.is_told_once else 1 + self._settings.retries
         limit, longest = profile.answer_time(command.settings, timeout)
         interval = max((limit + command.transition) / tries, longest + command.transition + durations.BETWEEN_SENDINGS)
-        if command.moves and command.device.reachable.state != "no":
+        if order.moves and command.device.reachable.state != "no":
             timeout = max(timeout, durations.MOTOR_SILENCE)
         lasts = max(interval * tries, timeout + command.transition)
         plan = SendingPlan(tries, interval, lasts, keeps_for=interval - longest - command.transition)
-        if echoes := sent.progress.order.echoed | sent.progress.suspected:
+        if echoes := order.echoed | sent.progress.suspected:
             plan.echo_patience = max(profile.echo_patience(one, limit + command.transition) for one in echoes)
         return plan
 

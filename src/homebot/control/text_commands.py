@@ -52,17 +52,15 @@ class TextCommands:
 
     async def send(self, request: SendTextRequest) -> SendTextResponse:
         """Send a text, and return when its gateway has queued it; never raises."""
+        device = None
         try:
             device = await self._lookup.device(request.device)
-        except ServiceError as exc:
-            return self._failed(request, NoAnswer(0.0, str(exc)))
-        if device is None:
-            return self._failed(request, Gone())
-        try:
+            if device is None:
+                return self._failed(request, Gone())
             target = self._sender.target(device, request.payload)
         except RefusedError as exc:
             return self._failed(request, Refused("gateway", exc.reason), device)
-        except LinkError as exc:
+        except (LinkError, ServiceError) as exc:
             return self._failed(request, NoAnswer(0.0, str(exc)), device)
         return await self._send(request, device, target)
 

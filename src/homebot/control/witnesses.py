@@ -127,17 +127,17 @@ class Witnesses:
 
     async def _sensors_for(self, command: IssuedCommand, wanted: frozenset[str]) -> list[Witness]:
         """Return the named sensor, or the meters of the same device."""
-        part = PartFacets(command.device, command.part)
-        name = next((name for query, name in self._named if fits(query, part)), None)
+        device, part = command.device, command.part
+        name = next((name for query, name in self._named if fits(query, PartFacets(device, part))), None)
         if name is None:
-            return _sensors(command.device, wanted & _METERS, is_named=False)
+            return _sensors(device, wanted & _METERS, is_named=False)
         if not name:  # the owner wants no witness
             return []
         try:
             devices = await self._lookup.called(name)
         except ServiceError:
             return []
-        return [one for device in devices for one in _sensors(device, wanted, is_named=True)][:_MOST_FOR_ONE]
+        return [sensor for one in devices for sensor in _sensors(one, wanted, is_named=True)][:_MOST_FOR_ONE]
 
     def _on_report(
         self, witness: Witness, wake: Callable[[], None], capability: str, value: PlainValue, _stamp: float
@@ -178,13 +178,15 @@ def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[
     """Return the sensors of a device that measure one of *wanted*, except silent and stale ones."""
     if device.freshness != "fresh" or device.reachable.state == "no":
         return []
-    live = {(state.part, state.capability): state.value.plain() for state in device.states if state.live}
+    parts = {part.id: part for part in device.parts if part.id not in device.offline_parts}
     return [
-        Witness(device.name, is_named, part, one.name, value := live[part.id, one.name], value)
-        for part in device.parts
-        for one in part.part.capabilities
-        if one.name in wanted and one.readable and not one.settable
-        if part.id not in device.offline_parts and (part.id, one.name) in live
+        Witness(device.name, is_named, parts[one.part], one.capability, value := one.value.plain(), value)
+        for one in device.states
+        if one.capability in wanted and one.live and one.part in parts
+        if any(
+            can.name == one.capability and can.readable and not can.settable
+            for can in parts[one.part].part.capabilities
+        )
     ]
 
 

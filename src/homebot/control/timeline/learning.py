@@ -6,7 +6,7 @@ from homebot.control.timeline.goal import NOTHING
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.values import fits
-from homebot.devices.outcomes import Contradicted, NoAnswer, Outcome
+from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
 
 __all__ = ["learn_failure", "learn_late_answer", "learn_outcome", "learn_settled"]
 
@@ -49,11 +49,13 @@ def learn_settled(progress: CommandProgress, profile: DeviceProfile) -> None:
     """Learn from a confirmed value that held or was undone."""
     settling = progress.settling
     undoing = None if settling is None else settling.undoing
+    outcome = progress.outcome
+    is_witnessed = isinstance(outcome, Confirmed) and outcome.evidence is Evidence.WITNESSED
     for capability, wanted in progress.wanted.items():
         is_undone = undoing is not None and undoing.capability == capability
         if undoing is not None and not is_undone:
             continue
-        is_fast = wanted.fast_at is not None and not progress.is_witnessed
+        is_fast = wanted.fast_at is not None and not is_witnessed
         profile.learn_return(capability, undoing.after if undoing is not None else None, is_fast=is_fast)
         if is_undone and wanted.echoed_at is not None:
             profile.learn_echo(capability, is_answered=True)

@@ -55,7 +55,6 @@ class CommandProgress:
         is_unacknowledged: Whether the network did not acknowledge the last sending in time.
         ended_at: When its outcome was decided, or it was superseded; inf before.
         learns_late: Whether an answer after its failure shows the device's response time.
-        is_witnessed: Whether a second device observed the effect.
         suspected: The capabilities whose fast reports were retracted before, as a bridge's echoes are.
         usual_returns: The seconds after which the device is known to go back by itself, by capability.
     """
@@ -85,7 +84,7 @@ class CommandProgress:
         self.moved_at: float | None = None
         self.stopped_at = self.told_otherwise_at = -math.inf
         self.superseded_by = self.refusal = ""
-        self.is_unacknowledged = self.must_answer = self.learns_late = self.is_witnessed = self.is_learnt = False
+        self.is_unacknowledged = self.must_answer = self.learns_late = self.is_learnt = False
         self.ended_at = math.inf
         self.outcome: Outcome | None = None
         self.settling: Settling | None = None
