@@ -90,22 +90,16 @@ class House:
 
     def readings(self, room: str, capability: str) -> list[SensorReading]:
         """Return the values of all sensors of *capability* in *room*, which must not be empty."""
-        return [
-            self._reading(view, part.id, capability)
-            for view in self.devices(room)
-            for part in view.device.parts
-            if any(one.name == capability and one.readable for one in part.part.capabilities)
-        ]
+        return self._readings(self.devices(room), capability)
 
     def reading_of(self, name: str, capability: str) -> SensorReading | None:
         """Return the value of the only sensor of *capability* on the device with the id or name *name*."""
-        found = [
-            self._reading(view, part.id, capability)
+        named = (
+            view
             for view in self._devices.values()
             if view.device.id == name or fold(name) in map(fold, (view.device.name, *view.device.names))
-            for part in view.device.parts
-            if any(one.name == capability and one.readable for one in part.part.capabilities)
-        ]
+        )
+        found = self._readings(named, capability)
         return found[0] if len(found) == 1 else None
 
     def detected_since(self, sensor: str) -> float | None:
@@ -127,6 +121,14 @@ class House:
         wanted = fold(room)
         return [self._devices[one] for one, its_room in self._room_of.items() if its_room == wanted]
 
+    def _readings(self, views: Iterable[DeviceView], capability: str) -> list[SensorReading]:
+        return [
+            self._reading(view, part.id, capability)
+            for view in views
+            for part in view.device.parts
+            if _reports(part, capability)
+        ]
+
     def _reading(self, view: DeviceView, part: str, capability: str) -> SensorReading:
         device = view.device
         name = target_of(device.id, part)
@@ -143,12 +145,15 @@ class House:
                 self._detected_since[sensor] = state.since.to_seconds()
 
     def _is_unproven(self, device: Device, part: DevicePart) -> bool:
-        tells = any(one.name == OCCUPANCY and one.readable for one in part.part.capabilities)
-        return tells and target_of(device.id, part.id) not in self.detections
+        return _reports(part, OCCUPANCY) and target_of(device.id, part.id) not in self.detections
 
 
 def _is_heard(device: Device) -> bool:
     return device.freshness == "fresh" and device.reachable.state != "no"
+
+
+def _reports(part: DevicePart, capability: str) -> bool:
+    return any(one.name == capability and one.readable for one in part.part.capabilities)
 
 
 @final
