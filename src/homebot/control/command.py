@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import inf
 from operator import attrgetter
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 from homebot.control import durations
 from homebot.control.timeline.facts import Order
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "IssuedCommand",
-    "KnownState",
     "commanded_part",
     "is_by_hand",
     "known_state",
@@ -220,25 +219,16 @@ def no_such_part(device_id: str, part_id: str, device: Device | None, command_id
     return Gone(text, command_id=command_id)
 
 
-class KnownState(NamedTuple):
-    """Values of a part that are certain.
-
-    Attributes:
-        is_recent: Whether all of them were reported live within the last minute, and since the connection was lost.
-    """
-
-    values: dict[str, PlainValue]
-    is_recent: bool
-
-
 def known_state(
     command: IssuedCommand,
     asked: Iterable[str],
     last: Mapping[str, PlainValue],
     unsure_since: Mapping[str, float],
     lost_at: float,
-) -> KnownState:
-    """Return the values of the capabilities *asked* that are certain for the commanded part.
+) -> tuple[dict[str, PlainValue], bool]:
+    """Return the values of the capabilities *asked* that are certain for the commanded part, and if all are recent.
+
+    Recent values were reported live within the last minute, and since the connection was lost.
 
     If the device is online by its last will, retained values are certain, and so are those from before the connection
     was lost: many devices report only changes. They are not recent if the device has come back since, because it may
@@ -251,7 +241,7 @@ def known_state(
     """
     is_online = command.device.reachable.state == "yes"
     if not (is_online or command.device.freshness == "fresh"):
-        return KnownState({}, is_recent=False)
+        return {}, False
     back_at = command.device.reachable.since.to_seconds() if is_online else -inf
     values: dict[str, PlainValue] = {}
     is_recent = True
@@ -264,4 +254,4 @@ def known_state(
         is_recent = is_recent and is_fresh and unsure_at == -inf and lost_at < told_at >= back_at
         if told_at > (unsure_at if is_online else max(unsure_at, lost_at)):
             values[capability] = last[capability]
-    return KnownState(values, is_recent)
+    return values, is_recent

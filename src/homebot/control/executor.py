@@ -9,7 +9,6 @@ from homebot.control import durations
 from homebot.control.code_guesses import CodeGuesses
 from homebot.control.command import (
     IssuedCommand,
-    KnownState,
     commanded_part,
     known_state,
     no_such_part,
@@ -25,9 +24,10 @@ from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.sending import OpenCommand, Sending
 from homebot.control.settings import ControlSettings
-from homebot.control.timeline.cause import Attribution, Cause, cause_of_undoing
+from homebot.control.timeline.cause import Attribution, Cause
 from homebot.control.timeline.facts import Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
+from homebot.control.timeline.settling import Undoing
 from homebot.control.timelines import Timelines
 from homebot.control.values import changes, related
 from homebot.control.witnesses import Witness, Witnesses
@@ -244,15 +244,16 @@ class CommandExecutor:
             settings = older.order.settings
             is_at_rest = is_at_rest and settings.keys().isdisjoint(command.settings)
             is_sure = is_sure and not _contradicts(settings, command)
-        known = KnownState({}, is_recent=False)
+        known: dict[str, PlainValue] = {}
+        is_recent = False
         last = {capability: state.value.plain() for capability, state in command.states.items()}
         if is_sure:
             asked, lost = dict.fromkeys((*order.settings, *order.wanted)), self._feed.last_loss(command.part.routes)
-            known = known_state(command, asked, last, timeline.unsure_since, lost.wall)
-        progress = timeline.command(order, self._clock.monotonic(), known.values, last)
+            known, is_recent = known_state(command, asked, last, timeline.unsure_since, lost.wall)
+        progress = timeline.command(order, self._clock.monotonic(), known, last)
         progress.must_answer = not progress.wanted and self._feed.is_answering(command.part.routes)
         opened = self._open[command.id] = OpenCommand(command, timeline, progress, self._limits)
-        is_so = known.is_recent and is_at_rest and progress.was_so
+        is_so = is_recent and is_at_rest and progress.was_so
         return opened, is_so and not (progress.has_echo or command.is_always_sent)
 
     async def _rehearsed(self, opened: OpenCommand, assumed: Outcome) -> Outcome:
@@ -314,12 +315,11 @@ class CommandExecutor:
         cause = self._cause_of(progress, fact).cause  # a person, or the device's own answer
         return Cause.UNKNOWN.value if cause is Cause.PERSON else cause.value
 
-    def _on_undone(self, progress: CommandProgress) -> None:
-        settling, order = progress.settling, progress.order
-        if settling is None or settling.undoing is None or not self._publishes_undoings:
+    def _on_undone(self, progress: CommandProgress, undoing: Undoing, cause: Cause) -> None:
+        if not self._publishes_undoings:
             return
-        is_usual = cause_of_undoing(progress, settling.undoing.capability) is Cause.DEVICE
-        outcome = Reverted(settling.undoing.after, "device" if is_usual else "unknown", command_id=order.id)
+        order, by = progress.order, "device" if cause is Cause.DEVICE else "unknown"
+        outcome = Reverted(undoing.after, by, command_id=order.id)
         device, part = order.place
         self._journal.decided(order.issuer, order.place, outcome, "reverted")
         self._events.publish(

@@ -10,10 +10,11 @@ from typing import Final, TypeAlias, final
 from homebot.control import durations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.learnt import Profiles
-from homebot.control.timeline.cause import Attribution, cause_of_undoing
+from homebot.control.timeline.cause import Attribution, Cause
 from homebot.control.timeline.facts import PartRef, Reported
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
+from homebot.control.timeline.settling import Undoing
 from homebot.control.values import related
 from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.capabilities import SETTABLE
@@ -55,7 +56,7 @@ class Timelines:
         self._limits = TimeLimits()
         self._entries: OrderedDict[PartRef, _TrackedPart] = OrderedDict()
         self.on_news: Callable[[CommandProgress, Reported | None], None] = lambda *_: None
-        self.on_undone: Callable[[CommandProgress], None] = lambda *_: None
+        self.on_undone: Callable[[CommandProgress, Undoing, Cause], None] = lambda *_: None
 
     def of(self, device: Device, part: DevicePart) -> PartTimeline:
         """Return the timeline of a part; a new one begins with the known values."""
@@ -107,8 +108,8 @@ class Timelines:
         target = target_of(device.id, part.id)
         timeline = PartTimeline(self._profiles.of(target), self._timeout, self._settle)
         _seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
-        timeline.on_news, timeline.on_undone = self.on_news, self._on_undone
         entry = self._entries[place] = _TrackedPart(timeline, target)
+        timeline.on_news, timeline.on_undone = self.on_news, partial(self._on_undone, entry)
         if len(self._entries) > _MOST:
             self._forget_oldest()
         return entry
@@ -155,15 +156,12 @@ class Timelines:
                 entry.stop_watch()
                 return
 
-    def _on_undone(self, progress: CommandProgress) -> None:
+    def _on_undone(self, entry: _TrackedPart, progress: CommandProgress, undoing: Undoing, cause: Cause) -> None:
         """Publish the end of a confirmed value, even to listeners that got its last report as an intermediate step."""
-        entry, settling = self._entries.get(progress.order.place), progress.settling
-        if entry is not None and settling is not None and settling.undoing is not None:
-            capability = settling.undoing.capability
-            attribution = Attribution(cause_of_undoing(progress, capability), progress.order.id)
-            for listener in tuple(entry.listeners):
-                listener(capability, entry.timeline.value(capability), attribution)
-        self.on_undone(progress)
+        value = entry.timeline.value(undoing.capability)
+        for listener in tuple(entry.listeners):
+            listener(undoing.capability, value, Attribution(cause, progress.order.id))
+        self.on_undone(progress, undoing, cause)
 
 
 def _seed(timeline: PartTimeline, device: Device, part: DevicePart, now: float, monotonic: float) -> None:

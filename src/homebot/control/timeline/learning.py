@@ -5,6 +5,7 @@ import math
 from homebot.control.timeline.goal import NOTHING
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
+from homebot.control.timeline.settling import Undoing
 from homebot.control.values import fits
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
 
@@ -45,10 +46,8 @@ def learn_late_answer(progress: CommandProgress, profile: DeviceProfile, first: 
     _set_told_once(profile, is_told_once=True)
 
 
-def learn_settled(progress: CommandProgress, profile: DeviceProfile) -> None:
-    """Learn from a confirmed value that held or was undone."""
-    settling = progress.settling
-    undoing = None if settling is None else settling.undoing
+def learn_settled(progress: CommandProgress, undoing: Undoing | None, profile: DeviceProfile) -> None:
+    """Learn from a confirmed value that held, or was undone."""
     outcome = progress.outcome
     is_witnessed = isinstance(outcome, Confirmed) and outcome.evidence is Evidence.WITNESSED
     for capability, wanted in progress.wanted.items():

@@ -7,11 +7,12 @@ from types import MappingProxyType
 from typing import Final, final
 
 from homebot.control import durations
-from homebot.control.timeline.cause import Attribution, cause_of
+from homebot.control.timeline.cause import Attribution, Cause, cause_of, cause_of_undoing
 from homebot.control.timeline.facts import Order, Reported
 from homebot.control.timeline.learning import learn_failure, learn_late_answer, learn_outcome, learn_settled
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
+from homebot.control.timeline.settling import Undoing
 from homebot.devices.outcomes import NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 
@@ -38,7 +39,7 @@ class PartTimeline:
         unsure_since: Since when the value of each capability may differ from the reported one.
         dropped_change: The newest unexplained change that is no longer among the reports; None if there is none.
         on_news: Called with each report for each command that may have caused it, and with None for a replaced command.
-        on_undone: Called with a command when its confirmed value is undone.
+        on_undone: Called with a command whose confirmed value is undone, and the cause.
     """
 
     def __init__(self, profile: DeviceProfile, first: float, settle: float) -> None:
@@ -48,7 +49,7 @@ class PartTimeline:
         self.unsure_since: dict[str, float] = {}
         self.dropped_change: Reported | None = None
         self.on_news: Callable[[CommandProgress, Reported | None], None] = lambda *_: None
-        self.on_undone: Callable[[CommandProgress], None] = lambda *_: None
+        self.on_undone: Callable[[CommandProgress, Undoing, Cause], None] = lambda *_: None
         self._first = first
         self._settle = settle
         self._latest: dict[str, tuple[PlainValue, float]] = {}
@@ -134,7 +135,7 @@ class PartTimeline:
     def advance(self, now: float) -> None:
         """End the commands that waited for a further report that did not come."""
         for one in self._active:
-            if one.settling is not None and not one.settling.is_over:
+            if one.settling is not None:
                 one.settling.advance(now)
                 self._learn(one)
 
@@ -181,10 +182,10 @@ class PartTimeline:
             if progress.learns_late and progress.is_met:
                 learn_late_answer(progress, self.profile, self._first)
         elif not progress.is_learnt and (settling.has_held or settling.undoing is not None):
-            progress.is_learnt = True
-            learn_settled(progress, self.profile)
-            if settling.undoing is not None:
-                self.on_undone(progress)
+            progress.is_learnt, undoing = True, settling.undoing
+            learn_settled(progress, undoing, self.profile)
+            if undoing is not None:
+                self.on_undone(progress, undoing, cause_of_undoing(progress, undoing.capability))
 
     def _replace_settling(self, progress: CommandProgress, at: float) -> None:
         """Watch the capabilities of a newly confirmed command only for that command."""

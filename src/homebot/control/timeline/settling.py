@@ -25,7 +25,6 @@ class Undoing(NamedTuple):
         after: Seconds after the confirmation.
     """
 
-    at: float
     capability: str
     after: float
 
@@ -188,7 +187,7 @@ class Settling:
         for number in self._steps:
             self._roles[number] = ReportRole.UNDONE
         self._steps.clear()
-        self.undoing = Undoing(at, capability, at - self._confirmed_at)
+        self.undoing = Undoing(capability, at - self._confirmed_at)
         self.until = at
 
 
