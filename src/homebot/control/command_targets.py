@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Iterable
 from itertools import chain
 from typing import Final, TypeAlias, final
 
+from homebot.control.command import no_such_part
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.spoken_settings import spoken_settings
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, QueryDevices
@@ -91,7 +92,9 @@ class CommandTargets:
         device_id, _, part_id = target.partition("#")
         called = await self._lookup.called(target, device_id)
         if part_id and called and called[0].id.casefold() == device_id.casefold():
-            return [(called[0], _part(called[0], part_id))]
+            if (part := called[0].part(part_id)) is None:
+                raise NoTargetError(no_such_part(called[0].id, part_id, called[0]).text)
+            return [(called[0], (part,))]
         if len(called) > 1:
             ids = ", ".join(one.id for one in called[:10])
             raise NoTargetError(f"{len(called)} devices are called {target}; give the id of one: {ids}")
@@ -322,13 +325,6 @@ def _numbered(query: Query, devices: list[Device]) -> list[Device]:
 def _called(device: Device) -> set[str]:
     """Return the words of the id and the names of *device*."""
     return set(chain.from_iterable(map(words_of, (device.id, device.name, *device.names))))
-
-
-def _part(device: Device, part_id: str) -> tuple[DevicePart, ...]:
-    if (part := device.part(part_id)) is not None:
-        return (part,)
-    known = ", ".join(one.id for one in device.parts if one.id) or "one part without an id"
-    raise NoTargetError(f"{device.id} has no part {part_id}; it has {known}")
 
 
 def _main_parts(device: Device) -> tuple[DevicePart, ...]:
