@@ -67,7 +67,7 @@ class Timelines:
         else:
             self._entries.move_to_end(place)
         if entry.routes is not part.routes and entry.routes != part.routes:
-            self._follow(place, entry, part)
+            self._follow(entry, part)
         return entry.timeline
 
     def ineffective_routes(self, device: Device) -> tuple[KeyValue, ...]:
@@ -91,8 +91,7 @@ class Timelines:
         """Set the timer of a decided command, and save the profile."""
         entry = self._entries.get(place)
         if entry is not None:
-            self._profiles.save(entry.target, entry.timeline.profile)
-            self._set_timer(place, entry)
+            self._update(entry)
 
     def cause(self, place: PartRef, capability: str, value: PlainValue, stamp: float) -> Attribution | None:
         """Return the cause of the report with that *stamp*; None if no command explains or ended it."""
@@ -114,14 +113,14 @@ class Timelines:
             self._forget_oldest()
         return entry
 
-    def _follow(self, place: PartRef, entry: _TrackedPart, part: DevicePart) -> None:
+    def _follow(self, entry: _TrackedPart, part: DevicePart) -> None:
         entry.stop_watch()
         entry.routes = part.routes
         settings = [one.name for one in part.part.capabilities if one.settable or one.name in SETTABLE]
         entry.relevant = frozenset([other for one in settings for other in related(one)])
-        entry.stop_watch = self._feed.watch(part.routes, partial(self._on_value, place, entry))
+        entry.stop_watch = self._feed.watch(part.routes, partial(self._on_value, entry))
 
-    def _on_value(self, place: PartRef, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float) -> None:
+    def _on_value(self, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float) -> None:
         if capability not in entry.relevant:
             return
         now, timeline = self._clock.monotonic(), entry.timeline
@@ -130,23 +129,21 @@ class Timelines:
             finding = None if fact is None else timeline.cause_of(fact)
             for listener in tuple(entry.listeners):
                 listener(capability, value, finding)
-        if timeline.next_at < entry.timer_at:
-            self._set_timer(place, entry)
-        self._profiles.save(entry.target, timeline.profile)
+        self._update(entry)
 
-    def _set_timer(self, place: PartRef, entry: _TrackedPart) -> None:
+    def _update(self, entry: _TrackedPart) -> None:
+        """Save the profile, and set the timer."""
+        self._profiles.save(entry.target, entry.timeline.profile)
         at = entry.timeline.next_at
-        if at >= entry.timer_at:
-            return
-        self._limits.discard(entry.timer)
-        entry.timer_at = at
-        entry.timer = self._limits.set(max(0.0, at - self._clock.monotonic()), partial(self._advance, place, entry))
+        if at < entry.timer_at:
+            self._limits.discard(entry.timer)
+            entry.timer_at = at
+            entry.timer = self._limits.set(max(0.0, at - self._clock.monotonic()), partial(self._advance, entry))
 
-    def _advance(self, place: PartRef, entry: _TrackedPart) -> None:
+    def _advance(self, entry: _TrackedPart) -> None:
         entry.timer_at = math.inf
         entry.timeline.advance(self._clock.monotonic())
-        self._profiles.save(entry.target, entry.timeline.profile)
-        self._set_timer(place, entry)
+        self._update(entry)
 
     def _forget_oldest(self) -> None:
         for place, entry in self._entries.items():
