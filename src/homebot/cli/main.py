@@ -69,10 +69,7 @@ COMMANDS: Final = {
 
 _OWNER: Final = ("alias", "approve", "forget", "merge", "pair", "place", "split", "trust")
 _MODULES: Final = {
-    "action": "service",
-    "find": "devices",
     "import": "import_thing",
-    "param": "node",
     "release": "leases",
     "restore": "backup",
     "why": "journal",

@@ -1,31 +1,28 @@
-"""``homebot service`` and ``homebot action``."""
+"""``homebot service``: ``list``, ``type``, ``find``, ``call`` and ``install``."""
 
 import argparse
 import json
 import os
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from textwrap import indent
 from typing import Final
 
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, seconds, set_command
-from homebot.cli.door_client import DoorClient, ReceivedMessage, set_door_command
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import (
     add_entity_verbs,
     add_value_arguments,
     check_type,
-    entities,
     response_schema,
     type_of,
     typedefs,
 )
 from homebot.cli.yaml import to_yaml
-from homebot.errors import PeerError, UsageError
-from homebot.names import absolute_name
+from homebot.errors import UsageError
 from homebot.support.printable import printable
 
-__all__ = ["add_action_arguments", "add_arguments", "unit_text"]
+__all__ = ["add_arguments", "unit_text"]
 
 _REQUEST = "/rosapi/service_request_details"
 
@@ -96,19 +93,6 @@ ProtectProc=invisible
 DevicePolicy=closed
 DeviceAllow=char-ttyUSB rw
 DeviceAllow=char-ttyACM rw
-"""
-
-_SUCCEEDED: Final = "SUCCEEDED"
-_STATES: Final = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", _SUCCEEDED, "CANCELED", "ABORTED")
-_CANCEL_WITHIN: Final = 5.0
-
-_ACTION_EXAMPLES = """\
-  homebot action list -t
-  homebot action info /navigate_to_pose
-"""
-_GOAL_EXAMPLES = """\
-  homebot action send_goal /fibonacci '{order: 5}'
-  homebot action send_goal --feedback /fibonacci example_interfaces/action/Fibonacci '{order: 5}'
 """
 
 
@@ -199,64 +183,3 @@ def _install(options: argparse.Namespace) -> int:
 def _quoted(path: str) -> str:
     escaped = path.replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%").replace("$", "$$")
     return f'"{escaped}"'
-
-
-def add_action_arguments(parser: argparse.ArgumentParser) -> None:
-    verbs = add_verbs(parser, _ACTION_EXAMPLES)
-    add_entity_verbs(verbs, "action", "/navigate_to_pose", "nav2_msgs/action/NavigateToPose")
-    command = add_verb(verbs, "info", "show the servers and clients of an action")
-    command.add_argument("action", metavar="ACTION", help="name of the action")
-    set_door_command(command, _info, "  homebot action info /navigate_to_pose\n")
-    command = add_verb(verbs, "send_goal", "send a goal, and wait for its result; Ctrl-C cancels it")
-    add_value_arguments(command, "action", "goal")
-    command.add_argument("-f", "--feedback", action="store_true", help="print the feedback too")
-    set_door_command(command, _send_goal, _GOAL_EXAMPLES, acts=True)
-
-
-def _info(door: DoorClient, options: argparse.Namespace) -> int:
-    name = absolute_name(options.action)
-    print(f"Action: {name} [{type_of(door, 'action', name)}]")
-    for kind in ("action client", "action server"):
-        nodes = [one.node for one in entities(door, kind=kind, name=name)]
-        print(f"{kind.capitalize()}s: {len(nodes)}", *nodes, sep="\n    ")
-    return 0
-
-
-def _send_goal(door: DoorClient, options: argparse.Namespace) -> int:
-    """Send a goal and print its result; return 1 unless it succeeded."""
-    name = absolute_name(options.action)
-    ros_type = type_of(door, "action", name)
-    if isinstance(options.type, dict):  # the type was omitted
-        options.type, options.goal = "", options.type
-    check_type("action", name, ros_type, options.type)
-    _show("Sending goal", options.goal)
-    goal = door.send_goal(name, ros_type, options.goal)
-    try:
-        state = _follow_goal(name, iter(door.next, None), options)
-    except KeyboardInterrupt:
-        print(f"Cancelling the goal; its end is awaited for {_CANCEL_WITHIN:g} s", file=sys.stderr)
-        door.cancel_goal(name, goal)
-        if not _follow_goal(name, door.until(_CANCEL_WITHIN), options):
-            print(f"Goal still executed: {name} has not ended it yet", file=sys.stderr)
-        raise
-    return 0 if state == _SUCCEEDED else 1
-
-
-def _follow_goal(action: str, received: Iterable[ReceivedMessage], options: argparse.Namespace) -> str:
-    """Print what is *received* about a goal; return the state in which it ended, empty if it has not."""
-    for _, frame, _ in received:
-        values = frame.get("values")
-        if not isinstance(values, dict):
-            raise PeerError(f"action {action} failed: {values}")
-        if frame["op"] == "action_result":
-            _show("Result", values)
-            state = _STATES[int(str(frame["status"]))]
-            print(f"Goal finished with status: {state}", file=sys.stdout if state == _SUCCEEDED else sys.stderr)
-            return state
-        if options.feedback:
-            _show("Feedback", values)
-    return ""
-
-
-def _show(title: str, values: Mapping[str, object]) -> None:
-    print(f"{title}:\n{indent(to_yaml(dict(values)), '    ')}", flush=True)
