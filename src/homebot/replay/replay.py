@@ -150,7 +150,7 @@ def replay_config(recording: Recording, apps: Sequence[str] = (), given: Config 
     """Return the configuration of a replay of *recording*.
 
     Args:
-        apps: The apps to run, as for :func:`homebot.replay.replay_apps._app_tables`; by default the recorded ones.
+        apps: The apps to run, as for :func:`_app_tables`; by default the recorded ones.
         given: A configuration: its tables ``[home]``, ``[control]`` and ``[places]``, if present, and ``[discovery]``
         replace those of the recording, and its app tables replace the recorded settings.
 
