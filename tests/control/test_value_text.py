@@ -2,7 +2,7 @@
 
 import pytest
 
-from homebot.control.values import value_text
+from homebot.control.values import fits, value_text
 from homebot.devices.value import PlainValue
 
 
@@ -22,3 +22,18 @@ from homebot.devices.value import PlainValue
 )
 def test_a_value_is_told_as_people_say_it(value: PlainValue, text: str) -> None:
     assert value_text(value) == text
+
+
+@pytest.mark.parametrize(
+    ("wanted", "seen", "is_same"),
+    [
+        ("07:00", "07:00:00", True),
+        ("07:00", "19:00:00", False),
+        ("2021-02-03T04:05+02:00", "2021-02-03T02:05:00+00:00", True),
+        ("2021-02-03T04:05", "2021-02-03T04:05:00+00:00", False),
+        ("hello", "hello", True),
+        ("hello", "07:00", False),
+    ],
+)
+def test_a_moment_in_another_form_is_the_same(wanted: str, seen: str, *, is_same: bool) -> None:
+    assert fits("text", wanted, seen) is is_same

@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
+from datetime import datetime, time
 from types import MappingProxyType
 from typing import Final
 
@@ -79,7 +81,7 @@ def fits(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
         case bool(), bool():
             return wanted is seen
         case str(), str():
-            same = wanted.casefold() == seen.casefold()
+            same = wanted.casefold() == seen.casefold() or (capability == "text" and _is_same_moment(wanted, seen))
             return same or seen.casefold() in _obedience(capability).accepts.get(wanted.casefold(), ())
         case tuple(), tuple():
             return _fits_numbers(capability, wanted, seen)
@@ -110,6 +112,14 @@ def is_intermediate(capability: str, wanted: PlainValue, seen: PlainValue) -> bo
     if isinstance(wanted, str) and isinstance(seen, str):
         return seen.casefold() in _obedience(capability).on_the_way.get(wanted.casefold(), ())
     return isinstance(seen, float) and _obedience(capability).moves
+
+
+def _is_same_moment(wanted: str, seen: str) -> bool:
+    """Return whether both are one moment or time of day in ISO 8601: ``07:00`` is ``07:00:00``."""
+    for kind in (time, datetime):
+        with suppress(ValueError):
+            return kind.fromisoformat(wanted) == kind.fromisoformat(seen)
+    return False
 
 
 def _fits_number(capability: str, wanted: float, seen: float) -> bool:
