@@ -5,7 +5,6 @@ Source: HomeKit Accessory Protocol Specification R2, chapters 8 (services) and 9
 """
 
 import math
-from collections.abc import Callable
 from typing import Final
 
 from homebot.conventions.homekit.accessory import HapService
@@ -25,6 +24,7 @@ _SLACK: Final = 0.05
 
 _USUAL_MIREDS: Final = (50.0, 400.0)
 _FANS: Final = f"{SIMPLE_FAN} {FAN} {PURIFIER}"
+_BLOWERS: Final = f"{_FANS} {HEATER} {HUMIDIFIER}"
 _DIRECTIONS: Final = {0: "forward", 1: "reverse"}
 _PLAYBACKS: Final = {0: "playing", 1: "paused", 2: "stopped", 4: "buffering"}
 _FAN_MODES: Final = {0: "manual", 1: "auto"}
@@ -86,23 +86,22 @@ def _read_speed(service: HapService) -> PlainValue:
     return percent if percent is not None and 0 <= percent <= 100 else None
 
 
-def _writer(kind: str) -> Callable[[HapService, Command], Writes]:
-    """Return what sets a percentage, by which 0 turns off, and another one on."""
+def _write_level(service: HapService, command: Command) -> Writes:
+    percent, least = command.value.number, service.characteristics[BRIGHTNESS].step or 1.0
+    return {BRIGHTNESS: max(least, percent), ON: 1} if percent else {ON: 0}
 
-    def write(service: HapService, command: Command) -> Writes:
-        if command.value.number == 0:
-            return {_switch_of(service): 0}
-        percent = command.value.number
-        amount = _speed(service, percent) if kind == SPEED else max(service.characteristics[kind].step or 1.0, percent)
-        return {kind: amount, _switch_of(service): 1}
 
-    return write
+def _write_speed(service: HapService, command: Command) -> Writes:
+    """Set a speed: 0 turns a fan off, and another one on; a heater heats on at any."""
+    percent, is_fan = command.value.number, service.type in _FANS.split()
+    speed = {SPEED: _speed(service, percent)} if percent or not is_fan else {}
+    return speed | ({_switch_of(service): float(percent > 0)} if is_fan else {})
 
 
 POWER_ROWS: Final = (
     ServiceRow(f"{LIGHT} {SWITCH} {OUTLET} {SIMPLE_FAN}", "on_off", ON, ON),
     ServiceRow(f"{FAN} {PURIFIER} {TELEVISION}", "on_off", ACTIVE, ACTIVE),
-    ServiceRow(LIGHT, "level", BRIGHTNESS, BRIGHTNESS, write=_writer(BRIGHTNESS)),
+    ServiceRow(LIGHT, "level", BRIGHTNESS, BRIGHTNESS, write=_write_level),
     ServiceRow(
         LIGHT,
         "color_temperature",
@@ -114,15 +113,7 @@ POWER_ROWS: Final = (
     ),
     ServiceRow(LIGHT, "color", f"{HUE} {SATURATION}", HUE, None, _read_color, _write_color),
     ServiceRow(OUTLET, "plugged_in", "26"),
-    ServiceRow(_FANS, "fan_speed", f"{SPEED} {ON} {ACTIVE}", SPEED, None, _read_speed, _writer(SPEED)),
-    ServiceRow(
-        f"{HEATER} {HUMIDIFIER}",
-        "fan_speed",
-        SPEED,
-        SPEED,
-        read=_read_speed,
-        write=lambda service, command: {SPEED: _speed(service, command.value.number)},
-    ),
+    ServiceRow(_BLOWERS, "fan_speed", f"{SPEED} {ON} {ACTIVE}", SPEED, None, _read_speed, _write_speed),
     ServiceRow(f"{FAN} {THERMOSTAT}", "fan_mode", "BF", "BF", _FAN_MODES),
     ServiceRow(PURIFIER, "fan_mode", "A8", "A8", _FAN_MODES),
     ServiceRow(f"{_FANS} {HEATER}", "oscillation", "B6", "B6"),
