@@ -10,7 +10,7 @@ from pydantic import AliasChoices, BaseModel, ConfigDict, Field
 from homebot.config import load_config, parse_settings
 from homebot.errors import ConfigError
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
-from homebot.history import HistorySettings
+from homebot.history.settings import HistorySettings
 
 
 @pytest.fixture

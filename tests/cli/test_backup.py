@@ -23,8 +23,8 @@ from homebot.discovery.record import Records
 from homebot.discovery.store import IndexFile, index_path
 from homebot.errors import LinkError
 from homebot.graph import Graph, Node
-from homebot.history import KeepSettings
 from homebot.history.history_file import HistoryFile
+from homebot.history.settings import KeepSettings
 from homebot.runtime.kept_files import serve_copies
 from homebot.support.sqlite_file import SqliteFile
 

@@ -8,7 +8,7 @@ from hypothesis.strategies import DrawFn
 
 from homebot.house.rooms import DAY, OUTSIDE
 from homebot.testing.day_event import write_time
-from homebot.testing.strategies.devices import several
+from homebot.testing.strategies.choices import several
 
 __all__ = ["random_people"]
 

@@ -6,7 +6,8 @@ from contextlib import suppress
 from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.conventions.cbor import decode_cbor, encode_cbor
-from homebot.conventions.coap.endpoint import endpoint_of_link, parse_links
+from homebot.conventions.coap.endpoint import endpoint_of_link
+from homebot.conventions.coap.link_format import parse_links
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.coap.session import COAP_BINDING
 from homebot.wot.classify import parts_of

@@ -25,8 +25,8 @@ from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway
 from homebot.graph import Graph, Node
-from homebot.history import HistorySettings
 from homebot.history.history import HistoryKeeper
+from homebot.history.settings import HistorySettings
 from homebot.messages import Time
 
 MIDNIGHT = 1_767_225_600.0

@@ -8,18 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.errors import WireError
+from homebot.history.buckets import FIVE_MINUTES, HOUR, buckets_of, combined, wider
 from homebot.history.codec import (
-    FIVE_MINUTES,
-    HOUR,
-    buckets_of,
-    combined,
     decode_batch,
     decode_buckets,
     decode_values,
     encode_batch,
     encode_buckets,
     encode_values,
-    wider,
 )
 
 START = 490_000 * HOUR

@@ -8,8 +8,8 @@ import pytest
 from anyio import to_thread
 from tests.history.conftest import MIDNIGHT, MakeHouse
 
-from homebot.history import KeepSettings
 from homebot.history.history_file import HistoryFile
+from homebot.history.settings import KeepSettings
 from homebot.support.sqlite_file import SqliteFile
 
 pytestmark = pytest.mark.virtual_time

@@ -12,11 +12,11 @@ from tests.history.conftest import MIDNIGHT, MakeHouse
 from homebot.clock import LoopClock
 from homebot.devices.health import HealthRequest
 from homebot.graph import Graph, Node
-from homebot.history import HistorySettings, KeepSettings
-from homebot.history.codec import Batch, Series
+from homebot.history.batch import Batch, Series
 from homebot.history.collector import MOST_WAITING, Collector
 from homebot.history.history import HistoryKeeper
 from homebot.history.history_file import HistoryFile, HistoryStore
+from homebot.history.settings import HistorySettings, KeepSettings
 
 HOUR = 3_600_000
 START = round(MIDNIGHT * 1000)

@@ -9,7 +9,8 @@ from homebot.house.description import parse_world
 from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
 from homebot.house.robot import Robot
 from homebot.house.rooms import Room, Rooms
-from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor, SimulatedTag
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.tag import SimulatedTag
 from homebot.places.rigid import MapPose
 
 

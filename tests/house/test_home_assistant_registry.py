@@ -23,7 +23,7 @@ from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.dialects.wire import hardware_address
 from homebot.house.homeassistant import ServedEntity, SimulatedHomeAssistant
 from homebot.house.homeassistant.server import Fields
-from homebot.house.homekit import ID as PAIRING_ID
+from homebot.house.homekit.bridge import ID as PAIRING_ID
 from homebot.house.hue.resources import radio_address, resource_uuid
 
 pytestmark = pytest.mark.slow

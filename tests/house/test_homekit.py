@@ -12,7 +12,7 @@ from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed
 from homebot.devices.value import PlainValue
 from homebot.house.dialect import DeviceState
-from homebot.house.homekit import SERVICES, VALUES, orders_of
+from homebot.house.homekit.bridge import SERVICES, VALUES, orders_of
 
 
 @pytest.mark.slow

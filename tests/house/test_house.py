@@ -21,8 +21,9 @@ from homebot.errors import UsageError
 from homebot.house import SimulatedHouse, SimulatedLamp, WindowMotor, World
 from homebot.house.description import parse_world
 from homebot.house.devices import SimulatedDoorLock
-from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo, ThesisDialect
+from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects import DIALECTS
+from homebot.house.dialects.thesis import ThesisDialect
 from homebot.house.faults import Chatterbox, Unplugged
 from homebot.house.mqtt_device import QUEUED
 from homebot.house.rooms import DAY, Room, Rooms

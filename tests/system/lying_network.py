@@ -10,7 +10,7 @@ from tests.gateways.served import served
 from tests.things.directory import ThingDirectoryServer
 from tests.things.thing import ServedThing
 
-from homebot.conventions.coap.endpoint import WebLink, format_links
+from homebot.conventions.coap.link_format import WebLink, format_links
 from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.wot.parse import CONTEXT

@@ -236,11 +236,11 @@ class DeviceRequest(NamedTuple):
 AnnouncementEvent: TypeAlias = DeviceAnnounced | DeviceWithdrawn | DeviceRequest
 
 
-_MOST_WORK: Final = 30_000
+MOST_WORK: Final = 30_000
 """Steps of all readers of a message, beside those that each has for itself; a step is about a microsecond."""
 
 work_left: Final = ContextVar[int | None]("work_left", default=None)
 """The steps that are left for the message that this task reads; None if it reads none."""
 
-begin_message: Final[Callable[[], object]] = partial(work_left.set, _MOST_WORK)
-"""Let the readers of the next message, in this task, have 30,000 steps to share."""
+begin_message: Final[Callable[[], object]] = partial(work_left.set, MOST_WORK)
+"""Let the readers of the next message, in this task, have :data:`MOST_WORK` to share."""

@@ -9,8 +9,9 @@ from functools import partial
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.command_values import require_number, require_true
+from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, quantity_of
 from homebot.conventions.payload import clean_text, shown
-from homebot.conventions.units import CLOSURE_CLASSES, Quantity, condition_of, quantity_of
+from homebot.conventions.units import Quantity
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError

@@ -1,15 +1,20 @@
 """Collection of the values of all devices, for the next batch."""
 
-from collections.abc import Mapping
-from typing import Final, final
+from __future__ import annotations
 
-from homebot.clock import Clock
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Final, final
+
 from homebot.devices.capabilities import CAPABILITIES, OWN
-from homebot.devices.device import Device, DeviceChange, StateChange
 from homebot.devices.house_view import HouseWatcher
-from homebot.devices.value import PlainValue
-from homebot.history.codec import COUNTERS, Batch, Place, Series, StateRow, StoredState
-from homebot.history.reading import MASK
+from homebot.history.batch import Batch, Place, Series, StateRow, StoredState
+from homebot.history.buckets import COUNTERS
+from homebot.history.sealing import MASK
+
+if TYPE_CHECKING:
+    from homebot.clock import Clock
+    from homebot.devices.device import Device, DeviceChange, StateChange
+    from homebot.devices.value import PlainValue
 
 __all__ = ["Collector"]
 

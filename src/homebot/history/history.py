@@ -14,10 +14,10 @@ from homebot.devices.history_messages import ReadEnergy, ReadHistory
 from homebot.devices.house_view import HouseView
 from homebot.devices.names import READ_ENERGY, READ_HISTORY
 from homebot.graph import Graph, Node
-from homebot.history import HistorySettings
 from homebot.history.collector import Collector
 from homebot.history.history_file import HistoryStore
 from homebot.history.history_service import HistoryService
+from homebot.history.settings import HistorySettings
 from homebot.support.isolation import run_as
 
 __all__ = ["HISTORY_FILE", "HistoryKeeper", "keep_history"]

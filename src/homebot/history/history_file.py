@@ -15,20 +15,13 @@ from anyio import to_thread
 
 from homebot.errors import HomebotError, LinkError
 from homebot.graph import Node
-from homebot.history import HistorySettings, KeepSettings
-from homebot.history.codec import COUNTERS, HOUR, Batch, Place, Series, decode_values, encode_batch
+from homebot.history.batch import Batch, Place, Series
+from homebot.history.buckets import COUNTERS, HOUR
+from homebot.history.codec import decode_values, encode_batch
 from homebot.history.collector import Collector
-from homebot.history.reading import (
-    BITS,
-    HOURS,
-    MASK,
-    HistoryReader,
-    key_of,
-    points_of,
-    read_recent,
-    seal_day,
-    seal_hours,
-)
+from homebot.history.reading import HistoryReader
+from homebot.history.sealing import BITS, HOURS, MASK, key_of, points_of, read_recent, seal_day, seal_hours
+from homebot.history.settings import HistorySettings, KeepSettings
 from homebot.log import LogLimit
 from homebot.support.kept_file import KeptFile
 from homebot.support.sqlite_file import IN_MEMORY, SqliteFile, SqliteSchema

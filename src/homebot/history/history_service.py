@@ -18,7 +18,8 @@ from homebot.devices.query.term_messages import QueryTerm
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.errors import LinkError, ServiceError
 from homebot.graph import Node
-from homebot.history.codec import COUNTERS, Series
+from homebot.history.batch import Series
+from homebot.history.buckets import COUNTERS
 from homebot.history.collector import Collector
 from homebot.history.history_file import HistoryStore
 from homebot.history.reading import HistoryReader, Numbers, Span, StoredStates

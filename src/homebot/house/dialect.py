@@ -15,16 +15,7 @@ from homebot.house.devices import SimulatedLamp, SimulatedThermostat, WindowMoto
 from homebot.house.sensors import PowerMeter
 from homebot.house.simulated_device import SimulatedDevice, number
 
-__all__ = [
-    "Bridge",
-    "BridgeDialect",
-    "DeviceState",
-    "Dialect",
-    "OutgoingMessage",
-    "SimulatedDeviceInfo",
-    "ThesisDialect",
-    "state_of",
-]
+__all__ = ["Bridge", "BridgeDialect", "DeviceState", "Dialect", "OutgoingMessage", "SimulatedDeviceInfo", "state_of"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -225,29 +216,3 @@ class BridgeDialect(Dialect):
         """Return nothing."""
         del device, state
         return ()
-
-
-class ThesisDialect(Dialect):
-    """Every kind of device; the layout announces none."""
-
-    kinds = frozenset(
-        {"lamp", "window", "cover", "lock", "contact", "motion", "lux", "power_meter", "thermostat", "robot", "tag"}
-    )
-    """The kinds of :data:`homebot.house.kinds.KINDS`, which is loaded for described houses only."""
-
-    def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
-        """Return its ``in``."""
-        return (f"{_base(device)}/in",)
-
-    def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
-        """Return the report on its ``out``; characters beyond Unicode become ``?``."""
-        return (OutgoingMessage(f"{_base(device)}/out", state.text.encode(errors="replace")),)
-
-    def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
-        """Return the payload as text; invalid UTF-8 becomes U+FFFD."""
-        del device, topic
-        return (payload.decode(errors="replace"),)
-
-
-def _base(device: SimulatedDeviceInfo) -> str:
-    return f"{device.home}/{device.service_type}/{device.device_id}"

@@ -14,8 +14,9 @@ from homebot.house import faults
 from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
 from homebot.house.robot import Robot
 from homebot.house.rooms import Rooms
-from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor, SimulatedTag
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
+from homebot.house.tag import SimulatedTag
 from homebot.units import DURATION, Seconds
 
 __all__ = ["FAULTS", "KINDS", "FaultSettings", "KindSettings", "Surroundings"]

@@ -1,4 +1,4 @@
-"""Sensors: they take no command and report inputs from the world. Also tags, which report that they are read."""
+"""Sensors: they take no command and report inputs from the world."""
 
 from dataclasses import dataclass, field
 from typing import ClassVar, Final
@@ -6,7 +6,7 @@ from typing import ClassVar, Final
 from homebot.house.simulated_device import SimulatedDevice, number_text
 from homebot.support.numbers import to_number
 
-__all__ = ["AWAY", "LuxSensor", "MotionSensor", "PowerMeter", "SimulatedContactSensor", "SimulatedTag"]
+__all__ = ["LuxSensor", "MotionSensor", "PowerMeter", "SimulatedContactSensor"]
 
 _MEASURE: Final = "measure"
 _STAYS: Final = "motion stays"
@@ -195,54 +195,3 @@ class PowerMeter(_MeasuringSensor):
             return ()
         self.total = value
         return (self.state(),)
-
-
-AWAY: Final = "away"
-
-
-@dataclass(eq=False)
-class SimulatedTag(SimulatedDevice):
-    """A tag: ``tap`` holds it to a reader, which reads its text, for a while; then it is ``away`` again.
-
-    Attributes:
-        text: The text on it: the id or the name of a device; by default its own name.
-        hold: Seconds at the reader, above 0.
-        every: Seconds between automatic taps; 0 for none.
-    """
-
-    kind: ClassVar[str] = "tag"
-    by_hand = ("tap",)
-    text: str = ""
-    hold: float = 2.0
-    every: float = 0.0
-    service_type: str = field(default="tags", kw_only=True)
-
-    def __post_init__(self) -> None:
-        self.text = self.text or self.device_id
-        self._leaves_at: float | None = None
-        self._tapped_at = self.now
-
-    def state(self) -> str:
-        """Return the text while it is at the reader, else ``away``."""
-        return AWAY if self._leaves_at is None else self.text
-
-    def next_event(self) -> float | None:
-        """Return when it leaves the reader, or is next tapped automatically."""
-        if self._leaves_at is not None:
-            return self._leaves_at
-        return self._tapped_at + max(self.every, self.hold) if self.every else None
-
-    def _obey(self, command: str) -> tuple[str, ...]:
-        return self._tap() if command == "tap" else ()
-
-    def _on_timer(self) -> tuple[str, ...]:
-        if self._leaves_at is None:
-            return self._tap()
-        self._leaves_at = None
-        return (AWAY,)
-
-    def _tap(self) -> tuple[str, ...]:
-        is_there = self._leaves_at is not None
-        self._tapped_at = self.now
-        self._leaves_at = self.now + self.hold
-        return () if is_there else (self.text,)

@@ -4,16 +4,14 @@ The same recording with the same apps and settings gives the same commands if an
 house and its clock, and not on the network, files, chance, or the time of the computer.
 """
 
-import json
 import tomllib
 from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from random import Random
-from typing import ClassVar, Final, final
+from typing import ClassVar, final
 
 import anyio
 
-from homebot.apps import App
 from homebot.clock import LoopClock
 from homebot.config import UNNAMED, Config, Table, parse_config
 from homebot.control.command import IssuedCommand
@@ -28,103 +26,15 @@ from homebot.discovery.ids import Tombstone
 from homebot.discovery.record import read_entry, read_tombstone, tombstone_record
 from homebot.errors import UsageError, WireError
 from homebot.graph import Node
-from homebot.names import snake_case
-from homebot.plugins import installed_plugin, is_file, load_plugin, name_in_file
-from homebot.recording.lines import CommandNews, RecordedApp, RecordedCommand
+from homebot.recording.lines import CommandNews, RecordedCommand
 from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.command_diff import CommandMatcher
+from homebot.replay.replay_apps import app_tables, as_table, recorded_table
 from homebot.replay.replay_gateway import ReplayFeed
 from homebot.replay.replay_people import ReplayPeople
 from homebot.runtime import Runtime
 
 __all__ = ["Replayed", "replay", "replay_config"]
-
-_APPS: Final = "homebot.apps"
-_SHOWN: Final = 60
-_MOST_SHOWN: Final = 3
-
-
-def _app_tables(recorded: Iterable[RecordedApp], wanted: Sequence[str], given: dict[str, Table]) -> dict[str, Table]:
-    """Return the tables ``[apps.NAME]`` of a replay.
-
-    Args:
-        recorded: The apps of the recording; only installed plug-ins are loaded, because a recording must not run other
-        code.
-        wanted: The apps to run: plug-ins, ``module:Class``, or Python files; empty for those of the recording. An app
-        with the class name of a recorded one replaces it, and gets its name and settings.
-        given: Tables of a configuration, which take precedence over the recorded settings.
-
-    Raises:
-        UsageError: An app cannot be found, or the recording is damaged.
-    """
-    known = tuple(recorded)
-    if wanted:
-        tables = _tables_of(wanted, known)
-    else:
-        _check_installed(known)
-        tables = {one.name: _settings(one) | {"class": one.kind} for one in known}
-    return {name: table | given.get(name, {}) | {"class": table["class"]} for name, table in tables.items()}
-
-
-def _tables_of(wanted: Iterable[str], known: Iterable[RecordedApp]) -> dict[str, Table]:
-    classes: list[type[object]] = [
-        load_plugin(_APPS, name_in_file(text, App) if is_file(text) else text) for text in wanted
-    ]
-    kinds = {_kind_of(one) for one in classes}
-    tables: dict[str, Table] = {}
-    for one in classes:
-        same = [app for app in known if app.kind == _kind_of(one)]
-        tables |= _in_place(one, same or [app for app in known if app.kind not in kinds])
-    return tables
-
-
-def _check_installed(recorded: Iterable[RecordedApp]) -> None:
-    others = [one for one in recorded if installed_plugin(_APPS, one.kind) is None]
-    if others:
-        named = ", ".join(f"{one.name} ({one.kind[:_SHOWN]})" for one in others[:_MOST_SHOWN])
-        raise UsageError(
-            f"the recording names apps that are not installed, and a replay runs no code that only a recording names: "
-            f"{named}; name each app to run, such as --app FILE.py"
-        )
-
-
-def _kind_of(app: type[object]) -> str:
-    return f"{app.__module__}:{app.__qualname__}"
-
-
-def _in_place(app: type[object], recorded: Iterable[RecordedApp]) -> dict[str, Table]:
-    """Return the tables of *app* in place of *recorded* ones with its class name; if there are none, its own."""
-    same = [one for one in recorded if one.kind.rpartition(":")[2] == app.__qualname__]
-    if len(kinds := sorted({one.kind for one in same})) > 1:
-        named = " or ".join(kind[:_SHOWN] for kind in kinds[:_MOST_SHOWN])
-        raise UsageError(f"{_kind_of(app)} may replace {named}: give its file the name of the one that it replaces")
-    if same:
-        return {one.name: _settings(one) | {"class": _kind_of(app)} for one in same}
-    return {snake_case(app.__name__): {"class": _kind_of(app)}}
-
-
-def _settings(app: RecordedApp) -> Table:
-    return _recorded_table(app.settings, f"table [apps.{app.name}]")
-
-
-def _recorded_table(text: str, what: str) -> Table:
-    """Return the table in *text*, a JSON object.
-
-    Raises:
-        UsageError: It is not an object; the recording is damaged.
-    """
-    try:
-        return _as_table(json.loads(text), what)
-    except (ValueError, RecursionError) as exc:
-        raise UsageError(f"the {what} in the recording is not JSON") from exc
-
-
-def _as_table(found: object, what: str) -> Table:
-    """Return *found* as a table; errors as for :func:`_recorded_table`."""
-    if not isinstance(found, dict):
-        raise UsageError(f"the {what} in the recording is not a table")
-    return {**found}
-
 
 _GATEWAY = "homebot.replay.replay_gateway:ReplayGateway"
 
@@ -150,7 +60,7 @@ def replay_config(recording: Recording, apps: Sequence[str] = (), given: Config 
     """Return the configuration of a replay of *recording*.
 
     Args:
-        apps: The apps to run, as for :func:`_app_tables`; by default the recorded ones.
+        apps: The apps to run, as for :func:`homebot.replay.replay_apps.app_tables`; by default the recorded ones.
         given: A configuration: its tables ``[home]``, ``[control]`` and ``[places]``, if present, and ``[discovery]``
         replace those of the recording, and its app tables replace the recorded settings.
 
@@ -162,10 +72,10 @@ def replay_config(recording: Recording, apps: Sequence[str] = (), given: Config 
     given_home = base.home.model_dump(exclude_unset=True)
     return parse_config(
         {
-            "home": _recorded_table(header.home_table, "table [home]") | given_home | {"name": header.home or UNNAMED},
+            "home": recorded_table(header.home_table, "table [home]") | given_home | {"name": header.home or UNNAMED},
             "gateways": {name: {"class": _GATEWAY} for name in recording.gateways},
-            "apps": _app_tables(header.apps, apps, dict(base.apps)),
-            "control": base.control or _recorded_table(header.control, "table [control]"),
+            "apps": app_tables(header.apps, apps, dict(base.apps)),
+            "control": base.control or recorded_table(header.control, "table [control]"),
             "places": base.places or _places(header.places),
             "discovery": {key: value for key, value in base.discovery.items() if key != "prefer"},  # nothing is sent
         },
@@ -239,7 +149,7 @@ def _places(text: str) -> Table:
         found = tomllib.loads(text).get("places", {})
     except (ValueError, RecursionError) as exc:
         raise UsageError(f"the table [places] in the recording is not TOML: {exc}") from exc
-    return _as_table(found, "table [places]")
+    return as_table(found, "table [places]")
 
 
 @final

@@ -20,7 +20,7 @@ from homebot.config import Config, Table
 from homebot.errors import ConfigError, PluginError
 from homebot.names import snake_case
 from homebot.plugins import file_and_class, is_file
-from homebot.runtime.door_table import scope_of
+from homebot.runtime.grants import scope_of
 from homebot.runtime.plan import APPS, PlannedComponent, planned_app
 
 __all__ = ["AppPlanner", "FreshCode", "source_of"]

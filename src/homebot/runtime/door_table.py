@@ -1,6 +1,6 @@
-"""Rights in the configuration: the table ``[door]``, access tokens from files, and the key ``act`` of other tables."""
+"""The table ``[door]``, and the access tokens of servers, read from the files that contain them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -8,14 +8,12 @@ from pydantic import BaseModel, ConfigDict, SecretStr, ValidationError
 
 from homebot.bridges.admission import AccessSettings
 from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
-from homebot.config import Config, FilePath, Table, parse_settings
-from homebot.devices.client_rights import read_scope
-from homebot.devices.names import THING_DIRECTORY_NODE
+from homebot.config import Config, FilePath, parse_settings
 from homebot.errors import ConfigError, UsageError
 from homebot.support.addresses import is_loopback
 from homebot.support.file_access import read_secret
 
-__all__ = ["ACT", "DoorTable", "grants_of", "read_access", "read_door", "scope_of", "without_act"]
+__all__ = ["DoorTable", "read_access", "read_door"]
 
 
 class DoorTable(DoorSettings):
@@ -105,46 +103,3 @@ def _secret(token_file: Path, source: str, key: str) -> SecretStr:
         return SecretStr(read_secret(token_file))
     except UsageError as exc:
         raise ConfigError(source, f"{key}.token_file", str(exc)) from exc
-
-
-ACT = "act"
-"""The key for the devices that an app, or a client of the directory of things, may command, and for whether a gateway
-sends commands at all."""
-
-
-def grants_of(config: Config) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield each node that has grants, with its grants.
-
-    Raises:
-        ConfigError: The grants of a table are wrong.
-    """
-    tables = {f"/{name}": (f"apps.{name}", table) for name, table in config.apps.items()}
-    if config.thing_directory is not None:
-        tables[THING_DIRECTORY_NODE] = ("thing_directory", config.thing_directory)
-    for node, (key, table) in tables.items():
-        if (scope := scope_of(key, table, config)) is not None:
-            yield node, scope
-
-
-def scope_of(key: str, table: Table, config: Config) -> tuple[str, ...] | None:
-    """Return the grants of the table *key*; None if it has none.
-
-    Raises:
-        ConfigError: They are wrong.
-    """
-    if (act := table.get(ACT)) is None:
-        return None
-    key, queries = f"{key}.{ACT}", [act] if isinstance(act, str) else act
-    if not isinstance(queries, list) or not all(isinstance(one, str) for one in queries):
-        raise ConfigError(config.source, key, f"must be a query such as 'light in hall', or several, got {act!r}")
-    scope = tuple(f"act: {one}" for one in queries) or ("read",)
-    try:
-        read_scope(scope)
-    except UsageError as exc:
-        raise ConfigError(config.source, key, str(exc)) from exc
-    return scope
-
-
-def without_act(table: Table) -> Table:
-    """Return *table* without the key."""
-    return {key: value for key, value in table.items() if key != ACT}

@@ -15,7 +15,7 @@ from homebot.graph.qos import QoSLike
 from homebot.graph.service import Handler
 from homebot.graph.subscription import Callback, Expiring
 from homebot.messages.message import Message, ServiceType
-from homebot.runtime.door_table import ACT
+from homebot.runtime.grants import ACT
 
 __all__ = ["DryRun", "MutedNode", "observing"]
 

@@ -14,7 +14,6 @@ import homebot.control
 import homebot.places
 from homebot.apps import App
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.bridges.thing_directory import DirectoryBridgeSettings, ThingDirectoryTable
 from homebot.config import Config, HomeSettings, Table, parse_settings
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
@@ -22,15 +21,17 @@ from homebot.gateways import Gateway
 from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
-from homebot.runtime.door_table import grants_of, read_access, read_door, scope_of, without_act
+from homebot.runtime.door_table import read_access, read_door
+from homebot.runtime.grants import grants_of, scope_of, without_act
 from homebot.runtime.settings_parameters import declare_settings
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.apps.notifier import NotifySettings
+    from homebot.bridges.thing_directory import DirectoryBridgeSettings
     from homebot.control import ControlSettings
     from homebot.devices.robot_owners import RobotOwners
-    from homebot.history import HistorySettings
+    from homebot.history.settings import HistorySettings
     from homebot.messages import Interfaces
     from homebot.robots.settings import RobotSettings
 
@@ -242,11 +243,15 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
     key = "thing_directory"
     if config.thing_directory is None:
         return None
+    from homebot.bridges.thing_directory import settings  # noqa: PLC0415 - only with the table
+
     scope_of(key, config.thing_directory, config)
     own = without_act(config.thing_directory)
-    given = parse_settings(ThingDirectoryTable, own, config.source, key, config.folder)
+    given = parse_settings(settings.ThingDirectoryTable, own, config.source, key, config.folder)
     _check_extra(config.source, key, "the directory of things", "mdns", "aiohttp")
-    return DirectoryBridgeSettings(**read_access(given, given.token_file, config.source, key, "HOMEBOT_THINGS_TOKEN"))
+    return settings.DirectoryBridgeSettings(
+        **read_access(given, given.token_file, config.source, key, "HOMEBOT_THINGS_TOKEN")
+    )
 
 
 def _check_extra(source: str, key: str, *needed: str) -> None:
@@ -294,7 +299,7 @@ def _robots(config: Config) -> Mapping[str, RobotSettings]:
 def _history(config: Config) -> HistorySettings | None:
     if config.history is None:
         return None
-    from homebot.history import HistorySettings  # noqa: PLC0415 - only with the table
+    from homebot.history.settings import HistorySettings  # noqa: PLC0415 - only with the table
 
     return parse_settings(HistorySettings, config.history, config.source, "history", config.folder)
 

@@ -13,7 +13,7 @@ from homebot.control.settings import PolicySettings
 from homebot.devices.client_rights import ALL_ROBOTS, read_scope
 from homebot.discovery import Directory
 from homebot.errors import UsageError
-from homebot.runtime.door_table import ACT
+from homebot.runtime.grants import ACT
 from homebot.runtime.plan import Plan
 from homebot.support.logger import get_logger
 

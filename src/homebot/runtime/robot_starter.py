@@ -1,16 +1,21 @@
 """The tracker of robots, started if there is a robot."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from functools import partial
+from typing import TYPE_CHECKING
 
 from anyio.abc import TaskStatus
 
 from homebot.devices.names import POSE_TOPICS
 from homebot.graph import EntityKind, Graph, Node
-from homebot.graph.endpoint import EndpointInfo
 from homebot.places import HousePlan
 from homebot.runtime.plan import Plan
 from homebot.support.isolation import run_as
+
+if TYPE_CHECKING:
+    from homebot.graph.endpoint import EndpointInfo
 
 __all__ = ["track_robots"]
 

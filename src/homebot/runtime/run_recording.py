@@ -19,7 +19,7 @@ from homebot.places import HousePlan, places_text
 from homebot.recording.lines import FORMAT, RecordedApp, RecordingHeader
 from homebot.recording.secrets import public_settings
 from homebot.recording.session import record_for_client
-from homebot.runtime.door_table import ACT
+from homebot.runtime.grants import ACT
 from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.isolation import run_as
 from homebot.version import __version__

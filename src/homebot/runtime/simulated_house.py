@@ -13,7 +13,6 @@ from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import Graph, Node
 from homebot.house import SimulatedHouse, World
 from homebot.house.dialect import SimulatedDeviceInfo
-from homebot.house.dialects.wire import hardware_address
 from homebot.house.faults import unwrap
 from homebot.house.network import HouseNetwork
 from homebot.house.rooms import DOOR_WIDTH
@@ -159,6 +158,8 @@ def identifiers(placed: Placed, home: str) -> tuple[str, ...]:
     name, kind = placed.device.device_id, placed.device.service_type
     if placed.dialect == _THESIS:
         return (f"{kind}/{name}",)
+    from homebot.house.dialects.wire import hardware_address  # noqa: PLC0415 - the thesis's devices have none
+
     address = hardware_address(SimulatedDeviceInfo(home, "", name, kind, placed.room))
     return (name, f"mac:{address}")
 

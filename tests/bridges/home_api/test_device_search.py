@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from homebot.bridges.home_api.answers import meant_device
+from homebot.bridges.home_api.device_search import meant_device
 from homebot.devices import Device
 from homebot.devices.services import FindDevicesResponse
 from homebot.messages.builtin_interfaces import Time

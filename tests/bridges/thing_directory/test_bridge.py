@@ -14,8 +14,8 @@ from tests.bridges.thing_directory.conftest import LAMP, OWNER, OpenHouse, Serve
 from tests.patience import PATIENCE
 from yarl import URL
 
-from homebot.bridges.thing_directory import DirectoryBridgeSettings
 from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge
+from homebot.bridges.thing_directory.settings import DirectoryBridgeSettings
 from homebot.config import parse_config
 from homebot.control import Control, ControlSettings
 from homebot.devices.health import HealthRequest

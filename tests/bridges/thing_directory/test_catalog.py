@@ -6,7 +6,7 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.bridges.thing_directory.documents import MAX_CHANGE_BYTES, MAX_CHANGES, ThingCatalog, merge_patch
+from homebot.bridges.thing_directory.catalog import MAX_CHANGE_BYTES, MAX_CHANGES, ThingCatalog, merge_patch
 
 JSON = st.recursive(
     st.booleans() | st.integers() | st.text(max_size=5),

@@ -3,8 +3,8 @@
 import anyio
 import pytest
 
-from homebot.bridges.thing_directory.bridge import EventFeed
-from homebot.bridges.thing_directory.documents import MAX_CHANGES, ThingCatalog
+from homebot.bridges.thing_directory.catalog import MAX_CHANGES, ThingCatalog
+from homebot.bridges.thing_directory.event_feed import EventFeed
 from homebot.wot.thing import THING_CHANGES
 
 pytestmark = pytest.mark.virtual_time

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.conventions.coap.endpoint import WebLink, parse_links
+from homebot.conventions.coap.link_format import WebLink, parse_links
 from homebot.conventions.coap.registry import MAX_LINKS_OF_ONE, MAX_PER_HOST, MAX_REGISTRATIONS, DirectoryRegistry
 from homebot.errors import RefusedError, WireError
 

@@ -3,7 +3,7 @@ import json
 import pytest
 
 from homebot.conventions.homie.model import HomieDevice, Range
-from homebot.conventions.homie.reader import parse_document
+from homebot.conventions.homie.version5 import parse_document
 from homebot.errors import WireError
 
 GOOD = {"datatype": "integer", "format": "0:100:5", "unit": "%", "settable": True, "retained": False, "name": "Dim"}

@@ -10,7 +10,7 @@ import pytest
 import structlog
 
 from homebot.clock import Clock, LoopClock
-from homebot.conventions.coap.endpoint import parse_links
+from homebot.conventions.coap.link_format import parse_links
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError, RefusedError, UnableError, WireError

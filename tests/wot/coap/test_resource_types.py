@@ -2,7 +2,7 @@
 
 import pytest
 
-from homebot.conventions.coap.endpoint import parse_links
+from homebot.conventions.coap.link_format import parse_links
 from homebot.gateways.coap.session import COAP_BINDING
 from homebot.wot.binding import ClassifiedPart
 from homebot.wot.classify import parts_of

@@ -1,27 +1,21 @@
-"""Answers to the questions of agents and scripts, in as few words as an agent needs, and the device that is meant."""
+"""Answers to the questions of agents and scripts, in as few words as an agent needs."""
+
+from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from http import HTTPStatus
-from typing import Final, NamedTuple, Protocol, cast
+from typing import TYPE_CHECKING, Final, cast
 
 from homebot.bridges.home_api import shapes
+from homebot.bridges.home_api.device_search import HomeCalls, all_listed, listed, meant_device
 from homebot.bridges.home_api.shapes import ProblemError
-from homebot.devices import Device, names
-from homebot.devices.approval_messages import UnapprovedResponse
+from homebot.devices import names
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.client_rights import CLIENT_RIGHTS
-from homebot.devices.command_messages import CommandDevicesResponse
-from homebot.devices.history_messages import HistorySeries, ReadHistoryResponse
-from homebot.devices.journal_messages import ExplainDeviceResponse, ExplainMissingStateResponse
-from homebot.devices.names import FIND_DEVICES, LIST_DEVICES
 from homebot.devices.outcomes import Evidence
-from homebot.devices.query.parse import parse_query
-from homebot.devices.query.term_messages import query_terms
-from homebot.devices.query.terms import FactIs, NameIs, Or
 from homebot.devices.query.tokens import quoted
-from homebot.devices.services import MOST_LISTED, ListDevicesResponse, ListedDevice
 from homebot.devices.wording.journal_words import (
     chain_lines,
     chains_of,
@@ -34,110 +28,20 @@ from homebot.devices.wording.journal_words import (
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import from_seconds, iso
 from homebot.devices.wording.values import main_parts, span, state_text
-from homebot.messages.json import message_to_json
 from homebot.support.folding import fold
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 from homebot.units import parse_duration
 
-__all__ = ["HomeCalls", "command", "device_details", "find_devices", "history", "home_in_short", "meant_device", "why"]
+if TYPE_CHECKING:
+    from homebot.devices import Device
+    from homebot.devices.approval_messages import UnapprovedResponse
+    from homebot.devices.command_messages import CommandDevicesResponse
+    from homebot.devices.history_messages import HistorySeries, ReadHistoryResponse
+    from homebot.devices.journal_messages import ExplainDeviceResponse, ExplainMissingStateResponse
+    from homebot.devices.services import ListedDevice
 
-_MOST_PAGES = 10
-_MOST_MEANT = 10
-
-
-class HomeCalls(Protocol):
-    """The services of the house, called with the rights of one client."""
-
-    @property
-    def home(self) -> str:
-        """The name of the home; empty for none."""
-
-    def now(self) -> float:
-        """Return the time of the house, in seconds since 1970."""
-
-    def offers(self, service: str) -> bool:
-        """Return whether *service* has a server."""
-
-    async def call(self, service: str, request: Mapping[str, object]) -> JsonMessage:
-        """Return the answer of *service*.
-
-        Raises:
-            ProblemError: The client lacks the right, or there is no answer.
-        """
-
-
-class _MeantDevice(NamedTuple):
-    """A device that a client means.
-
-    Attributes:
-        target: The words by which a command reaches it, or the part that is meant.
-    """
-
-    device: Device
-    target: str
-
-
-async def meant_device(home: HomeCalls, text: str) -> _MeantDevice:
-    """Return the device with the id or name *text*, ``ID#PART`` for one with a part, or the only one that fits it.
-
-    Raises:
-        ProblemError: There is none, with similar ones named, or there are several, all named.
-    """
-    found = await _named(home, text.strip())
-    if len(found) == 1:
-        ident, hash_sign, part = text.strip().partition("#")
-        is_by_id = found[0].id.casefold() == ident.casefold()
-        return _MeantDevice(found[0], f"{found[0].id}{hash_sign}{part}" if is_by_id else found[0].id)
-    ids = [one.id for one in found] or await _fitting(home, text)
-    if not found and len(ids) == 1:
-        return _MeantDevice((await _found(home, {"ids": ids}))[0], text)
-    more = ", …" if len(ids) >= _MOST_MEANT else ""
-    problem = f"several devices fit {text!r}; give the id of one: {', '.join(ids[:_MOST_MEANT])}{more}"
-    raise ProblemError(HTTPStatus.CONFLICT, problem)
-
-
-async def _named(home: HomeCalls, text: str) -> Sequence[Device]:
-    """Return the devices with the id, with or without a part, or the name *text*; one with the id alone."""
-    ident = text.partition("#")[0]
-    terms = query_terms(Or((FactIs("id", ident.casefold()), NameIs(fold(text)))))
-    found = await _found(home, {"query": [message_to_json(one) for one in terms]})
-    return [one for one in found if one.id == ident] or found
-
-
-async def _fitting(home: HomeCalls, text: str) -> list[str]:
-    answer = await _listed(home, query=text, limit=_MOST_MEANT)
-    if not answer.success:
-        raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
-    if not answer.devices:
-        names = [name for one in await _all_listed(home) for name in (one.id, one.name)]
-        hint = did_you_mean(text, names, "a list of all devices shows what there is")
-        raise ProblemError(HTTPStatus.NOT_FOUND, f"no device fits {text!r}; {hint}")
-    return [one.id for one in answer.devices]
-
-
-async def _listed(home: HomeCalls, *, query: str = "", **request: object) -> ListDevicesResponse:
-    """Return the devices that fit the fields of a :class:`homebot.devices.services.ListDevicesRequest`, in short."""
-    parse_query(query)
-    request["query"] = query
-    return cast("ListDevicesResponse", await home.call(LIST_DEVICES, request))
-
-
-async def _all_listed(home: HomeCalls) -> Sequence[ListedDevice]:
-    """Return all devices in short; of a large house the first 2,000."""
-    found: list[ListedDevice] = []
-    for _ in range(_MOST_PAGES):
-        page = await _listed(home, limit=MOST_LISTED, offset=len(found))
-        found += page.devices
-        if len(found) >= page.total or not page.devices:
-            break
-    return found
-
-
-async def _found(home: HomeCalls, request: Mapping[str, object]) -> list[Device]:
-    answer = await home.call(FIND_DEVICES, {**request, "is_checked": False})
-    return cast("list[Device]", answer.devices)
-
+__all__ = ["command", "device_details", "find_devices", "history", "home_in_short", "why"]
 
 _MOST_STEPS: Final = 12
 _MOST_NAMED: Final = 20
@@ -147,7 +51,7 @@ _FLAGS: Final = {"true": True, "false": False}
 
 async def home_in_short(home: HomeCalls, _: shapes.NoQuestion) -> shapes.HomeAnswer:
     """Return the rooms of the house, with the number of devices of each type."""
-    devices = await _all_listed(home)
+    devices = await all_listed(home)
     rooms: dict[str, Counter[str]] = {}
     spelled: dict[str, str] = {}  # makers write a room differently
     for one in devices:
@@ -164,9 +68,9 @@ async def home_in_short(home: HomeCalls, _: shapes.NoQuestion) -> shapes.HomeAns
 
 async def find_devices(home: HomeCalls, asked: shapes.ListQuestion) -> shapes.DeviceList:
     """Return the devices that fit a query, by id, or else those called so, by words that may mean something else."""
-    answer = await _listed(home, query=asked.q, limit=asked.limit)
+    answer = await listed(home, query=asked.q, limit=asked.limit)
     if answer.success and not answer.devices and 0 < len(asked.q) <= _WIDEST:
-        answer = await _listed(home, query=f"name={quoted(asked.q)}", limit=asked.limit)
+        answer = await listed(home, query=f"name={quoted(asked.q)}", limit=asked.limit)
     if not answer.success:
         raise ProblemError(HTTPStatus.BAD_REQUEST, answer.message)
     devices = tuple(map(_line, answer.devices))
@@ -176,7 +80,7 @@ async def find_devices(home: HomeCalls, asked: shapes.ListQuestion) -> shapes.De
 async def device_details(home: HomeCalls, asked: shapes.DeviceQuestion) -> shapes.DeviceDetails:
     """Return one device, with what it takes."""
     device, _ = await meant_device(home, asked.id)
-    answer = await _listed(home, ids=[device.id])
+    answer = await listed(home, ids=[device.id])
     asks: tuple[str, ...] = ()
     if home.offers(names.GET_UNAPPROVED):  # not where nothing is controlled
         found = await home.call(names.GET_UNAPPROVED, {"device": device.id})

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.json_schema import models_json_schema
 
 from homebot.bridges.home_api import answers, shapes
-from homebot.bridges.home_api.answers import HomeCalls
+from homebot.bridges.home_api.device_search import HomeCalls
 from homebot.bridges.home_api.shapes import PROBLEMS, Problem, ProblemError
 from homebot.errors import HomebotError, UsageError
 from homebot.version import __version__

@@ -14,10 +14,11 @@ from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
 
-from homebot.bridges.admission import TokenCheck, is_same_origin, refusal, token_of
+from homebot.bridges.admission import is_same_origin, refusal, token_of
 from homebot.bridges.rosbridge.connection import DoorConnection, http_response
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
+from homebot.bridges.token_check import TokenCheck
 from homebot.devices.client_rights import LOCAL_CLIENT, ClientRights
 from homebot.errors import ConfigError
 from homebot.support.addresses import is_loopback

@@ -81,7 +81,7 @@ class HttpRequests:
 
 
 class _Calls:
-    """The services of the house for one request, see :class:`homebot.bridges.home_api.answers.HomeCalls`."""
+    """The services of the house for one request, see :class:`homebot.bridges.home_api.device_search.HomeCalls`."""
 
     def __init__(self, client: OutsideClient, home: str) -> None:
         self._client, self._node = client, client.shared.node

@@ -1,34 +1,5 @@
-"""homebot's directory for other programs: a W3C Thing Description Directory over HTTP, and its settings."""
+"""homebot's directory for other programs: a W3C Thing Description Directory over HTTP."""
 
-from typing import Annotated
+from homebot.bridges.thing_directory.settings import DirectoryBridgeSettings
 
-from pydantic import Field
-
-from homebot.bridges.admission import AccessSettings, Count
-from homebot.config import FilePath
-
-__all__ = ["DirectoryBridgeSettings", "ThingDirectoryTable"]
-
-
-class DirectoryBridgeSettings(AccessSettings):
-    """The settings of homebot's directory for other programs.
-
-    Attributes:
-        port: TCP port; 0 takes a free one.
-        allows_commands: Whether properties can be set; else they can be read alone.
-        max_devices: Devices that are listed; further ones are counted.
-    """
-
-    port: Annotated[int, Field(ge=0, le=65535)] = 8081
-    allows_commands: bool = True
-    max_devices: Count = 10_000
-
-
-class ThingDirectoryTable(DirectoryBridgeSettings):
-    """The keys of the table ``[thing_directory]``.
-
-    Attributes:
-        token_file: File with the token in its first line, readable by its owner only.
-    """
-
-    token_file: FilePath | None = None
+__all__ = ["DirectoryBridgeSettings"]

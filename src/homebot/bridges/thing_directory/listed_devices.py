@@ -10,7 +10,8 @@ from urllib.parse import quote
 import anyio
 import anyio.lowlevel
 
-from homebot.bridges.thing_directory.documents import BEARER, ThingCatalog
+from homebot.bridges.thing_directory.catalog import ThingCatalog
+from homebot.bridges.thing_directory.documents import BEARER
 from homebot.devices import Device, DeviceChange
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import DevicePart, Endpoint

@@ -25,7 +25,8 @@ from homebot.conventions.bluetooth.broadcast import (
     sensor_part,
 )
 from homebot.conventions.description import AutoExpiry
-from homebot.conventions.units import Quantity, condition_of, quantity_of, sensor_type
+from homebot.conventions.device_classes import condition_of, quantity_of
+from homebot.conventions.units import Quantity, sensor_type
 from homebot.devices.part import Category, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import PluginError, WireError

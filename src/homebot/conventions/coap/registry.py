@@ -9,7 +9,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from urllib.parse import unquote, urlsplit
 
-from homebot.conventions.coap.endpoint import CoapEndpoint, WebLink, endpoint_of_link
+from homebot.conventions.coap.endpoint import CoapEndpoint, endpoint_of_link
+from homebot.conventions.coap.link_format import WebLink
 from homebot.conventions.payload import shown
 from homebot.errors import RefusedError, WireError
 from homebot.support.addresses import is_loopback, parse_address, resolve_uri

@@ -107,13 +107,13 @@ def _table(text: str) -> Mapping[str, str]:
 ABBREVIATIONS = _table(_ALL)
 """Of a config, of a component in it, and of its availability."""
 
-_DEVICE_ABBREVIATIONS = _table(
+DEVICE_ABBREVIATIONS = _table(
     "cns=connections cu=configuration_url ids=identifiers mf=manufacturer mdl=model mdl_id=model_id hw=hw_version "
     "sw=sw_version sa=suggested_area sn=serial_number cdev=child_device"
 )
 """Of the ``device`` in a config; ``name`` and ``via_device`` have none."""
 
-_ORIGIN_ABBREVIATIONS = _table("sw=sw_version url=support_url")
+ORIGIN_ABBREVIATIONS = _table("sw=sw_version url=support_url")
 """Of the ``origin`` in a config."""
 
 
@@ -150,8 +150,8 @@ def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced | None:
     if fields.get("migrate_discovery", fields.get("migr_discvry")) is True:
         return None
     fields = _expanded(fields)
-    device = _part(fields, "device", _DEVICE_ABBREVIATIONS) if "device" in fields else {}
-    origin = _part(fields, "origin", _ORIGIN_ABBREVIATIONS) if "origin" in fields else {}
+    device = _part(fields, "device", DEVICE_ABBREVIATIONS) if "device" in fields else {}
+    origin = _part(fields, "origin", ORIGIN_ABBREVIATIONS) if "origin" in fields else {}
     if topic.component == DEVICE:
         components = tuple(_components(topic, fields))
     else:

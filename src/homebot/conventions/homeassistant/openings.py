@@ -19,7 +19,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import WireError, WrongCodeError
 from homebot.support.folding import words_of
 
-__all__ = ["build_alarm_control_panel", "build_cover", "build_lock", "build_valve"]
+__all__ = ["build_cover", "build_valve"]
 
 _STATES = ("closed", "open", "closing", "opening", "stopped")
 """The later of two states with the same payload counts; a valve has no last one."""

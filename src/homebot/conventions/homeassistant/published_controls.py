@@ -10,6 +10,7 @@ lawn_mower.py, light/schema_json.py, lock.py, siren.py, vacuum.py, valve.py.
 import json
 from collections.abc import Mapping
 
+from homebot.conventions.device_classes import CLOSURE_CLASSES
 from homebot.conventions.entity_rows import ALARM_ACTIONS
 from homebot.conventions.homeassistant.components import LOCK_STATES, MOWER_ACTIONS, VACUUM_ACTIONS
 from homebot.conventions.homeassistant.config import DiscoveryConfig
@@ -26,7 +27,6 @@ from homebot.conventions.homeassistant.published_entity import (
 from homebot.conventions.lamp import LightCommand
 from homebot.conventions.light_color import kelvin_mired
 from homebot.conventions.payload import compact_json, fields_of, number_of
-from homebot.conventions.units import CLOSURE_CLASSES
 from homebot.devices.part import Capability, Part
 from homebot.support.numbers import to_number
 

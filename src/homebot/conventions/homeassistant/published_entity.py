@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
-from homebot.conventions.units import CONDITION_CLASSES, QUANTITY_CLASSES
+from homebot.conventions.device_classes import CONDITION_CLASSES, QUANTITY_CLASSES
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue

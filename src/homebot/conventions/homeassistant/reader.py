@@ -35,7 +35,7 @@ from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["HomeAssistantReader", "PartShapes", "builder_of"]
 
-_SHAPED = frozenset({"binary_sensor", "button", "number", "select", "sensor", "switch", "text"})
+SHAPED = frozenset({"binary_sensor", "button", "number", "select", "sensor", "switch", "text"})
 """Components that many devices have alike."""
 
 _OWN = frozenset(
@@ -97,7 +97,7 @@ class PartShapes:
 def _shape_of(config: DiscoveryConfig, topics: list[str]) -> _Shape | None:
     """Return the shape of *config*, its topics added to *topics*; None for an unusual one."""
     values = config.values
-    if config.component not in _SHAPED or not isinstance(values.get("name", ""), (str, type(None))):
+    if config.component not in SHAPED or not isinstance(values.get("name", ""), (str, type(None))):
         return None
     names, places, others = [], [], {}
     for key, value in values.items():
@@ -148,7 +148,7 @@ class HomeAssistantReader:
         for config in announced.components:
             try:
                 build = builder_of(config.component)
-                part = self._shapes.part(config, build) if config.component in _SHAPED else build(config)
+                part = self._shapes.part(config, build) if config.component in SHAPED else build(config)
                 if config_topic.component == DEVICE:
                     part = part._replace(availability=cached_availability(config))
             except WireError as error:

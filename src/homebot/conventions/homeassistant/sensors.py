@@ -14,11 +14,12 @@ from datetime import UTC, datetime
 from functools import lru_cache, partial
 
 from homebot.conventions.description import AutoExpiry, DescribedPart
+from homebot.conventions.device_classes import condition_of, is_quantity, quantity_of
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, fields_of, meaning_reader, read_number, shown
 from homebot.conventions.secrets import names_secret
-from homebot.conventions.units import Quantity, condition_of, is_quantity, quantity_of
+from homebot.conventions.units import Quantity
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError

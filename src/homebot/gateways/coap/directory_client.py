@@ -18,7 +18,8 @@ from urllib.parse import urlsplit
 import anyio
 
 from homebot.clock import Clock
-from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoint_of_link, parse_links
+from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoint_of_link
+from homebot.conventions.coap.link_format import parse_links
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
 from homebot.gateways.address_guard import guard_for
 from homebot.support.addresses import resolve_uri

@@ -18,7 +18,8 @@ from aiocoap.numbers.codes import Code
 from anyio.abc import TaskGroup
 
 from homebot.clock import Clock
-from homebot.conventions.coap.endpoint import CoapEndpoint, WebLink, format_links, parse_links
+from homebot.conventions.coap.endpoint import CoapEndpoint
+from homebot.conventions.coap.link_format import WebLink, format_links, parse_links
 from homebot.conventions.coap.registry import FORBIDDEN, DirectoryRegistry
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
 from homebot.gateways.coap.aiocoap_client import CoapClient

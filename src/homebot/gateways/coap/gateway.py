@@ -10,14 +10,8 @@ import anyio
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
-from homebot.conventions.coap.endpoint import (
-    CoapEndpoint,
-    authority_of,
-    endpoint_at,
-    parse_links,
-    split_address,
-    static_endpoint,
-)
+from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoint_at, split_address, static_endpoint
+from homebot.conventions.coap.link_format import parse_links
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, UnableError, UsageError, WireError
 from homebot.gateways.announced.device_runner import problems_of

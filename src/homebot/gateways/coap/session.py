@@ -15,7 +15,8 @@ from urllib.parse import unquote, urlsplit
 
 import anyio
 
-from homebot.conventions.coap.endpoint import SCHEMES, CoapEndpoint, WebLink, authority_of, parse_links
+from homebot.conventions.coap.endpoint import SCHEMES, CoapEndpoint, authority_of
+from homebot.conventions.coap.link_format import WebLink, parse_links
 from homebot.conventions.payload import parse_object
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError

@@ -11,7 +11,7 @@ import json
 from collections.abc import Callable, Mapping
 
 from homebot.house.dialect import SimulatedDeviceInfo
-from homebot.house.dialects.shelly import ShellyRpcDialect, describe_shelly
+from homebot.house.dialects.shelly_rpc import ShellyRpcDialect, describe_shelly
 from homebot.house.dialects.wire import as_json, as_object, json_value
 from homebot.house.dns_sd import DnsSdService
 from homebot.house.http.served_web_device import ServedWebDevice

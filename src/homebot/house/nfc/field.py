@@ -19,7 +19,7 @@ from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects.wire import hardware_address
 from homebot.house.nfc.type4_card import Type4Card
-from homebot.house.sensors import AWAY
+from homebot.house.tag import AWAY
 
 __all__ = ["ServedTag", "TagField"]
 

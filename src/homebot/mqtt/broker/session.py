@@ -10,9 +10,10 @@ from collections.abc import Callable, Iterator
 from typing import Final, final
 
 from homebot.clock import Clock
+from homebot.mqtt.broker.in_flight import InFlight
 from homebot.mqtt.broker.limits import BrokerLimits
 from homebot.mqtt.broker.message import BULKY
-from homebot.mqtt.broker.outbound import InFlight, Outbound
+from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.queue import REFUSED, SLOW, TAKEN, DeliveryResult, MessageQueue, QueuedMessage
 from homebot.mqtt.broker.retained import Replay
 from homebot.mqtt.broker.session_subscription import SessionSubscription

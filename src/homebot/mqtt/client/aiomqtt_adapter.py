@@ -15,29 +15,26 @@ Concurrency: everything except connecting runs in the loop's thread. Any number 
 of QoS 1 as the broker allows are open at once, the others wait in order.
 """
 
-import logging
 import ssl
-import struct
 from collections.abc import Awaitable
 from contextlib import suppress
-from functools import lru_cache, partial
+from functools import partial
 from random import Random
 from typing import Any, Final, TypeVar, final
 
 import aiomqtt
 import anyio
-from paho.mqtt import MQTTException
 from paho.mqtt import client as paho
 from paho.mqtt.enums import MQTTErrorCode
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties as PahoProperties
 from paho.mqtt.reasoncodes import ReasonCode as PahoReason
-from paho.mqtt.subscribeoptions import SubscribeOptions
 
-from homebot.errors import LinkError, RefusedError, UnansweredError, UsageError
+from homebot.errors import LinkError, RefusedError, UnansweredError
+from homebot.mqtt.client import paho_values as values
 from homebot.mqtt.client.client import MqttClient
 from homebot.mqtt.client.link import UNREADABLE, ClientLink
-from homebot.mqtt.client.login import MqttVersion, SessionGrant, disconnect_error, early_end, login_error
+from homebot.mqtt.client.login import MqttVersion, disconnect_error, early_end, login_error
 from homebot.mqtt.client.native import answer_in
 from homebot.mqtt.client.paho_socket import PahoSocket
 from homebot.mqtt.client.receiver import Frame, Receiver
@@ -47,103 +44,6 @@ from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import NO_PROPERTIES, MqttSubscription, PacketType, Properties, ReasonCode
 
 __all__ = ["AiomqttClient"]
-
-_MOST_QOS: Final = 1
-"""The highest QoS to publish with."""
-
-# The libraries log peers' mistakes without a limit; our errors and events contain the facts.
-_NULL_LOGGER: Final = logging.getLogger("homebot.mqtt.silence")
-_NULL_LOGGER.disabled = True
-
-
-def _settings_of(options: MqttOptions, version: MqttVersion) -> dict[str, Any]:
-    """Return the arguments for aiomqtt's client."""
-    clean, will, is_v5 = options.session_expiry == 0, options.will, version == "5"
-    return {
-        "hostname": options.host,
-        "port": options.port,
-        "username": options.user,
-        "password": None if options.password is None else options.password.get_secret_value(),
-        "logger": _NULL_LOGGER,
-        "identifier": options.client_id,
-        "protocol": aiomqtt.ProtocolVersion.V5 if is_v5 else aiomqtt.ProtocolVersion.V311,
-        "will": None
-        if will is None
-        else aiomqtt.Will(
-            will.topic,
-            will.payload,
-            will.qos,
-            will.retain,
-            _publish_properties(will.properties, PacketTypes.WILLMESSAGE) if is_v5 else None,
-        ),
-        "clean_session": None if is_v5 else clean,
-        "clean_start": clean if is_v5 else paho.MQTT_CLEAN_START_FIRST_ONLY,
-        "timeout": options.timeout,
-        "keepalive": options.keep_alive,
-        "max_inflight_messages": 0,  # the window here is the bound
-        # No TopicAliasMaximum: paho does not resolve aliases.
-        "properties": _properties_of(
-            PacketTypes.CONNECT,
-            ReceiveMaximum=options.receive_maximum,
-            MaximumPacketSize=options.maximum_packet_size,
-            SessionExpiryInterval=options.session_expiry,
-        )
-        if is_v5
-        else None,
-    }
-
-
-def _properties_of(packet_type: int, **values: object) -> PahoProperties:
-    """Return properties of a packet; None leaves one out."""
-    properties = PahoProperties(packet_type)  # type: ignore[no-untyped-call] # paho has no types there
-    for name, value in values.items():
-        if value is not None:
-            setattr(properties, name, value)
-    return properties
-
-
-def _publish_properties(wanted: Properties, packet_type: int = PacketTypes.PUBLISH) -> PahoProperties:
-    """Return the properties of a PUBLISH or a will."""
-    return _properties_of(
-        packet_type,
-        PayloadFormatIndicator=wanted.payload_format_indicator,
-        MessageExpiryInterval=wanted.message_expiry_interval,
-        ContentType=wanted.content_type,
-        ResponseTopic=wanted.response_topic,
-        CorrelationData=wanted.correlation_data,
-        UserProperty=list(wanted.user_properties) or None,
-    )
-
-
-def _packed_size(properties: PahoProperties | None) -> int:
-    """Return the size of the properties; check them too, which paho does only when half of a publish is booked."""
-    try:
-        return 0 if properties is None else len(properties.pack())  # type: ignore[no-untyped-call] # as above
-    except (MQTTException, ValueError, struct.error) as error:
-        raise UsageError(f"these message properties cannot be sent: {error}") from error
-
-
-def _subscribe_options(wanted: MqttSubscription, version: MqttVersion) -> int | SubscribeOptions:
-    """Return how paho subscribes to it."""
-    if version != "5":
-        return wanted.qos
-    return _options(wanted.qos, wanted.no_local, wanted.retain_as_published, wanted.retain_handling)
-
-
-_options = lru_cache(maxsize=64)(SubscribeOptions)  # paho only reads them, and takes long to make one
-
-
-def _grant_of(version: MqttVersion, flags: paho.ConnectFlags, properties: PahoProperties | None) -> SessionGrant:
-    """Return the properties granted by the broker."""
-    return SessionGrant(
-        resumed=bool(flags.session_present),
-        protocol=version,
-        maximum_qos=min(getattr(properties, "MaximumQoS", _MOST_QOS), _MOST_QOS),
-        retain_available=bool(getattr(properties, "RetainAvailable", 1)),
-        receive_maximum=getattr(properties, "ReceiveMaximum", 65_535),
-        maximum_packet_size=getattr(properties, "MaximumPacketSize", None),
-    )
-
 
 T = TypeVar("T")
 
@@ -171,7 +71,7 @@ class _AiomqttLink(ClientLink):
         requests = Requests(Random(), options.timeout)  # noqa: S311 - paho chooses the identifiers
         super().__init__(options, version, receiver, requests)
         self._calls: set[anyio.CancelScope] = set()  # that end with the link
-        self._client = aiomqtt.Client(**_settings_of(options, version))
+        self._client = aiomqtt.Client(**values.settings_of(options, version))
         client = self._paho = self._client._client  # noqa: SLF001 - aiomqtt's handle to paho
         client.connect_timeout = options.timeout
         client.disable_logger()  # it builds a line for each packet
@@ -202,7 +102,7 @@ class _AiomqttLink(ClientLink):
         if self._lost is not None:
             return
         if ends_session and self._is_v5:
-            properties = _properties_of(PacketTypes.DISCONNECT, SessionExpiryInterval=0)
+            properties = values.properties_of(PacketTypes.DISCONNECT, SessionExpiryInterval=0)
             self._paho.disconnect(properties=properties)
             await self._gone.wait()
         with suppress(aiomqtt.MqttError):
@@ -211,9 +111,9 @@ class _AiomqttLink(ClientLink):
             await self.transport.wait_closed()
 
     async def publish(self, topic: str, payload: bytes, qos: int, properties: Properties, *, retain: bool) -> int:
-        extra = None if properties is NO_PROPERTIES or not self._is_v5 else _publish_properties(properties)
-        qos = min(qos, _MOST_QOS)
-        self._check_granted(topic, len(payload) + _packed_size(extra), qos, retain=retain)
+        extra = None if properties is NO_PROPERTIES or not self._is_v5 else values.publish_properties(properties)
+        qos = min(qos, values.MOST_QOS)
+        self._check_granted(topic, len(payload) + values.packed_size(extra), qos, retain=retain)
         if qos:
             return await self._publish_and_wait(topic, payload, qos, extra, retain=retain)
         self._socket.publish(topic, payload, qos, extra, retain=retain)
@@ -223,7 +123,7 @@ class _AiomqttLink(ClientLink):
     async def subscribe(self, subscriptions: tuple[MqttSubscription, ...]) -> tuple[int, ...]:
         self._check_alive()
         version = self.grant.protocol
-        filters: Any = [(each.filter, _subscribe_options(each, version)) for each in subscriptions]
+        filters: Any = [(each.filter, values.subscribe_options(each, version)) for each in subscriptions]
         return await self._answer_to(self._paho.subscribe(filters), "subscribe")
 
     async def unsubscribe(self, filters: tuple[str, ...]) -> None:
@@ -283,7 +183,7 @@ class _AiomqttLink(ClientLink):
             self.cut(login_error(code.value))
             return
         keep_alive = getattr(properties, "ServerKeepAlive", 0) or self._options.keep_alive
-        self._begin(_grant_of(self.grant.protocol, flags, properties), keep_alive)
+        self._begin(values.grant_of(self.grant.protocol, flags, properties), keep_alive)
         self._then_connect(client, userdata, flags, code, properties)
 
     def _on_disconnect(

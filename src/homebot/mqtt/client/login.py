@@ -5,7 +5,7 @@ from typing import Final, Literal, NamedTuple, TypeAlias, TypeVar, final
 
 from homebot.errors import LinkError, RefusedError, UnansweredError
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.packets.primitives import ReasonCode
+from homebot.mqtt.packets.reason import ReasonCode
 from homebot.support.logger import get_logger
 
 __all__ = [

@@ -36,9 +36,10 @@ from homebot.mqtt.packets import (
     decode,
     encode,
 )
-from homebot.mqtt.packets.primitives import Cursor, PacketError
+from homebot.mqtt.packets.primitives import Cursor
 from homebot.mqtt.packets.properties import decode_properties, encode_properties
 from homebot.mqtt.packets.publish import encode_publish_parts
+from homebot.mqtt.packets.reason import PacketError
 
 __all__ = ["ClientProtocol", "NativeClient", "answer_in"]
 

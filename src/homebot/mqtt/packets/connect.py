@@ -6,18 +6,7 @@ from functools import partial
 from typing import NamedTuple
 
 from homebot.errors import UsageError
-from homebot.mqtt.packets.primitives import (
-    FAILURES,
-    Cursor,
-    PacketError,
-    ProtocolVersion,
-    ReasonCode,
-    by_number,
-    encode_binary,
-    encode_text,
-    encode_uint16,
-    encode_varint,
-)
+from homebot.mqtt.packets.primitives import Cursor, encode_binary, encode_text, encode_uint16, encode_varint
 from homebot.mqtt.packets.properties import (
     NO_PROPERTIES,
     PacketType,
@@ -27,6 +16,7 @@ from homebot.mqtt.packets.properties import (
     encode_properties,
     encode_reason,
 )
+from homebot.mqtt.packets.reason import FAILURES, PacketError, ProtocolVersion, ReasonCode, by_number
 
 __all__ = [
     "DECODERS",

@@ -6,15 +6,8 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from homebot.errors import UsageError
-from homebot.mqtt.packets.primitives import (
-    Cursor,
-    PacketError,
-    ReasonCode,
-    encode_binary,
-    encode_text,
-    encode_uint16,
-    encode_varint,
-)
+from homebot.mqtt.packets.primitives import Cursor, encode_binary, encode_text, encode_uint16, encode_varint
+from homebot.mqtt.packets.reason import PacketError, ReasonCode
 
 __all__ = [
     "NO_PROPERTIES",

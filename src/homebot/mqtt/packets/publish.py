@@ -5,17 +5,7 @@ from functools import partial
 from typing import NamedTuple, NoReturn
 
 from homebot.errors import UsageError
-from homebot.mqtt.packets.primitives import (
-    MAX_UINT16,
-    Cursor,
-    PacketError,
-    ProtocolVersion,
-    ReasonCode,
-    by_number,
-    encode_text,
-    encode_uint16,
-    encode_varint,
-)
+from homebot.mqtt.packets.primitives import MAX_UINT16, Cursor, encode_text, encode_uint16, encode_varint
 from homebot.mqtt.packets.properties import (
     NO_PROPERTIES,
     PacketType,
@@ -25,6 +15,7 @@ from homebot.mqtt.packets.properties import (
     encode_properties,
     encode_reason,
 )
+from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode, by_number
 
 __all__ = [
     "DECODERS",

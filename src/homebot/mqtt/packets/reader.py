@@ -5,9 +5,10 @@ from typing import TypeAlias, final
 
 from homebot.mqtt.packets import connect, publish, subscribe
 from homebot.mqtt.packets.connect import Auth, Connack, Connect, Disconnect, Pingreq, Pingresp
-from homebot.mqtt.packets.primitives import MAX_VARINT, PacketError, ProtocolVersion, ReasonCode
+from homebot.mqtt.packets.primitives import MAX_VARINT
 from homebot.mqtt.packets.properties import PacketType
 from homebot.mqtt.packets.publish import Acknowledgement, Puback, Publish, decode_publish
+from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode
 from homebot.mqtt.packets.subscribe import Suback, Subscribe, Unsuback, Unsubscribe
 
 __all__ = ["MAX_PACKET_SIZE", "Packet", "PacketReader", "decode", "encode"]

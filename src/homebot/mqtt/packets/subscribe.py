@@ -4,16 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Final, NamedTuple
 
 from homebot.errors import InvalidNameError, UsageError
-from homebot.mqtt.packets.primitives import (
-    Cursor,
-    PacketError,
-    ProtocolVersion,
-    ReasonCode,
-    by_number,
-    encode_text,
-    encode_uint16,
-    encode_varint,
-)
+from homebot.mqtt.packets.primitives import Cursor, encode_text, encode_uint16, encode_varint
 from homebot.mqtt.packets.properties import (
     NO_PROPERTIES,
     PacketType,
@@ -21,6 +12,7 @@ from homebot.mqtt.packets.properties import (
     decode_properties,
     encode_properties,
 )
+from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode, by_number
 from homebot.mqtt.topics import validate_filter
 
 __all__ = ["DECODERS", "ENCODERS", "MqttSubscription", "Suback", "Subscribe", "Unsuback", "Unsubscribe"]

@@ -5,9 +5,11 @@ in its world of which the test plays the device's side, and a ``gateway`` to tha
 pytest-asyncio, with the plug-in of anyio, or with homebot's alone.
 """
 
-from homebot.testing.gateway_contract.command_suite import CommandSuite, MessageSuite
+from homebot.testing.gateway_contract.command_suite import CommandSuite
 from homebot.testing.gateway_contract.device_suite import DeviceSuite
-from homebot.testing.gateway_contract.world import Lamp, Neighbour, running
+from homebot.testing.gateway_contract.lamp import Lamp, Neighbour
+from homebot.testing.gateway_contract.message_suite import MessageSuite
+from homebot.testing.gateway_contract.world import running
 
 __all__ = ["GatewayContract", "Lamp", "Neighbour", "running"]
 

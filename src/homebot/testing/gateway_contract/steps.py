@@ -16,7 +16,7 @@ from homebot.devices.value import PlainValue, Value
 from homebot.discovery import Directory, DirectorySettings
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, Subscription
 from homebot.messages import Message
-from homebot.testing.gateway_contract.world import Lamp, Neighbour
+from homebot.testing.gateway_contract.lamp import Lamp, Neighbour
 
 MessageT = TypeVar("MessageT", bound=Message)
 

@@ -8,11 +8,12 @@ import anyio
 
 from homebot.mqtt.packets import NO_PROPERTIES, Properties
 from homebot.mqtt.topics import validate_filter
-from homebot.testing.mqtt.core import BrokerCore, BrokerThread, ClientView
+from homebot.testing.mqtt.core import BrokerCore, ClientView
 from homebot.testing.mqtt.fault_control import BlockingFaults, Faults
 from homebot.testing.mqtt.journal import Payload, RecordedMessage, Wanted
 from homebot.testing.mqtt.packet_log import ProtocolViolation
 from homebot.testing.mqtt.settings import BrokerSettings, TestTls
+from homebot.testing.mqtt.thread import BrokerThread
 
 __all__ = ["BlockingTestBroker", "BrokerView", "TestBroker", "serve_broker"]
 

@@ -5,8 +5,9 @@ from typing import final
 from homebot.errors import UsageError
 from homebot.mqtt.packets import ReasonCode
 from homebot.mqtt.topics import validate_filter
-from homebot.testing.mqtt.core import BrokerCore, BrokerThread
+from homebot.testing.mqtt.core import BrokerCore
 from homebot.testing.mqtt.faults import Fault, FaultKind
+from homebot.testing.mqtt.thread import BrokerThread
 
 __all__ = ["BlockingFaults", "Faults"]
 

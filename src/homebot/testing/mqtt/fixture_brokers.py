@@ -11,8 +11,8 @@ import pytest
 
 from homebot.errors import UsageError
 from homebot.testing.mqtt.broker import BlockingTestBroker, BrokerT, TestBroker, serve_broker
-from homebot.testing.mqtt.core import BrokerThread, broker_thread
 from homebot.testing.mqtt.settings import BrokerSettings, TestTls
+from homebot.testing.mqtt.thread import BrokerThread, broker_thread
 
 __all__ = ["FixtureBrokers", "check_protocol", "packet_logs"]
 

@@ -1,7 +1,8 @@
 """Hypothesis strategies: random houses, random days in them, and the failing day in a file."""
 
 try:
-    from homebot.testing.strategies.days import days, houses, saved_if_failing
+    from homebot.testing.strategies.days import days, saved_if_failing
+    from homebot.testing.strategies.houses import houses
 except ModuleNotFoundError as exc:
     if exc.name != "hypothesis":
         raise

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from urllib.parse import unquote
 
-from homebot.conventions.coap.endpoint import WebLink
+from homebot.conventions.coap.link_format import WebLink
 from homebot.conventions.payload import clean_text
 from homebot.wot.coap.content_formats import coap_formats, content_type_of
 from homebot.wot.thing import Affordance, DataSchema, DataType, Form, Thing

@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 from typing import Final
 
 from homebot.conventions.command_values import moment_text, require_moment, require_number, require_option
+from homebot.conventions.device_classes import is_quantity
 from homebot.conventions.entity_rows import (
     ALARM_ACTIONS,
     ALARM_STATES,
@@ -53,7 +54,6 @@ from homebot.conventions.homeassistant.states.rows import (
 )
 from homebot.conventions.lamp import LightFeatures, WhiteRange
 from homebot.conventions.payload import shown
-from homebot.conventions.units import is_quantity
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WrongCodeError
 from homebot.support.numbers import to_number

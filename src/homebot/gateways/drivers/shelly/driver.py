@@ -14,10 +14,10 @@ from pydantic import Field, SecretStr
 
 from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.payload import Readings, as_fields, clean_text, compact_json, text_of
+from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
 from homebot.conventions.shelly.gen2_component import COMPONENTS, components_from
 from homebot.conventions.shelly.gen2_device import ANSWERS, AnswerKind, is_prefix
 from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, PartKey, RpcLogin, is_setup_change
-from homebot.conventions.shelly.reader import MAX_ANSWER_BYTES
 from homebot.conventions.shelly.status import Fields
 from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers, in_pairs

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import anyio
 
 from homebot.conventions.payload import as_fields, clean_text, compact_json, parse_object
+from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
 from homebot.conventions.shelly.gen2_rpc import CLIENT, RpcLogin
-from homebot.conventions.shelly.reader import MAX_ANSWER_BYTES
 from homebot.conventions.shelly.status import Fields
 from homebot.errors import HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.pending_calls import PendingCalls

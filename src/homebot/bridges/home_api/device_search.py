@@ -1,0 +1,120 @@
+"""Search for the one device that a text of a client means."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from http import HTTPStatus
+from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
+
+from homebot.bridges.home_api.shapes import ProblemError
+from homebot.devices.names import FIND_DEVICES, LIST_DEVICES
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.terms import FactIs, NameIs, Or
+from homebot.devices.services import MOST_LISTED
+from homebot.devices.wording.json_message import JsonMessage
+from homebot.messages.json import message_to_json
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from homebot.devices import Device
+    from homebot.devices.services import ListDevicesResponse, ListedDevice
+
+__all__ = ["HomeCalls", "MeantDevice", "all_listed", "listed", "meant_device"]
+
+_MOST_PAGES = 10
+_MOST_NAMED = 10
+
+
+class HomeCalls(Protocol):
+    """The services of the house, called with the rights of one client."""
+
+    @property
+    def home(self) -> str:
+        """The name of the home; empty for none."""
+
+    def now(self) -> float:
+        """Return the time of the house, in seconds since 1970."""
+
+    def offers(self, service: str) -> bool:
+        """Return whether *service* has a server."""
+
+    async def call(self, service: str, request: Mapping[str, object]) -> JsonMessage:
+        """Return the answer of *service*.
+
+        Raises:
+            ProblemError: The client lacks the right, or there is no answer.
+        """
+
+
+class MeantDevice(NamedTuple):
+    """A device that a client means.
+
+    Attributes:
+        target: The words by which a command reaches it, or the part that is meant.
+    """
+
+    device: Device
+    target: str
+
+
+async def meant_device(home: HomeCalls, text: str) -> MeantDevice:
+    """Return the device with the id or name *text*, ``ID#PART`` for one with a part, or the only one that fits it.
+
+    Raises:
+        ProblemError: There is none, with similar ones named, or there are several, all named.
+    """
+    found = await _named(home, text.strip())
+    if len(found) == 1:
+        ident, hash_sign, part = text.strip().partition("#")
+        is_by_id = found[0].id.casefold() == ident.casefold()
+        return MeantDevice(found[0], f"{found[0].id}{hash_sign}{part}" if is_by_id else found[0].id)
+    ids = [one.id for one in found] or await _fitting(home, text)
+    if not found and len(ids) == 1:
+        return MeantDevice((await _found(home, {"ids": ids}))[0], text)
+    more = ", …" if len(ids) >= _MOST_NAMED else ""
+    problem = f"several devices fit {text!r}; give the id of one: {', '.join(ids[:_MOST_NAMED])}{more}"
+    raise ProblemError(HTTPStatus.CONFLICT, problem)
+
+
+async def _named(home: HomeCalls, text: str) -> Sequence[Device]:
+    """Return the devices with the id, with or without a part, or the name *text*; one with the id alone."""
+    ident = text.partition("#")[0]
+    terms = query_terms(Or((FactIs("id", ident.casefold()), NameIs(fold(text)))))
+    found = await _found(home, {"query": [message_to_json(one) for one in terms]})
+    return [one for one in found if one.id == ident] or found
+
+
+async def _fitting(home: HomeCalls, text: str) -> list[str]:
+    answer = await listed(home, query=text, limit=_MOST_NAMED)
+    if not answer.success:
+        raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
+    if not answer.devices:
+        names = [name for one in await all_listed(home) for name in (one.id, one.name)]
+        hint = did_you_mean(text, names, "a list of all devices shows what there is")
+        raise ProblemError(HTTPStatus.NOT_FOUND, f"no device fits {text!r}; {hint}")
+    return [one.id for one in answer.devices]
+
+
+async def listed(home: HomeCalls, *, query: str = "", **request: object) -> ListDevicesResponse:
+    """Return the devices that fit the fields of a :class:`homebot.devices.services.ListDevicesRequest`, in short."""
+    parse_query(query)
+    request["query"] = query
+    return cast("ListDevicesResponse", await home.call(LIST_DEVICES, request))
+
+
+async def all_listed(home: HomeCalls) -> Sequence[ListedDevice]:
+    """Return all devices in short; of a large house the first 2,000."""
+    found: list[ListedDevice] = []
+    for _ in range(_MOST_PAGES):
+        page = await listed(home, limit=MOST_LISTED, offset=len(found))
+        found += page.devices
+        if len(found) >= page.total or not page.devices:
+            break
+    return found
+
+
+async def _found(home: HomeCalls, request: Mapping[str, object]) -> list[Device]:
+    answer = await home.call(FIND_DEVICES, {**request, "is_checked": False})
+    return cast("list[Device]", answer.devices)
