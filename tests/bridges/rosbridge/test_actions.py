@@ -63,7 +63,8 @@ async def test_a_goal_that_is_sent_again_under_its_id_goes_on(house: House) -> N
 @pytest.mark.parametrize(
     ("change", "problem"),
     [
-        ({"action": "/nobody"}, "action /nobody has no server now"),
+        ({"action": "/nobody"}, "action /nobody has no server now; /rosapi/action_servers lists all"),
+        ({"action": "/fibb"}, "action /fibb has no server now; did you mean /fib?"),
         ({"action_type": "nav2_msgs/action/Spin"}, "is a example_interfaces/action/Fibonacci, not a nav2_msgs"),
         ({"args": {"order": "three"}}, "field 'order'"),
         ({"args": 3}, "field 'args': has to be an object, or a list of the fields in order, got 3"),

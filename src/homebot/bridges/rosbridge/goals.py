@@ -19,7 +19,7 @@ from homebot.bridges.rosbridge.protocol import (
     failure_frame,
     frame_text,
 )
-from homebot.bridges.rosbridge.services import cause_of_call, named_values, parse_queries
+from homebot.bridges.rosbridge.services import cause_of_call, named_values, parse_queries, similar_name
 from homebot.bridges.rosbridge.shared_state import Provisions, SharedState
 from homebot.bridges.rosbridge.types import action_type_of, request_from_client
 from homebot.errors import HomebotError, PeerError
@@ -72,7 +72,8 @@ class SentGoals:
             raise PeerError(f"{len(self._goals)} goals of this client are under way already")
         name = self._node.resolve_name(op.action, "action name")
         if self._node.graph.get_action_type(name) is None:
-            raise PeerError(f"action {name} has no server now; /rosapi/action_servers lists all")
+            hint = similar_name(name, [one.name for one in self._node.graph.actions()], "/rosapi/action_servers")
+            raise PeerError(f"action {name} has no server now; {hint}")
         action_type = action_type_of(self._node.graph, name, op.action_type)
         request = self._goal_message(action_type.Goal, op.args)
         if name not in self._clients:

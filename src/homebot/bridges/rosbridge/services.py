@@ -1,7 +1,7 @@
 """The services of a client: those that it calls, and those that it provides."""
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from functools import partial
 from typing import Any
@@ -35,6 +35,7 @@ from homebot.errors import (
 )
 from homebot.graph import Client, EntityKind, Node
 from homebot.graph.current_cause import CURRENT_CAUSE, CallCause
+from homebot.graph.parameters import PARAMETER_SERVICES
 from homebot.messages.definition import fields_of
 from homebot.messages.json import message_to_pieces, message_to_text
 from homebot.messages.message import Message, ServiceType
@@ -47,6 +48,7 @@ __all__ = [
     "named_values",
     "parse_queries",
     "refusal",
+    "similar_name",
 ]
 
 
@@ -94,6 +96,7 @@ _DEFAULT_TIMEOUT = 5.0
 _MAX_TIMEOUT = 3600.0
 _WAITING_FOR_DEVICES = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND})
 """Services that answer once the outcome of a command is known, however slow the device."""
+_OF_PARAMETERS = frozenset(PARAMETER_SERVICES.values())
 _MOST, _LONGEST = 200, 100  # names compared, and their lengths: a client may ask repeatedly
 
 
@@ -186,10 +189,15 @@ def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
     """Return the error for an outside program, which has no client object for waiting."""
     if node.graph.get_endpoints(kind=EntityKind.SERVICE, name=error.service):
         return str(error)
-    known = [info.name for info in node.graph.get_endpoints(kind=EntityKind.SERVICE)]
-    similar = get_close_matches(error.service[:_LONGEST], known, n=1, cutoff=0.7) if len(known) <= _MOST else []
-    hint = f"did you mean {similar[0]}?" if similar else "/rosapi/services lists all"
-    return f"service {error.service} has no server now; {hint}"
+    services = node.graph.get_endpoints(kind=EntityKind.SERVICE)
+    known = [info.name for info in services if info.ros_type not in _OF_PARAMETERS]  # six for each node
+    return f"service {error.service} has no server now; {similar_name(error.service, known, '/rosapi/services')}"
+
+
+def similar_name(name: str, known: Sequence[str], listing: str) -> str:
+    """Return a suggestion for the misspelt *name*: a similar one, or the service that lists all."""
+    similar = get_close_matches(name[:_LONGEST], known, n=1, cutoff=0.7) if len(known) <= _MOST else []
+    return f"did you mean {similar[0]}?" if similar else f"{listing} lists all"
 
 
 class ProvidedServices:
