@@ -21,10 +21,10 @@ from homebot.units import parse_duration
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
-    from datetime import tzinfo
 
     from structlog.typing import FilteringBoundLogger
 
+    from homebot.apps.context import AppContext
     from homebot.apps.store import Store
     from homebot.clock import Clock
     from homebot.graph import Node
@@ -44,22 +44,6 @@ Length: TypeAlias = str | float | timedelta
 """A length of time: text such as ``2m``, seconds, or a timedelta."""
 
 
-class Home(Protocol):
-    """The home of an app, such as :class:`homebot.apps.AppContext`."""
-
-    @property
-    def zone(self) -> tzinfo: ...
-
-    @property
-    def latitude(self) -> float | None: ...
-
-    @property
-    def longitude(self) -> float | None: ...
-
-    @property
-    def asleep(self) -> Callable[[], float]: ...
-
-
 class JobOwner(Protocol):
     """The owner of jobs, such as :class:`homebot.App`."""
 
@@ -73,7 +57,7 @@ class JobOwner(Protocol):
     def log(self) -> FilteringBoundLogger: ...
 
     @property
-    def context(self) -> Home: ...
+    def context(self) -> AppContext: ...
 
     @property
     def store(self) -> Store: ...

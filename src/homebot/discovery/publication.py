@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable, Mapping, Sized
 from functools import partial
 from itertools import islice
-from typing import Final, Protocol, final
+from typing import Final, final
 
 import anyio
 import anyio.lowlevel
@@ -57,32 +57,24 @@ has to be repeated at its end."""
 _STATES_QOS = QoSProfile(depth=1)
 
 
-class AnnouncementCounter(Protocol):
-    """A counter of announcements."""
-
-    @property
-    def announced(self) -> int:
-        """The number of announcements so far."""
-        ...
-
-
 @final
 class Burst:
     """The wait for the end of a burst of announcements, so that a house is described once, not per message.
 
     Args:
+        announced: Returns the number of announcements so far.
         pause: Waits for the time without an announcement after which a burst is over.
     """
 
     def __init__(
         self,
         clock: Clock,
-        counter: AnnouncementCounter,
+        announced: Callable[[], int],
         pause: Callable[[], Awaitable[object]],
         waiting: Callable[[], Sized] = tuple,
     ) -> None:
         self._clock = clock
-        self._counter = counter
+        self._announced = announced
         self._pause = pause
         self._waiting = waiting
         self._seen = 0
@@ -91,7 +83,7 @@ class Burst:
     async def wait(self, is_urgent: Callable[[], bool] = lambda: False) -> None:
         """Wait while announcements keep coming, unless *is_urgent*; return at once if there were none."""
         began = self._clock.monotonic()
-        while (announced := self._counter.announced) != self._seen:
+        while (announced := self._announced()) != self._seen:
             if is_urgent():
                 return
             waited = self._clock.monotonic() - began
@@ -119,8 +111,10 @@ class ChangePublisher:
         self._happened = asyncio.Event()  # can be cleared, unlike anyio's
         self._growing = asyncio.Event()
         self._settings_changed = asyncio.Event()
-        self._burst = Burst(clock, self._queue, _quiet_turns, lambda: self._queue.pending)
-        self._growth = Burst(clock, self._queue, partial(anyio.sleep, _GROWTH_PAUSE), lambda: self._queue.growing)
+        self._burst = Burst(clock, lambda: self._queue.announced, _quiet_turns, lambda: self._queue.pending)
+        self._growth = Burst(
+            clock, lambda: self._queue.announced, partial(anyio.sleep, _GROWTH_PAUSE), lambda: self._queue.growing
+        )
         self._limit = LogLimit(clock, burst=BURST)
 
     def collect(self) -> None:

@@ -11,6 +11,7 @@ from tests.patience import PATIENCE
 from homebot.clock import Clock, LoopClock
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue, Value
+from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice, can_report
 from homebot.gateways.drivers.base import Driver, FoundService
 from homebot.house.http.served_web_device import ServedWebDevice
@@ -21,7 +22,7 @@ __all__ = ["KeepingHost", "command", "driven", "found", "running"]
 DriverT = TypeVar("DriverT", bound=Driver)
 
 
-class KeepingHost:
+class KeepingHost(DriverHost):
     """Keeps the device, its values by part and capability, its raw messages, and what was rejected."""
 
     def __init__(self) -> None:

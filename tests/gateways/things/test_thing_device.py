@@ -15,6 +15,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.command_server import sent_commands
+from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.things.thing_device import ThingDevice, ThingPayload, describe_thing
 from homebot.wot.binding import RequestBinding
@@ -109,7 +110,7 @@ class MadeUpPort:
 
 
 @dataclass
-class RecordingHost:
+class RecordingHost(DriverHost):
     """What the device told its gateway."""
 
     clock: Clock = field(default_factory=LoopClock)

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping
 from itertools import islice
-from typing import Final, Protocol
+from typing import Final
 
 import anyio
 from structlog.typing import FilteringBoundLogger
@@ -16,7 +16,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.support.backoff import DEVICE_REFUSED_BACKOFF, WRONG_ANSWER_BACKOFF, Backoff, BackoffCounter
 from homebot.support.isolation import error_text, first_cause, run_as
 
-__all__ = ["LISTED_WITHIN", "MAX_PROBLEMS", "DeviceRunner", "DriverHost", "PublishedDevice", "problems_of"]
+__all__ = ["LISTED_WITHIN", "MAX_PROBLEMS", "DeviceRunner", "DriverHost", "problems_of"]
 
 FAILED = "device.failed"
 CRASHED = "device.crashed"
@@ -34,11 +34,18 @@ MAX_PROBLEMS: Final = 20
 """Most devices in the list of problems."""
 
 
-class DriverHost(Protocol):
+class DriverHost:
     """The gateway as the driver of one device sees it."""
 
-    clock: Clock
-    log: FilteringBoundLogger
+    def __init__(
+        self, devices: PublishedDevices, key: str, behind: MutableMapping[str, GatewayDevice] | None = None
+    ) -> None:
+        node = devices.gateway.node
+        self.clock: Clock = node.graph.clock
+        self.log: FilteringBoundLogger = node.log
+        self.key = key
+        self._devices = devices
+        self._behind = {} if behind is None else behind
 
     def describe(self, device: GatewayDevice) -> None:
         """Publish the description of the device, once it is known and on each change.
@@ -46,52 +53,13 @@ class DriverHost(Protocol):
         Args:
             device: Has the key of the service; the gateway adds the facts from DNS-SD.
         """
+        self._devices.put(device, "it described itself")
 
     def describe_behind(self, devices: Iterable[GatewayDevice]) -> None:
         """Publish the descriptions of all devices behind this one, each with a key of its own.
 
         They replace the earlier ones, and can be reached if the device can.
         """
-
-    async def report(self, values: Mapping[str, PlainValue], part: str = "", key: str = "") -> None:
-        """Publish a report of a part, in the units of the vocabulary; values that do not fit the part are refused.
-
-        Args:
-            key: The key of a device behind this one; empty for the device itself.
-        """
-
-    def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
-        """Publish whether the device and all behind it, or one of its parts, can be reached.
-
-        The gateway itself does so when the connection is made or lost.
-        """
-
-    async def deliver_raw(self, payload: bytes) -> None:
-        """Deliver a raw message of the device to the subscribers of its address."""
-
-    def reject(self, payload: bytes, why: str) -> None:
-        """Count a message of the device that breaks its protocol, and log it at a limited rate."""
-
-
-class PublishedDevice:
-    """One device of a gateway; it is a :class:`DriverHost`."""
-
-    def __init__(
-        self, devices: PublishedDevices, key: str, behind: MutableMapping[str, GatewayDevice] | None = None
-    ) -> None:
-        node = devices.gateway.node
-        self.clock = node.graph.clock
-        self.log = node.log
-        self.key = key
-        self._devices = devices
-        self._behind = {} if behind is None else behind
-
-    def describe(self, device: GatewayDevice) -> None:
-        """Publish the description of the device."""
-        self._devices.put(device, "it described itself")
-
-    def describe_behind(self, devices: Iterable[GatewayDevice]) -> None:
-        """Publish the new and changed descriptions of devices behind it, and remove devices not among them."""
         described = {one.key: one for one in devices}
         for key in self._behind.keys() - described.keys():
             del self._behind[key]
@@ -103,17 +71,24 @@ class PublishedDevice:
             self._devices.report_reachable(key, reachable=True)
 
     async def report(self, values: Mapping[str, PlainValue], part: str = "", key: str = "") -> None:
-        """Publish the reported values of a part: of the device, or of the one with that *key* behind it."""
+        """Publish a report of a part, in the units of the vocabulary; values that do not fit the part are refused.
+
+        Args:
+            key: The key of a device behind this one; empty for the device itself.
+        """
         await self._devices.report(key or self.key, values, part)
 
     def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
-        """Publish whether the device and all behind it, or one of its parts, can be reached."""
+        """Publish whether the device and all behind it, or one of its parts, can be reached.
+
+        The gateway itself does so when the connection is made or lost.
+        """
         self._devices.report_reachable(self.key, part, reachable=reachable)
         for key in () if part else self._behind:
             self._devices.report_reachable(key, reachable=reachable)
 
     async def deliver_raw(self, payload: bytes) -> None:
-        """Deliver a raw message of the device to the listeners of its address."""
+        """Deliver a raw message of the device to the subscribers of its address."""
         await self._devices.deliver_raw(self.key, payload)
 
     def reject(self, payload: bytes, why: str) -> None:
@@ -121,7 +96,7 @@ class PublishedDevice:
         self._devices.reject(self.key, payload, why)
 
 
-class DeviceRunner(PublishedDevice, ABC):
+class DeviceRunner(DriverHost, ABC):
     """Keeps the connection to one device until stopped, and publishes whether the device can be reached.
 
     Attributes:

@@ -21,7 +21,7 @@ from homebot.conventions.payload import parse_object
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
 from homebot.gateways.address_guard import AddressGuard, guard_for
-from homebot.gateways.announced.device_runner import DeviceRunner, PublishedDevice
+from homebot.gateways.announced.device_runner import DeviceRunner, DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.things.thing_device import ThingDevice, ThingPayload, describe_thing
@@ -201,7 +201,7 @@ class EndpointSession(DeviceRunner):
         return await guard_for(unquote(urlsplit(self.endpoint.base).hostname or ""))
 
     def _thing(self, device: GatewayDevice, thing: Thing) -> ThingDevice:
-        host = PublishedDevice(self._devices, device.key)
+        host = DriverHost(self._devices, device.key)
         port = CoapPort(self._client, partial(self._devices.admits, device.key))
         return ThingDevice(thing, device, port, host, self._poll_every)
 
