@@ -146,7 +146,7 @@ async def test_a_pose_in_map_gives_the_room_and_is_published_once(one: House) ->
 
 
 async def test_a_chain_of_transforms_counts_for_two_seconds_and_expires_once(one: House) -> None:
-    chain = tf("map>odom", "/odom>/base_link")  # ROS 1 has slashes
+    chain = tf("map>odom", "odom>base_link")
     await one.say("/tf", moved(chain, 5, 2))
     assert [(told.room, told.x, told.source, told.counts) for told in one.news()] == [("Kitchen", 5.0, "/tf", True)]
     await anyio.sleep(1.5)

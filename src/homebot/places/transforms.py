@@ -73,24 +73,34 @@ _stamp = attrgetter("stamp")
 
 @final
 class TransformBuffer:
-    """The frames of one robot or house, and the transforms between them."""
+    """The frames of one robot or house, and the transforms between them.
+
+    Its methods have tf2's names, for apps written for that.
+    """
 
     def __init__(self) -> None:
         self._moving: dict[str, list[Sample]] = {}  # by time
         self._static: dict[str, Sample] = {}
         self._frames: set[str] = set()
 
-    def insert(self, child: str, sample: Sample, authority: str, *, is_static: bool = False) -> bool:
-        """Insert a transform of the frame *child*, without a leading slash; return False if it is too old.
+    def set_transform(self, transform: TransformStamped, authority: str = "") -> bool:
+        """Insert *transform*; return False if it is too old.
 
         Args:
             authority: The sender, for errors.
-            is_static: Whether it holds at any time.
 
         Raises:
             InvalidArgumentException: A frame name is empty, a frame is its own ancestor, a number is not finite, the
                 quaternion is not of length 1, or there are too many frames.
         """
+        return self.insert(transform.child_frame_id.removeprefix("/"), _sample_of(transform), authority)
+
+    def set_transform_static(self, transform: TransformStamped, authority: str = "") -> None:
+        """Insert *transform*, which holds at any time, as :meth:`set_transform` does."""
+        self.insert(transform.child_frame_id.removeprefix("/"), _sample_of(transform), authority, is_static=True)
+
+    def insert(self, child: str, sample: Sample, authority: str, *, is_static: bool = False) -> bool:
+        """Insert a transform of the frame *child*, without a leading slash, as :meth:`set_transform` does."""
         self._check(child, sample, authority)
         if is_static:
             self._static[child] = sample
@@ -138,6 +148,14 @@ class TransformBuffer:
             child_frame_id=source_frame,
             transform=Transform(translation=Vector3(x=x, y=y, z=z), rotation=Quaternion(x=qx, y=qy, z=qz, w=qw)),
         )
+
+    def can_transform(self, target_frame: str, source_frame: str, time: Time | None = None) -> bool:
+        """Return whether :meth:`lookup_transform` finds one."""
+        try:
+            self.lookup_transform(target_frame, source_frame, time)
+        except TransformException:
+            return False
+        return True
 
     def clear(self) -> None:
         """Remove all transforms except static ones."""
@@ -213,6 +231,11 @@ class TransformBuffer:
             walked[sample.parent] = sample.rigid.then(walked[frame])
             frame = sample.parent
         return walked, ""
+
+
+def _sample_of(transform: TransformStamped) -> Sample:
+    parent = transform.header.frame_id.removeprefix("/")
+    return Sample(_nanoseconds(transform.header.stamp), parent, rigid_of(transform.transform))
 
 
 def rigid_of(transform: Transform) -> Rigid:
