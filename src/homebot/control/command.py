@@ -16,7 +16,7 @@ from homebot.devices.always_ask import why_it_asks
 from homebot.devices.capabilities import CAPABILITIES, EVENTS, MOMENTARY, OWN
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import Setting
-from homebot.devices.device import is_commanded
+from homebot.devices.device import is_commanded, target_of
 from homebot.devices.outcomes import Gone
 from homebot.devices.part import Part
 from homebot.devices.trigger import NO_TRIGGER, Trigger
@@ -56,7 +56,6 @@ class IssuedCommand:
         id: The id of the command, unique in the home.
         settings: The wanted values by capability, in the order of sending.
         issuer: The name of a node, or ``client:NAME`` for a client of the door.
-        cause: The id of its trigger; empty for a person's command.
         issued_at: Seconds since the Unix epoch.
         transition: Seconds that the change takes.
         scope: The rights of a client of the door, by its token.
@@ -70,7 +69,6 @@ class IssuedCommand:
     settings: Mapping[str, PlainValue]
     issuer: str
     rights: ClientRights
-    cause: str = ""
     trigger: Trigger = NO_TRIGGER
     issued_at: float = 0.0
     transition: float = 0.0
@@ -90,7 +88,7 @@ class IssuedCommand:
     @property
     def target(self) -> str:
         """The id of the device, with ``#`` and the id of the part if it has one."""
-        return f"{self.device.id}#{self.part.id}" if self.part.id else self.device.id
+        return target_of(*self.place)
 
     @property
     def is_by_person(self) -> bool:

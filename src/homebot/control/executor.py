@@ -186,7 +186,6 @@ class CommandExecutor:
             zero_as_off({one.capability: one.value.plain() for one in request.settings}, part.part),
             request.issuer,
             self._policies.rights(request.issuer),
-            cause=request.cause,
             trigger=request.trigger,
             issued_at=at,
             transition=request.transition,

@@ -77,7 +77,6 @@ class TextCommands:
             settings={capability: value},
             issuer=request.issuer,
             rights=self._policies.rights(request.issuer),
-            cause=request.trigger.id,
             trigger=request.trigger,
             issued_at=now,
             scope=request.scope,

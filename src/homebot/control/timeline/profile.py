@@ -114,19 +114,20 @@ class DeviceProfile:
             return
         times = self.times.setdefault(capability, [])
         longest, count = max(times, default=0.0), len(times)
-        _append(times, min(seconds, first) if sendings > 1 else seconds)
+        times.append(min(seconds, first) if sendings > 1 else seconds)
+        del times[:-KEPT]
         if count == _ENOUGH - 1 or abs(max(times) - longest) >= durations.ANSWER_SPARE:  # the next wait depends on it
             self.is_changed = True
 
     def learn_return(self, capability: str, after: float | None, *, is_fast: bool) -> None:
         """Record the end of a confirmed value; a device that never reverts one has no record."""
         if after is not None or capability in self.returns:
-            _append(self.returns.setdefault(capability, []), Return(is_fast, after))
+            self.returns[capability] = [*self.returns.get(capability, ()), Return(is_fast, after)][-KEPT:]
             self.is_changed = True
 
     def learn_echo(self, capability: str, *, is_answered: bool) -> None:
         """Record whether the device's own report followed an echo."""
-        _append(self.echoes.setdefault(capability, []), is_answered)
+        self.echoes[capability] = [*self.echoes.get(capability, ()), is_answered][-KEPT:]
         self.is_changed = True
 
     def learn_routes(self, routes: Iterable[str], worked: str = "") -> None:
@@ -205,8 +206,3 @@ class DeviceProfile:
         if any(echoes) or capability in self.returns:
             return limit
         return min(durations.ECHO_PATIENCE, limit) if len(echoes) < _FIRST_ECHOES else 0.0
-
-
-def _append(known: list[_T], newest: _T) -> None:
-    known.append(newest)
-    del known[:-KEPT]
