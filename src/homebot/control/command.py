@@ -108,24 +108,6 @@ class IssuedCommand:
             for name, value in self.settings.items()
         )
 
-    @property
-    def opens_further(self) -> bool:
-        """True if it opens a part that is already open, but not fully, by its position."""
-        if self.settings.get("movement") != "open" or "position" not in self.states:
-            return False
-        position = self.states["position"].value.plain()
-        return isinstance(position, float) and not fits("position", END_POSITIONS["open"], position)
-
-    @property
-    def turns_on(self) -> bool:
-        """True if the part reports that it is off, and a level, a speed or, for a lamp, a colour turns it on."""
-        settings, power = self.settings, self.states.get("on_off")
-        if power is None or "on_off" in settings or not power.live or power.value.plain() is not False:
-            return False
-        if settings.get("level") == 0 or settings.get("fan_speed") == 0:
-            return False
-        return not settings.keys().isdisjoint(_LIT if self.part.part.service_type == "light" else POWERS)
-
 
 def is_by_hand(trigger: Trigger, now: float) -> bool:
     """Return whether *trigger* is a recent press of a button, scan of a tag or call of a client."""
@@ -158,14 +140,29 @@ def order_of(command: IssuedCommand) -> Order:
         command.transition,
         moves=not _MOTIONS.isdisjoint(settings) and any(settings[one] != STOPPED for one in _MOTIONS & settings.keys()),
         is_momentary=not MOMENTARY.isdisjoint(settings),
-        opens_further=command.opens_further,
-        turns_on=command.turns_on,
+        opens_further=settings.get("movement") == "open" and _is_half_open(command.states.get("position")),
+        turns_on="on_off" not in settings and _turns_on(command),
         has_ramp=has_ramp,
         echoed=echoed,
         place=command.place,
         issuer=command.issuer,
         label=label_of(command.device, command.part.id),
     )
+
+
+def _is_half_open(position: State | None) -> bool:
+    value = None if position is None else position.value.plain()
+    return isinstance(value, float) and not fits("position", END_POSITIONS["open"], value)
+
+
+def _turns_on(command: IssuedCommand) -> bool:
+    """Return whether the part reports that it is off, and a level, a speed or, for a lamp, a colour turns it on."""
+    settings, power = command.settings, command.states.get("on_off")
+    if power is None or not power.live or power.value.plain() is not False:
+        return False
+    if settings.get("level") == 0 or settings.get("fan_speed") == 0:
+        return False
+    return not settings.keys().isdisjoint(_LIT if command.part.part.service_type == "light" else POWERS)
 
 
 def _expected(settings: Mapping[str, PlainValue], readable: set[str]) -> dict[str, PlainValue]:
