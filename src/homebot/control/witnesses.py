@@ -9,7 +9,6 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final, NamedTuple, final
 
-from homebot.control.command import IssuedCommand
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.sending import OpenCommand
@@ -18,6 +17,7 @@ from homebot.control.timeline.evidence import outcome_of
 from homebot.devices import Device, DevicePart
 from homebot.devices.approval_messages import TrustDeviceRequest, TrustDeviceResponse
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
+from homebot.devices.part import Capability
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
@@ -92,7 +92,12 @@ class Witnesses:
         command = opened.command
         if rises(command.settings) is None or not (wanted := sensed_by(command.settings)):
             return []
-        found = await self._sensors_for(command, wanted)
+        device, part = command.device, command.part
+        name = next((name for query, name in self._named if fits(query, PartFacets(device, part))), None)
+        if name is None:
+            found = _sensors(device, wanted & _METERS, is_named=False)
+        else:  # empty if the owner wants no witness
+            found = await self._named_sensors(name, wanted) if name else []
         for witness in found:
             on_report = partial(self._on_report, witness, opened.wake)
             witness.stop_watch = self._feed.watch(witness.part.routes, on_report)
@@ -125,14 +130,7 @@ class Witnesses:
             now = self._clock.monotonic()
         return newest  # a newer command replaced it, or the device went back
 
-    async def _sensors_for(self, command: IssuedCommand, wanted: frozenset[str]) -> list[Witness]:
-        """Return the named sensor, or the meters of the same device."""
-        device, part = command.device, command.part
-        name = next((name for query, name in self._named if fits(query, PartFacets(device, part))), None)
-        if name is None:
-            return _sensors(device, wanted & _METERS, is_named=False)
-        if not name:  # the owner wants no witness
-            return []
+    async def _named_sensors(self, name: str, wanted: frozenset[str]) -> list[Witness]:
         try:
             devices = await self._lookup.called(name)
         except ServiceError:
@@ -178,16 +176,17 @@ def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[
     """Return the sensors of a device that measure one of *wanted*, except silent and stale ones."""
     if device.freshness != "fresh" or device.reachable.state == "no":
         return []
-    parts = {part.id: part for part in device.parts if part.id not in device.offline_parts}
-    return [
-        Witness(device.name, is_named, parts[one.part], one.capability, value := one.value.plain(), value)
-        for one in device.states
-        if one.capability in wanted and one.live and one.part in parts
-        if any(
-            can.name == one.capability and can.readable and not can.settable
-            for can in parts[one.part].part.capabilities
-        )
-    ]
+    found: list[Witness] = []
+    for state in device.states:
+        if state.capability in wanted and state.live and state.part not in device.offline_parts:
+            part, value = device.part(state.part), state.value.plain()
+            if part is not None and any(_measures(one, state.capability) for one in part.part.capabilities):
+                found.append(Witness(device.name, is_named, part, state.capability, value, value))
+    return found
+
+
+def _measures(capability: Capability, name: str) -> bool:
+    return capability.name == name and capability.readable and not capability.settable
 
 
 class Observed(Enum):
