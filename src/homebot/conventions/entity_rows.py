@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple, TypeAlias
 
-from homebot.conventions.command_values import require_number, require_true
+from homebot.conventions.command_values import require_bool, require_number, require_true
 from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, quantity_of
 from homebot.conventions.payload import clean_text, shown
 from homebot.conventions.units import Quantity
@@ -39,6 +39,7 @@ __all__ = [
     "read_flag",
     "setpoints_of",
     "switch_type",
+    "switched_mode",
     "text_component",
     "text_of",
     "whole_of",
@@ -257,6 +258,20 @@ def modes_of_switch(modes: Collection[str]) -> dict[bool, str]:
     is_pair = len(modes) == _PAIR and "off" in modes
     on = [mode for mode in (modes if is_pair else _SWITCHED_ON) if mode in modes and mode != "off"]
     return {**({True: on[0]} if on else {}), **({False: "off"} if "off" in modes else {})}
+
+
+def switched_mode(modes: Collection[str], value: PlainValue) -> str:
+    """Return the mode by which Home Assistant switches on or off, as *value* says.
+
+    Raises:
+        RefusedError: None of *modes* is that.
+    """
+    is_on = require_bool("on_off", value)
+    wanted = (*_SWITCHED_ON, *(mode for mode in modes if mode != "off")) if is_on else ("off",)
+    mode = next((mode for mode in wanted if mode in modes), None)
+    if mode is None:
+        raise RefusedError(f"on_off {value}", f"none of its modes is that: {', '.join(modes)[:200]}")
+    return mode
 
 
 def setpoints_of(modes: Collection[str]) -> tuple[str, ...]:

@@ -16,12 +16,12 @@ from homebot.conventions.entity_rows import (
     climate_type,
     has_feature,
     options_of,
+    switched_mode,
     whole_of,
 )
 from homebot.conventions.esphome.entity import choice_row, flag_row, listed, number_of, numbers_of, read_named
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
 
 __all__ = ["CLIMATE", "FAN", "WATER_HEATER"]
 
@@ -129,12 +129,8 @@ def _read_on(_info: Fields, state: Fields) -> PlainValue:
 
 def _write_on(info: Fields, value: PlainValue, _code: str) -> Fields:
     """Switch by means of the mode, as Home Assistant does."""
-    modes, is_on = _modes_of(info), require_bool("on_off", value)
-    wanted = ("heat_cool", "heat", "cool", *(mode for mode in modes if mode != "off")) if is_on else ("off",)
-    mode = next((mode for mode in wanted if mode in modes), None)
-    if mode is None:
-        raise RefusedError(f"on_off {value}", f"none of its modes is that: {', '.join(modes)}")
-    return {"mode": modes[mode]}
+    modes = _modes_of(info)
+    return {"mode": modes[switched_mode(modes, value)]}
 
 
 def _named_row(name: str, field: str, names: tuple[str, ...], standard: str, custom: str) -> EntityRow:

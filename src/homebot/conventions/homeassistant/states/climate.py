@@ -6,7 +6,7 @@ Source: Home Assistant core 2024.3, ``components``: climate, fan, humidifier and
 from dataclasses import replace
 from typing import Final
 
-from homebot.conventions.command_values import require_bool, require_number, require_option
+from homebot.conventions.command_values import require_number, require_option
 from homebot.conventions.entity_rows import (
     EntityComponent,
     EntityRow,
@@ -15,6 +15,7 @@ from homebot.conventions.entity_rows import (
     climate_type,
     options_of,
     setpoints_of,
+    switched_mode,
     whole_of,
 )
 from homebot.conventions.homeassistant.states.rows import (
@@ -39,7 +40,6 @@ __all__ = ["CLIMATE", "FAN", "HUMIDIFIER", "WATER_HEATER"]
 
 _SINGLE, _PAIR, _HUMIDITY, _FAN, _PRESET, _SWING = 1, 2, 4, 8, 16, 32
 _LOW, _HIGH = "target_temp_low", "target_temp_high"
-_SWITCHED_ON = ("heat_cool", "heat", "cool")
 _ANY_CELSIUS = (-100.0, 200.0)
 
 
@@ -105,12 +105,7 @@ def _setpoint(name: str, end: str, when: Condition) -> EntityRow:
 
 def _write_on(info: Fields, value: PlainValue, _code: str) -> Fields:
     """Switch by means of the mode, as Home Assistant does."""
-    modes, is_on = _modes(info), require_bool("on_off", value)
-    wanted = (*_SWITCHED_ON, *(mode for mode in modes if mode != "off")) if is_on else ("off",)
-    mode = next((mode for mode in wanted if mode in modes), None)
-    if mode is None:
-        raise RefusedError(f"on_off {value}", f"none of its modes is that: {', '.join(modes)[:200]}")
-    return {"service": "set_hvac_mode", "hvac_mode": mode}
+    return {"service": "set_hvac_mode", "hvac_mode": switched_mode(_modes(info), value)}
 
 
 def _humidity(info: Fields) -> tuple[float, float]:
