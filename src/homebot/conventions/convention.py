@@ -54,15 +54,12 @@ class Convention(Protocol):
     @property
     def rejected(self) -> int:
         """Number of invalid announcements."""
-        ...
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of its announcements, to be subscribed to one after the other, each awaited, at QoS 0."""
-        ...
 
     def birth_messages(self) -> Publications:
         """Return the requests of announcements, published after the subscriptions and at every reconnect."""
-        ...
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Return the announced devices in a message on one of the filters; often none.
@@ -72,7 +69,6 @@ class Convention(Protocol):
         Raises:
             WireError: The message is invalid; names field and value. Earlier messages stay effective.
         """
-        ...
 
 
 class OfferPublisher(Protocol):
@@ -80,25 +76,20 @@ class OfferPublisher(Protocol):
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of incoming commands."""
-        ...
 
     def is_own_topic(self, topic: str) -> bool:
         """Return whether *topic* is one of its own announcements, which are no devices."""
-        ...
 
     def publications(self, offer: ExposedDevice) -> Publications:
         """Return the publications that announce *offer*, or withdraw it."""
-        ...
 
     def states(
         self, offer: ExposedDevice, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
     ) -> Publications:
         """Return the states of *offer* with *changed* ones of the *known* values, by part and capability."""
-        ...
 
     def read_command(self, topic: str, payload: bytes) -> tuple[Command, ...]:
         """Return the commands in a message on one of the filters, in this order."""
-        ...
 
 
 @runtime_checkable
@@ -115,7 +106,6 @@ class TextConvention(Protocol):
         Raises:
             WireError: The topic belongs to this convention but breaks its rules.
         """
-        ...
 
 
 @runtime_checkable
@@ -124,7 +114,6 @@ class ReservingConvention(Protocol):
 
     def reserved(self) -> tuple[str, ...]:
         """Return the filters of topics that no announcement may use for commands."""
-        ...
 
 
 @runtime_checkable
@@ -139,7 +128,6 @@ class SlicedConvention(Protocol):
         Raises:
             WireError: The message is invalid.
         """
-        ...
 
 
 @runtime_checkable
@@ -148,7 +136,6 @@ class ProblemReportingConvention(Protocol):
 
     def problems(self) -> tuple[str, ...]:
         """Return the current problems, for the user; empty for none."""
-        ...
 
 
 @runtime_checkable
@@ -162,7 +149,6 @@ class PublishingConvention(Protocol):
             owner: A lasting name, unique in the house.
             status_topic: The topic of ``online`` and ``offline`` of that homebot.
         """
-        ...
 
 
 class MessageReader(Protocol):
@@ -172,7 +158,6 @@ class MessageReader(Protocol):
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Read a message as :meth:`Convention.read_message`."""
-        ...
 
 
 SettingsT = TypeVar("SettingsT", bound=BaseModel)

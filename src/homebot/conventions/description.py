@@ -53,7 +53,6 @@ class Codec(Protocol):
 
     def topics(self) -> tuple[str, ...]:
         """Return its topic filters, with wildcards only if the device declared them."""
-        ...
 
     def read(self, topic: str, payload: bytes, *, retained: bool) -> Mapping[str, PlainValue]:
         """Return the reported value of each capability; None for an unknown one.
@@ -61,7 +60,6 @@ class Codec(Protocol):
         The mapping is empty for an invalid message, one without values of this part, and a retained event; known values
         stay. It is never changed.
         """
-        ...
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
         """Return the command that sets *capability*, on topics in ``writes`` of the part.
@@ -69,7 +67,6 @@ class Codec(Protocol):
         Raises:
             RefusedError: The capability is not settable, or the value is invalid; names the valid ones.
         """
-        ...
 
 
 @runtime_checkable
@@ -82,7 +79,6 @@ class TakesCode(Protocol):
         Raises:
             RefusedError: As there, or the code is wrong, or the capability takes none.
         """
-        ...
 
 
 class AutoExpiry(NamedTuple):
@@ -117,11 +113,9 @@ class AvailabilitySource(Protocol):
     @property
     def topic(self) -> str:
         """The topic, or a filter where the device declared one."""
-        ...
 
     def read(self, payload: bytes) -> bool | None:
         """Return whether the device is reachable; None for any other payload."""
-        ...
 
 
 class LastWillAvailability(NamedTuple):

@@ -79,19 +79,15 @@ class MovementObserver(Protocol):
 
     def on_door_passed(self, name: str, left: str, entered: str) -> None:
         """Handle a person's passage through the door between two rooms, into *entered*."""
-        ...
 
     def on_sleep(self, name: str, room: str) -> None:
         """Handle a person falling asleep."""
-        ...
 
     def on_motion(self, room: str) -> None:
         """Handle a person who sets out, arrives, passes or moves in *room*; called after the above."""
-        ...
 
     def on_still(self, room: str) -> None:
         """Handle a person in *room* who stops moving, and is awake."""
-        ...
 
 
 @dataclass(eq=False)

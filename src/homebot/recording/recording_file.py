@@ -90,7 +90,6 @@ class LineSink(Protocol):
     @property
     def is_full(self) -> bool:
         """True once it accepts no more."""
-        ...
 
     async def write(self, lines: Sequence[str]) -> None:
         """Write *lines*.
@@ -98,7 +97,6 @@ class LineSink(Protocol):
         Raises:
             OSError: They could not be written.
         """
-        ...
 
 
 @final

@@ -43,7 +43,6 @@ class Work(Protocol):
 
     def __call__(self, *, task_status: TaskStatus[None]) -> Awaitable[None]:
         """Run; an exception is a crash, returning is the normal end."""
-        ...
 
 
 @dataclass(slots=True)

@@ -24,15 +24,12 @@ class Binding(Protocol):
     @property
     def formats(self) -> PayloadFormats:
         """The payload formats that it supports."""
-        ...
 
     def observe_forms(self, affordance: Affordance) -> tuple[Form, ...]:
         """Return the forms by which its values become known: pushed or asked for."""
-        ...
 
     def write_forms(self, affordance: Affordance) -> tuple[Form, ...]:
         """Return the forms by which it is written, or invoked."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

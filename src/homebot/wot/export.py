@@ -31,11 +31,9 @@ class FormWriter(Protocol):
 
     def of_property(self, name: str, part: DevicePart, capability: Capability) -> list[dict[str, object]]:
         """Return the forms of the property *name*; empty if it is not reachable."""
-        ...
 
     def of_words(self, endpoint: Endpoint) -> list[dict[str, object]]:
         """Return the forms for plain text to and from a device without parts."""
-        ...
 
 
 def thing_id(device_id: str, owner: str = "") -> str:

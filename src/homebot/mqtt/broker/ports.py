@@ -22,24 +22,19 @@ class Transport(Protocol):
     @property
     def write_blocked(self) -> bool:
         """True if the peer reads more slowly than bytes are written, so that anything that can wait should."""
-        ...
 
     @property
     def address(self) -> str:
         """The peer's address, for the log."""
-        ...
 
     def write(self, data: bytes) -> None:
         """Queue *data* for sending in order; ignored after a close."""
-        ...
 
     def pause_reading(self) -> None:
         """Stop reading from the peer."""
-        ...
 
     def resume_reading(self) -> None:
         """Read from the peer again."""
-        ...
 
     def close(self, *, linger: bool) -> None:
         """Close after sending all written data.
@@ -47,7 +42,6 @@ class Transport(Protocol):
         Args:
             linger: Whether to drain incoming bytes for a moment, as otherwise the reason may be lost.
         """
-        ...
 
 
 class ConnectionHandler(Protocol):
@@ -56,23 +50,18 @@ class ConnectionHandler(Protocol):
     @property
     def client_text(self) -> str:
         """Name of the client in the log."""
-        ...
 
     def receive(self, data: bytes) -> None:
         """Handle bytes from the client."""
-        ...
 
     def writable(self) -> None:
         """Go on writing: the link takes bytes again."""
-        ...
 
     def lost(self) -> None:
         """End after the loss of the link."""
-        ...
 
     def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
         """Close the connection from the broker's side: MQTT 5 clients are sent *reason*."""
-        ...
 
 
 class ConnectedClient(Protocol):
@@ -81,37 +70,29 @@ class ConnectedClient(Protocol):
     @property
     def address(self) -> str:
         """The peer's address."""
-        ...
 
     @property
     def unread(self) -> int:
         """The bytes of an incomplete packet."""
-        ...
 
     @property
     def will_bytes(self) -> int:
         """The size of its will."""
-        ...
 
     def make_room(self) -> None:
         """End the connection before its login, because another one needs its place."""
-        ...
 
     def refuse_unread(self) -> None:
         """End the connection: its incomplete packet needs too much room."""
-        ...
 
     def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
         """Close the connection from the broker's side: MQTT 5 clients are sent *reason*."""
-        ...
 
     def make_way(self, newcomer: ConnectedClient) -> bool:
         """End the connection, because *newcomer* has the same client id; False if it has to wait to be called."""
-        ...
 
     def log_in(self) -> None:
         """Log in after the wait."""
-        ...
 
 
 class BrokerPolicy(Protocol):
@@ -119,11 +100,9 @@ class BrokerPolicy(Protocol):
 
     def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - the protocol's own word
         """Return success, or the failure for SUBACK of *filter* (``$share/GROUP/`` included)."""
-        ...
 
     def publish(self, client_id: str, topic: str) -> ReasonCode:
         """Return success, or the failure for PUBACK or PUBREC; before MQTT 5 the message is silently dropped."""
-        ...
 
 
 @final

@@ -17,15 +17,12 @@ class TransportUser(Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Handle bytes from the broker."""
-        ...
 
     def drained(self) -> None:
         """Continue writing: few or no bytes wait for the broker."""
-        ...
 
     def link_ended(self, reason: LinkError | RefusedError) -> None:
         """End after the link was closed by the broker or broke."""
-        ...
 
 
 class ClientTransport(Protocol):
@@ -34,27 +31,21 @@ class ClientTransport(Protocol):
     @property
     def waiting(self) -> int:
         """Written bytes that the broker has not read yet."""
-        ...
 
     def write(self, data: bytes) -> None:
         """Send *data*; ignored after a close."""
-        ...
 
     def write_acknowledgements(self, data: bytes) -> None:
         """Send *data* together with the next data, or alone a moment later."""
-        ...
 
     def close(self) -> None:
         """Close after sending all written data; nothing more is received."""
-        ...
 
     async def wait_closed(self) -> None:
         """Wait for the end of a close; after a second the link is cut."""
-        ...
 
     def abort(self) -> None:
         """Cut the link: unread data is lost, and nothing more is received."""
-        ...
 
 
 Dial: TypeAlias = Callable[[MqttOptions, TransportUser], Awaitable[ClientTransport]]
