@@ -28,6 +28,7 @@ from homebot.runtime import Runtime
 from homebot.support.addresses import is_loopback
 from homebot.support.bounded_map import BoundedMap
 from homebot.testing.contexts import in_background, plain_logs
+from homebot.testing.expectation import Expectation
 from homebot.units import parse_duration
 
 if TYPE_CHECKING:
@@ -226,8 +227,6 @@ class TestHouse:
             AssertionError: It has other values when the time is over; the message says which.
         """
         __tracebackhide__ = True
-        from homebot.testing.expectation import Expectation  # noqa: PLC0415 - few tests ask for it
-
         async with Node(self.runtime.graph, "expectation") as node:
             await Expectation(HouseView.of(node), device, values).wait(within)
 

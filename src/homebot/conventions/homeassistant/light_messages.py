@@ -10,7 +10,7 @@ from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import ValueSource
-from homebot.conventions.lamp import LightCommand, LightFeatures, WhiteRange
+from homebot.conventions.lamp import LIGHT_CAPABILITIES, LightCommand, LightFeatures, WhiteRange
 from homebot.conventions.light_color import (
     CHANNELS,
     KelvinRange,
@@ -41,7 +41,7 @@ def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     light = JsonLight(config)
     entity = Entity(config, "light")
     state_topic = config.state_topic()
-    light.lamp.add_to(entity, _REPORTED if state_topic else (), light.publish)
+    light.lamp.add_to(entity, LIGHT_CAPABILITIES if state_topic else (), light.publish)
     if state_topic:
         entity.read_from(state_topic, light.read)
     entity.add_command_topics(light.command.topic)
@@ -146,7 +146,6 @@ class JsonLight:
                     found["color_temperature"] = None
 
 
-_REPORTED = frozenset({"on_off", "level", "color_temperature", "color", "effect"})
 _MODES = frozenset({"onoff", "brightness", "color_temp", "white", *CHANNELS})
 _STATES: Mapping[str | None, bool | None] = {"ON": True, "OFF": False, None: None}
 _HUGE = 10**9
