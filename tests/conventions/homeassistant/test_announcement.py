@@ -2,7 +2,8 @@ import json
 
 import pytest
 
-from homebot.conventions.homeassistant.announcement import ABBREVIATIONS, MAX_COMPONENTS, Announced, read_announcement
+from homebot.conventions.homeassistant.abbreviations import ABBREVIATIONS
+from homebot.conventions.homeassistant.announcement import MAX_COMPONENTS, Announced, read_announcement
 from homebot.conventions.homeassistant.topics import ConfigTopic, parse_config_topic, valid_topic
 from homebot.errors import WireError
 from homebot.mqtt.topics import validate_filter, validate_topic

@@ -17,7 +17,8 @@ import pytest
 
 from homebot.conventions.description import DescribedPart, Publication, TakesCode
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.reader import PartShapes, builder_of
+from homebot.conventions.homeassistant.reader import builder_of
+from homebot.conventions.homeassistant.shapes import PartShapes
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 __all__ = ["BUILDERS", "COMPONENTS", "LOCK_STATES", "MOWER_ACTIONS", "MOWER_STATES", "VACUUM_ACTIONS", "VACUUM_STATES"]
 
 BUILDERS: Mapping[str, tuple[str, str]] = {
-    "alarm_control_panel": ("openings", "build_alarm_control_panel"),
+    "alarm_control_panel": ("locks", "build_alarm_control_panel"),
     "binary_sensor": ("sensors", "build_binary_sensor"),
     "button": ("settings", "build_button"),
     "camera": ("sensors", "build_camera"),
@@ -24,7 +24,7 @@ BUILDERS: Mapping[str, tuple[str, str]] = {
     "image": ("sensors", "build_image"),
     "lawn_mower": ("appliances", "build_lawn_mower"),
     "light": ("light", "build_light"),
-    "lock": ("openings", "build_lock"),
+    "lock": ("locks", "build_lock"),
     "notify": ("settings", "build_notify"),
     "number": ("settings", "build_number"),
     "scene": ("settings", "build_scene"),

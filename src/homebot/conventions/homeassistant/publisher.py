@@ -19,7 +19,6 @@ from homebot.conventions.homeassistant.published_controls import (
     FAN_ROWS,
     publish_alarm,
     publish_cover,
-    publish_light,
     publish_lock,
     publish_mower,
     publish_siren,
@@ -33,6 +32,7 @@ from homebot.conventions.homeassistant.published_entity import (
     is_settable,
     publish_single,
 )
+from homebot.conventions.homeassistant.published_light import publish_light
 from homebot.devices.exposure import ExposedDevice
 from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Part

@@ -1,18 +1,14 @@
 """Reader of Home Assistant's discovery configs: configs in, descriptions out. Pure.
 
-A large house has five times as many configs as shapes of them, such as one shape for the batteries of all devices: of
-parts that differ in nothing but names and topics, one is built, and the others are made after it.
-
 Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from functools import lru_cache
 from importlib import import_module
-from typing import NamedTuple, TypeAlias, cast
+from typing import TypeAlias, cast
 
 from pydantic_core import to_json
 
@@ -27,92 +23,12 @@ from homebot.conventions.homeassistant.announcement import Announced, read_annou
 from homebot.conventions.homeassistant.components import BUILDERS
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.device import cached_availability, device_in, read_availability
+from homebot.conventions.homeassistant.shapes import SHAPED, PartShapes
 from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic, parse_config_topic
-from homebot.conventions.part_builder import is_movable, moved
 from homebot.conventions.payload import clean_text
 from homebot.errors import WireError
-from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["HomeAssistantReader", "PartShapes", "builder_of"]
-
-SHAPED = frozenset({"binary_sensor", "button", "number", "select", "sensor", "switch", "text"})
-"""Components that many devices have alike."""
-
-_OWN = frozenset(
-    {
-        *("availability", "availability_mode", "availability_template", "payload_available", "payload_not_available"),
-        *("default_entity_id", "device", "name", "object_id", "origin", "unique_id"),
-    }
-)
-"""Fields that are no part of a shape: the identity, and the availability, which is read apart from the part."""
-
-_PLAIN_TOPIC = re.compile("[^+#$\x00-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]{1,255}").fullmatch
-_MAX_SHAPES = 1000
-_LONGEST_SHAPE = 2048
-
-
-class _Shape(NamedTuple):
-    """The part of a config that equal parts share.
-
-    Attributes:
-        topics: The fields with topics.
-        places: Of each topic, the place of the first that is the same.
-        others: All other fields, in JSON.
-    """
-
-    component: str
-    is_secret: bool
-    topics: tuple[str, ...]
-    places: tuple[int, ...]
-    others: bytes
-
-
-class PartShapes:
-    """The last thousand shapes of parts, each with the first part and its topics."""
-
-    def __init__(self) -> None:
-        self._known: BoundedMap[_Shape, tuple[DescribedPart, list[str]]] = BoundedMap(_MAX_SHAPES)
-
-    def part(self, config: DiscoveryConfig, build: Callable[[DiscoveryConfig], DescribedPart]) -> DescribedPart:
-        """Return the part that *build* makes of *config*.
-
-        Raises:
-            WireError: The config is invalid.
-        """
-        topics: list[str] = []
-        shape = _shape_of(config, topics)
-        if shape is None:
-            return build(config)
-        known = self._known.get(shape)
-        if known is not None:
-            first, its_topics = known
-            own = dict(zip(its_topics, topics, strict=True))
-            return moved(first, own, part_id=config.part_id, name=config.clean_text("name"))
-        described = build(config)
-        if is_movable(described, topics):
-            self._known[shape] = described, topics
-        return described
-
-
-def _shape_of(config: DiscoveryConfig, topics: list[str]) -> _Shape | None:
-    """Return the shape of *config*, its topics added to *topics*; None for an unusual one."""
-    values = config.values
-    if config.component not in SHAPED or not isinstance(values.get("name", ""), (str, type(None))):
-        return None
-    names, places, others = [], [], {}
-    for key, value in values.items():
-        if key.endswith("topic"):
-            if not isinstance(value, str) or not _PLAIN_TOPIC(value):
-                return None
-            names.append(key)
-            topics.append(value)
-            places.append(topics.index(value))
-        elif key not in _OWN:
-            others[key] = value
-    text = to_json(others)
-    if len(text) > _LONGEST_SHAPE:
-        return None
-    return _Shape(config.component, config.is_secret, tuple(names), tuple(places), text)
+__all__ = ["HomeAssistantReader", "builder_of"]
 
 
 class HomeAssistantReader:

@@ -10,19 +10,15 @@ from functools import partial
 from typing import Final
 
 from homebot.conventions.command_values import require_true
+from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, number, one_of
 from homebot.conventions.matter.endpoint import (
     ACCEPTED_COMMANDS,
     AttributeWrite,
     ClusterInvocation,
-    ClusterRow,
     MatterEndpoint,
     MatterOrder,
     MatterOrders,
-    any_bit,
-    choice,
     field_of,
-    number,
-    one_of,
 )
 from homebot.conventions.payload import as_fields, clean_text, text_of
 from homebot.devices.gateway_messages import Command

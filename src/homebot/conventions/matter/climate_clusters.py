@@ -8,17 +8,14 @@ Source: Matter 1.4 Application Clusters, 4.3 (Thermostat; 4.3.9, presets), 4.4 (
 from functools import partial
 from typing import Final
 
+from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, number
 from homebot.conventions.matter.endpoint import (
     AttributeWrite,
     ClusterInvocation,
-    ClusterRow,
     MatterEndpoint,
     MatterOrder,
     MatterOrders,
-    any_bit,
-    choice,
     field_of,
-    number,
 )
 from homebot.conventions.matter.light_clusters import ON_OFF
 from homebot.conventions.payload import text_of

@@ -7,7 +7,8 @@ from typing import Final
 
 from homebot.conventions.command_values import require_transition
 from homebot.conventions.light_color import MIRED, from_hue_saturation, nearest_mired_bounds, to_hue_saturation
-from homebot.conventions.matter.endpoint import ClusterInvocation, ClusterRow, MatterEndpoint, MatterOrders, flag
+from homebot.conventions.matter.cluster_row import ClusterRow, flag
+from homebot.conventions.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrders
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError

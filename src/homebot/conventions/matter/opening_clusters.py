@@ -12,14 +12,12 @@ from functools import partial
 from typing import Final
 
 from homebot.conventions.command_values import require_option
+from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice
 from homebot.conventions.matter.endpoint import (
     ClusterInvocation,
-    ClusterRow,
     MatterEndpoint,
     MatterOrder,
     MatterOrders,
-    any_bit,
-    choice,
     field_of,
 )
 from homebot.conventions.payload import as_fields

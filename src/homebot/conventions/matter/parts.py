@@ -10,7 +10,8 @@ from typing import Final
 
 from homebot.conventions.matter.appliance_clusters import APPLIANCE_ROWS, MODE_SELECT, is_oven_cabinet
 from homebot.conventions.matter.climate_clusters import CLIMATE_ROWS
-from homebot.conventions.matter.endpoint import DESCRIPTOR, TAG_LIST, ClusterRow, MatterEndpoint, field_of
+from homebot.conventions.matter.cluster_row import ClusterRow
+from homebot.conventions.matter.endpoint import DESCRIPTOR, TAG_LIST, MatterEndpoint, field_of
 from homebot.conventions.matter.light_clusters import LIGHT_ROWS
 from homebot.conventions.matter.opening_clusters import OPENING_ROWS
 from homebot.conventions.matter.sensor_clusters import BATTERY, PLAIN, SENSOR_ROWS

@@ -8,17 +8,12 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Final
 
+from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, flag, number, one_of
 from homebot.conventions.matter.endpoint import (
     ClusterInvocation,
-    ClusterRow,
     MatterEndpoint,
     MatterOrders,
-    any_bit,
-    choice,
     field_of,
-    flag,
-    number,
-    one_of,
 )
 from homebot.conventions.payload import as_fields
 from homebot.devices.gateway_messages import Command

@@ -14,7 +14,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, Self, TypeAlias
 
-from homebot.conventions.matter.endpoint import ClusterRow, MatterEndpoint
+from homebot.conventions.matter.cluster_row import ClusterRow
+from homebot.conventions.matter.endpoint import MatterEndpoint
 from homebot.conventions.matter.opening_clusters import is_covering
 from homebot.conventions.matter.parts import parts_of
 from homebot.conventions.payload import shown
