@@ -8,11 +8,10 @@ from __future__ import annotations
 from pydantic import BaseModel
 
 from homebot.apps.base import App
-from homebot.devices import Device, RawMessage
+from homebot.devices import Device, DevicePart, RawMessage
 from homebot.devices.handles import Light
 from homebot.devices.names import read_text_address
 from homebot.devices.part import Capability, Part
-from homebot.devices.text.commands import sending_part
 from homebot.devices.text.states import decode_text
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError, RefusedError, ServiceError, WireError
@@ -107,7 +106,7 @@ class ThesisLightService(App):
         Raises:
             WireError: It is no report of a lamp.
         """
-        part = sending_part(lamp, message)
+        part = _sending_part(lamp, message)
         values = decode_text(message.text(), _ANY_LAMP if part is None else part.part)
         if not values:
             raise WireError(f"{message.address} reported neither on nor off", message.payload)
@@ -140,3 +139,14 @@ class ThesisLightService(App):
             self.node.log.warning(
                 event, message=f"{lamp.id}: {problem}{more_like_this(held_back)}", device=lamp.id, held_back=held_back
             )
+
+
+def _sending_part(device: Device, message: RawMessage) -> DevicePart | None:
+    """Return the part of *device* that sent *message*; None if unknown."""
+    place = read_text_address(message.address)
+    for part in device.parts:
+        for route in part.routes:
+            is_it = route.key == message.key if place is None else (route.key, route.part) == place
+            if is_it and route.gateway == message.gateway:
+                return part
+    return None

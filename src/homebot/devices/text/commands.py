@@ -5,8 +5,7 @@ from operator import attrgetter
 
 from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
 from homebot.devices.device import Device, DevicePart, Endpoint
-from homebot.devices.gateway_messages import RawMessage
-from homebot.devices.names import is_text_address, read_text_address, text_address
+from homebot.devices.names import is_text_address, text_address
 from homebot.devices.part import Capability, Part
 from homebot.devices.text.states import FRACTION_CAPABILITIES, SPEED_WORDS, bounds_of, encode_value, percent
 from homebot.devices.value import PlainValue
@@ -21,7 +20,6 @@ __all__ = [
     "main_part",
     "others_at",
     "part_at",
-    "sending_part",
 ]
 
 _PHRASES: Mapping[str, tuple[tuple[str, PlainValue], ...]] = {
@@ -236,17 +234,6 @@ def part_at(device: Device, gateway: str, address: str) -> DevicePart | None:
         if routes or address in part.part.writes:
             is_some = 0 < len(routes) < len(part.routes)
             return part.model_copy(update={"routes": tuple(routes)}) if is_some else part
-    return None
-
-
-def sending_part(device: Device, message: RawMessage) -> DevicePart | None:
-    """Return the part of *device* that sent *message*; None if unknown."""
-    place = read_text_address(message.address)
-    for part in device.parts:
-        for route in part.routes:
-            is_it = route.key == message.key if place is None else (route.key, route.part) == place
-            if is_it and route.gateway == message.gateway:
-                return part
     return None
 
 

@@ -1,6 +1,7 @@
 """The commands, texts and raw messages of a gateway, over the ports of its protocol."""
 
 import asyncio
+import math
 from collections.abc import Awaitable, Callable, Coroutine, Iterator
 from typing import Any, Literal, Protocol, TypeAlias
 
@@ -16,6 +17,7 @@ from homebot.devices.names import ONLY_OBSERVES, TEXT_SCHEME, read_text_address
 from homebot.devices.part import Capability, CommandDescription
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.text.commands import decode_command
+from homebot.devices.text.states import bounds_of
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError, WrongCodeError
 from homebot.gateways.announced.announcement import AnnouncedPart
@@ -268,7 +270,8 @@ def _samples(capability: Capability) -> tuple[PlainValue, ...]:
         case "bool":
             return (True,) if known.name in MOMENTARY else (True, False)
         case "number":
-            return (capability.bounds or known.bounds or (1.0,))[-1:]
+            _, highest = bounds_of(capability)
+            return (highest if math.isfinite(highest) else 1.0,)
         case "numbers":
             return (_COLOR,)
         case _:

@@ -253,7 +253,7 @@ class StateReader:
             reporter.publish_readings(stored, readings, address, retained=retained)
         else:
             reporter.publish_report(stored, readings, address, retained=retained)
-        if stored.reachable and not retained and False in stored.reachable.values():
+        if not retained and False in stored.reachable.values():
             self._doubt(stored, {"", *(one.part for one in readings)}, address)
 
     def _doubt(self, stored: StoredAnnouncement, parts: set[str], address: str) -> None:
