@@ -270,14 +270,21 @@ class ServiceTimeoutError(ServiceError, TimeoutError):
         self.timeout = timeout
 
 
+_LONGEST_REASON = 500
+
+
 class GoalError(ServiceError):
     """A goal of an action ended without success; ``service`` is the name of the action.
+
+    The text of the result, if it has one, is part of the error's.
 
     Attributes:
         result: The result message, perhaps partial; None without one.
     """
 
     def __init__(self, action: str, problem: str, result: object = None) -> None:
+        reason = str(getattr(result, "error_msg", "") or getattr(result, "message", ""))[:_LONGEST_REASON]
+        problem = f"{problem}: {reason}" if reason else problem
         super().__init__(action, problem)
         self.args = (f"action {action} {problem}",)
         self.result = result
@@ -293,8 +300,8 @@ class GoalRejectedError(GoalError):
 class GoalAbortedError(GoalError):
     """The server aborted the goal, or no longer knows it."""
 
-    def __init__(self, action: str, result: object, problem: str = "aborted the goal") -> None:
-        super().__init__(action, problem, result)
+    def __init__(self, action: str, result: object) -> None:
+        super().__init__(action, "aborted the goal", result)
 
 
 class GoalCanceledError(GoalError):

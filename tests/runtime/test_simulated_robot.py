@@ -18,6 +18,7 @@ from homebot.devices import Devices
 from homebot.devices.handles import Light
 from homebot.devices.names import WHERE_IS_ROBOT
 from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
+from homebot.errors import GoalAbortedError
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.actions import ActionClient, GoalState
 from homebot.house import World, thesis_world
@@ -185,6 +186,8 @@ async def test_a_cancelled_goal_stops_it_and_a_place_in_no_room_is_refused_with_
         state, result = await (await navigate.send_goal(goal_at(99.0, 1.0))).result()
         assert (state, result.error_code) == (GoalState.ABORTED, 207)
         assert result.error_msg == "no room is at 99, 1, or no doors lead to it"
+        with pytest.raises(GoalAbortedError, match="action /navigate_to_pose aborted the goal: no room is at 99, 1"):
+            await navigate.perform(goal_at(99.0, 1.0))
         elsewhere = DOCK_GOAL.model_copy(update={"use_dock_id": True, "dock_id": "garage"})
         state, result = await (await ActionClient(node, DOCK, "/dock_robot").send_goal(elsewhere)).result()
         assert (state, result.error_code) == (GoalState.ABORTED, 901)
