@@ -63,9 +63,7 @@ class GatewayFeed:
         async for service in self._node.graph.watch_services():
             names = self._node.graph.get_node_names() if service is None else (service.rpartition("/")[0],)
             for gateway in filter(None, map(gateway_of, names)):
-                if gateway not in self._states:
-                    self._follow_state(gateway)
-                    self.on_gateway(gateway)
+                self._follow_state(gateway)
 
     def watch(self, routes: Iterable[Route], on_report: OnReport) -> Callable[[], None]:
         """Call *on_report* with each live report by one of *routes*; return the function that stops it, once."""
@@ -93,9 +91,12 @@ class GatewayFeed:
         return bool(self._answering) and any((one.gateway, one.key, one.part) in self._answering for one in routes)
 
     def _follow_state(self, gateway: str) -> None:
+        if gateway in self._states:
+            return
         self._states.add(gateway)
         names, on_state = GatewayNames(gateway), partial(self._on_state, gateway)
         self._node.create_subscription(GatewayState, names.state, on_state, _STATE_QOS, from_node=names.node)
+        self.on_gateway(gateway)
 
     def _follow_reports(self, gateway: str) -> None:
         if gateway in self._reports:
@@ -107,8 +108,7 @@ class GatewayFeed:
             create(CommandAnswer, names.answers, partial(self._on_answer, gateway), _QOS, from_node=names.node)
         except InvalidNameError:
             return  # no node can have such a name
-        if gateway not in self._states:
-            self._follow_state(gateway)
+        self._follow_state(gateway)
 
     def _on_report(self, report: Report) -> None:
         if report.retained:
