@@ -21,7 +21,7 @@ def house() -> DeviceIndex:
 
 def refusal(house: DeviceIndex, text: str) -> str:
     try:
-        check_words(parse_query(text), house.postings)
+        check_words(parse_query(text), house.postings, house.owner.plan, house.devices)
     except UsageError as exc:
         return str(exc)
     except RefusedError as exc:

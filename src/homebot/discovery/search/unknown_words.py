@@ -21,12 +21,7 @@ _SHOWN = 12
 _WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CONDITIONS, *KEYWORDS, "near", "within"})
 
 
-def check_words(
-    query: Query,
-    postings: Postings,
-    plan: HousePlan | None = None,
-    devices: Callable[[], Iterable[Device]] = tuple,
-) -> None:
+def check_words(query: Query, postings: Postings, plan: HousePlan, devices: Callable[[], Iterable[Device]]) -> None:
     """Check that *query* has no misspelt word.
 
     Args:
@@ -48,7 +43,7 @@ def _is_name(term: Query) -> bool:
     return isinstance(term, InArea | AreaIs | NameIs | FactIs | GatewayIs | HasText)
 
 
-def _problem(term: Query, postings: Postings, plan: HousePlan | None, devices: Callable[[], Iterable[Device]]) -> str:
+def _problem(term: Query, postings: Postings, plan: HousePlan, devices: Callable[[], Iterable[Device]]) -> str:
     match term:
         case TypeIs(word):
             return _unknown_type(word, {*TYPE_WORDS, *postings.values_of("advertised")})
@@ -84,10 +79,10 @@ def _unknown_name(name: str, postings: Postings, devices: Callable[[], Iterable[
     return f"nothing is called {name!r}; did you mean {' or '.join(meant)}?" if meant and not is_known else ""
 
 
-def area_problem(area: str, postings: Postings, plan: HousePlan | None) -> str:
+def area_problem(area: str, postings: Postings, plan: HousePlan) -> str:
     """Return why *area*, a folded name, is not a place in the house; empty if it is or may become one."""
-    rooms, others = ([], ()) if plan is None else ([room.name for room in plan.rooms], (*plan.floors, plan.home))
-    stated = {fold(one): one for one in (*rooms, *others)}
+    rooms = [room.name for room in plan.rooms]
+    stated = {fold(one): one for one in (*rooms, *plan.floors, plan.home)}
     known = {**{one: one for one in postings.values_of("area")}, **stated, fold(OUTSIDE): OUTSIDE}
     if any(f"{one} ".startswith(f"{area} ") for one in known):
         return ""
