@@ -28,12 +28,7 @@ from homebot.devices import (
 from homebot.devices.client_rights import SIMULATED_HOUSE_RIGHTS
 from homebot.devices.query.term_messages import read_terms
 from homebot.devices.query.terms import And, TypeIs
-from homebot.devices.services import (
-    FindDevicesRequest,
-    FindDevicesResponse,
-    QueryDevicesRequest,
-    QueryDevicesResponse,
-)
+from homebot.devices.services import FindDevicesRequest, FindDevicesResponse, QueryDevicesRequest, QueryDevicesResponse
 from homebot.graph import Graph, Node, Publisher, qos_profile_latched
 from homebot.messages import Int32, SetBool, String, Time
 from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse

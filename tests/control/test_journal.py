@@ -6,10 +6,7 @@ from tests.control.conftest import Home, ignore, obey_after, report
 
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.handles import Light, OccupancySensor
-from homebot.devices.journal_messages import (
-    JournalEntry,
-    ReadJournalResponse,
-)
+from homebot.devices.journal_messages import JournalEntry, ReadJournalResponse
 from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.devices.value import Value
 from homebot.messages import Time

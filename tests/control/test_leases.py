@@ -16,20 +16,8 @@ from homebot.devices.command_messages import CommandRequest, PerformCommand, Set
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Closure, DoorLock, Thermostat
 from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
-from homebot.devices.lease_messages import (
-    EndLeases,
-    HeldPart,
-    HolderRequest,
-    HoldRequest,
-    ReleaseLease,
-    RenewLease,
-)
-from homebot.devices.names import (
-    END_LEASES,
-    PERFORM_COMMAND,
-    RELEASE_LEASE,
-    RENEW_LEASE,
-)
+from homebot.devices.lease_messages import EndLeases, HeldPart, HolderRequest, HoldRequest, ReleaseLease, RenewLease
+from homebot.devices.names import END_LEASES, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE
 from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Refused
 from homebot.devices.value import Value
 from homebot.errors import RefusedError, UsageError

@@ -16,13 +16,7 @@ from homebot.devices.access_messages import DefineType
 from homebot.messages.action import ActionType
 from homebot.messages.cdr import message_to_cdr
 from homebot.messages.definition import FieldDefinition, definition_text, fields_of
-from homebot.messages.interfaces import (
-    Interfaces,
-    find_action,
-    find_message,
-    find_service,
-    interface_names,
-)
+from homebot.messages.interfaces import Interfaces, find_action, find_message, find_service, interface_names
 from homebot.messages.json import message_from_json, message_to_json
 from homebot.messages.message import Message, ServiceType
 from homebot.messages.numeric_array import LAYOUTS

@@ -6,13 +6,7 @@ from hypothesis import strategies as st
 
 from homebot.errors import InvalidNameError
 from homebot.mqtt.filter_tree import FilterIndex
-from homebot.mqtt.topics import (
-    SharedFilter,
-    parse_shared_filter,
-    topic_matches,
-    validate_filter,
-    validate_topic,
-)
+from homebot.mqtt.topics import SharedFilter, parse_shared_filter, topic_matches, validate_filter, validate_topic
 
 LEVELS = st.lists(st.sampled_from(["a", "b", "", "$x", "ä"]), min_size=1, max_size=4)
 

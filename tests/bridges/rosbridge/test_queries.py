@@ -9,12 +9,7 @@ from homebot.devices import FIND_DEVICES, QUERY_DEVICES, FindDevices, QueryDevic
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms, read_terms
 from homebot.devices.query.terms import And, Query
-from homebot.devices.services import (
-    FindDevicesRequest,
-    FindDevicesResponse,
-    QueryDevicesRequest,
-    QueryDevicesResponse,
-)
+from homebot.devices.services import FindDevicesRequest, FindDevicesResponse, QueryDevicesRequest, QueryDevicesResponse
 from homebot.graph import Node
 from homebot.messages.json import message_to_json
 

@@ -6,9 +6,7 @@ from typing import Any
 import pytest
 
 from homebot.conventions.esphome.device import EsphomeDevice
-from homebot.conventions.esphome.entity import (
-    EsphomeEntity,
-)
+from homebot.conventions.esphome.entity import EsphomeEntity
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WrongCodeError
 

@@ -4,12 +4,7 @@ from typing import Any
 import pytest
 from tests.conventions.announced_parts import Say, device_in, heard, part_in, told
 
-from homebot.conventions.description import (
-    AnnouncementEvent,
-    DeviceAnnounced,
-    DeviceWithdrawn,
-    Publication,
-)
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.conventions.shelly import Shelly, ShellySettings
 from homebot.errors import RefusedError, WireError
 from homebot.mqtt.topics import topic_matches

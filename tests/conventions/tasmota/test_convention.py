@@ -6,12 +6,7 @@ from typing import Any
 import pytest
 from tests.conventions.announced_parts import device_in
 
-from homebot.conventions.description import (
-    AnnouncementEvent,
-    DeviceAnnounced,
-    DeviceWithdrawn,
-    LastWillAvailability,
-)
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, LastWillAvailability
 from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
 from homebot.conventions.tasmota.reader import MAX_DEVICES, MAX_WAITING
 from homebot.errors import WireError

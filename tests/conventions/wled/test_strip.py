@@ -2,13 +2,7 @@ import copy
 from typing import Any
 
 import pytest
-from tests.conventions.wled.wled_documents import (
-    BEFORE_0_13,
-    RGB_0_15,
-    RGBW_0_14,
-    TWO_SEGMENTS_0_15,
-    WHITES_0_13,
-)
+from tests.conventions.wled.wled_documents import BEFORE_0_13, RGB_0_15, RGBW_0_14, TWO_SEGMENTS_0_15, WHITES_0_13
 
 from homebot.conventions.wled.strip import WledStrip, effect_names
 from homebot.devices.part import Part

@@ -1,13 +1,6 @@
 from random import Random
 
-from homebot.gateways.announced.work_budget import (
-    BURST,
-    LONGEST_WAIT,
-    MESSAGE_WORK,
-    RATE,
-    SHARED_BURST,
-    WorkBudgets,
-)
+from homebot.gateways.announced.work_budget import BURST, LONGEST_WAIT, MESSAGE_WORK, RATE, SHARED_BURST, WorkBudgets
 from homebot.gateways.mqtt.state_topics import prefix_of
 
 FILTERS = ("hello/+", "homie/5/+/$state", "+/events/rpc")

@@ -4,14 +4,7 @@ from pathlib import Path
 
 import anyio
 import pytest
-from tests.gateways.homekit.fake_accessories import (
-    CODE,
-    FakeServer,
-    accessory,
-    characteristic,
-    lamp_service,
-    service,
-)
+from tests.gateways.homekit.fake_accessories import CODE, FakeServer, accessory, characteristic, lamp_service, service
 from tests.gateways.homekit.house import house, paired
 from tests.gateways.watched_gateway import reading, receive
 

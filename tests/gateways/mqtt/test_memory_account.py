@@ -17,13 +17,7 @@ from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.announced.registry import (
-    MAX_EXCESS,
-    MAX_EXCESS_EACH,
-    MAX_MEMORY,
-    RegistryLimits,
-    excess_of,
-)
+from homebot.gateways.announced.registry import MAX_EXCESS, MAX_EXCESS_EACH, MAX_MEMORY, RegistryLimits, excess_of
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.mqtt.broker import BrokerLimits

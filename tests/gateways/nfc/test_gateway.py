@@ -11,15 +11,7 @@ from homebot.devices import FIND_DEVICES, Device, Endpoint, FindDevices, Sightin
 from homebot.devices.device import KeyValue
 from homebot.devices.gateway_messages import Report
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
-from homebot.devices.tags import (
-    ReadTag,
-    ReadTagRequest,
-    ScanCode,
-    ScanCodeRequest,
-    TagTap,
-    WriteTag,
-    WriteTagRequest,
-)
+from homebot.devices.tags import ReadTag, ReadTagRequest, ScanCode, ScanCodeRequest, TagTap, WriteTag, WriteTagRequest
 from homebot.graph import Node
 from homebot.house.nfc import TagField, Type4Card
 from homebot.messages.builtin_interfaces import Time

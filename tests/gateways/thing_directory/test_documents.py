@@ -6,14 +6,7 @@ from datetime import UTC, datetime
 import pytest
 
 from homebot.errors import WireError
-from homebot.gateways.thing_directory.documents import (
-    etag_of,
-    lifetime_of,
-    members_of,
-    next_page,
-    read_event,
-    text_of,
-)
+from homebot.gateways.thing_directory.documents import etag_of, lifetime_of, members_of, next_page, read_event, text_of
 
 
 def test_a_page_is_an_array_or_a_collection_with_members() -> None:

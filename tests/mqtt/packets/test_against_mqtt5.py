@@ -6,13 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.mqtt.packets.test_every_type_against_mqtt5 import PACKETS
 
-from homebot.mqtt.packets import (
-    Packet,
-    PacketError,
-    PacketReader,
-    Publish,
-    encode,
-)
+from homebot.mqtt.packets import Packet, PacketError, PacketReader, Publish, encode
 
 pytestmark = pytest.mark.slow
 

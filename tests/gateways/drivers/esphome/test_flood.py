@@ -10,9 +10,7 @@ import pytest
 from anyio.abc import SocketStream
 from tests.gateways.drivers.esphome.served import living, service_of, simulated
 
-from homebot.conventions.entity_rows import (
-    Fields,
-)
+from homebot.conventions.entity_rows import Fields
 from homebot.errors import WireError
 from homebot.gateways.drivers.esphome.connection import EsphomeConnection, connected
 from homebot.support.isolation import first_cause

@@ -6,13 +6,7 @@ import pytest
 from tests.mqtt.broker.conformance.conftest import Meet, Talker
 from tests.mqtt.broker.conftest import Stranger
 
-from homebot.mqtt.packets import (
-    NO_PROPERTIES,
-    Connect,
-    Properties,
-    ProtocolVersion,
-    ReasonCode,
-)
+from homebot.mqtt.packets import NO_PROPERTIES, Connect, Properties, ProtocolVersion, ReasonCode
 
 V31, V311, V5 = ProtocolVersion.V31, ProtocolVersion.V311, ProtocolVersion.V5
 
