@@ -1,6 +1,5 @@
 """``homebot do``: the request that it makes of its arguments, and what it prints of the answer."""
 
-import json
 from typing import Any
 
 import pytest
@@ -52,35 +51,15 @@ class Service:
         return self._response
 
 
-def test_one_device_is_one_line(homebot: Any, capsys: Text) -> None:
-    assert Service(homebot, answer(CONFIRMED)).run("Lamp 0", "on") == 0
-    assert capsys.readouterr().out == "Lamp 0 in Café: confirmed after 0.12 s (reported)\n"
-
-
 def test_a_long_refusal_is_shown_to_its_end_where_the_advice_is(homebot: Any, capsys: Text) -> None:
     refused = Refused("rights", f"{'word ' * 60}; give it a token")
     assert Service(homebot, answer(refused)).run("Lamp 0", "on") == 1
     assert capsys.readouterr().out.endswith("; give it a token\n")
 
 
-def test_several_devices_end_with_how_many_obeyed(homebot: Any, capsys: Text) -> None:
-    assert Service(homebot, answer(CONFIRMED, SILENT)).run("light in hall", "off") == 1
-    assert capsys.readouterr().out == (
-        "Lamp 0: confirmed after 0.12 s (reported)\n"
-        "Lamp 1: no answer within 10 s\n"
-        "1 of 2 in Café succeeded; worst outcome: no answer\n"
-    )
-
-
 def test_why_nothing_was_commanded_is_told(homebot: Any, capsys: Text) -> None:
     assert Service(homebot, answer(message="no device fits 'lmap'")).run("lmap", "on") == 1
     assert capsys.readouterr().err == "homebot: no device fits 'lmap'\n"
-
-
-def test_json_is_the_whole_answer(homebot: Any, capsys: Text) -> None:
-    assert Service(homebot, answer(SILENT)).run("Lamp 0", "on", "--json") == 1
-    found = json.loads(capsys.readouterr().out)
-    assert (found["success"], found["results"][0]["result"]["outcome"]) == (False, "no_answer")
 
 
 @pytest.mark.parametrize(

@@ -13,14 +13,7 @@ from homebot.devices.handles import Light
 from homebot.devices.names import PLACE_DEVICE
 from homebot.devices.places_messages import PlaceDevice
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.errors import (
-    LinkError,
-    RefusedError,
-    ServiceFailedError,
-    ServiceUnavailableError,
-    UsageError,
-    WireError,
-)
+from homebot.errors import LinkError, RefusedError, ServiceFailedError, ServiceUnavailableError, UsageError, WireError
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.messages import Time
 from homebot.testing import FakeGateway

@@ -10,8 +10,9 @@ from homebot.devices.value import PlainValue, Value
 @pytest.mark.parametrize("plain", [None, True, False, 1.0, 0.0, -0.5, 1e300, math.inf, "on", "", (1.0, 2.0), ()])
 def test_a_value_comes_back_as_it_was(plain: PlainValue) -> None:
     """The type as well: 1.0 is no true."""
-    back = Value.of(plain).plain()
-    assert (back, type(back)) == (plain, type(plain))
+    for value in (Value.of(plain), Value.model_validate(plain)):
+        back = value.plain()
+        assert (back, type(back)) == (plain, type(plain))
 
 
 def test_a_number_is_always_a_float() -> None:

@@ -27,6 +27,7 @@ from homebot.house.dialects.thesis import ThesisDialect
 from homebot.house.faults import Chatterbox, Unplugged
 from homebot.house.mqtt_device import QUEUED
 from homebot.house.rooms import DAY, Room, Rooms
+from homebot.house.sensors import PowerMeter
 from homebot.house.simulated_device import Placed, ScheduledCommand, SimulatedDevice
 from homebot.mqtt.broker import Broker, BrokerPolicy
 from homebot.mqtt.client import MqttSubscription
@@ -161,6 +162,11 @@ async def test_a_motor_takes_its_time_and_a_heartbeat_repeats_the_last_word_also
             "15 windows/motor/out open",
             "20 windows/motor/out open",
         ]
+
+
+async def test_a_heartbeat_has_the_power_again_as_its_message_also_has_the_energy() -> None:
+    async with street(World.of(PowerMeter("meter")), heartbeat=10.0) as there:
+        assert await there.heard_until(25.0) == [f"{seconds} power_meters/meter/out 0" for seconds in (0, 10, 20)]
 
 
 async def test_the_world_goes_on_by_itself_and_hands_reach_it() -> None:

@@ -417,10 +417,11 @@ def test_it():
     pytester.runpytest_subprocess("-p", "no:cacheprovider").assert_outcomes(passed=1)
 
 
-def test_a_command_that_nobody_awaits_fails_its_test(tried: Tried) -> None:
+def test_a_command_that_nobody_awaits_and_a_hold_that_nobody_enters_fail_their_test(tried: Tried) -> None:
     tests = """
         import gc
         from homebot.devices.handles import Light
+        from homebot.devices.hold import HoldBlock
 
         async def test_forgets():
             Light.turn_off(None)
@@ -430,25 +431,14 @@ def test_a_command_that_nobody_awaits_fails_its_test(tried: Tried) -> None:
             house.run_for("1h")
             gc.collect()
 
-        async def test_that_is_well():
-            pass
-        """
-    tried(tests, "--asyncio-mode=auto", passed=1, failed=2)
-
-
-def test_a_hold_that_nobody_enters_fails_its_test(tried: Tried) -> None:
-    tests = """
-        import gc
-        from homebot.devices.hold import HoldBlock
-
-        async def test_forgets():
+        async def test_forgets_to_enter():
             HoldBlock(None, None, "", "open", "robot", 10.0)
             gc.collect()
 
         async def test_that_is_well():
             pass
         """
-    tried(tests, "--asyncio-mode=auto", passed=1, failed=1)
+    tried(tests, "--asyncio-mode=auto", passed=1, failed=3)
 
 
 def test_every_command_of_every_kind_is_among_those() -> None:

@@ -182,6 +182,7 @@ async def test_every_kind_can_be_asked_for_by_its_state(
         (ElectricalMeter, {"power": 5.0, "energy": 1.25}, {"watts": 5.0, "kilowatt_hours": 1.25}),
         (SmokeAlarm, {"carbon_monoxide_alarm": True}, {"smoke": None, "carbon_monoxide": True}),
         (TemperatureSensor, {"temperature": 21.0}, {"celsius": 21.0}),
+        (ContactSensor, {"contact": True}, {"is_open": True}),
         (Light, {"on_off": "yes", "color": (1.0,)}, {"on": None, "color": None, "level": None}),
     ],
 )
@@ -193,6 +194,7 @@ async def test_a_handle_has_the_values_of_its_part(
     house.has(house.device("a", house.part(service_type, reads=states), states=states))
     (handle,) = await house.devices.find(kind)
     assert {name: getattr(handle, name) for name in told} == told
+    assert handle.device.id == "a"
 
 
 @pytest.mark.parametrize(
