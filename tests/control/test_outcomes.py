@@ -308,6 +308,16 @@ async def test_what_was_so_before_a_command_without_an_answer_is_not_known_any_m
     assert len(home.commands) == sent
 
 
+async def test_a_lamp_that_contradicted_a_command_is_as_it_said(home: Home) -> None:
+    """Home Assistant sends no equal state: only the older report says that the lamp is off."""
+    lamp = await home.lamp("on_off", before={"on_off": False}, behaviour=report((0.2, False)))
+    assert isinstance(await lamp.turn_on(), Contradicted)
+    home.behaviours["lamp"] = ignore
+    sent = len(home.commands)
+    assert isinstance(await lamp.turn_off(), AlreadySo)
+    assert len(home.commands) > sent  # it may obey the first command late
+
+
 async def test_a_lamp_that_reports_nothing_is_acknowledged_at_most(home: Home) -> None:
     outcome = await (await home.new(Switch, "plug", "on_off", is_silent=True)).turn_on()
     assert isinstance(outcome, Confirmed)

@@ -281,8 +281,10 @@ class CommandExecutor:
             for capability in command.settings if timeline.unsure_since else ():
                 timeline.unsure_since.pop(capability, None)
         elif outcome.may_obey_later:  # it may have changed, although no report says so
-            now = self._clock.now()
-            timeline.unsure_since.update((other, now) for one in command.settings for other in related(one))
+            since = self._clock.now()
+            if isinstance(outcome, Contradicted):  # certain is what it has reported since the last sending
+                since -= self._clock.monotonic() - progress.sent_at
+            timeline.unsure_since.update((other, since) for one in command.settings for other in related(one))
         timeline.decide(progress, outcome, self._clock.monotonic())
         self.timelines.schedule(command.place)
         return outcome
