@@ -689,6 +689,16 @@ async def test_a_device_that_is_removed_before_it_answers_is_gone(home: Home) ->
     assert [type(one) for one in outcomes] == [Gone]
 
 
+async def test_a_part_that_can_do_more_than_before_confirms_that_too(home: Home) -> None:
+    """What it reports of a capability that it had not at its first command was not heard."""
+    thermostat = await home.new(Thermostat, "warm", "heating_setpoint")
+    assert isinstance(await thermostat.command("heating_setpoint", 20.0), Confirmed)
+    home.put("warm", "thermostat", "heating_setpoint", "cooling_setpoint")
+    thermostat = await home.handle(Thermostat)
+    assert isinstance(await thermostat.command("cooling_setpoint", 25.0), Confirmed)
+    assert len(home.commands) == 2
+
+
 async def test_a_device_that_its_gateway_has_just_lost_is_gone_and_was_not_refused(home: Home) -> None:
     async def vanish(home: Home, command: Command) -> None:
         home.gateway.devices.remove(command.key, "its announcement has run out")

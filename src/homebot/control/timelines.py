@@ -18,7 +18,7 @@ from homebot.control.timeline.settling import Undoing
 from homebot.control.values import related
 from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.capabilities import SETTABLE
-from homebot.devices.device import Route, target_of
+from homebot.devices.device import target_of
 from homebot.devices.value import PlainValue
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
@@ -35,7 +35,7 @@ _MOST: Final = 10_000
 class _TrackedPart:
     timeline: PartTimeline
     target: str
-    routes: tuple[Route, ...] = ()
+    part: DevicePart
     relevant: frozenset[str] = frozenset()
     stop_watch: Callable[[], None] = lambda: None
     timer: int = 0
@@ -66,7 +66,7 @@ class Timelines:
             entry = self._create(place, device, part)
         else:
             self._entries.move_to_end(place)
-        if entry.routes is not part.routes and entry.routes != part.routes:
+        if entry.part is not part and entry.part != part:
             self._follow(entry, part)
         return entry.timeline
 
@@ -107,15 +107,16 @@ class Timelines:
         target = target_of(device.id, part.id)
         timeline = PartTimeline(self._profiles.of(target), self._timeout, self._settle)
         _seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
-        entry = self._entries[place] = _TrackedPart(timeline, target)
+        entry = self._entries[place] = _TrackedPart(timeline, target, part)
         timeline.on_news, timeline.on_undone = self.on_news, partial(self._on_undone, entry)
+        self._follow(entry, part)
         if len(self._entries) > _MOST:
             self._forget_oldest()
         return entry
 
     def _follow(self, entry: _TrackedPart, part: DevicePart) -> None:
         entry.stop_watch()
-        entry.routes = part.routes
+        entry.part = part
         settings = [one.name for one in part.part.capabilities if one.settable or one.name in SETTABLE]
         entry.relevant = frozenset([other for one in settings for other in related(one)])
         entry.stop_watch = self._feed.watch(part.routes, partial(self._on_value, entry))
@@ -124,7 +125,7 @@ class Timelines:
         if capability not in entry.relevant:
             return
         now, timeline = self._clock.monotonic(), entry.timeline
-        fact = timeline.report(now, stamp, capability, value, self._feed.last_loss(entry.routes).monotonic)
+        fact = timeline.report(now, stamp, capability, value, self._feed.last_loss(entry.part.routes).monotonic)
         if entry.listeners:
             finding = None if fact is None else timeline.cause_of(fact)
             for listener in tuple(entry.listeners):
