@@ -62,25 +62,28 @@ class LearntPersistence:
         return partial(self._save, kind)
 
     def add(self, kind: str, restore: RestoreRecord) -> None:
-        """Restore the records of *kind* by *restore*."""
-        self._restorers[kind] = restore
+        """Restore the records of *kind* by *restore* with the next :meth:`load`."""
+        self._restorers[kind], self._loaded = restore, None
 
     async def load(self) -> None:
-        """Restore all records; call once. If it takes over a second, it returns, logs that, and restores them later."""
-        if self._loaded is None:
-            self._loaded = anyio.Event()
-            self._node.create_task(partial(self._load, self._loaded))
+        """Restore all records, once. If it takes over a second, it returns, logs that, and restores them later."""
+        loaded = self._loaded
+        if loaded is None:
+            loaded = self._loaded = anyio.Event()
+            self._node.create_task(partial(self._load, loaded))
         with anyio.move_on_after(_PATIENCE):
-            await self._loaded.wait()
-        if not self._loaded.is_set() and self.is_awaited:
+            await loaded.wait()
+        if not loaded.is_set() and self.is_awaited:
             kinds = ", ".join(sorted(self._restorers))
             text = f"records of earlier runs ({kinds}) cannot be read yet; commands are sent without them"
             self._node.log.warning(LATE, message=text)
         self.is_awaited = False
 
     async def _load(self, loaded: anyio.Event) -> None:
-        rows = [one for one in await self._store.learnt() if one.kind in self._restorers or one.kind not in KINDS]
-        problems = [problem for row in rows if (problem := self._restore(row))]
+        found = await self._store.learnt()
+        restorers, self._restorers = self._restorers, {}
+        rows = [one for one in found if one.kind in restorers or one.kind not in KINDS]
+        problems = [problem for row in rows if (problem := self._restore(row, restorers.get(row.kind)))]
         self.is_awaited = False
         loaded.set()
         if rows:
@@ -91,9 +94,8 @@ class LearntPersistence:
             text = f"records learnt from earlier commands that were dropped: {len(problems)}, such as {problems[0]}"
             self._node.log.warning(DROPPED, message=f"{text}; they are learnt again", count=len(problems))
 
-    def _restore(self, row: LearntRow) -> str:
+    def _restore(self, row: LearntRow, restore: RestoreRecord | None) -> str:
         """Restore one row; return its problem, or an empty text."""
-        restore = self._restorers.get(row.kind)
         problem = "" if restore is not None else "this version has no such records"
         try:
             if restore is not None:

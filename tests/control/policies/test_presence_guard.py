@@ -270,6 +270,16 @@ async def test_which_sensors_detect_people_is_known_after_a_restart(open_home: O
         assert (await lamp.turn_off()).succeeded
 
 
+async def test_a_guard_that_a_reload_turns_on_knows_them_too(open_home: OpenHome) -> None:
+    """The rows were read with the first command, when no policy wanted them."""
+    store = KeptStore()
+    store.learn(LearntRow("detection", "motion", '{"version":1}', 0.0))
+    async with open_home(store=store) as home:
+        assert (await (await home.lamp("on_off")).turn_on()).succeeded
+        home.control.update_policies(ControlSettings.model_validate({"presence_guard": GUARD}))
+        assert await home.control.detected() == ("motion",)
+
+
 async def test_what_commands_taught_is_kept_beside_it(open_home: OpenHome) -> None:
     """Each reads its own rows, and neither drops those of the other."""
     store = KeptStore()
