@@ -7,7 +7,7 @@ from typing import Any, cast
 import pytest
 from pydantic import ValidationError
 
-from homebot.cli.device_json import chain_json
+from homebot.cli.journal_client import chain_json
 from homebot.control.journal.journal_file import JournalFile
 from homebot.control.journal.store import JournalNote
 from homebot.devices.command_messages import CommandDevicesResponse, CommandResult

@@ -1,8 +1,8 @@
-"""Devices and entries of the journal for programs: JSON with plain values and times in ISO 8601."""
+"""Devices for programs: JSON with plain values and times in ISO 8601."""
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from homebot.devices.names import OWNER
@@ -13,12 +13,8 @@ from homebot.support.strict_json import in_ascii
 
 if TYPE_CHECKING:
     from homebot.devices import Device, State
-    from homebot.devices.command_messages import CommandResult, Setting
-    from homebot.devices.journal_messages import JournalEntry
-    from homebot.devices.trigger import Trigger
-    from homebot.devices.value import Reading
 
-__all__ = ["chain_json", "device_json", "entry_json", "json_text", "list_text"]
+__all__ = ["device_json", "json_text", "list_text"]
 
 
 def json_text(device: Mapping[str, object]) -> str:
@@ -92,57 +88,4 @@ def _state(state: State) -> dict[str, object]:
         "since": iso(state.since),
         "told_at": iso(state.told_at),
         "live": state.live,
-    }
-
-
-def chain_json(entries: Iterable[JournalEntry], names: Mapping[str, str]) -> list[dict[str, object]]:
-    """Return *entries* as JSON objects, see :func:`entry_json`."""
-    return [entry_json(one, names) for one in entries]
-
-
-def entry_json(entry: JournalEntry, names: Mapping[str, str]) -> dict[str, object]:
-    """Return *entry* as a JSON object for other programs: plain values, times in ISO 8601, no empty fields."""
-    found: dict[str, object] = {"kind": entry.kind, "at": iso(entry.at), "device": entry.device}
-    if name := names.get(entry.device):
-        found["name"] = name
-    texts = fields_of(entry)
-    found |= {key: texts[key] for key in ("part", "command", "issuer", "text", "cause") if texts[key]}
-    if entry.trigger.kind:
-        found["trigger"] = _trigger_json(entry.trigger)
-    if entry.settings:
-        found["settings"] = _settings_json(entry.settings)
-    for verdict in entry.verdicts:
-        found["verdict"] = {
-            "policy": verdict.policy,
-            "allowed": verdict.allowed,
-            "reason": verdict.reason,
-            "facts": {one.name: plain_value(one.value) for one in verdict.facts},
-        }
-    for result in entry.results:
-        found["outcome"] = _outcome_json(result)
-    if entry.folded:
-        found["folded"] = entry.folded
-    return found
-
-
-def _trigger_json(trigger: Trigger) -> dict[str, object]:
-    found: dict[str, object] = {"kind": trigger.kind, "id": trigger.id}
-    texts = fields_of(trigger)
-    found |= {key: texts[key] for key in ("device", "text") if texts[key]}
-    if trigger.readings:
-        found["readings"] = _settings_json(trigger.readings)
-    if trigger.at.sec:
-        found["at"] = iso(trigger.at)
-    return found
-
-
-def _settings_json(settings: Iterable[Setting | Reading]) -> dict[str, object]:
-    return {one.capability: plain_value(one.value) for one in settings}
-
-
-def _outcome_json(result: CommandResult) -> dict[str, object]:
-    found: dict[str, object] = {"outcome": result.outcome, "text": result.text}
-    values = fields_of(result)
-    return found | {
-        key: values[key] for key in ("latency", "evidence", "saw", "witness", "by", "policy", "reason") if values[key]
     }

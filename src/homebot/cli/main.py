@@ -72,8 +72,7 @@ _MODULES: Final = {
     "import": "import_thing",
     "release": "leases",
     "restore": "backup",
-    "why": "journal",
-    "why-not": "journal",
+    "why-not": "why",
     **dict.fromkeys(_OWNER, "owner"),
 }
 """The modules of commands whose module has another name."""

@@ -15,7 +15,7 @@ from tests.devices.handles.conftest import device, part
 
 from homebot.cli import main
 from homebot.cli.commands.import_thing import topic_level
-from homebot.cli.commands.journal import _print_state
+from homebot.cli.commands.why import _print_state
 from homebot.devices.health import PartFailure
 from homebot.errors import UsageError
 from homebot.messages import Time

@@ -1,12 +1,9 @@
-import tracemalloc
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.conventions.installed_conventions import default_conventions, find_conventions
 from homebot.errors import WireError
-from homebot.gateways.mqtt.state_topics import ReservedTopics, StateTopics, pop_filters
+from homebot.gateways.mqtt.state_topics import StateTopics, pop_filters
 
 
 def topics(*announcements: str, others: tuple[str, ...] = (), most: int = 100) -> StateTopics:
@@ -81,29 +78,3 @@ def test_a_filter_that_begins_with_wildcards_is_taken_where_the_rest_tells_one_d
         with pytest.raises(WireError, match="does not belong to this device alone"):
             wanted.use(greedy)
     assert pop_filters(wanted.wanted, 10) == ("+/+/BTtoMQTT/A4C138000011",)
-
-
-def reserved_topics() -> ReservedTopics:
-    return ReservedTopics(find_conventions(default_conventions(), {}, "home425"))
-
-
-def test_a_reserved_topic_is_reserved_whatever_its_length() -> None:
-    topics = reserved_topics()
-    for name in ("x", "x" * 1000):
-        assert topics.why(f"homebot/{name}") == "it belongs to homebot"
-        assert topics.why(f"$SYS/{name}") == "it belongs to the broker"
-        assert topics.why(f"lamps/{name}/set") == ""
-        assert topics.why(f"zigbee2mqtt/{name}/set", "zigbee2mqtt") == ""
-
-
-def test_nothing_is_kept_of_long_topics() -> None:
-    """Devices that never were can announce any number of them, of 65,535 bytes each."""
-    topics = reserved_topics()
-    topics.why("lamps/hall/set")
-    tracemalloc.start()
-    try:
-        for number in range(500):
-            assert topics.why(f"lamps/{number}/{'x' * 20_000}") == ""
-        assert tracemalloc.get_traced_memory()[0] < 200_000
-    finally:
-        tracemalloc.stop()

@@ -24,7 +24,7 @@ from homebot.devices.value import PlainValue
 from homebot.discovery import DeviceIndex
 from homebot.errors import RefusedError
 from homebot.gateways.announced.announcement import StoredAnnouncement
-from homebot.gateways.mqtt.state_topics import ReservedTopics
+from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.messages import Time
 
 pytestmark = pytest.mark.slow

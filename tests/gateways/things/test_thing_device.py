@@ -14,9 +14,9 @@ from homebot.conventions.coap.link_format import parse_links
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError, RefusedError, UnableError, WireError
-from homebot.gateways.announced.command_server import sent_commands
 from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.announced.sent_commands import sent_commands
 from homebot.gateways.things.thing_device import ThingDevice, ThingPayload, describe_thing
 from homebot.wot.binding import RequestBinding
 from homebot.wot.coap.resource_types import thing_of_links

@@ -1,31 +1,28 @@
 """The commands, texts and raw messages of a gateway, over the ports of its protocol."""
 
 import asyncio
-import math
-from collections.abc import Awaitable, Callable, Coroutine, Iterator
+from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any, Literal, Protocol, TypeAlias
 
 import anyio.lowlevel
 
-from homebot.conventions.description import Codec, DescribedPart, Publications, TakesCode
 from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.approval_messages import DescribeCommands, DescribeCommandsRequest, DescribeCommandsResponse
-from homebot.devices.capabilities import CAPABILITIES, MOMENTARY, OWN
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthResponse
 from homebot.devices.names import ONLY_OBSERVES, TEXT_SCHEME, read_text_address
-from homebot.devices.part import Capability, CommandDescription
+from homebot.devices.part import CommandDescription
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.text.commands import decode_command
-from homebot.devices.text.states import bounds_of
-from homebot.devices.value import PlainValue, Value
-from homebot.errors import HomebotError, LinkError, RefusedError, UnableError, WrongCodeError
+from homebot.devices.value import Value
+from homebot.errors import HomebotError, LinkError, RefusedError, UnableError
 from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.engine import GatewayEngine
+from homebot.gateways.announced.sent_commands import sent_commands
 from homebot.gateways.raw_delivery import begin_of
 from homebot.support.unanswered import SENT_REQUESTS, SentRequests
 
-__all__ = ["MOST_LINES", "CommandServer", "Perform", "RawMessages", "sent_commands"]
+__all__ = ["CommandServer", "Perform", "RawMessages"]
 
 COMMAND_REFUSED = "gateway.command_refused"
 COMMAND_FAILED = "gateway.command_failed"
@@ -40,13 +37,6 @@ It raises :class:`UnableError` if the part as described cannot do that and nothi
 :class:`LinkError` if the device or its network cannot be reached now, and :class:`RefusedError` if one of them
 refuses. It waits for an answer inside :func:`homebot.support.unanswered.awaiting_answer`.
 """
-
-MOST_LINES = 64
-"""Settings shown of one part; no more are tried, as a template may take milliseconds."""
-
-_LONGEST = 200
-_CODE = "CODE"
-_COLOR = (0.0, 100.0)
 
 
 class RawMessages(Protocol):
@@ -239,70 +229,3 @@ class CommandServer:
         if recent or not self._keeps_states or not part.kept:
             return recent
         return (part.kept[-1][1].model_copy(update={"retained": True}),)
-
-
-def sent_commands(described: DescribedPart) -> Iterator[str]:
-    """Yield a line with payload and address for each setting of a part; none if its gateway encodes by itself.
-
-    A number is shown with its largest value. A codec with memory is not tried: its payloads depend on the reports of
-    the device, and it may remember commands too.
-    """
-    part = described.part
-    label = f"{part.name or part.id}: " if part.name or part.id else ""
-    if described.remembers:
-        yield f"{label}{', '.join(part.writes)}: what is sent depends on what the device reported"
-        return
-    settings = [(one, value) for one in part.capabilities if one.settable for value in _samples(one)]
-    for capability, value in settings[:MOST_LINES]:
-        sent = _sent(described.codec, capability.name, value)
-        if sent is not None:
-            yield f"{label}{capability.name}={_spelt(value)}: {sent}"
-    if len(settings) > MOST_LINES:
-        yield f"{label}and {len(settings) - MOST_LINES} further settings"
-
-
-def _samples(capability: Capability) -> tuple[PlainValue, ...]:
-    """Return the values that a capability can be set to; only the largest of a number."""
-    known = CAPABILITIES.get(capability.name, OWN)
-    if capability.options or not known.kind:
-        return capability.options
-    match known.kind:
-        case "bool":
-            return (True,) if known.name in MOMENTARY else (True, False)
-        case "number":
-            _, highest = bounds_of(capability)
-            return (highest if math.isfinite(highest) else 1.0,)
-        case "numbers":
-            return (_COLOR,)
-        case _:
-            return known.options or ("TEXT",)
-
-
-def _sent(codec: Codec, capability: str, value: PlainValue) -> str | None:
-    """Return the message as text; None if the part refuses *value*."""
-    try:
-        try:
-            return _shown(codec.write(capability, value))
-        except WrongCodeError:
-            return _shown(codec.write_with_code(capability, value, _CODE)) if isinstance(codec, TakesCode) else None
-    except WrongCodeError:
-        return "it takes a code, which is not shown"
-    except HomebotError:
-        return None
-
-
-def _shown(publications: Publications) -> str:
-    texts = []
-    for topic, payload, _, retain in publications:
-        text = payload.decode(errors="backslashreplace")
-        shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}… ({len(payload):,} bytes)"
-        texts.append(f"{topic} {shown}{' (retained)' if retain else ''}".rstrip())
-    return ", ".join(texts) or "nothing"
-
-
-def _spelt(value: PlainValue) -> str:
-    if isinstance(value, bool):
-        return "on" if value else "off"
-    if isinstance(value, tuple):
-        return ",".join(f"{one:g}" for one in value)
-    return f"{value:g}" if isinstance(value, float) else str(value)

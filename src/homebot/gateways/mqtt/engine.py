@@ -33,8 +33,9 @@ from homebot.gateways.mqtt.command_publisher import CommandPublisher, Responses,
 from homebot.gateways.mqtt.intake import AnnouncementHandler
 from homebot.gateways.mqtt.offers import Offers, publishers_of
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, TopicReaders
+from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
-from homebot.gateways.mqtt.state_topics import ReservedTopics, StateTopics, prefix_of
+from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage

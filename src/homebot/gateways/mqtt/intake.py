@@ -14,7 +14,7 @@ from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityR
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.registry import LISTED, Readers, RegistryChange
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
-from homebot.gateways.mqtt.state_topics import ReservedTopics
+from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.subscriber import Subscriber
 from homebot.mqtt.message import MqttMessage
 

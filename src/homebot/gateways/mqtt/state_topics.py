@@ -1,29 +1,18 @@
-"""The topics of one gateway: those in use for states, with their subscriptions, and the reserved ones. Pure.
+"""The state topics in use, and the subscriptions that they require. Pure."""
 
-Reserved are the topics of brokers, bridges and homebot, which no announcement may use for commands; apps may still
-publish there themselves.
-"""
-
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from itertools import islice
-from operator import attrgetter
-from typing import NamedTuple
 
-from homebot.conventions.convention import Convention, ReservingConvention, TextConvention
-from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
 from homebot.mqtt.topics import validate_filter
 
-__all__ = ["ReservedTopics", "StateTopics", "pop_filters", "prefix_of"]
+__all__ = ["StateTopics", "pop_filters", "prefix_of"]
 
 MAX_TOPICS = 100_000
 LONGEST = 1000
 LITERAL_LEVELS = 2
 """Fewest literal levels of a filter that begins with a wildcard; Theengs Gateway: ``+/+/BTtoMQTT/A4C138000011``."""
-
-OWN = "homebot"
-_BRIDGE_REQUEST = "/bridge/request/"
 
 
 class StateTopics:
@@ -120,84 +109,3 @@ def pop_filters(filters: dict[str, None], at_most: int) -> tuple[str, ...]:
     for one in taken:
         del filters[one]
     return taken
-
-
-class _Reservation(NamedTuple):
-    """The reason why topics are reserved, and the convention that may use them nevertheless."""
-
-    why: str
-    free_for: str = ""
-
-
-class ReservedTopics:
-    """Reserved topics of one gateway.
-
-    Args:
-        conventions: Conventions whose topics of announcements and texts are reserved.
-    """
-
-    def __init__(self, conventions: Iterable[Convention]) -> None:
-        self._rules: FilterIndex[_Reservation | TextConvention] = FilterIndex()
-        for one in conventions:
-            if isinstance(one, TextConvention):
-                for topic_filter in one.filters():
-                    self._rules.add(topic_filter, one)
-                continue
-            narrow = _Reservation(f"it is reserved for announcements to {one.name}")
-            wide = narrow._replace(free_for=one.name)
-            for topic_filter in one.filters():
-                self._rules.add(topic_filter, wide if "#" in topic_filter else narrow)
-            if isinstance(one, ReservingConvention):
-                for topic_filter in one.reserved():
-                    self._rules.add(topic_filter, _Reservation(f"it belongs to {one.name}"))
-
-    def why(self, topic: str, convention: str = "") -> str:
-        """Return why no device of *convention* may have a command topic *topic*; empty if it may."""
-        if topic.startswith("$"):
-            return "it belongs to the broker"
-        if topic == OWN or topic.startswith(f"{OWN}/"):
-            return "it belongs to homebot"
-        if _BRIDGE_REQUEST in topic:
-            return "it is reserved for requests to a bridge"
-        why = ""
-        for rule in self._rules.match(topic):
-            if not isinstance(rule, _Reservation):
-                why = "another device publishes there" if _is_state_topic(rule, topic) else why
-            elif not convention or rule.free_for != convention:
-                return rule.why
-        return why
-
-    def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
-        """Return *described* without its reserved command topics, and these topics with the reasons.
-
-        The parts concerned stay readable.
-        """
-        reserved: dict[str, str] = {}
-        for part in described.parts:
-            for topic in (*part.part.writes, *map(_TOPIC, part.state_requests)):
-                if why := self.why(topic, described.convention):
-                    reserved[topic] = why
-        if not reserved:
-            return described, ()
-        parts = tuple([_without(reserved, part) for part in described.parts])
-        refused = dict.fromkeys(topic for part in described.parts for topic in part.part.writes if topic in reserved)
-        return described._replace(parts=parts), tuple(f"{topic}: {reserved[topic]}" for topic in refused)
-
-
-_TOPIC = attrgetter("topic")
-
-
-def _without(reserved: Mapping[str, str], described: DescribedPart) -> DescribedPart:
-    asks = tuple([one for one in described.state_requests if one.topic not in reserved])
-    part = described.part
-    if not reserved.keys().isdisjoint(part.writes):
-        capabilities = tuple(one.model_copy(update={"settable": False}) for one in part.capabilities if one.readable)
-        part = part.model_copy(update={"capabilities": capabilities, "writes": ()})
-    return described._replace(part=part, state_requests=asks)
-
-
-def _is_state_topic(convention: TextConvention, topic: str) -> bool:
-    try:
-        return convention.announced(topic) is not None
-    except WireError:
-        return False

@@ -1,0 +1,87 @@
+"""The messages of each setting of a described part, as text for the owner. Pure."""
+
+import math
+from collections.abc import Iterator
+
+from homebot.conventions.description import Codec, DescribedPart, Publications, TakesCode
+from homebot.devices.capabilities import CAPABILITIES, MOMENTARY, OWN
+from homebot.devices.part import Capability
+from homebot.devices.text.states import bounds_of
+from homebot.devices.value import PlainValue
+from homebot.errors import HomebotError, WrongCodeError
+
+__all__ = ["MOST_LINES", "sent_commands"]
+
+MOST_LINES = 64
+"""Settings shown of one part; no more are tried, as a template may take milliseconds."""
+
+_LONGEST = 200
+_CODE = "CODE"
+_COLOR = (0.0, 100.0)
+
+
+def sent_commands(described: DescribedPart) -> Iterator[str]:
+    """Yield a line with payload and address for each setting of a part; none if its gateway encodes by itself.
+
+    A number is shown with its largest value. A codec with memory is not tried: its payloads depend on the reports of
+    the device, and it may remember commands too.
+    """
+    part = described.part
+    label = f"{part.name or part.id}: " if part.name or part.id else ""
+    if described.remembers:
+        yield f"{label}{', '.join(part.writes)}: what is sent depends on what the device reported"
+        return
+    settings = [(one, value) for one in part.capabilities if one.settable for value in _samples(one)]
+    for capability, value in settings[:MOST_LINES]:
+        sent = _sent(described.codec, capability.name, value)
+        if sent is not None:
+            yield f"{label}{capability.name}={_spelt(value)}: {sent}"
+    if len(settings) > MOST_LINES:
+        yield f"{label}and {len(settings) - MOST_LINES} further settings"
+
+
+def _samples(capability: Capability) -> tuple[PlainValue, ...]:
+    """Return the values that a capability can be set to; only the largest of a number."""
+    known = CAPABILITIES.get(capability.name, OWN)
+    if capability.options or not known.kind:
+        return capability.options
+    match known.kind:
+        case "bool":
+            return (True,) if known.name in MOMENTARY else (True, False)
+        case "number":
+            _, highest = bounds_of(capability)
+            return (highest if math.isfinite(highest) else 1.0,)
+        case "numbers":
+            return (_COLOR,)
+        case _:
+            return known.options or ("TEXT",)
+
+
+def _sent(codec: Codec, capability: str, value: PlainValue) -> str | None:
+    """Return the message as text; None if the part refuses *value*."""
+    try:
+        try:
+            return _shown(codec.write(capability, value))
+        except WrongCodeError:
+            return _shown(codec.write_with_code(capability, value, _CODE)) if isinstance(codec, TakesCode) else None
+    except WrongCodeError:
+        return "it takes a code, which is not shown"
+    except HomebotError:
+        return None
+
+
+def _shown(publications: Publications) -> str:
+    texts = []
+    for topic, payload, _, retain in publications:
+        text = payload.decode(errors="backslashreplace")
+        shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}… ({len(payload):,} bytes)"
+        texts.append(f"{topic} {shown}{' (retained)' if retain else ''}".rstrip())
+    return ", ".join(texts) or "nothing"
+
+
+def _spelt(value: PlainValue) -> str:
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, tuple):
+        return ",".join(f"{one:g}" for one in value)
+    return f"{value:g}" if isinstance(value, float) else str(value)
