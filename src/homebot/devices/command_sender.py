@@ -72,15 +72,21 @@ class CommandSender:
             failures.append(response)
             if not response.unable and (response.problem == "refused" or capability in MOMENTARY):
                 break
-        raise _error(capability, device.id, failures, f"its gateway {routes[0].gateway} is not running")
+        is_left_out = routes[0].approved and not all(one.approved for one in part.routes)
+        hint = f"; `homebot approve {device.id}` lets another route take it" if is_left_out else ""
+        raise _error(capability, device.id, failures, f"its gateway {routes[0].gateway} is not running", hint)
 
     def _client(self, gateway: str) -> Client[Command, SendCommandResponse]:
         client = self._clients[gateway] = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)
         return client
 
 
-def _error(capability: str, device: str, failures: Sequence[SendCommandResponse], why: str) -> HomebotError:
-    """Return the error of a command that no route accepted; *why* is the reason if no gateway gives one."""
+def _error(capability: str, device: str, failures: Sequence[SendCommandResponse], why: str, hint: str) -> HomebotError:
+    """Return the error of a command that no route accepted; *why* is the reason if no gateway gives one.
+
+    Args:
+        hint: Ends the reason of routes that were unable.
+    """
     last = failures[-1]
     if last.problem == "refused" and not last.unable:
         return RefusedError(f"{capability} of {device}", last.message)
@@ -88,7 +94,7 @@ def _error(capability: str, device: str, failures: Sequence[SendCommandResponse]
         return UnansweredError(f"{capability} was sent to {device}: {silent[-1]}")
     if away := [one.message for one in failures if one.problem == "unreachable"]:
         return LinkError(f"{capability} was not sent to {device}: {next(filter(None, reversed(away)), why)}")
-    return RefusedError(f"{capability} of {device}", failures[0].message)
+    return RefusedError(f"{capability} of {device}", failures[0].message + hint)
 
 
 def _failure(error: InvalidNameError | ServiceError) -> SendCommandResponse:

@@ -9,6 +9,7 @@ from homebot.devices.device import EVERYTHING
 from homebot.devices.gateway_messages import Command, SendCommandResponse
 from homebot.devices.handles import Handle, Light
 from homebot.devices.value import Value
+from homebot.errors import RefusedError
 
 pytestmark = pytest.mark.virtual_time
 
@@ -54,6 +55,19 @@ async def test_a_command_that_had_no_effect_is_repeated_by_the_next_route(house:
     house.answers["radio"] = SendCommandResponse(success=False, message="it left", problem="unreachable")
     await sender.send(house.device("a", lamp), lamp, again)
     assert [one[0] for one in house.told] == ["hub", "radio", "hub"]
+
+
+async def test_a_route_that_could_take_a_command_is_named_for_approval(house: House) -> None:
+    """The owner approved the lock before a second gateway found it, and the first only observes."""
+    approved, late = (Route(gateway=one, key="k", part=one, approved="x" * (one == "mqtt")) for one in ("mqtt", "hub"))
+    lock = house.part("lock", "lock").model_copy(update={"routes": (approved, late)})
+    for one in ("mqtt", "hub"):
+        house.gateway(one)
+    house.answers["mqtt"] = SendCommandResponse(success=False, message="it observes", problem="refused", unable=True)
+    command = Command(key="", part="", capability="lock", value=Value.of("locked"))
+    with pytest.raises(RefusedError, match="it observes; `homebot approve front` lets another route take it"):
+        await CommandSender(house.node).send(house.device("front", lock), lock, command)
+    assert not house.told
 
 
 async def test_a_button_that_may_have_been_pressed_is_not_pressed_by_another_route(house: House) -> None:
