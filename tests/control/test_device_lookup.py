@@ -23,6 +23,20 @@ async def test_a_device_is_found_by_what_its_parts_take(home: Home) -> None:
     assert await addresses.device_at("mqtt", "kettle/set") == ""
 
 
+async def test_an_address_that_another_device_has_now_is_that_of_this_one(home: Home) -> None:
+    """Raw commands were recorded for a device that was gone, and their effect was a person's."""
+    part = simple_part("light", settable=("on_off",)).model_copy(update={"writes": ("kettle/set",)})
+    addresses = DeviceLookup(home.app)
+    home.gateway.devices.put(GatewayDevice("kettle", "Kettle", (part,)), "the test says so")
+    kettle = (await home.handle(Light)).device
+    assert await addresses.device_at("memory", "kettle/set") == kettle.id
+    home.gateway.devices.remove("kettle", "the test says so")
+    home.gateway.devices.put(GatewayDevice("pot", "Pot", (part,)), "the test says so")
+    pot = (await home.handle(Light, "pot")).device
+    await anyio.sleep(1)
+    assert await addresses.device_at("memory", "kettle/set") == pot.id
+
+
 async def test_a_device_that_appears_later_is_found_a_second_later(home: Home) -> None:
     addresses = DeviceLookup(home.app)
     await addresses.device_at("memory", "nowhere")

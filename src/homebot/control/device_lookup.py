@@ -55,15 +55,19 @@ class DeviceLookup:
 
         All devices are read for an unknown address, at most once a second.
         """
-        now = self._clock.monotonic()
-        if (gateway, address) not in self._by_address and now - self._read_at >= _READ_AGAIN_AFTER:
-            self._read_at = now
-            try:
+        now, place = self._clock.monotonic(), (gateway, address)
+        known = self._by_address.get(place, "")
+        try:
+            device = await self.device(known) if known else None
+            if device is not None and place in _addresses(device):  # it was not merged, split or replaced
+                return known
+            if now - self._read_at >= _READ_AGAIN_AFTER:
+                self._read_at = now
                 devices = await self.devices()
-            except ServiceError:
-                return ""
-            self._by_address = {place: one.id for one in reversed(devices) for place in _addresses(one)}
-        return self._by_address.get((gateway, address), "")
+                self._by_address = {place: one.id for one in reversed(devices) for place in _addresses(one)}
+        except ServiceError:
+            return ""
+        return self._by_address.get(place, "")
 
 
 @lru_cache(maxsize=1024)
