@@ -192,6 +192,19 @@ async def test_what_is_reported_in_the_moment_of_the_command_is_explained(open_h
         assert await changes(home) == []
 
 
+async def test_a_raw_command_with_an_id_of_its_own_is_recorded_with_a_new_one(home: Home) -> None:
+    """A program could hide what it did, or lay it at the door of another command."""
+    home.put("lamp", "light", "on_off")
+    lamp = await home.handle(Light)
+    out = home.app.create_publisher(RawCommand, GatewayNames("memory").out)
+    address = lamp.device.endpoints[0].command_address
+    out.publish(RawCommand(address=address, payload="on", issuer="client:guest", command_id="c-1"))
+    await anyio.sleep(1)
+    (published,) = [one for one in (await home.read()).entries if one.kind == "published"]
+    assert (published.issuer, published.text) == ("client:guest", "on")
+    assert published.command not in {"", "c-1"}
+
+
 async def test_a_raw_command_of_nobody_known_is_there_too(home: Home) -> None:
     lamp = (await home.lamp("on_off")).device
     await publish(home, lamp, "on", issuer="")

@@ -94,9 +94,7 @@ class HouseWatch:
                 layer.journal.changed(change, before, raw.id, cause)  # else the entries of a command record it
 
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:
-        if command.command_id:
-            return  # the control layer sent it and recorded it
-        now = self._clock.now()
+        now, command = self._clock.now(), command.model_copy(update={"command_id": ""})  # one of control would not come
         device = await self._lookup.device_at(gateway, command.address)
         if device:
             self._layer().journal.published(device, command, now, is_sent=not self._is_dry_run)
