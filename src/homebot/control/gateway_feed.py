@@ -104,17 +104,17 @@ class GatewayFeed:
         self._reports.add(gateway)
         names, create = GatewayNames(gateway), self._node.create_subscription
         try:
-            create(Report, names.readings, self._on_report, _QOS, from_node=names.node)
+            create(Report, names.readings, partial(self._on_report, gateway), _QOS, from_node=names.node)
             create(CommandAnswer, names.answers, partial(self._on_answer, gateway), _QOS, from_node=names.node)
         except InvalidNameError:
             return  # no node can have such a name
         self._follow_state(gateway)
 
-    def _on_report(self, report: Report) -> None:
-        if report.retained:
+    def _on_report(self, gateway: str, report: Report) -> None:
+        if report.retained or report.gateway != gateway:  # it may report only its own devices
             return
         for reading in report.readings:
-            for on_report in tuple(self._watches.get((report.gateway, report.key, reading.part), ())):
+            for on_report in tuple(self._watches.get((gateway, report.key, reading.part), ())):
                 on_report(reading.capability, reading.value.plain(), report.received_at.to_seconds())
 
     def _on_answer(self, gateway: str, answer: CommandAnswer) -> None:
