@@ -63,7 +63,7 @@ class DiscoveryConfig:
         if self.component not in _TELLS_TEXTS or not _HAS_MEANING.isdisjoint(self.values):
             return False
         named = self.text("name") or self.text("unique_id") or self.discovery_id
-        return names_secret(named) or names_secret(self.text("value_template"))
+        return _names_secret(named) or _names_secret(self.text("value_template"))
 
     @property
     def part_id(self) -> str:
@@ -231,6 +231,7 @@ class DiscoveryConfig:
         return WireError(f"{self.component}: {key} is {shown(value)}, not {expected}")
 
 
+_names_secret = lru_cache(maxsize=512)(names_secret)  # devices share names and templates
 _TRANSPORT = frozenset({"encoding", "qos", "retain"})
 _CODECS = {
     "": "",

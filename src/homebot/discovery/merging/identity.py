@@ -109,6 +109,7 @@ class IdentityGraph:
         self._identities[key] = identity
         sources = self._sources.get(identity)
         if sources is not None:
+            self._identities[key] = self._identities[next(iter(sources))]  # one object for all of them
             sources[key] = None
             return affected | {key}
         self._sources[identity] = {key: None}

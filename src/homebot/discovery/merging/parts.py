@@ -74,7 +74,9 @@ class _Merged:
     @property
     def hidden(self) -> set[PartPlace]:
         """The places that do not describe it, if any does."""
-        return {place for _, place in self.places} - {way[0] for way in self.ways} if self.ways else set()
+        if len(self.ways) in (0, len(self.places)):  # usually all describe it
+            return set()
+        return {place for _, place in self.places} - {way[0] for way in self.ways}
 
     def add(self, source: SourceRecord, part: Part, origin: Origin, topics: TopicOwnership) -> str:
         """Add *part* of *source*; return its conflict over a command topic in words, empty for none."""

@@ -307,19 +307,18 @@ class _Words:
 
     def __init__(self) -> None:
         self._sorted: list[str] = []
-        self._shortened: dict[str, set[str]] = {}
+        self._shortened: dict[str, tuple[str, ...]] = {}  # most have one word, and a set takes four times the memory
 
     def add(self, word: str) -> None:
         insort(self._sorted, word)
         for short in _shortened(word):
-            self._shortened.setdefault(short, set()).add(word)
+            self._shortened[short] = (*self._shortened.get(short, ()), word)
 
     def discard(self, word: str) -> None:
         del self._sorted[bisect_left(self._sorted, word)]
         for short in _shortened(word):
-            words = self._shortened[short]
-            words.discard(word)
-            if not words:
+            self._shortened[short] = tuple([one for one in self._shortened[short] if one != word])
+            if not self._shortened[short]:
                 del self._shortened[short]
 
     def like(self, wanted: str) -> Iterator[str]:
@@ -330,7 +329,7 @@ class _Words:
             place += 1
         near: set[str] = set()
         for short in _shortened(wanted):
-            near |= self._shortened.get(short, set())
+            near.update(self._shortened.get(short, ()))
         yield from sorted(one for one in near if is_typo(wanted, one) and not one.startswith(wanted))
 
 

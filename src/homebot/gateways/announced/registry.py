@@ -53,6 +53,10 @@ LISTED = "the list of its bridge describes the device"
 """The reason for removing an announcement."""
 
 
+_ByMark: TypeAlias = defaultdict[tuple[str, str], dict[str, DeviceAnnounced]]
+"""Announcements by mark, see :func:`_marks`, and key."""
+
+
 class DerivedAnnouncements:
     """Devices that a bridge lists, and announcements of the same devices that the list makes redundant.
 
@@ -61,38 +65,48 @@ class DerivedAnnouncements:
     """
 
     def __init__(self) -> None:
-        self._registered: defaultdict[tuple[bool, str, str], dict[str, DeviceAnnounced]] = defaultdict(dict)
+        self._listed: _ByMark = defaultdict(dict)
+        self._others: _ByMark = defaultdict(dict)
 
     def is_derived(self, described: DeviceAnnounced) -> bool:
         """Return whether the program that announced *described* also lists the device."""
-        return not described.native and any(_describes(one, described) for one in self._like(described, native=True))
+        if described.native or not self._listed:
+            return False
+        return any(_describes(one, described) for one in _like(described, self._listed))
 
     def of(self, listed: DeviceAnnounced) -> tuple[str, ...]:
         """Return the keys of the registered announcements that are derived from *listed*."""
-        derived = [one.full_key for one in self._like(listed, native=False) if _describes(listed, one)]
+        derived = [one.full_key for one in _like(listed, self._others) if _describes(listed, one)]
         return tuple(dict.fromkeys(derived))
 
     def put(self, described: DeviceAnnounced) -> None:
         """Record a registered announcement."""
-        for mark in _marks(described, native=described.native):
-            self._registered[mark][described.full_key] = described
+        registered, key = self._of_its_kind(described), described.full_key
+        for mark in _marks(described):
+            registered[mark][key] = described
 
     def remove(self, described: DeviceAnnounced) -> None:
         """Record that an announcement is no longer registered."""
-        for mark in _marks(described, native=described.native):
-            self._registered[mark].pop(described.full_key, None)
-            if not self._registered[mark]:
-                del self._registered[mark]
+        registered = self._of_its_kind(described)
+        for mark in _marks(described):
+            registered[mark].pop(described.full_key, None)
+            if not registered[mark]:
+                del registered[mark]
 
-    def _like(self, described: DeviceAnnounced, *, native: bool) -> Iterator[DeviceAnnounced]:
-        """Yield the registered announcements of the same device by the same program: *native* ones or others."""
-        for mark in _marks(described, native=native):
-            yield from self._registered.get(mark, {}).values()
+    def _of_its_kind(self, described: DeviceAnnounced) -> _ByMark:
+        return self._listed if described.native else self._others
 
 
-def _marks(described: DeviceAnnounced, *, native: bool) -> list[tuple[bool, str, str]]:
-    """Return the keys under which an announcement is found: one for each identifier of the device."""
-    return [(native, described.facts["origin"], one) for one in described.identifiers]
+def _like(described: DeviceAnnounced, registered: _ByMark) -> Iterator[DeviceAnnounced]:
+    """Yield the *registered* announcements of the same device by the same program."""
+    for mark in _marks(described):
+        yield from registered.get(mark, {}).values()
+
+
+def _marks(described: DeviceAnnounced) -> list[tuple[str, str]]:
+    """Return the marks under which an announcement is found: its program, with each identifier of the device."""
+    origin = described.facts["origin"]
+    return [(origin, one) for one in described.identifiers]
 
 
 def _describes(listed: DeviceAnnounced, announced: DeviceAnnounced) -> bool:
