@@ -357,6 +357,15 @@ async def test_who_holds_or_commands_what_is_not_there_is_told_what_is(
     assert (result.kind, result.text) == ("gone", problem)
 
 
+async def test_who_holds_one_of_two_devices_of_a_name_is_asked_which(home: Home) -> None:
+    for key in ("one", "other"):
+        home.put(key, "light", "on_off", name="Big twin")
+    await anyio.sleep(0.1)
+    answer = await home.hold(hold_request("big twin", "on_off", True))
+    assert not answer.held
+    assert answer.result.text.startswith("2 devices are called big twin; give the id of one: big_twin")
+
+
 async def test_the_log_names_the_program_that_holds_nothing_beside_the_name_it_gives_itself(home: Home) -> None:
     home.put("lamp", "light", "on_off")
     await anyio.sleep(0.1)

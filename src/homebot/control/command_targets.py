@@ -7,7 +7,7 @@ from itertools import chain
 from typing import Final, TypeAlias, final
 
 from homebot.control.command import no_such_part
-from homebot.control.device_lookup import DeviceLookup
+from homebot.control.device_lookup import DeviceLookup, ask_which
 from homebot.control.spoken_settings import spoken_settings
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, QueryDevices
 from homebot.devices.command_messages import CommandDevicesRequest
@@ -96,8 +96,7 @@ class CommandTargets:
                 raise NoTargetError(no_such_part(called[0].id, part_id, called[0]).text)
             return [(called[0], (part,))]
         if len(called) > 1:
-            ids = ", ".join(one.id for one in called[:10])
-            raise NoTargetError(f"{len(called)} devices are called {target}; give the id of one: {ids}")
+            raise NoTargetError(ask_which(target, called))
         return [(called[0], _main_parts(called[0]))] if called else []
 
     async def _any_of(self, request: CommandDevicesRequest, target: str, readings: Readings) -> list[_Target]:

@@ -1,7 +1,7 @@
 """Look-up of devices in the directory: by id, by query, and by the address of raw commands."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import Final, TypeAlias, final
 
@@ -13,7 +13,7 @@ from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.support.folding import fold
 
-__all__ = ["DeviceLookup"]
+__all__ = ["DeviceLookup", "ask_which"]
 
 _READ_AGAIN_AFTER: Final = 1.0
 """Seconds after which an unknown address causes all devices to be read again."""
@@ -68,6 +68,11 @@ class DeviceLookup:
         except ServiceError:
             return ""
         return self._by_address.get(place, "")
+
+
+def ask_which(name: str, called: Sequence[Device]) -> str:
+    """Return the request for the id of one of the devices *called* so."""
+    return f"{len(called)} devices are called {name}; give the id of one: {', '.join(one.id for one in called[:10])}"
 
 
 @lru_cache(maxsize=1024)

@@ -8,7 +8,7 @@ import anyio
 from anyio.abc import TaskGroup
 
 from homebot.control.command import commanded_part, no_such_part, zero_as_off
-from homebot.control.device_lookup import DeviceLookup
+from homebot.control.device_lookup import DeviceLookup, ask_which
 from homebot.control.executor import CommandExecutor
 from homebot.control.journal.given_codes import without_codes
 from homebot.control.journal.journal import CommandJournal, LeaseStep
@@ -30,7 +30,7 @@ from homebot.devices.lease_messages import (
     LeasesResponse,
     LeaseState,
 )
-from homebot.devices.outcomes import Contradicted, NoAnswer, Outcome, Refused
+from homebot.devices.outcomes import Contradicted, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.part import check_setting
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
@@ -79,7 +79,9 @@ class LeaseService:
             called = await self._lookup.called(request.device)
         except ServiceError as exc:
             return LeaseState(held=False, outcome=NoAnswer(0.0, str(exc)))
-        device = called[0] if len(called) == 1 else None
+        if len(called) > 1:
+            return LeaseState(held=False, outcome=Gone(ask_which(request.device, called)))
+        device = called[0] if called else None
         part = commanded_part(device, request.part, (request.setting,))
         if device is None or part is None:
             return LeaseState(held=False, outcome=no_such_part(request.device, request.part, device))
