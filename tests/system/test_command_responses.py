@@ -21,7 +21,9 @@ from homebot.graph import Node
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.client.native import NativeClient
+from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import Properties
@@ -36,7 +38,7 @@ REFUSES = b'{"status": "error", "error": "the fuse is out"}'
 SILENCE = 3.0
 """Seconds without an answer: waited for in full, and enough for an answer on a machine that stands still for one."""
 
-AnyBroker = Broker | MosquittoBroker
+AnyBroker = Broker | MemoryBroker | MosquittoBroker
 
 
 @dataclass
@@ -81,14 +83,16 @@ class Home:
 async def home_on(
     broker: AnyBroker, *, client: str = "native", reports: bool = False, timeout: float = PATIENCE
 ) -> AsyncIterator[Home]:
+    services = [HostedBroker.in_memory(broker)] if isinstance(broker, MemoryBroker) else []
     async with broker, anyio.create_task_group() as tasks:
-        url = f"mqtt://anna:right@127.0.0.1:{broker.port}"
+        url = f"mqtt://anna:right@{broker.host}:{broker.port}"
         gateway = {"url": url, "act": True, "responses": True, "client": client, "client_id": f"homebot {client}"}
         tables = {"gateways": {"mqtt": gateway}, "discovery": {"persist": False}, "control": {"timeout": timeout}}
         options = MqttOptions.from_url(url, client_id="device", protocol="5")
+        make = broker.make_client if isinstance(broker, MemoryBroker) else NativeClient
         async with (
-            MqttConnection(options, NativeClient, status_topic=None) as connection,
-            Runtime(parse_config(tables, "test"), with_door=False) as runtime,
+            MqttConnection(options, make, status_topic=None) as connection,
+            Runtime(parse_config(tables, "test"), with_door=False, services=services) as runtime,
             Node(runtime.graph, "app") as node,
         ):
             responder = Responder(connection)
@@ -158,8 +162,9 @@ async def test_an_error_contradicts_at_once_with_its_text(broker: AnyBroker, cli
         assert len(home.responder.commands) == 1
 
 
+@pytest.mark.virtual_time
 async def test_a_switch_without_a_state_that_answered_once_has_to_answer() -> None:
-    async with home_on(Broker(credentials=CREDENTIALS), timeout=SILENCE) as home:
+    async with home_on(MemoryBroker(credentials=CREDENTIALS), timeout=SILENCE) as home:
         assert isinstance(await home.switch.command("on_off", value=True), Confirmed)
         with anyio.fail_after(PATIENCE):
             while not await home.count("responses"):  # noqa: ASYNC110 - it counts, and tells nobody
