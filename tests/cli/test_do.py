@@ -14,13 +14,12 @@ from homebot.devices.command_messages import (
     CommandResult,
 )
 from homebot.devices.names import COMMAND_DEVICES
-from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome, Refused, worst
+from homebot.devices.outcomes import Confirmed, Evidence, Outcome, Refused, worst
 from homebot.graph import Node
 
 Text = pytest.CaptureFixture[str]
 
 CONFIRMED = Confirmed(0.12, Evidence.REPORTED, command_id="c-1")
-SILENT = NoAnswer(10.0, command_id="c-2")
 
 
 def answer(*outcomes: Outcome, message: str = "") -> CommandDevicesResponse:

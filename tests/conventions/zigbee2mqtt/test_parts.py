@@ -28,7 +28,6 @@ def level(suffix: str = "") -> dict[str, Any]:
 
 WHITE = feature("numeric", "color_temp", value_min=153, value_max=500)
 XY = feature("composite", "color_xy", key="color", features=[])
-HS = feature("composite", "color_hs", key="color", features=[])
 EFFECT = feature("enum", "effect", 2, values=["blink", "stop_effect"])
 
 

@@ -32,8 +32,6 @@ from homebot.testing.gateway_contract.steps import KEPT
 
 pytestmark = pytest.mark.slow
 
-WHITES = (2000, 6500)
-
 
 @dataclass
 class House(WatchedGateway):
