@@ -16,6 +16,7 @@ from homebot.support.bounded_map import BoundedMap
 
 if TYPE_CHECKING:
     from homebot.control.control_layer import ControlLayer
+    from homebot.control.timeline.cause import Attribution
 
 __all__ = ["HouseWatch"]
 
@@ -35,6 +36,11 @@ _Place: TypeAlias = tuple[str, str, str]
 def _is_change(before: PlainValue, before_at: float, value: PlainValue, at: float) -> bool:
     is_dial = isinstance(value, float) and before and value and at - before_at < _CALM
     return before is not None and before != value and not is_dial
+
+
+def _cause(attribution: Attribution | None, *, was_absent: bool) -> str:
+    cause = "person" if attribution is None else attribution.cause.value
+    return "unknown" if cause == "person" and was_absent else cause
 
 
 @final
@@ -88,9 +94,7 @@ class HouseWatch:
             raw = layer.journal.raw_command(change.device, value, at)
             attribution = layer.timelines.cause(place[:2], change.capability, value, at)
             if (raw.id and raw.means(value)) or attribution is None or attribution.role is None:
-                cause = "person" if attribution is None else attribution.cause.value
-                cause = "unknown" if cause == "person" and change.was_absent else cause
-                cause = "command" if raw.id else cause
+                cause = "command" if raw.id else _cause(attribution, was_absent=change.was_absent)
                 layer.journal.changed(change, before, raw.id, cause)  # else the entries of a command record it
 
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:
