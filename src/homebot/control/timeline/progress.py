@@ -302,9 +302,7 @@ class CommandProgress:
         if not is_repeated:
             wanted.is_overruled = wanted.is_step or self.last.get(capability, value) != value
             wanted.is_step = False
-        if was_met or (wanted.sending_echoed_at is not None and not is_repeated):
-            return ReportRole.UNDONE
-        return ReportRole.REPEAT if is_repeated else ReportRole.OTHERWISE
+        return _role_against(wanted, was_met=was_met, is_repeated=is_repeated)
 
     def _other_role(self, fact: Reported) -> ReportRole:
         capability, value = fact.capability, fact.value
@@ -351,6 +349,12 @@ def _superseded_role(wanted: WantedValue | None, fact: Reported) -> ReportRole:
         return ReportRole.ASIDE
     wanted.met_at = fact.at
     return ReportRole.EFFECT
+
+
+def _role_against(wanted: WantedValue, *, was_met: bool, is_repeated: bool) -> ReportRole:
+    if was_met or (wanted.sending_echoed_at is not None and not is_repeated):
+        return ReportRole.UNDONE
+    return ReportRole.REPEAT if is_repeated else ReportRole.OTHERWISE
 
 
 def _see(wanted: WantedValue, fact: Reported) -> None:
