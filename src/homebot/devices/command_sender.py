@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Final, NamedTuple
 
 from homebot.devices.capabilities import MOMENTARY
@@ -72,13 +72,17 @@ class CommandSender:
             failures.append(response)
             if not response.unable and (response.problem == "refused" or capability in MOMENTARY):
                 break
-        is_left_out = routes[0].approved and not all(one.approved for one in part.routes)
-        hint = f"; `homebot approve {device.id}` lets another route take it" if is_left_out else ""
-        raise _error(capability, device.id, failures, f"its gateway {routes[0].gateway} is not running", hint)
+        why = f"its gateway {routes[0].gateway} is not running"
+        raise _error(capability, device.id, failures, why, _approval_hint(device.id, routes[0], part.routes))
 
     def _client(self, gateway: str) -> Client[Command, SendCommandResponse]:
         client = self._clients[gateway] = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)
         return client
+
+
+def _approval_hint(device: str, first: Route, routes: Iterable[Route]) -> str:
+    is_left_out = first.approved and not all(one.approved for one in routes)
+    return f"; `homebot approve {device}` lets another route take it" if is_left_out else ""
 
 
 def _error(capability: str, device: str, failures: Sequence[SendCommandResponse], why: str, hint: str) -> HomebotError:
