@@ -1,4 +1,4 @@
-"""The light service with lamps that announce themselves, through the real gateway and directory at a broker."""
+"""The light service with a switch of two gangs, through the real gateway and directory at a broker."""
 
 import json
 from collections.abc import AsyncIterator
@@ -13,15 +13,6 @@ from tests.thesis_light_service import THESIS_LIGHT_SERVICE
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
 
-PROPERTIES = {
-    "on": {"name": "On", "datatype": "boolean", "settable": True},
-    "brightness": {"name": "Brightness", "datatype": "integer", "format": "0:100", "unit": "%", "settable": True},
-}
-ANNOUNCE = {
-    "homie": "5.0",
-    "version": 1,
-    "nodes": {"light": {"type": "light", "properties": PROPERTIES}},
-}
 GANGS = [
     {
         "type": "light",
@@ -73,39 +64,9 @@ class Player:
 @asynccontextmanager
 async def player(homebot: Any) -> AsyncIterator[Player]:
     async with homebot.client("device") as link:
-        await link.subscribe(
-            MqttSubscription("homie/5/+/+/+/set"), MqttSubscription("+/+/set"), MqttSubscription("home425/+/+/in")
-        )
+        await link.subscribe(MqttSubscription("+/+/set"))
         await link.wait_connected()
         yield Player(link)
-
-
-def lamp(*, on: str) -> tuple[tuple[str, object], ...]:
-    """A Homie lamp whose last word is its brightness."""
-    return (
-        ("homie/5/x/light/on", on),
-        ("homie/5/x/light/brightness", "100"),
-        ("homie/5/x/$description", ANNOUNCE),
-        ("homie/5/x/$state", "ready"),
-    )
-
-
-@pytest.mark.homebot("light_service")
-async def test_a_homie_lamp_that_is_on_is_told_off_although_its_last_word_is_its_brightness(homebot: Any) -> None:
-    async with player(homebot) as devices:
-        await devices.say(*lamp(on="true"))
-        assert ("homie/5/x/light/on/set", "false") in await devices.told()
-    assert "neither on nor off" not in str(homebot.log)
-
-
-@pytest.mark.homebot("light_service")
-async def test_the_brightness_of_a_lamp_that_is_off_does_not_make_it_on(homebot: Any) -> None:
-    async with player(homebot) as devices:
-        await devices.say(*lamp(on="false"))
-        await devices.say(("home425/lights/first/out", "on"))
-        assert await devices.told() == [("home425/lights/first/in", "off")]
-        await devices.say(("homie/5/x/light/brightness", "90"), ("home425/lights/last/out", "on"))
-        assert await devices.told() == [("home425/lights/last/in", "off")]
 
 
 @pytest.mark.homebot("light_service")

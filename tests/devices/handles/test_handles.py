@@ -162,6 +162,7 @@ async def test_every_kind_can_be_asked_for_by_its_state(
             {"on_off": True, "level": 40.0, "color_temperature": 2700.0, "color": (120.0, 50.0), "effect": "rainbow"},
             {"on": True, "level": 40.0, "kelvin": 2700.0, "color": (120.0, 50.0), "effect": "rainbow"},
         ),
+        (Light, {"on_off": False, "level": 90.0}, {"on": False, "level": 90.0}),
         (Plug, {"on_off": False, "power": 3.5}, {"on": False, "power": 3.5}),
         (WindowCovering, {"position": 30.0, "tilt": 5.0, "movement": "stopped"}, {"position": 30.0, "tilt": 5.0}),
         (DoorLock, {"lock": "unlocked"}, {"state": "unlocked", "locked": False}),
