@@ -11,6 +11,7 @@ from homebot.devices import Device, GatewayNames, RawCommand
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, Light, WindowCovering
 from homebot.devices.journal_messages import JournalEntry
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 
 pytestmark = pytest.mark.virtual_time
 
@@ -62,6 +63,19 @@ async def test_a_change_after_an_absence_may_be_the_device_s_own(home: Home, *, 
     await anyio.sleep(30)
     await home.report("lamp", "on_off", False)
     assert [one.cause for one in await changes(home)] == ["unknown", "unknown", "person"]
+
+
+async def test_the_absence_of_another_part_explains_nothing(home: Home) -> None:
+    relay = simple_part("switch", settable=("on_off",))
+    relays = tuple(relay.model_copy(update={"id": one}) for one in ("left", "right"))
+    home.gateway.devices.put(GatewayDevice("strip", "Strip", relays), "the test says so")
+    for value in (False, True):
+        for one in relays:
+            await home.gateway.devices.report("strip", {"on_off": value}, one.id)
+        await anyio.sleep(1)
+        home.gateway.devices.report_reachable("strip", "left", reachable=value)
+        await anyio.sleep(1)
+    assert {one.part: one.cause for one in await changes(home)} == {"left": "unknown", "right": "person"}
 
 
 async def test_a_value_that_is_unknown_for_a_while_is_no_change(home: Home) -> None:

@@ -69,7 +69,8 @@ class SourceRecord:
         reach: Reported reachability by part; the whole device is ``""``. See :meth:`set_reach`.
         lost: The lost link of its gateway; None while there is one.
         is_online: Whether it has reported itself online, so that its last will would report its end.
-        absent_at: The newest input, on the monotonic clock, when it was last unreachable or its gateway had no link.
+        absences: The newest input, on the monotonic clock, when each part was last unreachable; ``""`` for the device,
+            which also is when its gateway has no link.
         is_claimed: Whether its endpoint is not trusted with commands; see :mod:`homebot.discovery.merging.trust`.
     """
 
@@ -87,11 +88,11 @@ class SourceRecord:
     lost: LostLink | None = None
     is_online: bool = False
     is_claimed: bool = False
-    absent_at: float = -math.inf
+    absences: Mapping[str, float] = field(init=False)
 
     def __post_init__(self) -> None:
         self.key = (self.sighting.gateway, self.sighting.key)
-        self.facts = self.events = self.reach = _NOTHING
+        self.facts = self.events = self.reach = self.absences = _NOTHING
 
     def set_reach(self, reach: Mapping[str, Reach]) -> None:
         """Store *reach* as the reported reachability."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator
+from math import inf
 from operator import attrgetter
 from typing import Final, TypeAlias, final
 
@@ -85,7 +86,7 @@ class StateRecorder:
     def _record_link_of(self, entry: Entry, source: SourceRecord, lost: LostLink | None) -> bool:
         """Record the link of *source*; return whether that changed the reachability of *entry*."""
         before = self._reach(entry)
-        source.lost, source.absent_at = lost, self._liveness.now
+        source.lost, source.absences = lost, {**source.absences, "": self._liveness.now}
         entry.is_denied = is_denied(entry.sources.values())
         entry.device = None
         after = self._reach(entry)
@@ -107,10 +108,11 @@ class StateRecorder:
                 if stored is not None:
                     new.append((place, reading, stored))
             elif live or not stored.live:  # retained values never overwrite live ones
-                was_absent = stored.heard_at <= source.absent_at
+                heard_at = stored.heard_at
                 stored.told_at, stored.live, stored.heard_at = stamp, live, now
                 if reading.value is not stored.reported and self._replace(entry, source, reading, stored, stamp):
-                    stored.was_absent = was_absent
+                    absences = source.absences
+                    stored.was_absent = heard_at <= max(absences.get("", -inf), absences.get(reading.part, -inf))
                     new.append((place, reading, stored))
         return new
 
@@ -162,7 +164,7 @@ class StateRecorder:
 
     def _record_reachability(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> None:
         if not reading.value.flag:
-            source.absent_at = self._liveness.now
+            source.absences = {**source.absences, reading.part: self._liveness.now}
         if report.address:
             if reading.part not in source.reach:
                 self._table.changes.announced += 1  # the first one still belongs to its announcement
