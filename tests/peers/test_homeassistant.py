@@ -255,7 +255,7 @@ async def try_out(home: HomeAssistant, seen: House, entity: str, table: dict[str
             )
             after = await settled(home, entity)
             news = shown(after["state"]) if capability.name == "on_off" else changes(before, after)
-            result = news if answer.success else answer.message
+            result = news if answer.success else answer.message.replace(key, "KEY")
             table[entity].append(f"    {capability.name} := {shown(value)}  ->  {result}")
             now = seen.values.get((key, part.id, capability.name))
             if answer.success and capability.readable and not is_about(capability.name, now, value):
