@@ -138,6 +138,21 @@ def test_equal_parts_differ_if_their_topics_are_equal_or_not() -> None:
         assert capability.echoed is is_echoed
 
 
+def test_equal_lamps_remember_their_own_colours() -> None:
+    """A lamp of three channels is dimmed by its last colour."""
+    shapes = PartShapes()
+    red, blue = (
+        shapes.part(
+            DiscoveryConfig("light", "", {"command_topic": f"{one}/set", "rgb_command_topic": f"{one}/rgb"}),
+            builder_of("light"),
+        ).codec
+        for one in ("red", "blue")
+    )
+    red.write("color", (0.0, 100.0))
+    blue.write("color", (240.0, 100.0))
+    assert red.write("level", 100.0)[0] == Publication("red/rgb", b"255,0,0", 0, False)
+
+
 def test_a_template_that_fails_with_a_code_does_not_show_it() -> None:
     config = {"command_topic": "alarm/set", "state_topic": "alarm", "command_template": "{{ code + 1 }}"}
     part = build({"component": "alarm_control_panel", "config": config})

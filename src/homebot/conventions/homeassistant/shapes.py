@@ -16,7 +16,7 @@ from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["SHAPED", "PartShapes"]
 
-SHAPED = frozenset({"binary_sensor", "button", "number", "select", "sensor", "switch", "text"})
+SHAPED = frozenset({"binary_sensor", "button", "light", "number", "select", "sensor", "switch", "text"})
 """Components that many devices have alike."""
 
 _OWN = frozenset(
