@@ -4,16 +4,23 @@ from __future__ import annotations
 
 import random
 import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import aiocoap
 import anyio
+import pytest
 from aiocoap import resource
+from structlog.testing import capture_logs
 from tests.gateways.coap.test_gateway import device, post
 from tests.gateways.coap.watched import watched_gateway
+from tests.patience import PATIENCE
 from tests.ports import reserve_datagram_port
 from tests.sizes import size
 
 from homebot.conventions.coap.registry import MAX_PER_HOST
+from homebot.gateways.coap.aiocoap_client import CoapClient, GroupAnswer
+from homebot.gateways.coap.gateway import MAX_PER_HOST as MAX_PER_ADDRESS
 from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 
@@ -90,6 +97,73 @@ async def test_datagrams_that_are_no_coap_change_nothing() -> None:
         answer = await post(f"coap://127.0.0.1:{port}/rd?ep=real&base=coap://127.0.0.2:9", b"</on>;rt=light")
         assert answer.code.dotted == "2.01"
         assert (await watcher.sighting(lambda one: "real" in one.name)).kind == "appeared"
+
+
+async def test_requests_beyond_the_limit_are_dropped() -> None:
+    """The library remembers each for four minutes."""
+    port = reserve_datagram_port()
+    async with watched_gateway(serve_directory=f"127.0.0.1:{port}"):
+        with stranger(port) as client:
+            answers = [await answer(client, aiocoap.Message(code=aiocoap.GET), number) for number in range(1100)]
+    assert 1000 <= len([one for one in answers if one]) < 1100
+
+
+async def test_the_socket_that_asks_answers_no_requests() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as lamp:
+        lamp.bind(("127.0.0.1", 0))
+        lamp.setblocking(False)
+        async with CoapClient.open(PATIENCE, ()) as client, anyio.create_task_group() as tasks:
+            tasks.start_soon(client.request, "GET", f"coap://127.0.0.1:{lamp.getsockname()[1]}/x")
+            await anyio.wait_readable(lamp)
+            question, asker = lamp.recvfrom(1000)
+            for number in range(3):
+                lamp.sendto(b"\x40\x01" + number.to_bytes(2) + b"\xb1x", asker)
+            token = question[4 : 4 + (question[0] & 15)]
+            lamp.sendto(bytes([0x60 | len(token), 0x45]) + question[2:4] + token, asker)  # the answer
+        with pytest.raises(BlockingIOError):
+            lamp.recv(1000)
+
+
+async def test_parts_of_a_registration_out_of_order_or_without_end_are_refused() -> None:
+    port, codes = reserve_datagram_port(), []
+    with capture_logs() as logs:
+        async with watched_gateway(serve_directory=f"127.0.0.1:{port}"):
+            with stranger(port) as client:
+                for mid, number in enumerate((*range(64), 64, 70, 2)):
+                    message = aiocoap.Message(code=aiocoap.POST, uri="coap://here/rd?ep=long", payload=b"x" * 1024)
+                    message.opt.block1 = (number, True, 6)
+                    codes.append(await answer(client, message, mid))
+    assert codes == ["2.31"] * 64 + ["4.13", "4.13", "4.08"]
+    assert not [one for one in logs if one["log_level"] == "error"]
+
+
+async def test_a_host_that_answers_from_many_ports_keeps_no_other_out() -> None:
+    """Nor one whose address begins alike."""
+    async with watched_gateway(serve_directory=f"127.0.0.1:{reserve_datagram_port()}", timeout=PATIENCE) as watcher:
+        for port in range(1, 60):
+            watcher.gateway._answered(GroupAnswer("127.0.0.12", port, b"</on>", is_whole=True))
+        assert len(watcher.gateway._sessions) == MAX_PER_ADDRESS
+        watcher.gateway._answered(GroupAnswer("127.0.0.1", 5683, b"</on>", is_whole=True))
+        assert len(watcher.gateway._sessions) == MAX_PER_ADDRESS + 1
+
+
+@contextmanager
+def stranger(port: int) -> Iterator[socket.socket]:
+    """Connect a socket of a host that knows CoAP to *port*."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as opened:
+        opened.connect(("127.0.0.1", port))
+        opened.setblocking(False)
+        yield opened
+
+
+async def answer(client: socket.socket, message: aiocoap.Message, number: int) -> str:
+    """Send *message* under a number of its own; return the code of the answer, empty if none comes soon."""
+    message.mtype, message.mid, message.token = aiocoap.CON, number, number.to_bytes(2)
+    client.send(message.encode())
+    with anyio.move_on_after(0.02 if message.code is aiocoap.GET else PATIENCE):
+        await anyio.wait_readable(client)
+        return str(aiocoap.Message.decode(client.recv(1500)).code.dotted)
+    return ""
 
 
 def registration(number: int) -> bytes:

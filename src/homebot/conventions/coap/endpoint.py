@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from urllib.parse import urlsplit
+from urllib.parse import unquote, urlsplit
 
 from homebot.conventions.coap.link_format import WebLink
 from homebot.conventions.payload import clean_text
@@ -19,6 +19,7 @@ __all__ = [
     "check_uri",
     "endpoint_at",
     "endpoint_of_link",
+    "host_of",
     "split_address",
     "static_endpoint",
 ]
@@ -106,6 +107,11 @@ def authority_of(uri: str) -> str:
     """Return scheme, host and port of an address, for comparison."""
     parts = urlsplit(uri)
     return f"{parts.scheme}://{parts.netloc}".casefold().removesuffix(f":{_COAP_PORT}")
+
+
+def host_of(uri: str) -> str:
+    """Return the host of an address, with its scope if it has one; empty for none."""
+    return unquote(urlsplit(uri).hostname or "")
 
 
 def check_uri(uri: str) -> str:

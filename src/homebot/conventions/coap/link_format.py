@@ -14,7 +14,7 @@ from homebot.errors import WireError
 __all__ = ["MAX_LINKS", "MAX_LINK_FORMAT_BYTES", "WebLink", "format_links", "parse_links"]
 
 MAX_LINK_FORMAT_BYTES = 256 * 1024
-"""Longest list of links that is read; one link has about 100 bytes."""
+"""Longest list of links that is read or written; one link has about 100 bytes."""
 
 MAX_LINKS = 2000
 _MAX_ATTRIBUTES = 40
@@ -80,8 +80,18 @@ def parse_links(payload: bytes) -> tuple[WebLink, ...]:
 
 
 def format_links(links: Iterable[WebLink]) -> bytes:
-    """Return *links* as a list."""
-    return ",".join(map(_spelt, links)).encode()
+    """Return *links* as a list.
+
+    Raises:
+        WireError: It is longer than 256 KiB.
+    """
+    spelt, left = [], MAX_LINK_FORMAT_BYTES
+    for link in links:
+        spelt.append(_spelt(link))
+        left -= len(spelt[-1]) + 1
+        if left < 0:
+            raise WireError(f"the list is longer than {MAX_LINK_FORMAT_BYTES} bytes; ask for pages with page and count")
+    return ",".join(spelt).encode()
 
 
 def _link(text: str, at: int) -> tuple[WebLink, int]:

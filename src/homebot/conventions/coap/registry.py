@@ -7,9 +7,8 @@ import itertools
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from urllib.parse import unquote, urlsplit
 
-from homebot.conventions.coap.endpoint import CoapEndpoint, endpoint_of_link
+from homebot.conventions.coap.endpoint import CoapEndpoint, endpoint_of_link, host_of
 from homebot.conventions.coap.link_format import WebLink
 from homebot.conventions.payload import shown
 from homebot.errors import RefusedError, WireError
@@ -192,7 +191,7 @@ def _check_source(parameters: Mapping[str, str], source: str) -> None:
     Raises:
         RefusedError: It is for another host.
     """
-    base = unquote(urlsplit(parameters["base"]).hostname or "")
+    base = host_of(parameters["base"])
     address, zone = parse_address(base), base.partition("%")[2]
     is_own = address is not None and address == parse_address(source) and zone in {"", source.partition("%")[2]}
     if not is_own and not is_loopback(source):

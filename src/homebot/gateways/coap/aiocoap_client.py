@@ -13,7 +13,8 @@ import sys
 from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
-from typing import Final, cast
+from functools import partial
+from typing import Any, Final, cast
 
 import aiocoap
 import aiocoap.error
@@ -29,13 +30,16 @@ from homebot.gateways.coap.settings import CoapCredentials
 from homebot.support.connect_errors import connect_problem
 from homebot.support.unanswered import SENT_REQUESTS, awaiting_answer
 
-__all__ = ["CoapAnswer", "CoapClient", "GroupAnswer"]
+__all__ = ["CoapAnswer", "CoapClient", "GroupAnswer", "limit_requests"]
 
 MAX_BODY: Final = 256 * 1024
 """Longest answer that is put together of blocks."""
 
 _BLOCKS_WITHIN: Final = 120.0
 """Seconds in which the blocks of one answer are asked for: a slow radio takes a tenth of a second for each."""
+
+_FIRST_RESPONSE: Final = 0x40
+"""Codes below are of requests, and 0 is empty; RFC 7252, section 3."""
 
 _DATAGRAM: Final = 65_536
 """Bytes of the longest datagram."""
@@ -115,6 +119,7 @@ class CoapClient:
             context = await aiocoap.Context.create_client_context()
         except OSError as exc:
             raise LinkError(f"no CoAP endpoint can be opened: {exc}") from exc
+        limit_requests(context, lambda _: False)
         try:
             for one in credentials:
                 _load(context, one)
@@ -260,6 +265,25 @@ class CoapClient:
             if len(body) > MAX_BODY:
                 raise WireError(f"the answer of {uri[:200]} is longer than {MAX_BODY} bytes")
         return CoapAnswer(bytes(body), None if first.opt.content_format is None else int(first.opt.content_format))
+
+
+def limit_requests(context: aiocoap.Context, admits: Callable[[str], bool]) -> None:
+    """Drop the requests that come to *context* from hosts that *admits* does not let in.
+
+    aiocoap remembers each request for four minutes, of a client as well, so that a flood would take all memory.
+    """
+    for interface in context.request_interfaces:
+        port = getattr(getattr(interface, "token_interface", None), "message_interface", None)
+        if port is not None and hasattr(port, "datagram_msg_received"):
+            port.datagram_msg_received = partial(_receive, port.datagram_msg_received, admits)
+
+
+def _receive(
+    receive: Callable[..., None], admits: Callable[[str], bool], data: bytes, control: object, flags: int, sender: Any
+) -> None:
+    is_request = len(data) > 1 and 0 < data[1] < _FIRST_RESPONSE
+    if not is_request or admits(sender[0]):
+        receive(data, control, flags, sender)
 
 
 def _group_answer(token: bytes, data: bytes, address: tuple[str, int]) -> GroupAnswer | None:

@@ -14,7 +14,9 @@ import aiocoap
 import anyio
 import anyio.lowlevel
 from aiocoap import resource
+from aiocoap.error import RequestEntityIncomplete, RequestEntityTooLarge
 from aiocoap.numbers.codes import Code
+from aiocoap.pipe import Pipe
 from anyio.abc import TaskGroup
 
 from homebot.clock import Clock
@@ -22,8 +24,9 @@ from homebot.conventions.coap.endpoint import CoapEndpoint
 from homebot.conventions.coap.link_format import WebLink, format_links, parse_links
 from homebot.conventions.coap.registry import FORBIDDEN, DirectoryRegistry
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
-from homebot.gateways.coap.aiocoap_client import CoapClient
+from homebot.gateways.coap.aiocoap_client import CoapClient, limit_requests
 from homebot.support.isolation import run_as
+from homebot.support.request_limit import RequestLimit
 from homebot.wot.coap.content_formats import LINK_FORMAT
 
 __all__ = ["DirectoryServer"]
@@ -33,6 +36,9 @@ MAX_ASKED = 8
 
 ANSWERS_WITHIN = 15.0
 """Seconds."""
+
+MAX_BODY = 64 * 1024
+"""Bytes of the links of one device."""
 
 MAX_OBSERVERS = 32
 """Observations of one lookup."""
@@ -64,6 +70,7 @@ class DirectoryServer:
         self._admits = admits
         self._reject = reject
         self._asked: set[str] = set()
+        self._has_changed = False
         self._tasks: TaskGroup | None = None
         self._lookups = (
             _Lookup(self.registry.look_up_endpoints, "core.rd-lookup-ep"),
@@ -86,6 +93,7 @@ class DirectoryServer:
             context = await aiocoap.Context.create_server_context(site, bind=(host, port), transports=["udp6"])
         except OSError as exc:
             raise LinkError(f"no resource directory can be served on {host}:{port}: {exc}") from exc
+        limit_requests(context, RequestLimit(self._clock).admits)
         try:
             async with anyio.create_task_group() as self._tasks:
                 self._client = CoapClient(context, ANSWERS_WITHIN)
@@ -98,10 +106,14 @@ class DirectoryServer:
                 await context.shutdown()
 
     def expire(self) -> None:
-        """End the expired registrations."""
+        """End the expired registrations, and notify observers if anything has changed since the last call."""
         for one in self.registry.expire(self._clock.monotonic()):
             self._gone(one.endpoint, f"its registration was not renewed for {one.parameters['lt']} s")
-            self._notify()
+            self._has_changed = True
+        if self._has_changed:
+            self._has_changed = False
+            for lookup in self._lookups:
+                lookup.updated_state()
 
     def _answer(
         self, handle: Callable[[aiocoap.Message, str], aiocoap.Message], request: aiocoap.Message
@@ -136,7 +148,7 @@ class DirectoryServer:
             return aiocoap.Message(code=Code.CHANGED)
         if request.code == Code.DELETE:
             self._gone(self.registry.remove(path, host).endpoint, "it took back its registration")
-            self._notify()
+            self._has_changed = True
             return aiocoap.Message(code=Code.DELETED)
         return aiocoap.Message(code=Code.METHOD_NOT_ALLOWED)
 
@@ -166,12 +178,8 @@ class DirectoryServer:
     def _add(self, query: dict[str, str], links: bytes, host: str, base: str) -> str:
         made = self.registry.register(query, parse_links(links), host, base, self._clock.monotonic())
         self._found(made.endpoint)
-        self._notify()
+        self._has_changed = True
         return made.path
-
-    def _notify(self) -> None:
-        for one in self._lookups:
-            one.updated_state()
 
 
 class _Registration(resource.Resource):  # type: ignore[misc]  # the library has no types
@@ -186,6 +194,16 @@ class _Registration(resource.Resource):  # type: ignore[misc]  # the library has
 
     async def render(self, request: aiocoap.Message) -> aiocoap.Message:
         return self._answer(request)
+
+    async def render_to_pipe(self, pipe: Pipe) -> None:
+        """Answer a request, of which aiocoap puts any number of blocks together, and knows no gap between them."""
+        block = pipe.request.opt.block1
+        if block is not None and block.start >= MAX_BODY:
+            raise RequestEntityTooLarge
+        try:
+            await super().render_to_pipe(pipe)
+        except ValueError as exc:
+            raise RequestEntityIncomplete from exc
 
 
 class _Unlisted(_Registration):
@@ -216,10 +234,10 @@ class _Lookup(resource.ObservableResource):  # type: ignore[misc]  # likewise
 
     async def render_get(self, request: aiocoap.Message) -> aiocoap.Message:
         try:
-            found = self._look_up(_query(request))
+            found = format_links(self._look_up(_query(request)))
         except WireError as exc:
             return aiocoap.Message(code=Code.BAD_REQUEST, payload=str(exc).encode())
-        return aiocoap.Message(payload=format_links(found), content_format=LINK_FORMAT)
+        return aiocoap.Message(payload=found, content_format=LINK_FORMAT)
 
 
 def _query(request: aiocoap.Message) -> dict[str, str]:

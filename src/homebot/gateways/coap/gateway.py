@@ -10,7 +10,14 @@ import anyio
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
-from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoint_at, split_address, static_endpoint
+from homebot.conventions.coap.endpoint import (
+    CoapEndpoint,
+    authority_of,
+    endpoint_at,
+    host_of,
+    split_address,
+    static_endpoint,
+)
 from homebot.conventions.coap.link_format import parse_links
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, UnableError, UsageError, WireError
@@ -210,14 +217,14 @@ class CoapGateway(Gateway):
                 self.devices.reject(source, answer.payload, str(exc))
                 return
         endpoint = endpoint_at(answer.host, answer.port)
-        host = endpoint.base.rpartition(":")[0] if endpoint.base.count(":") > 1 else endpoint.base
-        if endpoint.key not in self._sessions and self._count_at(host) >= MAX_PER_HOST:
+        if endpoint.key not in self._sessions and self._count_at(endpoint) >= MAX_PER_HOST:
             self.devices.reject(source, b"", f"more than {MAX_PER_HOST} endpoints answer from there")
             return
         self._found(endpoint)
 
-    def _count_at(self, host: str) -> int:
-        return sum(key.startswith(host) for key in self._sessions)
+    def _count_at(self, endpoint: CoapEndpoint) -> int:
+        host = host_of(endpoint.base)
+        return sum(one.host == host and not one.endpoint.is_registered for one in self._sessions.values())
 
     def _found(self, endpoint: CoapEndpoint) -> None:
         """Start the session of an endpoint, or wake the one that it has."""

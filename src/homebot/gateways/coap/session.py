@@ -11,11 +11,10 @@ from contextlib import aclosing
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
-from urllib.parse import unquote, urlsplit
 
 import anyio
 
-from homebot.conventions.coap.endpoint import SCHEMES, CoapEndpoint, authority_of
+from homebot.conventions.coap.endpoint import SCHEMES, CoapEndpoint, authority_of, host_of
 from homebot.conventions.coap.link_format import WebLink, parse_links
 from homebot.conventions.payload import parse_object
 from homebot.devices.gateway_messages import Command
@@ -128,6 +127,7 @@ class EndpointSession(DeviceRunner):
     ) -> None:
         super().__init__(endpoint.key, endpoint.key, devices, DEVICE_BACKOFF)
         self.endpoint, self.authority = endpoint, authority_of(endpoint.base)
+        self.host = host_of(endpoint.base)
         self._client = client
         self._poll_every = poll_every
         self._describing = describing
@@ -198,7 +198,7 @@ class EndpointSession(DeviceRunner):
         """Return the guard of this computer; only an endpoint on it may lead to it, unless another host named that."""
         if self.endpoint.is_foreign:
             return AddressGuard()
-        return await guard_for(unquote(urlsplit(self.endpoint.base).hostname or ""))
+        return await guard_for(self.host)
 
     def _thing(self, device: GatewayDevice, thing: Thing) -> ThingDevice:
         host = DriverHost(self._devices, device.key)
