@@ -33,6 +33,9 @@ def test_a_value_is_told_as_people_say_it(value: PlainValue, text: str) -> None:
         ("2021-02-03T04:05", "2021-02-03T04:05:00+00:00", False),
         ("hello", "hello", True),
         ("hello", "07:00", False),
+        ("10", "1000", False),
+        ("1000", "10:00", False),
+        ("2021-02-03", "20210203", False),
     ],
 )
 def test_a_moment_in_another_form_is_the_same(wanted: str, seen: str, *, is_same: bool) -> None:

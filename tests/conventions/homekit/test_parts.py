@@ -238,9 +238,11 @@ def test_options_and_bounds_are_those_that_the_accessory_has(
 @pytest.mark.parametrize(
     ("limits", "percent", "speed", "reported"),
     [
+        ({"minValue": 0, "maxValue": 100, "minStep": 25}, 1.0, 25.0, 25.0),
         ({"minValue": 0, "maxValue": 100, "minStep": 25}, 33.0, 50.0, 50.0),
         ({"minValue": 0, "maxValue": 100, "minStep": 25}, 75.0, 75.0, 75.0),
         ({"minValue": 0, "maxValue": 100, "minStep": 1}, 33.0, 33.0, 33.0),
+        ({"minValue": 0, "maxValue": 3, "minStep": 1}, 1.0, 1.0, 33.3333),
         ({"minValue": 0, "maxValue": 3, "minStep": 1}, 33.0, 1.0, 33.3333),
         ({"minValue": 0, "maxValue": 3, "minStep": 1}, 67.0, 2.0, 66.6667),
         ({"minValue": 0, "maxValue": 100, "minStep": 33.3333}, 67.0, 66.6666, 66.6666),

@@ -75,7 +75,8 @@ def _share(service: HapService) -> float:
 def _speed(service: HapService, percent: float) -> float:
     """Return the speed of a fan for a percentage; of few speeds the next higher one, as Home Assistant takes it."""
     step = service.characteristics[SPEED].step or 1.0
-    return math.ceil(percent * _share(service) / step - _SLACK) * step
+    speeds = percent * _share(service) / step
+    return math.ceil(max(speeds - _SLACK, min(speeds, 1.0))) * step  # 1 % is the first one
 
 
 def _read_speed(service: HapService) -> PlainValue:
