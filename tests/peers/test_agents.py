@@ -75,6 +75,32 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
             assert refused == {"outcome": "refused", "reason": reason}
 
 
+@pytest.mark.parametrize("mode", ["auto", "legacy"])
+async def test_the_device_that_a_person_agreed_to_is_commanded_and_not_one_that_was_renamed_since(mode: str) -> None:
+    mcp: Any = pytest.importorskip("mcp.client.client")
+    server: Any = pytest.importorskip("homebot.cli.mcp_server")
+    types: Any = pytest.importorskip("mcp.types")
+    called = ["shed", "front_door", "front_door"]
+    asked: list[str] = []
+
+    class RenamedDevices:
+        async def read(self, *_: str) -> str:
+            return json.dumps({"id": called[len(asked)], "always_asks": "it is a lock"})
+
+        async def post(self, _path: str, body: dict[str, str]) -> str:
+            return json.dumps(body)
+
+    async def person(_: object, question: Any) -> Any:
+        asked.append(question.message)
+        return types.ElicitResult(action="accept", content={"confirm": True})
+
+    async with mcp.Client(server.house_server(RenamedDevices()), mode=mode, elicitation_callback=person) as session:
+        result = await session.call_tool("command", {"device": "Door#bolt", "do": "unlock"})
+    commanded = json.loads(result.content[0].text)["device"]
+    assert commanded.endswith("#bolt")
+    assert asked[-1].startswith(f"{commanded}: unlock?")
+
+
 async def test_nothing_is_sent_to_a_device_that_cannot_be_looked_up() -> None:
     """It might be one that always asks, and the directory may answer the command again."""
     mcp: Any = pytest.importorskip("mcp.client.client")

@@ -108,16 +108,26 @@ def house_server(api: ApiClient) -> MCPServer:
         """Return past values of a device, or of one capability such as `temperature`, for the last `24h` or `7d`."""
         return await api.read("/api/history", device=device, capability=capability, since=since, points=points)
 
-    async def sure(device: str, do: str, context: Context) -> Sure | Elicit[Sure]:
-        return _question(await api.read("/api/devices/", device.partition("#")[0]), do, context)
+    async def details(device: str) -> str:
+        return await api.read("/api/devices/", device.partition("#")[0])
 
-    async def command(device: str, do: str, sure: Annotated[ElicitationResult[Sure], Resolve(sure)]) -> str:
+    async def sure(
+        device: str, do: str, details: Annotated[str, Resolve(details)], context: Context
+    ) -> Sure | Elicit[Sure]:
+        return _question(details, device, do, context)
+
+    async def command(
+        device: str,
+        do: str,
+        details: Annotated[str, Resolve(details)],
+        sure: Annotated[ElicitationResult[Sure], Resolve(sure)],
+    ) -> str:
         """Command one device: `on`, `off`, `40 %`, `2700 K`, `heating_setpoint 21`, `open`, `lock`."""
         if isinstance(sure, AcceptedElicitation) and isinstance(sure.data, _Unsent):
             return sure.data.problem
         if not isinstance(sure, AcceptedElicitation) or not sure.data.confirm:
             return json.dumps(_UNCONFIRMED)
-        return await api.post("/api/command", {"device": device, "do": do})
+        return await api.post("/api/command", {"device": _target(json.loads(details), device), "do": do})
 
     server = MCPServer("homebot", instructions=_GUIDE, version=__version__, log_level="WARNING")
     for tool in (home, find_devices, why, history):
@@ -126,7 +136,13 @@ def house_server(api: ApiClient) -> MCPServer:
     return server
 
 
-def _question(details: str, do: str, context: Context) -> Sure | Elicit[Sure]:
+def _target(details: Mapping[str, object], named: str) -> str:
+    """Return the id of the device of *details*, with the *named* part: what a person agrees to, also after a rename."""
+    _, mark, part = named.partition("#")
+    return f"{details['id']}{mark}{part}"
+
+
+def _question(details: str, named: str, do: str, context: Context) -> Sure | Elicit[Sure]:
     """Return the question to a person before *do* is sent to the device of *details*, or an answer without asking."""
     device, can = json.loads(details), context.client_capabilities
     if "id" not in device:
@@ -135,7 +151,7 @@ def _question(details: str, do: str, context: Context) -> Sure | Elicit[Sure]:
         return Sure(confirm=True)
     if can is None or can.elicitation is None:
         return _Unsent(problem=_problem("refused", "this device always asks, and this client cannot ask its person"))
-    return Elicit(f"{device['id']}: {do}? It always asks: {reason}.", Sure)
+    return Elicit(f"{_target(device, named)}: {do}? It always asks: {reason}.", Sure)
 
 
 def _refusal(text: str) -> str:
