@@ -129,6 +129,7 @@ REFUSED = {
     "lights but hall lamp": "'but' at character 8 is not followed by 'not' or 'without'",
     "!kettle": "'!kettle' at character 1 is not understood in a query; write 'not' before a term",
     "lamp -kettle": "'-kettle' at character 6 is not understood in a query; write 'not' before a term",
+    "lights in hall or else kitchen": "'else' at character 19 is not understood in a query; write it in",
     "lamps beside kitchen": "'beside' at character 7 is not understood in a query; write it in quotation marks",
     "lamps in kitchen under window": "'under' at character 18 is not understood",
     "lamp near": "'near' at character 6 is not followed by a robot",
