@@ -61,7 +61,9 @@ async def test_the_refusal_says_why_and_how_long_and_the_right_code_waits_as_lon
     await disarm(home, alarm, "1")
     refused = await disarm(home, alarm, "4711")
     assert isinstance(refused, Refused)
-    assert refused.text == "refused (code): too many wrong codes by the client guest; try again in 8.0 s"
+    assert (
+        refused.text == "refused (code): too many codes without a known effect by the client guest; try again in 8.0 s"
+    )
     await anyio.sleep(8.1)
     assert isinstance(await disarm(home, alarm, "4711"), Confirmed)
     assert {one.name: one.count for one in (await home.control.health(HealthRequest())).counts}["codes_refused"] == 1

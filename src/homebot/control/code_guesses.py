@@ -36,7 +36,8 @@ class CodeGuesses:
         guesser, now = (command.issuer, command.place), self._clock.monotonic()
         if (wait := self._delays.until(guesser) - now) > 0:
             self.refused += 1
-            reason = f"too many wrong codes by {issuer_text(command.issuer)}; try again in {max(wait, 0.1):.1f} s"
+            codes = f"too many codes without a known effect by {issuer_text(command.issuer)}"
+            reason = f"{codes}; try again in {max(wait, 0.1):.1f} s"
             return Refused(_POLICY, reason, command_id=command.id)
         self._delays.failed(guesser, now)
         return None

@@ -115,15 +115,14 @@ def _parse_slowly(payload: bytes | str, *, unique: bool) -> object:
 
 
 def _is_plain(payload: bytes | str, value: object) -> bool:
-    """Return whether *value* has few levels, only finite numbers and all keys of *payload*: each comes with a colon."""
+    """Return whether *value* has few levels, finite numbers and all keys of *payload*, each with an unescaped colon."""
     text = payload.encode() if isinstance(payload, str) else payload
     if text.count(b"{") + text.count(b"[") > MAX_DEPTH:
         return False
     found = json_of(value, inf_nan_mode="constants")
     if found == text:  # JSON without spaces, as most programs write it
         return True
-    is_finite = b"Infinity" not in found
-    return is_finite and b"\\u" not in text and found.count(b":") == text.count(b":")  # the escape may be a colon
+    return b"Infinity" not in found and b"\\u" not in text and found.count(b":") == text.count(b":")
 
 
 def _is_flat_and_finite(value: object) -> bool:
