@@ -18,14 +18,10 @@ _MOST_HOSTS: Final = 1000
 
 @final
 class RequestLimit:
-    """The limit for each host, and for all of them: who sends it may be a lie.
-
-    Attributes:
-        dropped: Requests that were not let in.
-    """
+    """The limit for each host, and for all of them: who sends it may be a lie."""
 
     def __init__(self, clock: Clock) -> None:
-        self.dropped = 0
+        self._dropped = 0
         self._clock = clock
         self._hosts: BoundedMap[str, RateLimit] = BoundedMap(_MOST_HOSTS)
         self._all = RateLimit(*_OF_ALL)
@@ -36,5 +32,10 @@ class RequestLimit:
         limit = self._hosts[key] = self._hosts.get(key) or RateLimit(*_OF_HOST)
         if limit.admits(now) and self._all.admits(now):
             return True
-        self.dropped += 1
+        self._dropped += 1
         return False
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The number of requests that were not let in, in words; empty if there were none."""
+        return (f"{self._dropped:,} requests were dropped: more came than the server takes",) if self._dropped else ()

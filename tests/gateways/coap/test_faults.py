@@ -102,10 +102,12 @@ async def test_datagrams_that_are_no_coap_change_nothing() -> None:
 async def test_requests_beyond_the_limit_are_dropped() -> None:
     """The library remembers each for four minutes."""
     port = reserve_datagram_port()
-    async with watched_gateway(serve_directory=f"127.0.0.1:{port}"):
+    async with watched_gateway(serve_directory=f"127.0.0.1:{port}") as watcher:
         with stranger(port) as client:
             answers = [await answer(client, aiocoap.Message(code=aiocoap.GET), number) for number in range(1100)]
+        health = await watcher.health()
     assert 1000 <= len([one for one in answers if one]) < 1100
+    assert "requests were dropped" in str(health.notes)
 
 
 async def test_the_socket_that_asks_answers_no_requests() -> None:

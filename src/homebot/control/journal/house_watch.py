@@ -98,7 +98,8 @@ class HouseWatch:
                 layer.journal.changed(change, before, raw.id, cause)  # else the entries of a command record it
 
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:
-        now, command = self._clock.now(), command.model_copy(update={"command_id": ""})  # one of control would not come
+        # Control's own commands do not come here; an id that another program gives would let it hide the command.
+        now, command = self._clock.now(), command.model_copy(update={"command_id": ""})
         device = await self._lookup.device_at(gateway, command.address)
         if device:
             self._layer().journal.published(device, command, now, is_sent=not self._is_dry_run)

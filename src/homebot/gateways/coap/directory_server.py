@@ -52,6 +52,7 @@ class DirectoryServer:
         gone: Gets each endpoint after the end of its registration, and the reason.
         admits: Says whether a request of a host is to be read.
         reject: Receives invalid requests: the host, the bytes and the reason.
+        requests: Limits the requests.
     """
 
     def __init__(
@@ -62,6 +63,7 @@ class DirectoryServer:
         gone: Callable[[CoapEndpoint, str], None],
         admits: Callable[[str], bool],
         reject: Callable[[str, bytes, str], None],
+        requests: RequestLimit,
     ) -> None:
         self.registry = DirectoryRegistry()
         self._clock = clock
@@ -69,6 +71,7 @@ class DirectoryServer:
         self._gone = gone
         self._admits = admits
         self._reject = reject
+        self._requests = requests
         self._asked: set[str] = set()
         self._has_changed = False
         self._tasks: TaskGroup | None = None
@@ -93,7 +96,7 @@ class DirectoryServer:
             context = await aiocoap.Context.create_server_context(site, bind=(host, port), transports=["udp6"])
         except OSError as exc:
             raise LinkError(f"no resource directory can be served on {host}:{port}: {exc}") from exc
-        limit_requests(context, RequestLimit(self._clock).admits)
+        limit_requests(context, self._requests.admits)
         try:
             async with anyio.create_task_group() as self._tasks:
                 self._client = CoapClient(context, ANSWERS_WITHIN)

@@ -31,6 +31,7 @@ from homebot.graph import Node
 from homebot.plugins import check_extra
 from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
 from homebot.support.isolation import run_as
+from homebot.support.request_limit import RequestLimit
 
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapClient, GroupAnswer
@@ -62,7 +63,9 @@ class CoapGateway(Gateway):
             settings,
             max_devices=settings.max_devices,
             find_problems=lambda: problems_of(self._sessions.values()),
+            find_notes=lambda: self._requests.notes,
         )
+        self._requests = RequestLimit(node.graph.clock)
         self._describing = anyio.CapacityLimiter(DESCRIBED_AT_ONCE)
         self._sessions: dict[str, EndpointSession] = {}
         self._ways: dict[str, str | None] = {}  # the problem of each; None before the first attempt
@@ -104,15 +107,15 @@ class CoapGateway(Gateway):
         self._client = client
         async with anyio.create_task_group() as tasks:
             self._tasks = tasks
-            self._ways = dict.fromkeys(self._names_of_ways())
-            for uri in settings.resource_directory:
-                tasks.start_soon(run_as, "a resource directory", self._directory_client(uri, client).run)
+            ways = {uri: self._directory_client(uri, client).run for uri in settings.resource_directory}
+            if settings.serve_directory:
+                ways[OWN_DIRECTORY] = self._serve_directory
             for interface in settings.interfaces:
                 for version in settings.groups:
-                    ask = partial(self._ask, client, interface, version)
-                    tasks.start_soon(run_as, "a multicast question", ask)
-            if settings.serve_directory:
-                tasks.start_soon(run_as, "the resource directory", self._serve_directory)
+                    ways[f"{interface} {version}"] = partial(self._ask, client, interface, version)
+            self._ways = dict.fromkeys(ways)
+            for way, run in ways.items():
+                tasks.start_soon(run_as, way, run)
             for uri in settings.devices:
                 self._found(static_endpoint(uri))
             self._report_ways()
@@ -123,12 +126,6 @@ class CoapGateway(Gateway):
                 self._report_ways()
                 self.mark_ready(task_status)
             await anyio.sleep_forever()
-
-    def _names_of_ways(self) -> list[str]:
-        settings = self._settings
-        asked = [f"{interface} {version}" for interface in settings.interfaces for version in settings.groups]
-        own = [OWN_DIRECTORY] if settings.serve_directory else []
-        return [*settings.resource_directory, *own, *asked]
 
     def _report(self, way: str, problem: str) -> None:
         """Record the problem of one way to find devices; empty for none."""
@@ -164,8 +161,7 @@ class CoapGateway(Gateway):
     def _on_registered_list(self, directory: str, endpoints: tuple[CoapEndpoint, ...]) -> None:
         """Update the endpoints of a directory from its whole list; missing ones are no longer registered there."""
         listed = {one.key for one in endpoints}
-        known = [session.endpoint for session in self._sessions.values()]
-        for one in known:
+        for one in [session.endpoint for session in self._sessions.values()]:
             if one.source == directory and one.key not in listed:
                 self._gone(one, f"its registration at {directory} ended")
         for one in endpoints:
@@ -181,6 +177,7 @@ class CoapGateway(Gateway):
             gone=self._gone,
             admits=self.devices.admits,
             reject=self.devices.reject,
+            requests=self._requests,
         )
         retries = BackoffCounter(self.node.graph.clock, self.random)
         while True:
