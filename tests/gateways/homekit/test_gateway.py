@@ -294,3 +294,25 @@ async def test_a_new_state_number_has_the_values_read_at_once() -> None:
         home.mdns.announce(server, state="2")
         with anyio.fail_after(1):
             await reading(reports, "on_off", True)
+
+
+async def test_a_temperature_that_follows_a_mode_is_that_of_the_new_mode() -> None:
+    """As in `thermostat_mode auto heating_setpoint 21` for ecobee's thermostats, in one command."""
+    kinds = {"33": 1, "11": 20.5, "35": 19.0, "12": 17.0, "D": 25.0}
+    listed = (characteristic(20 + at, kind, value) for at, (kind, value) in enumerate(kinds.items()))
+    server = FakeServer(KEY, "Hall", accessory(1, "Hall", service(10, "4A", *listed)))
+    async with paired(server, ("thermostat_mode", "heat")) as (home, reports):
+        assert (await home.command(KEY, "10", "thermostat_mode", "auto")).success
+        assert (await home.command(KEY, "10", "heating_setpoint", 21.0)).success
+        assert server.written == [((1, 20), 3), ((1, 23), 21.0)]
+        await reading(reports, "heating_setpoint", 21.0)
+
+
+async def test_what_could_not_be_read_back_is_reported_once_it_is_read() -> None:
+    server = bridge()
+    async with paired(server) as (home, reports):
+        server.away.add(2)
+        assert (await home.command(f"{KEY}.2", "8", "level", 40.0)).success
+        await anyio.sleep(1.0)
+        server.away.clear()
+        await reading(reports, "level", 40.0)

@@ -131,13 +131,15 @@ class AccessoryRunner(DeviceRunner):
         accessory, part = self._find(command)
         row, known = part.rows[command.capability], part.service.characteristics
         written = row.write_value(part.service, command).items()
-        wanted = {known[kind]: value for kind, value in written if kind in known}
+        wanted = {known[kind]: known[kind].encode(value) for kind, value in written if kind in known}
         self._writes += 1
         statuses = await link.write(
-            {(accessory.aid, one.iid): one.encode(value) for one, value in wanted.items()},
+            {(accessory.aid, one.iid): value for one, value in wanted.items()},
             is_timed=any("tw" in one.perms for one in wanted),
         )
         _check(f"{command.capability} for {accessory.device.name}", statuses.values())
+        for one, value in wanted.items():
+            one.value = value  # the next command, before it is read back, may depend on it: a temperature on a mode
         watched = (one for one in known.values() if one in wanted or one.type in row.kinds)
         ids = {(accessory.aid, one.iid) for one in watched if "pr" in one.perms}
         if ids and self._tasks is not None and self.link is link:
@@ -243,6 +245,8 @@ class AccessoryRunner(DeviceRunner):
             if value is not None:  # as it is read
                 self.reject(b"", f"{shown(value)} is not a press")
             return False
+        if "value" not in one:
+            known.value = None  # the next one is news
         return "value" in one and not (is_routine and value == known.value)
 
     async def _report_changed(self, accessory: AccessoryDevice, values: Mapping[int, object]) -> None:
