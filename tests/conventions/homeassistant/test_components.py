@@ -10,6 +10,8 @@
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -34,13 +36,17 @@ def build(line: Mapping[str, Any]) -> DescribedPart:
     return builder_of(line["component"])(config)
 
 
-def build_second(line: Mapping[str, Any]) -> DescribedPart:
-    """Build the part after that of another device, which has other names and topics alone."""
+def build_both(line: Mapping[str, Any]) -> list[DescribedPart]:
+    """Build the part of another device, which has other names and topics alone, and then the part."""
     shapes = PartShapes()
     own = {key: f"other/{value}" for key, value in line["config"].items() if key.endswith("topic") and value}
     both = ({**line["config"], **own, "name": "Other", "unique_id": "other"}, line["config"])
     configs = [DiscoveryConfig(line["component"], line.get("id", "node_1"), fields) for fields in both]
-    return [shapes.part(config, builder_of(line["component"])) for config in configs][-1]
+    return [shapes.part(config, builder_of(line["component"])) for config in configs]
+
+
+def build_second(line: Mapping[str, Any]) -> DescribedPart:
+    return build_both(line)[1]
 
 
 def shape(described: DescribedPart) -> dict[str, Any]:
@@ -138,19 +144,24 @@ def test_equal_parts_differ_if_their_topics_are_equal_or_not() -> None:
         assert capability.echoed is is_echoed
 
 
-def test_equal_lamps_remember_their_own_colours() -> None:
-    """A lamp of three channels is dimmed by its last colour."""
-    shapes = PartShapes()
-    red, blue = (
-        shapes.part(
-            DiscoveryConfig("light", "", {"command_topic": f"{one}/set", "rgb_command_topic": f"{one}/rgb"}),
-            builder_of("light"),
-        ).codec
-        for one in ("red", "blue")
-    )
-    red.write("color", (0.0, 100.0))
-    blue.write("color", (240.0, 100.0))
-    assert red.write("level", 100.0)[0] == Publication("red/rgb", b"255,0,0", 0, False)
+@pytest.mark.parametrize("line", [line for line in LINES if "part" in line], ids=name)
+def test_equal_parts_remember_only_their_own_messages_and_commands(line: Mapping[str, Any]) -> None:
+    """Lamps, climates and covers remember some: one of three channels is dimmed by its last colour."""
+    for (others, theirs), (sentence, steps) in product(line["tests"].items(), repeat=2):
+        other, part = build_both(line)
+        for step in steps:
+            for one in theirs:
+                say_or_take(other, one)
+            check_step(part, step, f"{sentence}, while of another one {others}: {step}")
+
+
+def say_or_take(other: DescribedPart, step: Mapping[str, Any]) -> None:
+    if "read" in step:
+        topic, payload = step["read"]
+        other.codec.read(f"other/{topic}", payload.encode("latin-1"), retained=step.get("retained", False))
+    else:
+        with suppress(RefusedError):
+            write(other, step)
 
 
 def test_a_template_that_fails_with_a_code_does_not_show_it() -> None:
