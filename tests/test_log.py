@@ -3,11 +3,13 @@
 import io
 import json
 import logging
+import os
 import re
 import time
 import warnings
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta, timezone
+from pathlib import Path
 
 import pytest
 import structlog
@@ -47,6 +49,20 @@ def test_a_line_for_people_has_time_node_and_words() -> None:
     line = logged("console", io.StringIO(), message="The broker is gone.")
     assert line[2] == line[5] == ":"
     assert line[8:] == "  gateway/mqtt   The broker is gone.\n"
+
+
+def test_a_line_in_the_journal_of_systemd_has_the_time_of_the_journal_alone(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A service that sends its errors elsewhere has the variable too."""
+    with (tmp_path / "journal").open("w+") as journal, (tmp_path / "file").open("w+") as file:
+        status = os.fstat(journal.fileno())
+        monkeypatch.setenv("JOURNAL_STREAM", f"{status.st_dev}:{status.st_ino}")
+        for out in (journal, file, io.StringIO()):
+            configure_logging(stream=out)
+            structlog.get_logger(node="/gateway/mqtt").info("mqtt.link_lost", message="The broker is gone.")
+            out.seek(0)
+            assert out.read()[0 if out is journal else 10 :] == "gateway/mqtt   The broker is gone.\n"
 
 
 def test_a_line_without_words_shows_its_event_and_facts() -> None:

@@ -20,7 +20,7 @@ from homebot.clock import Clock
 from homebot.errors import UsageError
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.logger import ConsoleRenderer, LineWriter, sentence, with_local_time
-from homebot.support.output import CleanText, QueuedText, wants_colour
+from homebot.support.output import CleanText, QueuedText, is_journal, wants_colour
 
 __all__ = ["LogFormat", "LogLimit", "configure_logging", "more_like_this", "sentence"]
 
@@ -93,7 +93,9 @@ def _raw(stream: TextIO) -> TextIO:
 def _renderer(log_format: LogFormat, out: TextIO) -> Processor:
     """Return the renderer of lines for *out*; the queue of *out* also uses it to report lost lines."""
     renderer: Processor = (
-        structlog.processors.JSONRenderer() if log_format == "json" else ConsoleRenderer(colours=wants_colour(out))
+        structlog.processors.JSONRenderer()
+        if log_format == "json"
+        else ConsoleRenderer(colours=wants_colour(out), times=not is_journal(out))
     )
     if isinstance(out, QueuedText):
         out.queue.loss_text = partial(_loss_line, renderer)

@@ -66,18 +66,22 @@ def with_local_time(_logger: WrappedLogger, _method: str, event: EventDict) -> E
 class ConsoleRenderer:
     """Renders a line as ``12:30:01  node  words``, in local time, with any traceback indented below it.
 
+    The time is left out without *times*.
+
     Text from outside cannot break the line, imitate another one or control the terminal.
     """
 
-    def __init__(self, *, colours: bool) -> None:
+    def __init__(self, *, colours: bool, times: bool = True) -> None:
         self._colours = colours
+        self._times = times
 
     def __call__(self, _logger: WrappedLogger, _method: str, event: EventDict) -> str:
         """Return the line of *event*."""
         level = str(event.get("level", "info"))
         node = _harmless(str(event.get("node", "")).lstrip("/"))
         mark = "" if level in {"info", "debug"} else f"{level}: "
-        text = f"{str(event.get('timestamp', ''))[11:19]}  {node:<14} {mark}{_harmless(sentence(event))}"
+        time = f"{str(event.get('timestamp', ''))[11:19]}  " if self._times else ""
+        text = f"{time}{node:<14} {mark}{_harmless(sentence(event))}"
         if "exception" in event:
             text = f"{text}\n{_harmless_lines(str(event['exception']))}"
         if self._colours and level in _COLOURS:

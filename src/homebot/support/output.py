@@ -15,10 +15,19 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Final, TextIO, cast, final
 
-__all__ = ["CONTROL", "CleanText", "OutputQueue", "QueuedText", "clean_output", "queued_output", "wants_colour"]
+__all__ = [
+    "CONTROL",
+    "CleanText",
+    "OutputQueue",
+    "QueuedText",
+    "clean_output",
+    "is_journal",
+    "queued_output",
+    "wants_colour",
+]
 
 # Control characters, line and paragraph separators, and those that turn the direction of text.
 CONTROL: Final = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
@@ -206,6 +215,20 @@ def wants_colour(stream: TextIO) -> bool:
     Source: https://no-color.org
     """
     return stream.isatty() and not os.environ.get("NO_COLOR")
+
+
+def is_journal(stream: TextIO) -> bool:
+    """Return whether *stream* leads to the journal of systemd, which adds the time to each line.
+
+    Source: systemd 257, ``systemd.exec(5)``, ``$JOURNAL_STREAM``.
+    """
+    journal = os.environ.get("JOURNAL_STREAM")
+    if not journal:
+        return False
+    with suppress(OSError, ValueError):  # it may have no descriptor
+        found = os.fstat(stream.fileno())
+        return journal == f"{found.st_dev}:{found.st_ino}"
+    return False
 
 
 @contextmanager
