@@ -174,6 +174,7 @@ _CONTROLS = (
     CapabilityType("thermostat_action", "text", "current action: heating, idle, …", 0x0201),
     CapabilityType("preset_mode", "text", "preset of the device"),
     CapabilityType("swing_mode", "text", "movement of the vanes", 0x0202),
+    CapabilityType("swing_horizontal_mode", "text", "movement of the vanes to the sides", 0x0202),
     CapabilityType("humidity_setpoint", "number", "target humidity", None, "%", _PERCENT, obedience=_HUMIDITY),
     CapabilityType("water_heater_mode", "text", "operating mode: off, eco, …", 0x0094),
     CapabilityType("humidifier_mode", "text", "preset of the device"),

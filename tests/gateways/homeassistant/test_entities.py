@@ -268,6 +268,15 @@ def test_a_thermostat_that_cannot_be_off_has_no_switch(modes: list[str], *, has_
     assert ("on_off" in {one.name for one in part.capabilities}) is has_switch
 
 
+def test_vanes_of_an_air_conditioner_swing_to_the_sides() -> None:
+    """``ClimateEntityFeature.SWING_HORIZONTAL_MODE``."""
+    modes = {"swing_horizontal_modes": ["off", "wide"], "swing_horizontal_mode": "wide"}
+    vanes = only("climate.a", "cool", hvac_modes=["off", "cool"], supported_features=512, **modes)
+    assert vanes.read(is_change=True)["swing_horizontal_mode"] == "wide"
+    call = vanes.call("swing_horizontal_mode", "off")
+    assert (call.service, call.data) == ("set_swing_horizontal_mode", {"swing_horizontal_mode": "off"})
+
+
 def test_a_projector_is_no_speaker_and_off_in_standby() -> None:
     """A Roku that is switched off reports standby."""
     projector = only("media_player.a", "standby", device_class="projector", supported_features=384)

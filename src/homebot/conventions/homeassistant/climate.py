@@ -48,7 +48,11 @@ def build_climate(config: DiscoveryConfig) -> DescribedPart:
 
 _MODES = ("auto", "off", "cool", "heat", "dry", "fan_only")
 _ACTIONS = ("off", "heating", "cooling", "drying", "idle", "fan", "preheating", "defrosting")
-_CHOICES = {"fan_mode": ("auto", "low", "medium", "high"), "swing_mode": ("on", "off")}
+_CHOICES = {
+    "fan_mode": ("auto", "low", "medium", "high"),
+    "swing_mode": ("on", "off"),
+    "swing_horizontal_mode": ("on", "off"),
+}
 """Default options by capability, which is also the beginning of the fields."""
 
 _SHOWN = 200

@@ -30,8 +30,10 @@ _TEMPERATURE_ROW = Row("local_temperature", "current_temperature_topic")
 _CLIMATE_ROWS = (
     _TEMPERATURE_ROW,
     Row("humidity", "current_humidity_topic"),
-    Row("fan_mode", "fan_mode_state_topic", "fan_mode_command_topic", "fan_modes"),
-    Row("swing_mode", "swing_mode_state_topic", "swing_mode_command_topic", "swing_modes"),
+    *(
+        Row(name, f"{name}_state_topic", f"{name}_command_topic", f"{name}s")
+        for name in ("fan_mode", "swing_mode", "swing_horizontal_mode")
+    ),
     Row("thermostat_action", "action_topic"),
 )
 _HUMIDIFIER_ROWS = (

@@ -38,7 +38,7 @@ from homebot.support.numbers import to_number
 
 __all__ = ["CLIMATE", "FAN", "HUMIDIFIER", "WATER_HEATER"]
 
-_SINGLE, _PAIR, _HUMIDITY, _FAN, _PRESET, _SWING = 1, 2, 4, 8, 16, 32
+_SINGLE, _PAIR, _HUMIDITY, _FAN, _PRESET, _SWING, _SWING_HORIZONTAL = 1, 2, 4, 8, 16, 32, 512
 _LOW, _HIGH = "target_temp_low", "target_temp_high"
 _ANY_CELSIUS = (-100.0, 200.0)
 
@@ -143,6 +143,13 @@ CLIMATE: Final = EntityComponent(
         choice("fan_mode", "fan_mode", "fan_modes", "set_fan_mode", when=has(_FAN)),
         choice("preset_mode", "preset_mode", "preset_modes", "set_preset_mode", when=has(_PRESET)),
         choice("swing_mode", "swing_mode", "swing_modes", "set_swing_mode", when=has(_SWING)),
+        choice(
+            "swing_horizontal_mode",
+            "swing_horizontal_mode",
+            "swing_horizontal_modes",
+            "set_swing_horizontal_mode",
+            when=has(_SWING_HORIZONTAL),
+        ),
     ),
 )
 

@@ -32,7 +32,8 @@ _SHAPING: Final = frozenset(
         *("effect_list", "event_types", "fan_modes", "fan_speed_list", "friendly_name", "hvac_modes", "max"),
         *("max_color_temp_kelvin", "max_humidity", "max_temp", "maximum", "min", "min_color_temp_kelvin"),
         *("min_humidity", "min_temp", "minimum", "mode", "operation_list", "options", "preset_modes", "source_list"),
-        *("state_class", "supported_color_modes", "supported_features", "swing_modes", "unit_of_measurement"),
+        *("state_class", "supported_color_modes", "supported_features", "swing_horizontal_modes", "swing_modes"),
+        "unit_of_measurement",
     }
 )
 """Attributes on which the capabilities of an entity depend."""
