@@ -45,6 +45,9 @@ _MOTIONS: Final = frozenset({"movement", "position", "tilt"})
 _LEVELS: Final = ("level", "fan_speed")
 """Capabilities whose value 0 is off."""
 
+_SETPOINTS: Final = ("heating_setpoint", "cooling_setpoint")
+"""Sent last, as some thermostats have others in each mode."""
+
 _NO_ECHO: Final[frozenset[str]] = frozenset()
 
 
@@ -82,6 +85,8 @@ class IssuedCommand:
     def __post_init__(self) -> None:
         self.place = self.device.id, self.part.id
         self.states = {one.capability: one for one in self.device.states if one.part == self.part.id}
+        if len(self.settings) > 1:
+            self.settings = _ordered(self.settings, self.states)
         self.why_it_asks = why_it_asks(self.device, self.part)
         self.is_client = is_client(self.issuer)
 
@@ -107,6 +112,15 @@ class IssuedCommand:
             name in MOMENTARY or value in CAPABILITIES.get(name, OWN).obedience.always_sent
             for name, value in self.settings.items()
         )
+
+
+def _ordered(settings: Mapping[str, PlainValue], states: Mapping[str, State]) -> Mapping[str, PlainValue]:
+    """Return *settings* in an order in which no thermostat is to heat to more than it cools to."""
+    wanted, known = settings.get("heating_setpoint"), states.get("heating_setpoint")
+    before = None if known is None else known.value.plain()
+    rises = isinstance(wanted, float) and isinstance(before, float) and wanted > before
+    last = _SETPOINTS[::-1] if rises else _SETPOINTS
+    return dict(sorted(settings.items(), key=lambda one: last.index(one[0]) if one[0] in last else -1))
 
 
 def is_by_hand(trigger: Trigger, now: float) -> bool:

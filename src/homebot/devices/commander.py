@@ -76,7 +76,7 @@ class Commander:
 
         Args:
             view: The device; it is updated with the reported values as soon as they are known.
-            values: The values by capability, in the vocabulary's units, in the order in which they are set.
+            values: The values by capability, in the vocabulary's units, in the order of sending; setpoints last.
             transition: Seconds that the change takes, if the device supports that.
 
         Raises:
