@@ -120,7 +120,7 @@ POWER_ROWS: Final = (
     ServiceRow(f"{_FANS} {HEATER}", "oscillation", "B6", "B6"),
     ServiceRow(_FANS, "direction", "28", "28", _DIRECTIONS),
     ServiceRow(f"{SPEAKER} {SMART_SPEAKER}", "volume", "119", "119"),
-    ServiceRow(f"{SPEAKER} {SMART_SPEAKER}", "muted", "11A", "11A"),
+    ServiceRow("", "muted", "11A", "11A"),  # also of microphones and air purifiers
     ServiceRow(f"{TELEVISION} {SMART_SPEAKER}", "playback", "E0", "137", _PLAYBACKS),
     *(ServiceRow("", "volume", kind, kind) for kind in _AQARA_VOLUMES),
     *(ServiceRow("", name, kind) for name, kinds in _METERS.items() for kind in kinds),
