@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterator, Mapping
 from functools import cached_property
-from typing import Annotated, ClassVar, Generic, Protocol, TypeAlias, TypeVar, runtime_checkable
+from typing import Annotated, ClassVar, Generic, Literal, Protocol, TypeAlias, TypeVar, runtime_checkable
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -14,6 +14,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
 __all__ = [
+    "ConfidentialConvention",
     "Convention",
     "ConventionSettings",
     "LazyConvention",
@@ -114,6 +115,13 @@ class ReservingConvention(Protocol):
 
     def reserved(self) -> tuple[str, ...]:
         """Return the filters of topics that no announcement may use for commands."""
+
+
+@runtime_checkable
+class ConfidentialConvention(Protocol):
+    """A convention with announcements that may contain codes, so that nobody reads states on its filters."""
+
+    has_codes: ClassVar[Literal[True]]
 
 
 @runtime_checkable

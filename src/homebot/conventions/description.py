@@ -97,6 +97,7 @@ class DescribedPart(NamedTuple):
         remembers: Whether the codec depends on earlier reports. Its successor in a new description reads the last
             messages again.
         availability: Its own availability; None if it is that of the device.
+        sends_code: Whether its commands may contain a code, so that nobody reads states on their topics.
     """
 
     part: Part
@@ -105,6 +106,7 @@ class DescribedPart(NamedTuple):
     expiries: tuple[AutoExpiry, ...] = ()
     remembers: bool = False
     availability: Availability | None = None
+    sends_code: bool = False
 
 
 class AvailabilitySource(Protocol):

@@ -70,6 +70,7 @@ class PartBuilder(Generic[MessageT]):
         self._state_requests: dict[Publication, None] = {}
         self._expiries: tuple[AutoExpiry, ...] = ()
         self._remembers = False
+        self._sends_code = False
 
     @property
     def is_empty(self) -> bool:
@@ -90,13 +91,20 @@ class PartBuilder(Generic[MessageT]):
                 self._writes[self._commands] = None
 
     def add_coded_capability(
-        self, name: str, writer: CodedWriter, *, readable: bool = True, options: tuple[str, ...] = ()
+        self,
+        name: str,
+        writer: CodedWriter,
+        *,
+        sends_code: bool,
+        readable: bool = True,
+        options: tuple[str, ...] = (),
     ) -> None:
-        """Add a settable capability as :meth:`add_capability`, with a code in its commands."""
+        """Add a settable capability as :meth:`add_capability`, with a code: see :attr:`DescribedPart.sends_code`."""
         self.add_capability(
             name, readable=readable, writer=lambda value, _transition: writer(value, ""), options=options
         )
         self._coded_writers[name] = writer
+        self._sends_code = sends_code
 
     def read_from(self, topic: str, reader: Reader[MessageT]) -> None:
         """Read every message on *topic* with *reader*."""
@@ -147,6 +155,7 @@ class PartBuilder(Generic[MessageT]):
             state_requests=tuple(self._state_requests),
             expiries=self._expiries,
             remembers=self._remembers,
+            sends_code=self._sends_code,
         )
 
 
@@ -183,8 +192,8 @@ def moved(
     """
     part, codec = described.part, described.codec
     assert isinstance(codec, TableCodec)  # noqa: S101 - for the type checker
-    return DescribedPart(
-        part.model_copy(
+    return described._replace(
+        part=part.model_copy(
             update={
                 "id": part.id if part_id is None else part_id,
                 "name": part.name if name is None else name,
@@ -192,9 +201,8 @@ def moved(
                 "writes": tuple([topics[one] for one in part.writes]),
             }
         ),
-        codec.moved(topics),
-        tuple([one._replace(topic=topics[one.topic]) for one in described.state_requests]),
-        described.expiries,
+        codec=codec.moved(topics),
+        state_requests=tuple([one._replace(topic=topics[one.topic]) for one in described.state_requests]),
     )
 
 

@@ -4,16 +4,14 @@ import json
 import logging
 from typing import Any
 
+import anyio
 import pytest
 from structlog.testing import capture_logs
 from tests.gateways.mqtt.simple_house import simple_house
 
-from homebot.conventions.description import Publication
-from homebot.devices import RawMessage, SubscribeToTopic
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.value import Value
 from homebot.errors import TypeMismatchError
-from homebot.gateways.mqtt.command_publisher import MAX_SECRETS, SentSecrets
 from homebot.messages.json import message_from_json
 
 pytestmark = pytest.mark.virtual_time
@@ -30,6 +28,8 @@ ALARM = {
 }
 SPY = {"unique_id": "s", "state_topic": "alarm/set"}
 """A sensor that listens where the alarm is told."""
+
+SPY_KEY = "homeassistant:sensor/s"
 
 
 async def send(house: Any, value: str, code: str, *, key: str = "alarm_control_panel/x", part: str = "a") -> Any:
@@ -50,19 +50,55 @@ async def test_a_code_is_sent_to_the_alarm_and_neither_kept_nor_mirrored_nor_log
             await house.listen("alarm/set")
             await house.say("homeassistant/alarm_control_panel/x/config", json.dumps(ALARM))
             await house.say("homeassistant/sensor/s/config", json.dumps(SPY))
-            mirror = house.watcher.create_subscription(RawMessage, "~/inbox", qos_profile=10)
-            ask = house.watcher.create_client(SubscribeToTopic, house.gateway.names.subscribe)
-            assert (await ask.call(SubscribeToTopic.Request(topic="alarm/set", listener="/watcher"))).success
+            assert "no device publishes" in (await house.subscribe("alarm/set")).message
             response = await send(house, "disarmed", CODE)
             assert response.success
             assert [(one.payload, one.retain) for one in await house.heard()] == [
                 (b'{"action": "DISARM", "code": "73550173"}', False)
             ]
-            assert mirror.take() is None
-            assert CODE not in str(house.told())
-            await house.say("alarm/set", "what others say there is heard")
-            assert mirror.take() is not None
+            assert house.told() == []
     assert CODE not in f"{lines} {caplog.text}"
+
+
+@pytest.mark.parametrize("state_topic", ["alarm/set", "alarm/+", "homeassistant/alarm_control_panel/x/config"])
+@pytest.mark.parametrize("is_first", [False, True])
+async def test_nobody_reads_what_other_clients_tell_an_alarm_or_its_announcement(
+    state_topic: str,
+    is_first: bool,  # noqa: FBT001 - the case
+) -> None:
+    spy = ("homeassistant/sensor/s/config", json.dumps({**SPY, "state_topic": state_topic}))
+    alarm = ("homeassistant/alarm_control_panel/x/config", json.dumps({**ALARM, "code": CODE}))
+    async with simple_house(conventions=(CONVENTION,)) as house:
+        await house.say(*(spy if is_first else alarm), retain=True)
+        mirror = await house.subscribe(state_topic.replace("+", "set"))
+        await house.say(*(alarm if is_first else spy), retain=True)
+        await house.say("alarm/set", json.dumps({"action": "DISARM", "code": CODE}))
+        await house.say(*alarm, retain=True)
+        assert house.told() == []
+        assert not mirror.success or house.raw(mirror).take() is None
+        await house.say("homeassistant/alarm_control_panel/x/config", "", retain=True)
+        await anyio.sleep(20)
+        await house.say("alarm/set", "harmless")
+        assert [key for key, _, _ in house.told()] == [SPY_KEY] * ("config" not in state_topic)
+
+
+@pytest.mark.parametrize(
+    ("config", "told"),
+    [
+        ({}, True),
+        ({"code_format": "^\\d{4}$", "command_template": '{"do": "{{ value }}", "code": "{{ code }}"}'}, False),
+    ],
+    ids=["plain", "with a code"],
+)
+async def test_a_lock_that_reports_where_it_is_told_is_read_unless_a_code_is_told_there(
+    config: dict[str, str],
+    told: bool,  # noqa: FBT001 - the case
+) -> None:
+    lock = {"unique_id": "l", "state_topic": "lock", "command_topic": "lock", "state_locked": "LOCK", **config}
+    async with simple_house(conventions=(CONVENTION,)) as house:
+        await house.say("homeassistant/lock/l/config", json.dumps(lock))
+        await house.say("lock", "LOCK")
+        assert house.told() == ([("homeassistant:lock/l", {"l.lock": "locked"}, False)] if told else [])
 
 
 @pytest.mark.parametrize(
@@ -107,13 +143,3 @@ def test_a_code_that_cannot_be_one_is_not_shown_in_the_error(code: object) -> No
     with pytest.raises(TypeMismatchError) as refused:
         message_from_json(Command, fields)
     assert CODE not in f"{refused.value} {refused.value.__cause__} {refused.value.__context__}"
-
-
-def test_the_secrets_that_are_known_are_bounded_and_hold_no_code() -> None:
-    secrets = SentSecrets()
-    for number in range(MAX_SECRETS + 1):
-        secrets.record(Publication(f"t/{number}", CODE.encode()))
-    assert not secrets.is_one("t/0", CODE.encode())
-    assert secrets.is_one(f"t/{MAX_SECRETS}", CODE.encode())
-    assert not secrets.is_one(f"t/{MAX_SECRETS}", b"other")
-    assert CODE not in str(vars(secrets))

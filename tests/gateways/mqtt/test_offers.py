@@ -63,6 +63,20 @@ async def test_an_offer_is_published_and_commanded_and_is_no_device_of_ours() ->
         assert house.sighted() == []
 
 
+async def test_a_sensor_on_the_command_topic_of_an_offer_hears_nothing_and_takes_no_command_from_it() -> None:
+    async with simple_house(**PUBLISHING) as house:
+        await house.listen("homeassistant/#")
+        app = App(house)
+        app.offers.publish(ROBOT)
+        topic = json.loads((await house.heard())[0].payload)["command_topic"]
+        await house.say("homeassistant/sensor/s/config", {"unique_id": "s", "state_topic": topic})
+        await house.say(topic, "OFF")
+        assert house.told() == []
+        command = app.commands.take()
+        assert command is not None
+        assert command.key == "robot1"
+
+
 async def test_exposed_devices_are_published_again_on_a_new_link_and_withdrawn_ones_are_not() -> None:
     async with simple_house(**PUBLISHING) as house:
         await house.listen("homeassistant/#", "homebot/+/offers/#")

@@ -5,7 +5,7 @@ Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from pydantic import BaseModel
 
@@ -47,6 +47,7 @@ class HomeAssistantDiscovery(LazyConvention[HomeAssistantSettings, "HomeAssistan
 
     Settings: ClassVar[type[BaseModel]] = HomeAssistantSettings
     name: ClassVar[str] = "homeassistant"
+    has_codes: ClassVar[Literal[True]] = True
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of configs: two per component, because one for all loses retained messages."""

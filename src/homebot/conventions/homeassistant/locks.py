@@ -52,7 +52,8 @@ def build_lock(config: DiscoveryConfig) -> DescribedPart:
         return (command.publication_with_code(payloads[require_option("lock", value, payloads)], code),)
 
     entity = Entity(config, "door_lock")
-    entity.add_coded_capability("lock", write, readable=entity.read_text_from(config.source("state_topic"), read))
+    readable = entity.read_text_from(config.source("state_topic"), read)
+    entity.add_coded_capability("lock", write, sends_code=command.template is not None, readable=readable)
     entity.add_commands(command)
     return entity.build()
 
@@ -100,7 +101,8 @@ def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
 
     entity = Entity(config, "x_alarm_panel")
     readable = entity.read_text_from(source, read)
-    entity.add_coded_capability("alarm", write, readable=readable, options=ALARM_STATES)
+    sends_code = command.template is not None
+    entity.add_coded_capability("alarm", write, sends_code=sends_code, readable=readable, options=ALARM_STATES)
     entity.add_commands(command)
     return entity.build()
 

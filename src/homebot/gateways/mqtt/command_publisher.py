@@ -4,8 +4,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
-from hashlib import blake2b
-from secrets import token_bytes, token_hex
+from secrets import token_hex
 from typing import Final, final
 
 from homebot.clock import Clock
@@ -21,7 +20,7 @@ from homebot.mqtt.packets import NO_PROPERTIES, Properties, ReasonCode
 from homebot.mqtt.topics import validate_topic
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["COMMAND_ID", "CommandPublisher", "ResponseCounters", "Responses", "SentSecrets", "problem_of"]
+__all__ = ["COMMAND_ID", "CommandPublisher", "ResponseCounters", "Responses", "problem_of"]
 
 COMMAND_ID: Final = "command"
 """The user property with the id of a command."""
@@ -118,31 +117,8 @@ def problem_of(response: bytes) -> str:
     return clean_text(text, _LONGEST_REASON) if isinstance(text, str) and text.strip() else "the device refuses"
 
 
-MAX_SECRETS = 1_000
-"""Topics whose last secret is known; the oldest is forgotten first."""
-
 _LEAST_QOS: Final = 1
 """QoS of commands, so that the broker acknowledges them."""
-
-
-class SentSecrets:
-    """A keyed hash of the last message with a code on each topic; the code itself is not kept."""
-
-    def __init__(self) -> None:
-        self.sent: BoundedMap[str, bytes] = BoundedMap(MAX_SECRETS)
-        self._key = token_bytes(32)
-
-    def record(self, publication: Publication) -> Publication:
-        """Record *publication*, and return it without its retain flag: a code must not stay on the broker."""
-        self.sent[publication.topic] = self._hash(publication.payload)
-        return publication._replace(retain=False)
-
-    def is_one(self, topic: str, payload: bytes) -> bool:
-        """Return whether a message is the last one that we sent there with a code."""
-        return self.sent.get(topic) == self._hash(payload)
-
-    def _hash(self, payload: bytes) -> bytes:
-        return blake2b(payload, key=self._key, digest_size=32).digest()
 
 
 class CommandPublisher:
@@ -152,12 +128,10 @@ class CommandPublisher:
         self,
         engine: GatewayEngine[MqttMessage],
         connection: MqttConnection,
-        secrets: SentSecrets,
         responses: Responses | None = None,
     ) -> None:
         self._find_part, self._quarantine = engine.find_part, engine.quarantine
         self._connection = connection
-        self._secrets = secrets
         self._responses = responses
 
     async def perform(self, command: Command) -> None:
@@ -183,7 +157,7 @@ class CommandPublisher:
         reports = partial(announced_part.reports, command.capability)
         await self._connection.require_peer(announced_part.stored.heard_at, reports)
         if command.code:
-            publications = tuple(self._secrets.record(one) for one in publications)
+            publications = tuple(one._replace(retain=False) for one in publications)  # no code stays on the broker
         is_heard = await self._publish(command, publications)
         if publications and not is_heard and not reports():
             raise LinkError(f"no client subscribes to {publications[0].topic[:100]}")

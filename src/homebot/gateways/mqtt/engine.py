@@ -29,7 +29,7 @@ from homebot.gateways.announced.registry import Readers, RegistryLimits
 from homebot.gateways.announced.work_budget import WorkBudgets
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease
-from homebot.gateways.mqtt.command_publisher import CommandPublisher, Responses, SentSecrets
+from homebot.gateways.mqtt.command_publisher import CommandPublisher, Responses
 from homebot.gateways.mqtt.intake import AnnouncementHandler
 from homebot.gateways.mqtt.offers import Offers, publishers_of
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, TopicReaders
@@ -73,9 +73,11 @@ class AnnouncedDevices:
         self._connection = connection
         self.filters, self.text_filters = (_filters(conventions, of_texts=one) for one in (False, True))
         self._topics = StateTopics(self.filters, self.text_filters)
-        self._registry = AnnouncementRegistry(
-            gateway.node.name, conventions, self._topics, RegistryLimits(memory=settings.max_memory)
-        )
+        publishers = publishers_of(conventions, gateway.node.name, connection)
+        own_commands = chain.from_iterable(publisher.filters() for publisher in publishers)
+        reserved = ReservedTopics(conventions, own_commands)
+        limits = RegistryLimits(memory=settings.max_memory)
+        self._registry = AnnouncementRegistry(gateway.node.name, conventions, self._topics, limits, reserved)
         engine: GatewayEngine[MqttMessage] = GatewayEngine(
             gateway,
             self._registry.by_key,
@@ -93,11 +95,10 @@ class AnnouncedDevices:
         self._taking = asyncio.Lock()  # anyio's costs as much as a tenth of an announcement
         self._subscriber = Subscriber(engine, self._topics, self._registry, conventions)
         self._announcements = AnnouncementHandler(
-            gateway.node.graph.clock, engine, self._registry, ReservedTopics(conventions), self._subscriber
+            gateway.node.graph.clock, engine, self._registry, reserved, self._subscriber
         )
-        self.secrets = SentSecrets()
-        self.offers = Offers(gateway, publishers_of(conventions, gateway.node.name, connection), self.quarantine)
-        publisher = CommandPublisher(engine, connection, self.secrets, responses)
+        self.offers = Offers(gateway, publishers, self.quarantine)
+        publisher = CommandPublisher(engine, connection, responses)
         self.texts = CommandServer(engine, publisher.perform, self, self._health, keeps_states=False)
 
     async def serve(self) -> None:
@@ -271,7 +272,7 @@ class AnnouncedDevices:
         """
         for topic, reader in missed:
             word = self._last_messages.get(topic)
-            if topic == taken or word is None:
+            if topic == taken or word is None or not self._registry.commands.may_read(topic, reader):
                 continue
             parts, readers = ((), (reader,)) if isinstance(reader, AvailabilityReader) else ((reader,), ())
             await self._states.read(topic, word.payload, parts, readers, retained=True, wait_if_full=False)

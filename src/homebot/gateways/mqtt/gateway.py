@@ -193,7 +193,7 @@ class MqttGateway(Gateway):
         return Responses(self.node.name, topic, self.node.graph.clock, answers.publish)
 
     async def _handle(self, batch: Iterable[MqttMessage]) -> None:
-        described, lease, sent = self._described, self._lease, self._described.secrets.sent
+        described, lease = self._described, self._lease
         responses, max_payload = self._responses, self._settings.max_payload
         described.tick()
         work = 0
@@ -209,8 +209,6 @@ class MqttGateway(Gateway):
             if responses is not None and topic == responses.topic:
                 responses.on_response(message)
                 continue
-            if topic in sent and described.secrets.is_one(topic, payload):
-                continue  # it contains a code, which no listener may see
             route = described.route(topic)
             if len(payload) > max_payload:
                 work += await self._handle_long(message, route)

@@ -16,6 +16,8 @@ from homebot.gateways.announced.announcement import (
     StoredAnnouncement,
 )
 from homebot.gateways.announced.registry import DeviceRegistry, Readers, RegistryLimits
+from homebot.gateways.mqtt.command_topics import CommandTopics
+from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
 
@@ -61,6 +63,7 @@ class AnnouncementRegistry(DeviceRegistry):
 
     Attributes:
         codecs: The codecs of parts that publish text, by their command topics.
+        commands: The topics of commands.
         route: Returns the readers of a topic, or None.
     """
 
@@ -70,8 +73,10 @@ class AnnouncementRegistry(DeviceRegistry):
         conventions: tuple[Convention, ...],
         topics: StateTopics,
         bounds: RegistryLimits = _BOUNDS,
+        reserved: ReservedTopics | None = None,
     ) -> None:
         super().__init__(gateway, bounds)
+        self.commands = CommandTopics(reserved)
         self.codecs: dict[str, TextCodec] = {}
         self._topics = topics
         self._announcements: FilterIndex[Convention] = FilterIndex()
@@ -107,13 +112,18 @@ class AnnouncementRegistry(DeviceRegistry):
             if not self._add_reader(topic_filter, part, refused):
                 continue
             stored.subscriptions.append((topic_filter, part))
-            if count and not has_wildcard(topic_filter) and (part.described.remembers or not only_remembering):
+            if not self.commands.may_read(topic_filter, part):
+                refused.append(WireError(f"commands of another device, or codes, go to {topic_filter!r}"))
+            elif count and not has_wildcard(topic_filter) and (part.described.remembers or not only_remembering):
                 replayed.append((topic_filter, part))
         reachability: dict[str, SharedReachability] = {}
         for part_id, availability, key, topics in availabilities:
             shared = reachability[part_id] = self._shared_reachability(availability, key, topics, refused, replayed)
             shared.members.append((stored, part_id))
         stored.reachability = reachability or stored.reachability
+        for part in stored.parts.values():
+            self.commands.add(part)
+            self._forget_routes(*part.described.part.writes)
         if stored.described.text is not None:
             self._register_text(stored, stored.described.text)
         return tuple(refused), tuple(replayed)
@@ -182,20 +192,24 @@ class AnnouncementRegistry(DeviceRegistry):
             self._forget_routes(text.address)
 
     def _leave(self, stored: StoredAnnouncement) -> None:
+        for part in stored.parts.values():
+            self.commands.remove(part)
+            self._forget_routes(*part.described.part.writes)
         self._unregister_text(stored)
         self._leave_reachability(stored)
         for topic_filter, part in stored.subscriptions:
             self._remove_reader(topic_filter, part)
 
-    def _forget_routes(self, topic_filter: str) -> None:
-        if "+" in topic_filter or "#" in topic_filter:
-            self._routes.clear()
-        else:
-            self._routes.pop(topic_filter, None)
+    def _forget_routes(self, *topic_filters: str) -> None:
+        for one in topic_filters:
+            if "+" in one or "#" in one:
+                self._routes.clear()
+            else:
+                self._routes.pop(one, None)
 
     def _find(self, topic: str) -> TopicReaders | None:
         conventions = self._announcements.match(topic)
-        readers = self._readers.match(topic)
+        readers = self.commands.readable(topic, self._readers.match(topic))
         text = self._texts.get(topic)
         texts: tuple[Convention, ...] = ()
         if not self._text_conventions.isdisjoint(conventions):

@@ -1,13 +1,18 @@
 """Topics that no announcement may use for commands: those of brokers, bridges and homebot. Pure.
 
-Apps may still publish there themselves.
+Apps may still publish there themselves. From some of them nobody may read, as codes are there.
 """
 
 from collections.abc import Iterable, Mapping
 from operator import attrgetter
 from typing import NamedTuple
 
-from homebot.conventions.convention import Convention, ReservingConvention, TextConvention
+from homebot.conventions.convention import (
+    ConfidentialConvention,
+    Convention,
+    ReservingConvention,
+    TextConvention,
+)
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.errors import WireError
 from homebot.mqtt.filter_tree import FilterIndex
@@ -20,10 +25,11 @@ _BRIDGE_REQUEST = "/bridge/request/"
 
 
 class _Reservation(NamedTuple):
-    """The reason why topics are reserved, and the convention that may use them nevertheless."""
+    """The reason why topics are reserved, the convention that may use them, and whether nobody reads there."""
 
     why: str
     free_for: str = ""
+    is_secret: bool = False
 
 
 class ReservedTopics:
@@ -31,16 +37,20 @@ class ReservedTopics:
 
     Args:
         conventions: Conventions whose topics of announcements and texts are reserved.
+        own_commands: The filters of commands to homebot's own devices.
     """
 
-    def __init__(self, conventions: Iterable[Convention]) -> None:
+    def __init__(self, conventions: Iterable[Convention], own_commands: Iterable[str] = ()) -> None:
         self._rules: FilterIndex[_Reservation | TextConvention] = FilterIndex()
+        for topic_filter in own_commands:
+            self._rules.add(topic_filter, _Reservation("it belongs to homebot", is_secret=True))
         for one in conventions:
             if isinstance(one, TextConvention):
                 for topic_filter in one.filters():
                     self._rules.add(topic_filter, one)
                 continue
-            narrow = _Reservation(f"it is reserved for announcements to {one.name}")
+            is_secret = isinstance(one, ConfidentialConvention)
+            narrow = _Reservation(f"it is reserved for announcements to {one.name}", is_secret=is_secret)
             wide = narrow._replace(free_for=one.name)
             for topic_filter in one.filters():
                 self._rules.add(topic_filter, wide if "#" in topic_filter else narrow)
@@ -63,6 +73,11 @@ class ReservedTopics:
             elif not convention or rule.free_for != convention:
                 return rule.why
         return why
+
+    def is_secret(self, topic: str) -> bool:
+        """Return whether nobody may read *topic*, as there may be codes."""
+        rules = self._rules.match(topic)
+        return _BRIDGE_REQUEST in topic or any(isinstance(one, _Reservation) and one.is_secret for one in rules)
 
     def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
         """Return *described* without its reserved command topics, and these topics with the reasons.
