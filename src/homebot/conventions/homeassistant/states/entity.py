@@ -72,6 +72,7 @@ class HomeAssistantEntity:
         self.device_key: str | None = None
         self.info: dict[str, object] = {"is_fahrenheit": not celsius}
         self._changed_at = 0.0
+        self._taken: Fields = {}
         self._rows: dict[str, EntityRow] = {}
 
     @property
@@ -101,7 +102,7 @@ class HomeAssistantEntity:
             change: ``s`` for the state, ``a`` for attributes, ``lc`` for the time of the last change.
             is_new: Whether it is a whole state.
         """
-        state, attributes = change.get("s"), change.get("a")
+        state, attributes, self._taken = change.get("s"), change.get("a"), {}
         found = attributes if isinstance(attributes, dict) else {}
         before = {key: self.info.get(key) for key in found if key in _SHAPING or key not in self.info}
         if is_new:
@@ -163,11 +164,17 @@ class HomeAssistantEntity:
         Raises:
             RefusedError: It is not settable, or needs a code, or the value is invalid; names the valid ones.
         """
-        data = dict(writer_of(self._rows, capability)(self.info, value, code))
+        data = dict(writer_of(self._rows, capability)({**self.info, **self._taken}, value, code))
         service = str(data.pop("service"))
         if self.domain == "light" and transition:
             data["transition"] = require_transition(transition, _MOST_SECONDS)
         return ServiceCall(self.domain, service, self.entity_id, data)
+
+    def take(self, call: ServiceCall) -> None:
+        """Count with what a thermostat was set to until its state comes: both ends of a pair are set together."""
+        if self.domain == "climate":
+            found = {"state" if key == "hvac_mode" else key: value for key, value in call.data.items()}
+            self._taken = {**self._taken, **found}
 
     def _happened_now(self) -> bool:
         """Return whether the moment of its event, which is its state, is that of the change."""
