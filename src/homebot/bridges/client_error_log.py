@@ -1,10 +1,10 @@
 """The rate-limited log of the mistakes of a bridge's clients, including lines of its server's library."""
 
 import logging
-import re
 from collections.abc import Callable
 from typing import Literal, final
 
+from homebot.errors import HomebotError
 from homebot.graph import Node
 from homebot.log import LogLimit, more_like_this
 
@@ -12,8 +12,6 @@ __all__ = ["ClientErrorLog", "LibraryLog", "short_text"]
 
 _LINES = 20  # per kind in ten seconds
 _LONGEST = 300  # a client may send a text of a megabyte
-_QUOTED = re.compile(r"""[\s:]*(?:bytearray\()?b['"]""")
-"""Begins a line of the request that a library quotes; it may contain a token."""
 
 
 class ClientErrorLog:
@@ -83,5 +81,6 @@ class LibraryLog(logging.Handler):
         if crash := self._crash_in(record):
             self._error_log.log(kind, f"{self._server}.request_crashed", crash, level="error", error=error)
         else:
-            problem = _QUOTED.split(str(error or record.getMessage()), maxsplit=1)[0]
+            # The texts of libraries quote the request, perhaps with a token.
+            problem = str(error) if isinstance(error, HomebotError) else type(error).__name__ if error else kind
             self._error_log.log(kind, f"{self._server}.invalid_http", f"{self._mistake}: {problem}", problem=problem)

@@ -59,6 +59,7 @@ async def test_an_invalid_request_is_refused_and_the_next_one_is_answered(
     [
         b"GET /things HTTP/1.1\r\nAuthorization : Bearer hunter2\r\n\r\n",
         b"GET /things?token=hunter2 HTTP/9.7\r\n\r\n",
+        b"GET http://here:99999/things?token=hunter2 HTTP/1.1\r\nHost: here\r\n\r\n",
         b"GET /things?token=hunter2" + b"a" * 9_000 + b" HTTP/1.1\r\n\r\n",
     ],
 )

@@ -46,7 +46,8 @@ class PostedRequest:
                 elif isinstance(event, h11.EndOfMessage):
                     return self._head_of_get()
         except h11.RemoteProtocolError as exc:
-            raise WireError(f"the HTTP request is wrong: {exc}") from exc
+            problem = str(exc).partition(": b")[0]  # without the line, which may contain a token
+            raise WireError(f"the HTTP request is wrong: {problem}") from exc
         return b""
 
     @property
