@@ -261,6 +261,17 @@ def test_a_fan_with_few_speeds_takes_the_next_one_which_confirms_the_command(
     assert fits("fan_speed", percent, reported)
 
 
+def test_a_child_lock_is_a_setting_beside_what_it_locks() -> None:
+    """Of Eve's plugs and Airversa's purifiers."""
+    eve = service(28, "47", characteristic(30, "25", True), characteristic(36, "A7", 0))
+    plug, lock = parts_of(parse_accessories([accessory(1, "Eve", eve)])[1])
+    assert (plug.part.id, values(plug)) == ("28", {"on_off": True})
+    assert (lock.part.id, lock.part.name, lock.part.category, values(lock)) == (
+        "28-lock", "Child lock", "config", {"on_off": False},
+    )  # fmt: skip
+    assert written(lock, "on_off", True) == {"A7": 1.0}
+
+
 def test_a_thermostat_that_only_heats_is_not_set_to_cool() -> None:
     assert "cooling_setpoint" not in part("4A", {"33": 1, "35": 20.0}, c33={"valid-values": [0, 1]}).rows
 

@@ -61,6 +61,9 @@ _SENSOR_ROWS: Final = (
     ServiceRow(INFORMATION, "locate", "14", "14"),
 )
 
+_CHILD_LOCK: Final = ServiceRow("", "on_off", "A7", "A7")
+"""A part of its own, as a plug, a purifier or a heater with it can be turned on itself."""
+
 _ROWS: Final = (*POWER_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *_SENSOR_ROWS)
 
 _TYPES: Final[Mapping[str, str]] = {
@@ -120,6 +123,15 @@ def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
             has_function = True
             part = _part(service, own_name, tuple(capability for capability, _ in found.values()))
             yield HomekitPart(part, service, {name: row for name, (_, row) in found.items()})
+        if (capability := _CHILD_LOCK.describe(service)) is not None:
+            setting = Part(
+                id=f"{service.iid}-lock",
+                name="Child lock",
+                service_type="x_setting",
+                category="config",
+                capabilities=(capability,),
+            )
+            yield HomekitPart(setting, service, {"on_off": _CHILD_LOCK})
 
 
 def _source_rows(accessory: Accessory) -> Iterator[ServiceRow]:
