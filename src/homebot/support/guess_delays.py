@@ -60,9 +60,3 @@ class GuessDelays(Generic[Guesser]):
         found.failed_at = now
         found.failures += 1
         return found.failures, found.delay
-
-    def forgive(self, guesser: Guesser) -> None:
-        """Take back one wrong secret, which turned out to be right."""
-        found = self._guesses.get(guesser)
-        if found is not None:
-            found.failures -= 1
