@@ -22,11 +22,13 @@ from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.graph import Node
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["Observed", "Witness", "Witnesses", "observed"]
 
 CONTRADICTED = "control.contradicted_by_witness"
 
+_MOST: Final = 1000
 _MOST_FOR_ONE: Final = 4
 _METERS: Final = frozenset({"power", "flow"})
 """Capabilities with which a device measures its own effect."""
@@ -61,8 +63,8 @@ class Witnesses:
     """Sensors that observe commands.
 
     Attributes:
-        contradicted: The name of the witness that contradicted each part, until a witness sees the part obey, or the
-            owner trusts it again.
+        contradicted: The name of the witness that contradicted each of the last 1,000 parts, until a witness sees the
+            part obey, or the owner trusts it again.
     """
 
     def __init__(self, node: Node, settings: ControlSettings, feed: GatewayFeed, lookup: DeviceLookup) -> None:
@@ -72,8 +74,8 @@ class Witnesses:
         self._timeout = settings.timeout
         self._feed = feed
         self._lookup = lookup
-        self.counts = {"commands_witnessed": 0, "commands_disproved": 0}
-        self.contradicted: dict[tuple[str, str], str] = {}
+        self.counts = {"commands_witnessed": 0, "commands_disproved": 0, "contradictions_forgotten": 0}
+        self.contradicted: BoundedMap[tuple[str, str], str] = BoundedMap(_MOST, self._on_drop)
 
     def notes(self) -> tuple[str, ...]:
         """Return a note on the devices that a witness contradicts, for people."""
@@ -136,6 +138,9 @@ class Witnesses:
         except ServiceError:
             return []
         return [sensor for one in devices for sensor in _sensors(one, wanted, is_named=True)][:_MOST_FOR_ONE]
+
+    def _on_drop(self, _place: tuple[str, str], _witness: str) -> None:
+        self.counts["contradictions_forgotten"] += 1
 
     def _on_report(
         self, witness: Witness, wake: Callable[[], None], capability: str, value: PlainValue, _stamp: float

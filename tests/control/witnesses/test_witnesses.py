@@ -4,7 +4,10 @@ import anyio
 import pytest
 from tests.control.conftest import Behaviour, Home, OpenHome, obey, obey_after
 
-from homebot.control.witnesses import Observed, observed
+from homebot.control import ControlSettings
+from homebot.control.device_lookup import DeviceLookup
+from homebot.control.gateway_feed import GatewayFeed
+from homebot.control.witnesses import Observed, Witnesses, observed
 from homebot.devices.approval_messages import TrustDevice, TrustDeviceRequest
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import DoorLock, Light, Switch, WindowCovering
@@ -83,6 +86,15 @@ async def test_the_owner_trusts_a_contradicted_lamp_again(home: Home) -> None:
     assert (await trust.call(request)).witnesses == ("Lux",)
     assert (await trust.call(request)).witnesses == ()
     assert (await home.control.health(HealthRequest())).notes == ()
+
+
+async def test_the_oldest_of_more_than_a_thousand_contradicted_parts_is_forgotten_and_counted(home: Home) -> None:
+    witnesses = Witnesses(home.app, ControlSettings(), GatewayFeed(home.app), DeviceLookup(home.app))
+    for number in range(1001):
+        witnesses.contradicted[f"lamp{number}", ""] = "Lux"
+    assert len(witnesses.notes()) == 1000
+    assert ("lamp0", "") not in witnesses.contradicted
+    assert witnesses.counts["contradictions_forgotten"] == 1
 
 
 async def test_a_silent_sensor_contradicts_no_lamp(home: Home) -> None:
