@@ -1,4 +1,5 @@
 import json
+from typing import Literal
 
 import pytest
 from pydantic import ValidationError
@@ -185,6 +186,27 @@ def test_every_prefix_is_understood() -> None:
     convention = HomeAssistantDiscovery(HomeAssistantSettings(prefixes=("a", "b/c")))
     for topic in ("a/switch/x/config", "b/c/switch/x/config"):
         assert len(convention.read_message(topic, json.dumps(SWITCH).encode(), retained=True)) == 1
+
+
+@pytest.mark.parametrize(
+    ("unit", "announced", "bounds"),
+    [
+        ("F", {}, (pytest.approx(2.2, abs=0.1), pytest.approx(40, abs=0.1))),
+        ("F", {"temp_unit": "C"}, (36, 104)),
+        ("F", {"temp_unit": None}, (pytest.approx(2.2, abs=0.1), pytest.approx(40, abs=0.1))),
+        ("C", {}, (36, 104)),
+    ],
+)
+def test_a_thermostat_that_announces_no_unit_counts_in_that_of_the_house(
+    unit: Literal["C", "F"], announced: dict[str, object], bounds: tuple[float, float]
+) -> None:
+    """AqualinkD counts in °F, as the Home Assistant of most of its users does: ``source/hassio.c``."""
+    convention = HomeAssistantDiscovery(HomeAssistantSettings(temperature_unit=unit))
+    heater = {"uniq_id": "a", "modes": ["off", "heat"], "temp_cmd_t": "a/set", "min_temp": 36, "max_temp": 104}
+    device = take(convention, "climate/aqualinkd/heater", {**heater, **announced})
+    assert isinstance(device, DeviceAnnounced)
+    (setpoint,) = [one for one in device.parts[0].part.capabilities if one.name == "heating_setpoint"]
+    assert setpoint.bounds == bounds
 
 
 def test_only_where_wanted_devices_are_asked_to_announce_themselves() -> None:

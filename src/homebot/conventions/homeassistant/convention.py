@@ -27,11 +27,13 @@ class HomeAssistantSettings(ConventionSettings):
         prefixes: Discovery prefixes; two programs in one house may use different ones.
         announce_please: Whether to publish Home Assistant's birth message, so that devices announce themselves again.
             A real Home Assistant and all other subscribers receive it as well.
+        temperature_unit: The unit of climate devices that announce none. For Home Assistant it is its own.
         publish: Whether exposed devices are published below the first prefix, for a Home Assistant to discover.
     """
 
     prefixes: tuple[TopicPrefix, ...] = ("homeassistant",)
     announce_please: bool = False
+    temperature_unit: Literal["C", "F"] = "C"
     publish: bool = False
 
 
@@ -80,4 +82,4 @@ class HomeAssistantDiscovery(LazyConvention[HomeAssistantSettings, "HomeAssistan
         """Return a reader of configs."""
         from homebot.conventions.homeassistant.reader import HomeAssistantReader  # noqa: PLC0415 - see LazyConvention
 
-        return HomeAssistantReader(self.settings.prefixes)
+        return HomeAssistantReader(self.settings.prefixes, is_fahrenheit=self.settings.temperature_unit == "F")

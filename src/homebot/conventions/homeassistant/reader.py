@@ -34,8 +34,9 @@ __all__ = ["HomeAssistantReader", "builder_of"]
 class HomeAssistantReader:
     """Reader of configs; counts the invalid components of a device with valid ones."""
 
-    def __init__(self, prefixes: tuple[str, ...]) -> None:
+    def __init__(self, prefixes: tuple[str, ...], *, is_fahrenheit: bool = False) -> None:
         self.rejected = 0
+        self._is_fahrenheit = is_fahrenheit
         self._prefixes = prefixes
         self._shapes = PartShapes()
 
@@ -62,6 +63,8 @@ class HomeAssistantReader:
         parts: _Parts = {}
         broken: WireError | None = None
         for config in announced.components:
+            if self._is_fahrenheit and config.component in _HEATING and not config.has("temperature_unit"):
+                config.values = {**config.values, "temperature_unit": "F"}
             try:
                 build = builder_of(config.component)
                 part = self._shapes.part(config, build) if config.component in SHAPED else build(config)
@@ -96,6 +99,7 @@ def builder_of(component: str) -> _Builder:
 
 
 _Parts: TypeAlias = dict[str, tuple[DescribedPart, DiscoveryConfig]]
+_HEATING = frozenset({"climate", "water_heater"})
 _MAX_MEMBERS = 100
 
 
