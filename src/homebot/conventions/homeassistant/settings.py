@@ -80,7 +80,10 @@ def build_number(config: DiscoveryConfig) -> DescribedPart:
 
 
 def build_select(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a choice. The text ``none``, in any case, means that the option is unknown."""
+    """Describe a choice. The text ``none``, in any case, means that the option is unknown.
+
+    The template of the command may ask for the place of the option in ``this.attributes.options``, as AqualinkD's does.
+    """
     if not config.has("options"):
         raise WireError("select: options is None, not a list of texts")
     options = config.options("options")
@@ -91,7 +94,8 @@ def build_select(config: DiscoveryConfig) -> DescribedPart:
         return {"option": None} if text.lower() == "none" else read_option(text)
 
     entity = Entity(config, "x_setting")
-    writer = option_writer("option", options, command.publish)
+    this = {"this": {"attributes": {"options": list(options)}}} if command.template else {}
+    writer = option_writer("option", options, lambda option: command.publish(option, this))
     entity.add_value("option", config.source("state_topic"), read, command, writer, options=options)
     return entity.build()
 
