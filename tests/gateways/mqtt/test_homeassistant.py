@@ -56,3 +56,40 @@ async def test_the_info_of_a_large_bridge_tells_its_entities_their_state(devices
         await house.say(INFO, info)
         assert [told for _, told, _ in house.told()] == [{"v.value": "2.14.1"}]
         assert house.gateway.counters.oversize == 0
+
+
+async def test_a_message_without_a_value_says_that_there_is_none() -> None:
+    """EMS-ESP's template invents 0 for a missing value, and its availability says so: ``add_ha_sections_to_doc``."""
+    known = "value_json['outdoortemp'] is defined"
+    config = {
+        "uniq_id": "t",
+        "stat_t": "ems-esp/boiler_data",
+        "dev_cla": "temperature",
+        "unit_of_meas": "°C",
+        "val_tpl": f"{{{{value_json['outdoortemp'] if {known} else 0}}}}",
+        "avty": [{"t": "ems-esp/boiler_data", "val_tpl": f"{{{{'online' if {known} else 'offline'}}}}"}],
+        "avty_mode": "all",
+    }
+    async with simple_house(conventions=(CONVENTION,)) as house:
+        await house.say("homeassistant/sensor/t/config", json.dumps(config))
+        await house.say("ems-esp/boiler_data", '{"outdoortemp": 5.5}')
+        await house.say("ems-esp/boiler_data", '{"curflowtemp": 40}')
+        await house.say("ems-esp/boiler_data", '{"outdoortemp": 6}')
+        assert [told for _, told, _ in house.told() if ".reachable" not in told] == [
+            {"t.temperature": 5.5},
+            {"t.temperature": 6.0},
+        ]
+
+
+async def test_a_sensor_of_the_connection_says_that_it_is_lost() -> None:
+    """``ha.txt`` of the Bestway Lay-Z-Spa has one topic for it and for the availability."""
+    words = {"avty_t": "spa/Status", "pl_avail": "Alive", "pl_not_avail": "Dead", "pl_on": "Alive", "pl_off": "Dead"}
+    config = {"uniq_id": "c", "stat_t": "spa/Status", "dev_cla": "connectivity", **words}
+    async with simple_house(conventions=(CONVENTION,)) as house:
+        await house.say("homeassistant/binary_sensor/c/config", json.dumps(config))
+        await house.say("spa/Status", "Alive")
+        await house.say("spa/Status", "Dead")
+        assert [told for _, told, _ in house.told() if ".reachable" not in told] == [
+            {"c.connectivity": True},
+            {"c.connectivity": False},
+        ]

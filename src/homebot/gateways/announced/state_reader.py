@@ -3,7 +3,7 @@
 A message is the bytes on an *address* where devices publish their state; a *retained* one is of an earlier state.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from functools import partial
 from typing import NamedTuple
 
@@ -72,13 +72,17 @@ class StateReader:
     ) -> None:
         """Read a message as the state of parts and the availability of devices.
 
+        A part that the message itself makes unavailable has no state in it: the template of EMS-ESP invents a 0.
+
         Args:
             payload: Its bytes; a payload longer than *longest* is only counted.
         """
         begin_message()
         work = TimeSlice(self._clock)
         if availability_readers:
-            await self._read_availability(address, payload, availability_readers, work, retained=retained)
+            silent = await self._read_availability(address, payload, availability_readers, work, retained=retained)
+            if silent:
+                announced_parts = tuple(one for one in announced_parts if not _is_among(silent, one))
         if not announced_parts:
             return
         if len(payload) > longest:
@@ -192,8 +196,9 @@ class StateReader:
         work: TimeSlice,
         *,
         retained: bool,
-    ) -> None:
-        """Read a message as the availability of devices."""
+    ) -> frozenset[tuple[str, str]]:
+        """Read a message as the availability of devices; return keys and parts that it makes unavailable."""
+        refused: list[SharedReachability] = []
         for availability_reader in availability_readers:
             shared, index = availability_reader.reachability, availability_reader.index
             if work.is_over:
@@ -206,6 +211,8 @@ class StateReader:
             before = shared.value
             shared.update(index, said, retained=retained)
             shared.address = address
+            if not said:
+                refused.append(shared)
             if retained and shared.value is before:
                 continue  # all its members have reported it already
             for stored, part in tuple(shared.members):
@@ -216,6 +223,9 @@ class StateReader:
                 if said and not retained:
                     stored.heard_at = self._reporter.now
                 self._report_reachable(stored, part, shared, retained=retained)
+        return frozenset(
+            (stored.key, part) for shared in refused if shared.value is False for stored, part in shared.members
+        )
 
     def report_reachability(self, stored: StoredAnnouncement) -> None:
         """Report the reachability already known from other announcements of the device of *stored*."""
@@ -327,6 +337,12 @@ class StateReader:
         if raw is not None:
             for listener in tuple(self._listeners.by_address.get(announced_part.address, ())):
                 listener.publish(raw)
+
+
+def _is_among(silent: Container[tuple[str, str]], part: AnnouncedPart) -> bool:
+    """Return whether *part*, or its whole device, is silent; the sensor of a lost connection is not."""
+    told = part.described.part
+    return told.tag != "connectivity" and ((part.stored.key, "") in silent or (part.stored.key, told.id) in silent)
 
 
 def _is_brief(values: Mapping[str, PlainValue]) -> bool:
