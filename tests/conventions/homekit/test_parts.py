@@ -10,6 +10,7 @@ from homebot.control.values import fits
 from homebot.conventions.homekit.accessory import parse_accessories, short_type
 from homebot.conventions.homekit.parts import HomekitPart, parts_of
 from homebot.devices.part import Capability
+from homebot.devices.query.terms import OPENING_TAGS
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
@@ -259,6 +260,27 @@ def test_a_fan_with_few_speeds_takes_the_next_one_which_confirms_the_command(
     assert known.value == pytest.approx(speed)
     assert values(fan)["fan_speed"] == pytest.approx(reported)
     assert fits("fan_speed", percent, reported)
+
+
+@pytest.mark.parametrize(
+    ("kind", "raw", "words"),
+    [
+        ("41", {"E": 0, "32": 0}, {"garage door", "door"}),
+        ("81", {"6D": 0, "7C": 0}, {"door"}),
+        ("8B", {"6D": 0, "7C": 0}, {"window"}),  # of Velux, which opens
+    ],
+)
+def test_a_garage_door_is_no_window(kind: str, raw: Mapping[str, object], words: set[str]) -> None:
+    found = part(kind, raw).part
+    assert {one for one, tags in OPENING_TAGS.items() if found.tag in tags} == words
+
+
+def test_the_motion_and_the_presence_that_a_thermostat_senses_are_told_apart() -> None:
+    """Those of ecobee have the name of the thermostat, both."""
+    assert [part(kind, raw).part.tag for kind, raw in (("85", {"22": True}), ("86", {"71": 1}))] == [
+        "motion",
+        "occupancy",
+    ]
 
 
 def test_a_child_lock_is_a_setting_beside_what_it_locks() -> None:

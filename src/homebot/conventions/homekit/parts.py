@@ -95,6 +95,7 @@ _TYPES: Final[Mapping[str, str]] = {
 }
 """The types of services of each type of parts."""
 
+_TAGS: Final = {"41": "garage", "81": "door", "8B": "window", MOTION: "motion", OCCUPANCY: "occupancy"}
 _TYPE_OF: Final = {service: kind for kind, services in _TYPES.items() for service in services.split()}
 _CATEGORIES: Final[Mapping[str, Category]] = {"x_battery": "diagnostic", "x_setting": "config"}
 _TELEVISION, _SOURCE, _INPUT, _INPUT_ID = "D8", "E7", "D9", "E6"
@@ -157,6 +158,7 @@ def _part(service: HapService, own_name: str, capabilities: tuple[Capability, ..
         id=str(service.iid),
         name=name,
         service_type=service_type,
+        tag=_TAGS.get(service.type, ""),
         category=_CATEGORIES.get(service_type, ""),
         capabilities=capabilities,
     )
