@@ -116,6 +116,7 @@ def described(found: HomekitPart, capability: str) -> Capability:
         ("8D", {"95": 2, "C6": 7.0, "C8": 90.0}, "air_quality_sensor",
          {"air_quality_index": 2.0, "pm25": 7.0, "volatile_organic_compounds": 90.0}),
         ("8A", {"11": -3.5}, "temperature_sensor", {"temperature": -3.5}),
+        ("8D", {"95": 0}, "air_quality_sensor", {"air_quality_index": None}),  # it has not measured yet
         ("112", {"11A": False}, "x_setting", {"muted": False}),  # the microphone of a doorbell
         ("8D", {"95": 1, "11": 21.0, "10": 40.0}, "air_quality_sensor",
          {"air_quality_index": 1.0, "temperature": 21.0, "humidity": 40.0}),

@@ -40,7 +40,7 @@ _SENSOR_ROWS: Final = (
     ServiceRow(f"{MONOXIDE} {AIR}", "carbon_monoxide", "90"),
     ServiceRow(DIOXIDE, "safety", "92"),
     ServiceRow(f"{DIOXIDE} {AIR}", "carbon_dioxide", "93"),
-    ServiceRow(AIR, "air_quality_index", "95"),  # 0 is unknown, 1 is excellent, 5 is poor
+    ServiceRow(AIR, "air_quality_index", "95", read=lambda one: one.number("95") or None),  # 1 is excellent, 5 is poor
     ServiceRow(AIR, "pm25", "C6"),
     ServiceRow(AIR, "pm10", "C7"),
     ServiceRow(AIR, "volatile_organic_compounds", "C8"),
