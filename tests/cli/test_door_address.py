@@ -109,10 +109,13 @@ def test_one_that_names_no_address_leaves_it_to_the_environment(
     assert nodes() == 0
 
 
-def test_a_misspelt_key_is_refused_as_another_homebot_may_be_at_the_usual_port(folder: Path, capsys: Text) -> None:
-    (folder / "homebot.toml").write_text("[door]\nprot = 9191\n")
+@pytest.mark.parametrize(("misspelt", "meant"), [("prot", "port"), ("token_fiel", "token_file")])
+def test_a_misspelt_key_is_refused_as_another_homebot_may_be_at_the_usual_port(
+    folder: Path, capsys: Text, misspelt: str, meant: str
+) -> None:
+    (folder / "homebot.toml").write_text(f"[door]\n{misspelt} = 9191\n")
     assert nodes() == 1
-    assert "homebot.toml: door.prot: unknown key; did you mean port" in capsys.readouterr().err
+    assert f"homebot.toml: door.{misspelt}: unknown key; did you mean {meant}" in capsys.readouterr().err
 
 
 def test_its_token_is_sent_to_its_homebot_alone(locked_homebot: Any, folder: Path, capsys: Text) -> None:

@@ -125,9 +125,9 @@ def _table(path: Path) -> tuple[TomlTable, str]:
 
 def _check_keys(path: Path, keys: list[str]) -> None:
     """Refuse an unknown key: a misspelt ``port`` would lead to another homebot."""
-    from homebot.bridges.rosbridge.settings import DoorSettings  # noqa: PLC0415 - few tables need it
+    from homebot.runtime.door_table import DoorTable  # noqa: PLC0415 - few tables need it
 
-    known = DoorSettings.model_fields
+    known = DoorTable.model_fields
     for key in keys:
         if key not in known:
             raise ConfigError(str(path), f"door.{key}", unknown_key(key, known))
