@@ -91,12 +91,7 @@ class RecordingHandler:
     gone: list[tuple[float, str, str]] = field(default_factory=list)
     refused: list[tuple[str, str]] = field(default_factory=list)
     delayed: list[str] = field(default_factory=list)
-    lets_in: bool = True
     connected: set[str] = field(default_factory=set)
-
-    def admits(self, news: ServiceNews) -> bool:
-        del news
-        return self.lets_in
 
     def publish(self, found: ResolvedService) -> None:
         self.taken.append(found.service.key)
@@ -301,6 +296,24 @@ class TestFlood:
             await anyio.sleep(1)
             assert f"Hall.{LAMP}" in known.there
 
+    async def test_a_real_service_is_found_among_names_that_do_not_answer_and_has_a_place(self) -> None:
+        network = FakeNetwork()
+        async with following(network, 100) as (services, known):
+            for number in range(10_000):
+                services.on_news(ServiceNews("seen", f"_type{number % 100}._tcp.local.", f"fake {number}"))
+            services.on_news(network.say(service("Hall")))
+            await anyio.sleep(15)
+            assert list(known.there) == [f"Hall.{LAMP}"]
+
+    async def test_the_newest_service_of_a_type_is_first(self) -> None:
+        network = FakeNetwork()
+        async with following(network) as (services, known):
+            for number in range(200):
+                services.on_news(ServiceNews("seen", LAMP, f"fake {number}.{LAMP}"))
+            services.on_news(network.say(service("Hall")))
+            await anyio.sleep(1)
+            assert list(known.there) == [f"Hall.{LAMP}"]
+
     async def test_a_service_that_was_there_before_stays_and_its_end_is_noticed(self) -> None:
         network = FakeNetwork()
         async with following(network) as (services, known):
@@ -325,15 +338,6 @@ class TestFlood:
             network.names[LAMP] = (hall.name,)
             await anyio.sleep(120)
             assert list(known.there) == [hall.name]
-
-
-async def test_an_announcement_in_quarantine_is_not_admitted() -> None:
-    network = FakeNetwork()
-    async with following(network) as (services, known):
-        known.lets_in = False
-        services.on_news(network.say(service("Hall")))
-        await anyio.sleep(1)
-        assert known.there == {}
 
 
 async def test_all_types_are_asked_for_anew_now_and_then() -> None:

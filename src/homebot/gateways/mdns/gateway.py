@@ -22,7 +22,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway, GatewayContext
 from homebot.gateways.drivers.driver_runner import LOST_BACKOFF, DriverRunner, UsableDriver, find_drivers
 from homebot.gateways.mdns.gateway_hints import hint_facts
-from homebot.gateways.mdns.network import Interfaces, NetworkInterfaces, ResolvedService, ServiceNews
+from homebot.gateways.mdns.network import Interfaces, NetworkInterfaces, ResolvedService
 from homebot.gateways.mdns.own_services import OwnServices
 from homebot.gateways.mdns.services import CHANGE_EVERY, Services
 from homebot.gateways.mdns.settings import MdnsGatewaySettings
@@ -117,10 +117,6 @@ class MdnsGateway(Gateway):
             with anyio.move_on_after(self._retries.fail(LOST_BACKOFF)):
                 interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
 
-    def admits(self, news: ServiceNews) -> bool:
-        """Return whether to read an announcement of an unknown service."""
-        return self.devices.admits(news.name)
-
     def publish(self, found: ResolvedService) -> None:
         """List a service that is new, still there, or changed."""
         service = found.service
@@ -165,7 +161,8 @@ class MdnsGateway(Gateway):
 
     def refuse(self, name: str, why: str) -> None:
         """Count an announcement that is not followed as an offence of its sender."""
-        self.devices.reject(name, b"", f"it is not followed: {why}")
+        if self.devices.admits(name):
+            self.devices.reject(name, b"", f"it is not followed: {why}")
 
     def delay(self, name: str) -> None:
         """Count a delayed change as an offence of the service."""

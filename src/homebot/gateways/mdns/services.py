@@ -38,11 +38,12 @@ MAX_REMEMBERED = 1000
 MAX_ASKED = 32
 """Services that are queried at the same time."""
 
-MAX_WAITING = 256
-"""Services of one type that wait for admission; further ones are dropped, counted, and looked for again later."""
+MAX_WAITING, MAX_WAITING_OF_ALL = 256, 1024
+"""Services of one type that wait for admission, and of all types, which have equal shares of it; further ones are
+dropped, counted, and looked for again later."""
 
 BURST, PER_SECOND = 256.0, 20.0
-"""Services that are admitted at once, and each second after that."""
+"""Services that are admitted at once, and each second after that; none while :data:`MAX_ASKED` have not answered."""
 
 PACE = 0.25
 """Seconds between two admissions while services wait; also how long to wait for the other records of a change."""
@@ -66,9 +67,6 @@ TRIES_AFTER_LOSS = 5
 
 class ServiceHandler(Protocol):
     """The port through which services are listed."""
-
-    def admits(self, news: ServiceNews) -> bool:
-        """Return whether to read an announcement of an unknown service."""
 
     def publish(self, found: ResolvedService) -> None:
         """Take a service that is new, still there, or changed."""
@@ -141,11 +139,11 @@ class Services:
 
     def _enqueue(self, key: str, news: ServiceNews) -> None:
         line = self._waiting.setdefault(news.service_type, OrderedDict())
-        if key in line or not self._handler.admits(news):
+        if key in line:
             return
-        if len(line) >= MAX_WAITING:
+        if len(line) >= (most := min(MAX_WAITING, MAX_WAITING_OF_ALL // len(self._waiting))):
             self._missed.add(news.service_type)
-            self._handler.refuse(news.name, f"more than {MAX_WAITING} new services of its type at once")
+            self._handler.refuse(news.name, f"more than {most} new services of its type at once")
             return
         line[key] = news
         self._some_wait.set()
@@ -154,20 +152,24 @@ class Services:
         newcomers = RateLimit(PER_SECOND, BURST)
         while True:
             await self._some_wait.wait()
-            while any(self._waiting.values()) and newcomers.admits(self._clock.monotonic()):
+            while self._may_admit() and newcomers.admits(self._clock.monotonic()):
                 self._admit(tasks, network, self._next())
             if any(self._waiting.values()):
                 await anyio.sleep(PACE)
             else:
                 self._some_wait = anyio.Event()
 
+    def _may_admit(self) -> bool:
+        """Return whether a service waits, and not too many names without a service take the places of others."""
+        return any(self._waiting.values()) and sum(not one.has_answered for one in self._followed.values()) < MAX_ASKED
+
     def _next(self) -> ServiceNews:
-        """Return the next service to admit, of each type in turn; one waits."""
+        """Return the next service to admit, of each type in turn the newest; one waits."""
         while True:
             service_type, line = self._waiting.popitem(last=False)
             if line:
                 self._waiting[service_type] = line
-                return line.popitem(last=False)[1]
+                return line.popitem()[1]
 
     def _admit(self, tasks: TaskGroup, network: ServiceNetwork, news: ServiceNews) -> None:
         if len(self._followed) >= self._most or self._by_type.get(news.service_type, 0) >= self._most // 2:
@@ -231,6 +233,8 @@ class Services:
             missed, self._missed = self._missed, set()
             for service_type in missed:
                 for name in network.cached_names(service_type):
+                    if service_type in self._missed:  # still too many
+                        break
                     if name.lower() not in self._followed and len(self._followed) < self._most:
                         self.on_news(ServiceNews("seen", service_type, name))
 

@@ -15,7 +15,7 @@ from contextlib import asynccontextmanager, contextmanager
 from typing import Literal
 
 import anyio
-from zeroconf import Error, IPVersion, ServiceInfo, ServiceStateChange, Zeroconf, current_time_millis
+from zeroconf import Error, IPVersion, RecordUpdate, ServiceInfo, ServiceStateChange, Zeroconf, current_time_millis
 from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
 
 from homebot.conventions.dns_sd import (
@@ -42,6 +42,9 @@ MAX_TYPES = 100
 MAX_ADDRESSES = 64
 """Addresses of a host that are kept, the newest: a computer has a few on each interface, and all are read each time."""
 
+MAX_PLANNED = 10_000
+"""Records after which a browser plans no more queries: as many as the library keeps of all hosts."""
+
 LONGEST_TTL = 4500.0
 """Seconds: the longest time to live that RFC 6762, section 10, recommends for any record."""
 
@@ -53,6 +56,23 @@ _CLOSING = 4.0
 
 _SRV = 33  # RFC 2782
 _ADDRESS_TYPES = frozenset({1, 28})  # A (RFC 1035) and AAAA (RFC 3596)
+
+
+class _Browser(AsyncServiceBrowser):
+    """A browser that survives a flood of names.
+
+    The library plans a query for each name, and keeps the plan until shortly before the record would expire, also if
+    its cache dropped that long ago. After a flood, :meth:`MdnsNetwork.ask_again` alone queries.
+    """
+
+    _heard = 0
+
+    def async_update_records(self, zc: Zeroconf, now: float, records: list[RecordUpdate]) -> None:
+        """Take news of records."""
+        super().async_update_records(zc, now, records)
+        self._heard += len(records)
+        if self._heard > MAX_PLANNED:
+            self.query_scheduler.stop()
 
 
 class MdnsNetwork(ServiceNetwork):
@@ -69,7 +89,7 @@ class MdnsNetwork(ServiceNetwork):
         self._interfaces = interfaces
         self._on_news = on_news
         self._counters = counters
-        self._browsers: dict[str, AsyncServiceBrowser] = {}
+        self._browsers: dict[str, _Browser] = {}
         self._own: dict[str, tuple[OwnService, ServiceInfo]] = {}
 
     @classmethod
@@ -113,7 +133,7 @@ class MdnsNetwork(ServiceNetwork):
             self._counters.types_refused += 1
             return
         take = self._on_type_change if service_type == ENUMERATION else self._on_change
-        self._browsers[service_type] = AsyncServiceBrowser(self._zeroconf.zeroconf, service_type, handlers=[take])
+        self._browsers[service_type] = _Browser(self._zeroconf.zeroconf, service_type, handlers=[take])
 
     async def ask_again(self) -> None:
         """Look for all types again, for services that were missed; known ones are reported again."""

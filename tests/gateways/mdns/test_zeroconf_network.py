@@ -1,6 +1,8 @@
-"""A host that announces more and more addresses: the newest are kept."""
+"""What is kept of hosts that announce more and more is bounded."""
 
 import ipaddress
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 
 from tests.gateways.mdns.lamp import HOST
 from tests.gateways.mdns.packets import AAAA, address, answer, pointer, record, service, text
@@ -8,15 +10,16 @@ from zeroconf._protocol.incoming import DNSIncoming
 from zeroconf.asyncio import AsyncZeroconf
 
 from homebot.gateways.announced.counters import GatewayCounters
-from homebot.gateways.mdns.zeroconf_network import MAX_ADDRESSES, MdnsNetwork
+from homebot.gateways.mdns.zeroconf_network import MAX_ADDRESSES, MAX_PLANNED, MdnsNetwork
 
 LAMP = "_lamp._tcp.local."
 NAME = f"Hall.{LAMP}"
 FIRST = int(ipaddress.IPv6Address("2001:db8::1"))
 
 
-async def test_a_host_keeps_its_newest_addresses() -> None:
-    counters = GatewayCounters()
+@asynccontextmanager
+async def hearing(counters: GatewayCounters) -> AsyncIterator[tuple[MdnsNetwork, AsyncZeroconf, Callable[..., None]]]:
+    """A network, the library below it, and what has it hear records."""
     async with MdnsNetwork.opened(("127.0.0.1",), lambda _: None, counters) as network:
         library = network._zeroconf
         assert isinstance(library, AsyncZeroconf)
@@ -24,6 +27,12 @@ async def test_a_host_keeps_its_newest_addresses() -> None:
         def hear(*records: bytes) -> None:
             library.zeroconf.record_manager.async_updates_from_response(DNSIncoming(answer(*records)))
 
+        yield network, library, hear
+
+
+async def test_a_host_keeps_its_newest_addresses() -> None:
+    counters = GatewayCounters()
+    async with hearing(counters) as (network, library, hear):
         hear(pointer(LAMP, NAME), service(NAME, HOST, 80), text(NAME, b"\0"), address(HOST, "192.168.1.7"))
         for number in range(MAX_ADDRESSES + 10):
             hear(record(HOST, AAAA, ipaddress.IPv6Address(FIRST + number).packed, unique=False))
@@ -33,3 +42,11 @@ async def test_a_host_keeps_its_newest_addresses() -> None:
         assert str(ipaddress.IPv6Address(FIRST + MAX_ADDRESSES + 9)) in found.service.addresses
         assert len(library.zeroconf.cache.async_entries_with_name(HOST)) == MAX_ADDRESSES
         assert counters.addresses_refused == 11
+
+
+async def test_names_without_end_leave_no_queries_behind() -> None:
+    async with hearing(GatewayCounters()) as (network, _, hear):
+        network.browse(LAMP)
+        for first in range(0, 3 * MAX_PLANNED, 100):
+            hear(*(pointer(LAMP, f"fake {number}.{LAMP}") for number in range(first, first + 100)))
+        assert len(network._browsers[LAMP].query_scheduler._query_heap) <= MAX_PLANNED
