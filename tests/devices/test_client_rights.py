@@ -84,6 +84,8 @@ NAMES_THAT_ASK = (
     "Sauna heater, Fireplace left, Garagentor, Garagentor links, Tor, Einfahrtstor auf/zu, Tor Einfahrt, "
     "Haustür, Haustuer Summer, Türschloss, Schloss Haustür, Türöffner unten, Wasserventil Garten, Backofen, "
     "Space heater, Fan heater left, Heizlüfter, Bad Heizluefter, Radiateur soufflant, "
+    "Infrared heater, Halogen heater 2, Quartz heater, Heat lamp, Infrarotheizung Bad, Terrassenstrahler, "
+    "Gas shut-off, Water shutoff, Stopcock, Sump pump, Tauchpumpe, Chauffage infrarouge, Infraroodverwarming, "
     "Boiler Bad, Oven plug, Porte de garage, Porte du garage gauche, Serrure de la porte d'entrée, "
     "Ouverture portail, Portail voiture, Vanne d'eau, Chauffe-eau, Cancello, Apri cancello, Porta del garage, "
     "Caldaia, Válvula principal, Puerta del garaje, Horno, Garagedeur, Poort openen, Sprinkler zone 1, Heizkessel, "
@@ -248,6 +250,8 @@ OTHER_NAMES = (
     "Cold water, Sauna light, Fireplace lamp, Boiler room fan, Boilerraum, Cooker hood, Garagentor Licht, "
     "Torbeleuchtung, Hauslicht, Ventilator, Motor, Monitor, Store, Kinderzimmer, Radiator, Lampe du portail, "
     "Sonnette portail, Porte, Lumière garage, Luce cancello, Luz puerta garaje, Poortlamp, Deurbel poort, "
+    "Heater room lamp, Gas shut-off sensor, Auto shut-off, Infrared remote, Radiator booster, Pool pump, "
+    "Sump pump alarm, "
     "Puerta, Gas meter, Gas alarm, Front door light, Kamin Licht, Ofenraum Lampe, Schränke, Channel four"
 )
 
@@ -266,6 +270,7 @@ MODELS_THAT_ASK = (
     "Battery Zigbee thermostat with dry contact for boiler control, Smart sprinkler timer, "
     "Smart sprinkler timer with measurements, Hose faucet water timer, Parkside smart watering timer, "
     "Smart watering kit, Stove guard for safe cooking, 2.5 Stove guard, Water walve, Smart water/gas valve, "
+    "KNYCKLAN electronic dishwasher shut-off unit, "
     "IOT remote control smart gas lock, Zigbee smart water valve with flow meter and temperature sensor"
 )
 

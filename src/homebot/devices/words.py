@@ -2,9 +2,9 @@
 
 The words of the table are in lower case without accents, see :mod:`homebot.support.folding`. Its groups:
 
-- ``heat``: loads that burn or scald. Of heaters, only those that blow or glow: their manuals (IEC 60335-2-30) forbid
-switching them by a timer or remotely, because they may be covered.
-- ``water``: loads that flood, and valves of gas. ``entry``: gates, doors, bolts.
+- ``heat``: loads that burn or scald. Of heaters, only those that blow, glow or radiate: their manuals
+(IEC 60335-2-30) forbid switching them by a timer or remotely, because they may be covered.
+- ``water``: loads that flood, or keep water out, and valves of gas. ``entry``: gates, doors, bolts.
 - ``lock``: locks.
 - ``opener``: drives of a door or a gate. ``open``: commands that let in or disarm.
 - ``siren``: loads that sound. They do not always ask, but are not loads like others.
