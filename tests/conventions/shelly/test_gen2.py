@@ -69,13 +69,14 @@ def test_a_device_that_comes_online_is_asked_for_its_identity(say: Say) -> None:
     assert question.publications[0] == Publication(
         f"{ID}/rpc", b'{"id":1,"src":"homebot/shellyplus2pm-a8032abe54dc","method":"Shelly.GetDeviceInfo"}'
     )
-    asked = [json.loads(one.payload)["method"] for one in question.publications]
-    assert asked == ["Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus", "Shelly.GetComponents"]
+    asked = [json.loads(one.payload) for one in question.publications]
+    methods = ["Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus", "Shelly.GetComponents"]
+    assert [(one["method"], one["src"]) for one in asked] == [(one, f"homebot/{ID}") for one in methods]
 
 
 def test_its_answers_describe_it(say: Say) -> None:
     device = device_in(introduce(say, {"switch:0": SWITCH}))
-    assert device.key == ID
+    assert (device.key, device.convention) == (ID, "shelly")
     assert device.name == "Hall"
     assert device.identifiers == ("mac:a8032abe54dc", f"id:{ID}")
     assert device.facts == {
