@@ -224,6 +224,20 @@ async def test_a_command_for_a_gateway_without_its_network_is_not_lost_in_silenc
         assert out.take() is None
 
 
+async def test_a_text_for_a_gateway_that_is_away_waits_for_it_and_not_for_one_that_observes() -> None:
+    graph = Graph()
+    async with Node(graph, "app") as node, Node(graph, "fake", namespace="/gateway") as gateway:
+        gateway.create_publisher(GatewayState, "~/state", qos_profile_latched).publish(
+            GatewayState(state="active", reason="", acts=False)
+        )
+        device = _device("fake")
+        both = device.model_copy(update={"endpoints": device.endpoints + _device("other").endpoints})
+        with pytest.raises(LinkError, match="its gateway other is not running"):
+            await Devices(node).tell(both, "off")
+        with pytest.raises(RefusedError, match="the gateway only observes"):
+            await Devices(node).tell(device, "off")
+
+
 async def test_a_command_that_waits_for_a_gateway_that_goes_away_is_not_lost_in_silence() -> None:
     """The queue was full, and then nobody was there to read it."""
     graph = Graph()

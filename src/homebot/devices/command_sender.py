@@ -66,14 +66,13 @@ class CommandSender:
                     cancel_with_caller=True,
                 )
             except (InvalidNameError, ServiceError) as exc:
-                response = _failure(exc)
+                response = _failure(exc, route.gateway)
             if response.success:
                 return route
             failures.append(response)
             if not response.unable and (response.problem == "refused" or capability in MOMENTARY):
                 break
-        why = f"its gateway {routes[0].gateway} is not running"
-        raise _error(capability, device.id, failures, why, _approval_hint(device.id, routes[0], part.routes))
+        raise _error(capability, device.id, failures, _approval_hint(device.id, routes[0], part.routes))
 
     def _client(self, gateway: str) -> Client[Command, SendCommandResponse]:
         client = self._clients[gateway] = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)
@@ -85,8 +84,8 @@ def _approval_hint(device: str, first: Route, routes: Iterable[Route]) -> str:
     return f"; `homebot approve {device}` lets another route take it" if is_left_out else ""
 
 
-def _error(capability: str, device: str, failures: Sequence[SendCommandResponse], why: str, hint: str) -> HomebotError:
-    """Return the error of a command that no route accepted; *why* is the reason if no gateway gives one.
+def _error(capability: str, device: str, failures: Sequence[SendCommandResponse], hint: str) -> HomebotError:
+    """Return the error of a command that no route accepted.
 
     Args:
         hint: Ends the reason of routes that were unable.
@@ -96,19 +95,20 @@ def _error(capability: str, device: str, failures: Sequence[SendCommandResponse]
         return RefusedError(f"{capability} of {device}", last.message)
     if silent := [one.message for one in failures if one.problem == "unanswered"]:
         return UnansweredError(f"{capability} was sent to {device}: {silent[-1]}")
-    if away := [one.message for one in failures if one.problem == "unreachable"]:
-        return LinkError(f"{capability} was not sent to {device}: {next(filter(None, reversed(away)), why)}")
+    if away := [one for one in failures if one.problem == "unreachable"]:
+        lost = [one for one in away if not one.unable] or away[:1]  # a gateway that runs knows more
+        return LinkError(f"{capability} was not sent to {device}: {lost[-1].message}")
     return RefusedError(f"{capability} of {device}", failures[0].message + hint)
 
 
-def _failure(error: InvalidNameError | ServiceError) -> SendCommandResponse:
+def _failure(error: InvalidNameError | ServiceError, gateway: str) -> SendCommandResponse:
     """Return the answer on behalf of a gateway; if it is not running, it is unreachable and unable to send."""
     if isinstance(error, InvalidNameError):
         return SendCommandResponse(success=False, message=str(error), problem="refused", unable=True)
     if isinstance(error, ServiceTimeoutError | ServiceGoneError):
         return SendCommandResponse(success=False, message=str(error), problem="unanswered")
     is_away = isinstance(error, ServiceUnavailableError)
-    message = "" if is_away else str(error)
+    message = f"its gateway {gateway} is not running" if is_away else str(error)
     return SendCommandResponse(success=False, message=message, problem="unreachable", unable=is_away)
 
 
@@ -174,7 +174,6 @@ class TextSender:
         for endpoint in device.endpoints:
             if not endpoint.command_address:
                 continue
-            gateway = gateway or endpoint.gateway
             try:
                 peer = self._output_to(endpoint)
             except RefusedError as exc:
@@ -187,11 +186,10 @@ class TextSender:
                 raise problem
             if not peer.unavailable and peer.out.reaches(peer.node):
                 return _target(device, endpoint, payload)
-        if problem is not None:
-            raise problem
-        if not gateway:
-            raise RefusedError(f"a command to {device.id}", "it takes no commands")
-        raise _away(gateway, self._gateways[gateway].unavailable)
+            gateway = gateway or endpoint.gateway
+        if gateway:
+            raise _away(gateway, self._gateways[gateway].unavailable)
+        raise problem or RefusedError(f"a command to {device.id}", "it takes no commands")
 
     def _output_to(self, endpoint: Endpoint) -> GatewayOutput:
         if (known := self._gateways.get(endpoint.gateway)) is not None:

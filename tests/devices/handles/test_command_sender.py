@@ -9,7 +9,7 @@ from homebot.devices.device import EVERYTHING
 from homebot.devices.gateway_messages import Command, SendCommandResponse
 from homebot.devices.handles import Handle, Light
 from homebot.devices.value import Value
-from homebot.errors import RefusedError
+from homebot.errors import LinkError, RefusedError
 
 pytestmark = pytest.mark.virtual_time
 
@@ -68,6 +68,16 @@ async def test_a_route_that_could_take_a_command_is_named_for_approval(house: Ho
     with pytest.raises(RefusedError, match="it observes; `homebot approve front` lets another route take it"):
         await CommandSender(house.node).send(house.device("front", lock), lock, command)
     assert not house.told
+
+
+async def test_of_a_gateway_that_observes_and_one_that_is_down_the_latter_is_why_nothing_was_sent(house: House) -> None:
+    ways = tuple(Route(gateway=one, key="k", part=one) for one in ("mqtt", "hub"))
+    lamp = house.part("light", "on_off").model_copy(update={"routes": ways})
+    house.gateway("mqtt")
+    house.answers["mqtt"] = SendCommandResponse(success=False, message="it observes", problem="refused", unable=True)
+    command = Command(key="", part="", capability="on_off", value=Value.of(True))
+    with pytest.raises(LinkError, match="its gateway hub is not running"):
+        await CommandSender(house.node).send(house.device("a", lamp), lamp, command)
 
 
 async def test_a_button_that_may_have_been_pressed_is_not_pressed_by_another_route(house: House) -> None:
