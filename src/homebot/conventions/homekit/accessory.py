@@ -55,14 +55,15 @@ class HapCharacteristic:
     step: float = 0.0
 
     def encode(self, value: float) -> object:
-        """Return *value* as its format has it, within its bounds and in its steps."""
+        """Return *value* as its format has it, within its bounds and in its steps; true as 1, as Apple's devices do.
+
+        ecobee's switch takes no ``true`` (aiohomekit 0.2.37).
+        """
         if self.step > 0:
             least = self.bounds[0] if self.bounds else 0.0
             value = round(least + round((value - least) / self.step) * self.step, 6)
         if self.bounds:
             value = min(max(value, self.bounds[0]), self.bounds[1])
-        if self.format == "bool":
-            return bool(value)
         return value if self.format == "float" else round(value)
 
 
