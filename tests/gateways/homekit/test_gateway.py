@@ -56,7 +56,7 @@ async def test_what_was_written_is_read_again_because_no_event_comes() -> None:
     server = lamp()
     async with paired(server) as (home, reports):
         assert (await home.command(KEY, "8", "level", 40.0)).success
-        assert server.written == [((1, 10), 40), ((1, 9), True)]
+        assert server.written == [((1, 9), 1), ((1, 10), 40)]
         await reading(reports, "on_off", True)
         await reading(reports, "level", 40.0)
 

@@ -57,13 +57,19 @@ def _read_color(service: HapService) -> PlainValue:
     return (hue, saturation) if is_known else None  # type: ignore[return-value]  # a number each
 
 
-def _write_color(_at: HapService, command: Command) -> Writes:
-    hue, saturation = command.value.numbers
-    return {HUE: hue, SATURATION: saturation, ON: 1}
-
-
 def _switch_of(service: HapService) -> str:
     return ON if ON in service.characteristics else ACTIVE
+
+
+def _turned_on(service: HapService) -> dict[str, float]:
+    """Return what turns on what is off; Apple sends no more, and Vimar's dimmers that are on take it for 100 %."""
+    switch = _switch_of(service)
+    return {} if service.number(switch) == 1 else {switch: 1.0}
+
+
+def _write_color(service: HapService, command: Command) -> Writes:
+    hue, saturation = command.value.numbers
+    return {**_turned_on(service), HUE: hue, SATURATION: saturation}
 
 
 def _share(service: HapService) -> float:
@@ -89,14 +95,15 @@ def _read_speed(service: HapService) -> PlainValue:
 
 def _write_level(service: HapService, command: Command) -> Writes:
     percent, least = command.value.number, service.characteristics[BRIGHTNESS].step or 1.0
-    return {BRIGHTNESS: max(least, percent), ON: 1} if percent else {ON: 0}
+    return {**_turned_on(service), BRIGHTNESS: max(least, percent)} if percent else {ON: 0}
 
 
 def _write_speed(service: HapService, command: Command) -> Writes:
     """Set a speed: 0 turns a fan off, and another one on; a heater heats on at any."""
     percent, is_fan = command.value.number, service.type in _FANS.split()
-    speed = {SPEED: _speed(service, percent)} if percent or not is_fan else {}
-    return speed | ({_switch_of(service): float(percent > 0)} if is_fan else {})
+    if is_fan and not percent:
+        return {_switch_of(service): 0}
+    return {**(_turned_on(service) if is_fan else {}), SPEED: _speed(service, percent)}
 
 
 POWER_ROWS: Final = (
@@ -109,7 +116,7 @@ POWER_ROWS: Final = (
         MIREDS,
         MIREDS,
         read=_read_kelvin,
-        write=lambda _at, command: {MIREDS: MIRED / command.value.number, ON: 1},
+        write=lambda service, command: {**_turned_on(service), MIREDS: MIRED / command.value.number},
         bounds=_kelvin_bounds,
     ),
     ServiceRow(LIGHT, "color", f"{HUE} {SATURATION}", HUE, None, _read_color, _write_color),
