@@ -218,6 +218,17 @@ PARTS: list[tuple[str, Device, bool]] = [
             ("Smart garage door sensor", "x_setting"),
         )
     ),
+    # An oven heats by its program (hcpy); its language is a setting.
+    *(
+        (
+            f"choice {category} of {name}",
+            device(
+                name, part("x_setting", name="ActiveProgram", category=category, capabilities=(choice(("Grill",)),))
+            ),
+            asks,
+        )
+        for name, category, asks in (("oven", "", True), ("oven", "config", False), ("dishwasher", "", False))
+    ),
     # As the select of a camera that has no alarm panel of its own.
     *(
         (f"choice of {' or '.join(options)}", device("x", part("x_setting", capabilities=(choice(options),))), asks)

@@ -4,8 +4,8 @@ The owner approves the programs that may drive them.
 
 A switch, plug or cover that drives such a device is recognised by its name in one of six languages, by its model, or by
 the tag ``always_ask``, which the owner may give to any device. Buttons, scenes and choices are recognised by their
-names, texts and flags by names of things that open, temperatures by names of hot things; see
-:mod:`homebot.devices.words`.
+names, texts and flags by names of things that open, temperatures by names of hot things; so are the choices of an oven,
+such as its program. See :mod:`homebot.devices.words`.
 """
 
 import re
@@ -230,7 +230,9 @@ def _why_called(capability: Capability, device: Device, part: DevicePart) -> str
         return _why_named(ALL_THAT_ASK, *_names(device, part), f"{device.name} {_own_name(part)}")
     names = (told.name,) if told.name else _names(device, part)
     if capability.name in _CHOSEN:
-        return _why_named(NO_LOCK if told.category else ALL_THAT_ASK, *names)
+        if told.category:
+            return _why_named(NO_LOCK, *names)
+        return _why_named(ALL_THAT_ASK, *names) or _why_named(HEAT, *_names(device, part))
     return _why_named(OPEN, *names) if capability.name in _OPENING else None
 
 
