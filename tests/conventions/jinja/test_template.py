@@ -7,6 +7,7 @@ from itertools import product
 import pytest
 
 from homebot.conventions.jinja import NotDefinedError, PayloadContext, TemplateError, compile_template
+from homebot.conventions.jinja.values import UndefinedValueError
 from homebot.errors import WireError
 
 
@@ -59,6 +60,16 @@ def test_equal_texts_share_one_template() -> None:
 
 def test_a_name_that_a_template_sets_itself_is_its_own() -> None:
     assert compile_template("{% set this = 4 %}{{ this }}").render({}) == "4"
+
+
+def test_a_template_that_asks_for_its_own_last_value_changes_nothing() -> None:
+    """``mapping.yaml`` of HA_enoceanmqtt: one message tells the power or the energy of a plug."""
+    template = compile_template(
+        "{% if value_json.UN == 3 %}{{ value_json.MV }}{% else %}{{ states(entity_id) }}{% endif %}"
+    )
+    assert template.render_value('{"UN": 3, "MV": 75}') == "75"
+    with pytest.raises(UndefinedValueError):
+        template.render_value('{"UN": 1, "MV": 1200}')
 
 
 def test_the_variables_of_the_caller_stay_as_they_are() -> None:

@@ -303,6 +303,8 @@ class _Compiler:
     def visit_call(self, node: nodes.Call) -> Evaluate:
         called = _DICT if node.node == _DICT_FROM_KEYS else node.node
         if isinstance(called, nodes.Name):
+            if called.name == "states" and node.args == [_ITSELF]:
+                return UNDEFINED.fail
             if called.name in HOME_ASSISTANT:
                 raise TemplateError(f"uses `{called.name}()`, which only Home Assistant has")
             if called.name not in FUNCTIONS:
@@ -347,6 +349,9 @@ class _Compiler:
 
 
 _DEFAULTS: Final = frozenset({"d", "default"})
+
+_ITSELF: Final = nodes.Name("entity_id", "load")
+"""In ``states(entity_id)``, the last value: as with ``this.state``, a message that asks for it changes nothing."""
 
 _DICT: Final = nodes.Name("dict", "load")
 _DICT_FROM_KEYS: Final = nodes.Getattr(_DICT, "from_keys", "load")
