@@ -195,6 +195,40 @@ def test_an_approval_survives_a_restart_and_is_taken_back(index: DeviceIndex, lo
         again.places.approve("nobody", 3.0)
 
 
+@pytest.fixture
+def relock() -> Sighting:
+    """Another announcement of the lock's device."""
+    setting = part_of("x_setting", "on_off", id="r", writes=("door/relock/set",))
+    return announce("switch/relock", setting, ids=(MAC,), name="Door")
+
+
+def routes_approved(index: DeviceIndex) -> dict[str, list[bool]]:
+    return {part.id: [bool(route.approved) for route in part.routes] for part in only(index).parts}
+
+
+def test_what_was_away_at_the_last_approval_waits_alone(index: DeviceIndex, lock: Sighting, relock: Sighting) -> None:
+    index.observe(lock)
+    index.observe(relock)
+    index.places.approve("door", 1.0)
+    index.observe(relock.model_copy(update={"kind": "removed"}), 2.0)
+    index.observe(changed(lock, payloads="new firmware"), 3.0)
+    index.places.approve("door", 4.0)
+    index.observe(relock, 5.0)
+    assert routes_approved(index) == {"l": [True], "r": [False]}
+    index.places.approve("door", 6.0)
+    assert routes_approved(index) == {"l": [True], "r": [True]}
+
+
+def test_an_approval_is_taken_back_from_what_is_away_too(index: DeviceIndex, lock: Sighting, relock: Sighting) -> None:
+    index.observe(lock)
+    index.observe(relock)
+    index.places.approve("door", 1.0)
+    index.observe(lock.model_copy(update={"kind": "removed"}), 2.0)
+    index.places.disapprove("door")
+    index.observe(lock, 3.0)
+    assert routes_approved(index) == {"l": [False], "r": [False]}
+
+
 def test_another_device_that_comes_with_the_same_id_is_not_approved(index: DeviceIndex, lock: Sighting) -> None:
     index.observe(lock)
     index.places.approve("door", 2.0)

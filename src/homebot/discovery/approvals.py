@@ -1,12 +1,12 @@
 """Approvals of announced parts, each bound to the announced description of its commands. Pure."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Container, Iterable, Iterator
 from itertools import islice
 from typing import NamedTuple, final
 
 from homebot.devices.part import CommandDescription, payload_digest
 from homebot.discovery.merging.part_ids import PartPlace
-from homebot.discovery.source_record import SourceRecord
+from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import RefusedError
 
 __all__ = ["MAX_APPROVALS", "Approval", "ApprovalRegistry", "approval_digest"]
@@ -39,19 +39,30 @@ class ApprovalRegistry:
     def __len__(self) -> int:
         return len(self._by_place)
 
-    def put(self, sources: Collection[SourceRecord], now: float) -> tuple[str, ...]:
-        """Approve all parts of *sources* that take commands; return the differences from earlier approvals."""
+    def put(self, sources: Collection[SourceRecord], now: float, present: Container[SourceKey]) -> tuple[str, ...]:
+        """Approve all parts of *sources* that take commands, as :meth:`discard` withdraws earlier approvals.
+
+        Returns:
+            The differences from these.
+        """
         found = dict(_descriptions(sources))
         if len(self._by_place.keys() | found.keys()) > MAX_APPROVALS:
             raise RefusedError("an approval", f"there are {MAX_APPROVALS:,} already; take some back")
         changes = [(place[1], change) for place, _, change in self.of(sources) if change]
+        self.discard(sources, present)
         self._by_place.update({place: Approval(description, now) for place, description in found.items()})
         return tuple([f"{key}: {change}" for key, change in changes])
 
-    def discard(self, sources: Iterable[SourceRecord]) -> bool:
-        """Withdraw the approvals of all announcements *sources*; return whether there were any."""
-        keys = {source.key for source in sources}
-        places = [place for place in self._by_place if place[:2] in keys]
+    def discard(self, sources: Iterable[SourceRecord], present: Container[SourceKey]) -> bool:
+        """Withdraw the approvals of all announcements *sources*; return whether there were any.
+
+        Args:
+            present: All current announcements; those approved together with *sources* that are gone lose theirs too.
+        """
+        keys, known = {source.key for source in sources}, self._by_place
+        times = {approval.said_at for place, approval in known.items() if place[:2] in keys}
+        together = [place for place, approval in known.items() if approval.said_at in times]
+        places = [place for place in together if place[:2] in keys or place[:2] not in present]
         for place in places:
             del self._by_place[place]
         return bool(places)

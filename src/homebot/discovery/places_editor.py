@@ -194,7 +194,7 @@ class PlacesEditor:
         if digest:
             self.check_shown(device_id, digest)
         owner = self._table.owner
-        changes = owner.approvals.put(entry.sources.values(), now)
+        changes = owner.approvals.put(entry.sources.values(), now, self._table.sources)
         owner.is_unsaved, owner.is_empty = True, False
         self.restate((entry,), "the owner approved it")
         return changes
@@ -202,7 +202,7 @@ class PlacesEditor:
     def disapprove(self, device_id: str) -> None:
         """Withdraw the approval of a device, if it has one."""
         entry = self._entry(device_id)
-        if self._table.owner.approvals.discard(entry.sources.values()):
+        if self._table.owner.approvals.discard(entry.sources.values(), self._table.sources):
             self._table.owner.is_unsaved = True
             self.restate((entry,), "the owner took back the approval")
 
