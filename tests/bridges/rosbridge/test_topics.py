@@ -3,6 +3,7 @@
 from typing import Any
 
 import anyio
+import pytest
 from structlog.testing import capture_logs
 from tests.bridges.conftest import House, Peer
 from tests.patience import PATIENCE
@@ -148,9 +149,13 @@ async def test_advertising_twice_needs_unadvertising_twice(house: House, peer: P
     assert house.entities() == set()
 
 
-async def test_a_topic_advertised_again_as_latched_becomes_latched(house: House, peer: Peer) -> None:
+@pytest.mark.parametrize("latched", [{"latch": True}, {"qos": {"durability": "transient_local", "depth": 1}}])
+async def test_a_topic_advertised_again_as_latched_becomes_latched(
+    house: House, peer: Peer, latched: dict[str, Any]
+) -> None:
+    """``qos`` as in rosbridge_suite from 2.7."""
     await peer.send("advertise", id="a", topic="/t", type="std_msgs/String")
-    await peer.tell("advertise", id="b", topic="/t", type="std_msgs/String", latch=True)
+    await peer.tell("advertise", id="b", topic="/t", type="std_msgs/String", **latched)
     (info,) = house.graph.get_endpoints(name="/t")
     assert info.qos == qos_profile_latched
 

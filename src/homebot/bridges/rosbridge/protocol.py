@@ -104,19 +104,33 @@ class TopicOperation(Operation, ops=("unadvertise", "unsubscribe")):
     topic: Name
 
 
-class Advertise(TopicOperation, ops=("advertise",)):
+class _Publishing(TopicOperation):
+    """An operation of a client that publishes on ``topic``.
+
+    Attributes:
+        qos: Newer programs say ``{"durability": "transient_local"}`` in place of ``latch``.
+    """
+
+    latch: bool = False
+    qos: dict[str, Any] = Field(default_factory=dict)
+
+    @property
+    def is_latched(self) -> bool:
+        """Whether late subscribers receive the last message."""
+        return self.latch or str(self.qos.get("durability")).lower() == "transient_local"
+
+
+class Advertise(_Publishing, ops=("advertise",)):
     """The client will publish messages of ``type`` on ``topic``."""
 
     type: Name
-    latch: bool = False
 
 
-class PublishOperation(TopicOperation, ops=("publish",)):
+class PublishOperation(_Publishing, ops=("publish",)):
     """A message for a topic."""
 
     msg: dict[str, Any]
     type: str = ""
-    latch: bool = False
 
 
 class SubscribeOperation(TopicOperation, ops=("subscribe",)):

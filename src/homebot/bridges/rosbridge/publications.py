@@ -91,7 +91,7 @@ class Publications:
 
     def advertise(self, op: Advertise) -> None:
         """Add a topic; it may be added again under another id."""
-        self._open(op.topic, op.type, latched=op.latch).ids.add(op.id)
+        self._open(op.topic, op.type, latched=op.is_latched).ids.add(op.id)
 
     def unadvertise(self, op: TopicOperation) -> None:
         """Remove a topic."""
@@ -111,7 +111,7 @@ class Publications:
         publication = self._topics.get(op.topic)
         if publication is None:
             self._message(message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), op.type), op)
-            publication = self._open(op.topic, op.type, latched=op.latch)
+            publication = self._open(op.topic, op.type, latched=op.is_latched)
         if self._is_unread(publication):
             self._keep(op.topic, op, size)
             return ()
