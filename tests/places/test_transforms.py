@@ -198,6 +198,16 @@ def test_transforms_are_kept_for_ten_seconds_and_older_ones_refused() -> None:
     assert not buffer.can_transform("map", "base", seconds(1))
 
 
+@pytest.mark.parametrize("asked", [None, 2, 3])
+def test_of_transforms_with_one_stamp_the_last_inserted_holds(asked: float | None) -> None:
+    """As in ``cache_unittest.cpp``, ``GetAllItems``: two nodes publish the frame, or one corrects it."""
+    stamped = [(1, 0.0), (2, 1.0), (3, 1.0), (2, 2.0), (3, 2.0)]
+    buffer = buffer_of(*(transform("map", "base", seconds(at), (x, 0.0, 0.0)) for at, x in stamped))
+
+    at = None if asked is None else seconds(asked)
+    assert buffer.lookup_transform("map", "base", at).transform.translation.x == 2.0
+
+
 def test_a_static_transform_holds_at_any_time_survives_a_clear_and_is_replaced_by_a_dynamic_one() -> None:
     buffer = TransformBuffer()
     buffer.set_transform_static(transform("map", "dock", seconds(0)))

@@ -256,10 +256,11 @@ def _at(samples: Sequence[Sample], time: int) -> Sample:
         way, known, end = ("future", "latest", last) if time > last else ("past", "earliest", first)
         data = f"the {known} data is at time {end / _SECOND:.6f}"
         raise ExtrapolationException(f"{begin} into the {way}.  Requested {at} but {data}")
-    index = bisect_left(samples, time, key=_stamp)
-    later, earlier = samples[index], samples[max(0, index - 1)]
-    if later.stamp == time:
-        return later
+    index = bisect_right(samples, time, key=_stamp)
+    earlier = samples[index - 1]
+    if earlier.stamp == time:
+        return earlier
+    later = samples[index]
     if earlier.parent != later.parent:
         return earlier
     share = (time - earlier.stamp) / (later.stamp - earlier.stamp)
