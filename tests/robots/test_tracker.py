@@ -287,6 +287,17 @@ async def test_a_stamp_far_ahead_of_our_clock_is_refused(one: House) -> None:
     assert one.news() == []
 
 
+async def test_an_old_pose_names_why_later_ones_are_refused(one: House) -> None:
+    """A robot without a battery for its clock begins anew at another time."""
+    await one.say("/robot/pose", stamped(1, 1, stamp=one.graph.clock.now() + 20))
+    await one.say("/robot/pose", stamped(1, 1))
+    await anyio.sleep(6)
+    assert (await one.ask()).message == "rosie's pose is 6 s old (limit 5 s)"
+    await one.say("/robot/pose", stamped(1, 1, "odom"))
+    refused = "a message on /robot/pose was refused: no static transform connects its frame 'odom' to map"
+    assert (await one.ask()).message == f"rosie's pose is 6 s old (limit 5 s); {refused}"
+
+
 @pytest.mark.parametrize("huge", [1e200, 1e308, float("inf"), float("nan")])
 async def test_a_number_that_is_too_large_is_refused_or_counts_as_no_rotation_and_ends_nothing(
     one: House, huge: float

@@ -62,11 +62,7 @@ _Handle: TypeAlias = Callable[[str, str, Sequence[Any]], None]
 
 
 class PoseTopics:
-    """Reads the pose topics of all robots.
-
-    Attributes:
-        refused: The last refusal of a message of each robot; under an empty name those on topics of all robots.
-    """
+    """Reads the pose topics of all robots."""
 
     def __init__(
         self, node: Node, owners: RobotOwners, robots: Mapping[str, TrackedRobot], on_arrival: Callable[[], None]
@@ -76,7 +72,7 @@ class PoseTopics:
         self._frames = RobotFrames(owners)
         self._placed: dict[str, tuple[MapPose, float]] = {}
         self._odometry: dict[str, tuple[float, float] | None] = {}
-        self.refused: dict[str, str] = {}
+        self._refused: dict[str, tuple[float, str]] = {}  # the last one by robot, and of topics of all robots
         self._log = LogLimit(node.graph.clock)
         self._readers: list[tuple[Subscription[Message], Callable[[Sequence[Any]], None]]] = []
         rows: dict[str, tuple[type[Message], _Handle]] = {
@@ -100,6 +96,11 @@ class PoseTopics:
                 handle(messages)
         for robot in self._robots.values():
             self._place_by_frames(robot)
+
+    def refusal(self, robot: str, since: float = -math.inf) -> str:
+        """Return why the last message of *robot*, or on a topic of all robots, was refused; empty for none *since*."""
+        at, text = max((self._refused[one] for one in (robot, "") if one in self._refused), default=(since, ""))
+        return text if at > since else ""
 
     def _subscribe(self, kind: type[Message], topic: str, handle: Callable[[Sequence[Any]], None]) -> None:
         """Pass the messages on *topic* to *handle*, beginning with those kept for late subscribers."""
@@ -203,6 +204,7 @@ class PoseTopics:
         return ahead > MOST_AHEAD
 
     def _refuse(self, topic: str, problem: str) -> None:
-        text = self.refused[self._owners.of_topic(topic) or ""] = f"a message on {topic} was refused: {problem}"
+        text = f"a message on {topic} was refused: {problem}"
+        self._refused[self._owners.of_topic(topic) or ""] = self._now(), text
         if self._log.allows(topic) is not None:
             self._node.log.warning(REFUSED, message=text, topic=topic)

@@ -103,17 +103,21 @@ class RobotTracker:
             return WhereIsRobotResponse(success=False, message=problem, is_mistake=True)
         self._topics.read()
         if (best := robot.best()) is None:
-            refused = self._topics.refused.get(name) or self._topics.refused.get("")
-            problem = "; ".join(filter(None, (f"the position of {name} is not known yet", refused)))
-            return WhereIsRobotResponse(success=False, message=problem)
-        pose = self._completed(robot, best)
-        age = max(0.0, robot.now() - best.received_at.to_seconds())
+            problem = f"the position of {name} is not known yet"
+            return WhereIsRobotResponse(success=False, message=self._with_refusal(problem, name))
+        pose, received_at = self._completed(robot, best), best.received_at.to_seconds()
+        age = max(0.0, robot.now() - received_at)
         problem = "" if pose.is_sure else f"{name} is not sure where it is: {robot.unsure_because}"
         if not pose.counts:
-            problem = f"{name}'s pose is {age:.0f} s old (limit {pose.limit:g} s)"
+            problem = self._with_refusal(
+                f"{name}'s pose is {age:.0f} s old (limit {pose.limit:g} s)", name, received_at
+            )
         if not pose.limit:
             problem = f"{name} is no longer where it was {age:.0f} s ago, by {pose.source}"
         return WhereIsRobotResponse(success=pose.counts, message=problem, pose=(pose,), age=age)
+
+    def _with_refusal(self, problem: str, robot: str, since: float = -math.inf) -> str:
+        return "; ".join(filter(None, (problem, self._topics.refusal(robot, since))))
 
     def _publish_change(self, robot: TrackedRobot) -> float:
         """Publish the pose of *robot* if it changed; return the seconds until it may change by itself."""
