@@ -98,7 +98,7 @@ class PoseTopics:
             self._place_by_frames(robot)
 
     def refusal(self, robot: str, since: float = -math.inf) -> str:
-        """Return why the last message of *robot*, or on a topic of all robots, was refused; empty for none *since*."""
+        """Return the last refusal of a message of *robot*, or on a topic of all robots; empty for none *since*."""
         at, text = max((self._refused[one] for one in (robot, "") if one in self._refused), default=(since, ""))
         return text if at > since else ""
 

@@ -130,6 +130,7 @@ REFUSED = {
     "!kettle": "'!kettle' at character 1 is not understood in a query; write 'not' before a term",
     "lamp -kettle": "'-kettle' at character 6 is not understood in a query; write 'not' before a term",
     "lights in hall or else kitchen": "'else' at character 19 is not understood in a query; write it in",
+    "lights here": "'here' at character 8 is not understood in a query; write it in quotation marks",
     "lamps beside kitchen": "'beside' at character 7 is not understood in a query; write it in quotation marks",
     "lamps in kitchen under window": "'under' at character 18 is not understood",
     "lamp near": "'near' at character 6 is not followed by a robot",

@@ -116,7 +116,7 @@ class _Publishing(TopicOperation):
 
     @property
     def is_latched(self) -> bool:
-        """Whether late subscribers receive the last message."""
+        """Return whether late subscribers receive the last message."""
         return self.latch or str(self.qos.get("durability")).lower() == "transient_local"
 
 

@@ -84,7 +84,8 @@ FACTS = frozenset(
 NOT_UNDERSTOOD = frozenset(
     {"near", "nearest", "nearby", "closest", "around", "beside", "behind", "next", "outside", "inside", "within"}
     | {"above", "below", "under", "over", "more", "less", "than", "between", "before", "after", "since", "until"}
-    | {"during", "at", "from", "by", "for", "to", "except", "unless", "else", "if", "when", "where", "who", "whose"}
+    | {"during", "at", "from", "by", "for", "to", "except", "unless", "else", "if"}
+    | {"when", "where", "here", "who", "whose"}
 )
 """Words that would change the meaning of a query if they were mistaken for parts of names."""
 
