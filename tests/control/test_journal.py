@@ -121,3 +121,15 @@ async def test_a_command_to_a_device_that_is_gone_is_in_it(home: Home) -> None:
     found = await home.read()
     assert kinds(found) == ["requested", "outcome"]
     assert found.entries[-1].results[0].outcome == "gone"
+
+
+async def test_the_chain_of_a_replaced_command_ends_with_that_though_the_lamp_obeys_both(home: Home) -> None:
+    lamp = await home.lamp("on_off", before={"on_off": True}, behaviour=obey_after(8.0))
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(lamp.turn_off)
+        await anyio.sleep(0.1)
+        assert (await lamp.turn_on()).succeeded
+    entries = (await home.read()).entries
+    (end,) = [one for one in entries if one.results and one.results[0].outcome == "superseded"]
+    chain = [one.kind for one in entries if one.command == end.command]
+    assert chain == ["requested", "sent", "acknowledged", "outcome"]
