@@ -233,21 +233,21 @@ class AccessoryRunner(DeviceRunner):
             if is_read:
                 is_away = whole_number(one.get("status")) == _NO_POWER
                 self._devices.report_reachable(accessory.device.key, reachable=not is_away)
-            if self._admits(known, one, is_routine=is_routine):
+            if self._keep(known, one, is_routine=is_routine):
                 news.setdefault(aid, {})[iid] = one["value"]
         for aid, changed in news.items():
             await self._report_changed(self._accessories[aid], changed)
 
-    def _admits(self, known: HapCharacteristic, one: Mapping[str, object], *, is_routine: bool) -> bool:
-        """Return whether to report a value; reject one that should be a press and is not."""
+    def _keep(self, known: HapCharacteristic, one: Mapping[str, object], *, is_routine: bool) -> bool:
+        """Keep a value, and return whether to report it; reject one that should be a press and is not."""
         value = one.get("value")
         if known.type == PRESS and whole_number(value) not in PRESSES:
             if value is not None:  # as it is read
                 self.reject(b"", f"{shown(value)} is not a press")
             return False
-        if "value" not in one:
-            known.value = None  # the next one is news
-        return "value" in one and not (is_routine and value == known.value)
+        is_old = is_routine and value == known.value
+        known.value = value  # None for one that could not be read, so the next one is news
+        return "value" in one and not is_old
 
     async def _report_changed(self, accessory: AccessoryDevice, values: Mapping[int, object]) -> None:
         key = accessory.device.key
@@ -256,10 +256,7 @@ class AccessoryRunner(DeviceRunner):
             payload = compact_json({"aid": accessory.aid, "iid": iid, "value": value})
             await self._devices.deliver_raw(key, payload.encode())
         for part in accessory.parts.values():
-            changed = [one for one in part.service.characteristics.values() if one.iid in values]
-            for one in changed:
-                one.value = values[one.iid]
-            kinds = {one.type for one in changed}
+            kinds = {one.type for one in part.service.characteristics.values() if one.iid in values}
             for row in part.rows.values():  # one by one, as the newest report of each set of capabilities is kept
                 if not kinds.isdisjoint(row.kinds):
                     await self._devices.report(key, {row.capability: row.read_value(part.service)}, part.part.id)
