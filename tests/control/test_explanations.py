@@ -13,7 +13,7 @@ from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door, DoorSettings
 from homebot.control.explanations import Explanations
 from homebot.devices import Device
-from homebot.devices.handles import Light
+from homebot.devices.handles import ContactSensor, Light
 from homebot.devices.journal_messages import (
     ExplainDevice,
     ExplainDeviceRequest,
@@ -145,6 +145,18 @@ async def test_a_robot_asks_over_rosbridge(open_home: OpenHome) -> None:
 def blind(*settable: str, readable: tuple[str, ...] = ()) -> Device:
     values = dict.fromkeys(readable, True)
     return make_device("blind", "window_covering", settable=settable, values=values)
+
+
+@virtual_time
+async def test_a_sensor_changed_when_it_reported_that(home: Home) -> None:
+    """It was said to have reported no change, as its changes are no entries of the journal."""
+    window = await home.new(ContactSensor, "window", readable=("contact",), before={"contact": True})
+    await anyio.sleep(20)
+    changed_at = home.graph.clock.now()
+    await home.report("window", "contact", False)
+    found = await explain(home, window.device.id)
+    assert (found.finding, found.entries) == ("change", ())
+    assert found.changed_at.to_seconds() == pytest.approx(changed_at, abs=0.5)
 
 
 async def missing(device: Device, state: str) -> ExplainMissingStateResponse:

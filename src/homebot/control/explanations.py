@@ -145,7 +145,7 @@ class Explanations:
         if (last := _last_change(device, known)) is not None:
             entries = await reader.chain(last, _DEEPEST)
             finding, changed_at = "change" if last.kind == "changed" else "command", entries[-1].at
-        elif (newest := max(_settable_states(device), key=_since, default=None)) is not None:
+        elif (newest := max(_main_states(device), key=_since, default=None)) is not None:
             finding, changed_at = _finding_of_state(device, newest), newest.since
         elif (sent := next((one for one in reversed(known) if one.kind == "sent"), None)) is not None:
             entries = await reader.chain(sent, 1)
@@ -177,7 +177,7 @@ def _last_change(device: Device, entries: Sequence[JournalEntry]) -> JournalEntr
     if last is None:
         return None
     until = last.at.to_seconds() + _LATE
-    newer = [one for one in _settable_states(device) if _since(one) > until]
+    newer = [one for one in _main_states(device) if _since(one) > until]
     return last if not newer or _knows(entries, newer, last) else None
 
 
@@ -220,15 +220,16 @@ def _since(state: State) -> float:
     return state.since.to_seconds()
 
 
-def _settable_states(device: Device) -> list[State]:
-    settable = {
-        (part.id, one.name)
+def _main_states(device: Device) -> list[State]:
+    """Return the states of the settings of *device*; of one that only reports, all."""
+    main = {
+        (part.id, one.name): one.settable
         for part in device.parts
         if not part.part.category
         for one in part.part.capabilities
-        if one.settable
     }
-    return [one for one in device.states if (one.part, one.capability) in settable]
+    takes_commands = any(main.values())
+    return [one for one in device.states if main.get((one.part, one.capability)) is takes_commands]
 
 
 def _is_trigger(entry: JournalEntry, trigger: Trigger) -> bool:
@@ -277,8 +278,8 @@ def _squeezed(text: str) -> str:
 
 
 def _is_so(device: Device, wanted: str) -> bool:
-    """Return whether the last report of a commandable state is *wanted*."""
-    states = _settable_states(device)
+    """Return whether the last report of a main state is *wanted*."""
+    states = _main_states(device)
     off = {one.part for one in states if one.capability == "on_off" and one.value.plain() is False}
     return any(
         _means(one.capability, one.value.plain(), wanted)
