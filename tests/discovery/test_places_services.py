@@ -98,6 +98,7 @@ async def test_a_refusal_is_answered_in_words() -> None:
             (await house.place("nobody", "Hall"), "there is no device of that id"),
             (await house.place("desk_lamp", "Hal"), "there is no room 'Hal'; did you mean Hall?"),
             (await house.place("desk_lamp", "Kichen"), "did you mean Kitchen?"),
+            (await house.place("desk_lamp", "Studdy"), "did you mean Study?"),
             (await house.place("desk_lamp", "Hall"), ""),
         ):
             assert answer.success is (reason == "")

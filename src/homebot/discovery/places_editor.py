@@ -270,13 +270,10 @@ class PlacesEditor:
 
     def _check_typo(self, room: str) -> None:
         plan = self._table.owner.plan
-        known = {fold(one): one for one in (*(one.name for one in plan.rooms), *plan.floors)}
-        known = {area: area for area in self._table.postings.values_of("area")} | known
+        known = {*map(fold, (*(one.name for one in plan.rooms), *plan.floors)), *self._table.postings.values_of("area")}
         spelled = fold(room)
-        meant = (
-            sorted(name for key, name in known.items() if is_room_typo(spelled, key)) if spelled not in known else ()
-        )
-        if meant:
+        meant = sorted(self._spelled(one, "") for one in known if is_room_typo(spelled, one))
+        if meant and spelled not in known:
             raise UsageError(f"there is no room {room!r}; did you mean {' or '.join(meant)}?")
 
     def _entry(self, device_id: str) -> Entry:
