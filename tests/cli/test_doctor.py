@@ -143,7 +143,7 @@ def test_a_homebot_without_a_gateway_is_told_how_to_get_one(homebot_with: Callab
     homebot = homebot_with(devices_alone, None)
     assert main(["--door", homebot.door, "doctor", "--gateways"]) == 0
     second = capsys.readouterr().out.splitlines()[1]
-    assert second == "no gateway runs: add a table such as [gateways.mqtt] to find devices"
+    assert second == "no gateway runs; one with a table such as [gateways.mqtt] finds devices"
 
 
 def test_a_container_is_healthy_though_devices_are_silent_and_parts_have_failed(

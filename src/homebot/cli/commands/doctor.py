@@ -77,7 +77,7 @@ def _ask(door: DoorClient, options: argparse.Namespace) -> int:
     fields = door.call("/rosapi/doctor", asked, timeout=_LONGEST)
     found = cast("ExamineResponse", JsonMessage(fields))
     texts = [f"home {printable(door.home)} on {door.where}"]
-    texts += [] if found.gateways else ["no gateway runs: add a table such as [gateways.mqtt] to find devices"]
+    texts += [] if found.gateways else ["no gateway runs; one with a table such as [gateways.mqtt] finds devices"]
     texts += [one.text for one in found.gateways if one.state == "active"]
     texts.append(f"devices: {found.devices}, unconfirmed: {found.unconfirmed}")
     states = {one.name: one.state for one in found.gateways}
