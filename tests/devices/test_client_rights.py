@@ -168,6 +168,8 @@ PARTS: list[tuple[str, Device, bool]] = [
             ("Door", "Release", True),
             ("Front door", "Open", True),
             ("Garage light", "Open", False),
+            ("Tesla_BLE_5YJ3", "Open Trunk", True),  # tesla_ble_mqtt_core
+            ("Tesla_BLE_5YJ3", "Flash Lights", False),
             ("Kitchen", "Open", False),
             ("Garage", "Light", False),
         )
