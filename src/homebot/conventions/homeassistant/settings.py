@@ -4,13 +4,14 @@ Source: Home Assistant core 2025.4, ``components/mqtt``: button.py, notify.py, n
 and text.py; core 2026.11: date.py, datetime.py and time.py.
 """
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Mapping
 
 from homebot.conventions.command_values import moment_text, option_writer, require_moment
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, meaning_reader
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, compact_json, fields_of, meaning_reader
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
@@ -141,17 +142,45 @@ def _build_text(
 
 
 def build_moment(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a date, a time of day, or both, as text in ISO 8601. Other texts are neither read nor sent."""
+    """Describe a date, a time of day, or both, as text in ISO 8601. Other texts are neither read nor sent.
+
+    ESPHome tells and takes its numbers in JSON, without a time zone.
+    """
     kind = config.component
     command = config.required_command()
+    in_numbers = False  # as the last state
 
     def read(text: str) -> Readings:
-        moment = moment_text(kind, text)
+        nonlocal in_numbers
+        fields = fields_of(text)
+        in_numbers = bool(fields)
+        moment = moment_text(kind, _moment_of(kind, fields) if fields else text)
         return {"text": moment} if moment is not None or text == "None" else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> Publications:
-        return command.publish(require_moment(kind, value))
+        moment = require_moment(kind, value, zoned=not in_numbers)
+        return command.publish(_numbers_of(kind, moment) if in_numbers else moment)
 
     entity = Entity(config, "x_setting", kind)
     entity.add_value("text", config.source("state_topic"), read, command, write)
+    entity.remembers()
     return entity.build()
+
+
+_DATE, _TIME = ("year", "month", "day"), ("hour", "minute", "second")
+_NUMBERS: Mapping[str, tuple[str, ...]] = {"date": _DATE, "datetime": (*_DATE, *_TIME), "time": _TIME}
+_FORMS = {"date": "{year:04}-{month:02}-{day:02}", "time": "{hour:02}:{minute:02}:{second:02}"}
+_FORMS["datetime"] = f"{_FORMS['date']}T{_FORMS['time']}"
+
+
+def _moment_of(kind: str, fields: Mapping[str, object]) -> str:
+    """Return the moment in the numbers of a message; empty for none."""
+    try:
+        return _FORMS[kind].format_map(fields)
+    except (LookupError, TypeError, ValueError):
+        return ""
+
+
+def _numbers_of(kind: str, moment: str) -> str:
+    numbers = map(int, re.findall("[0-9]+", moment))
+    return compact_json(dict(zip(_NUMBERS[kind], numbers, strict=False)))
