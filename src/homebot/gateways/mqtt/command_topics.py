@@ -11,6 +11,10 @@ __all__ = ["CommandTopics"]
 _Reader: TypeAlias = AnnouncedPart | AvailabilityReader
 
 
+_MOST = 256
+"""Most parts with commands on a topic that is read, so that each message is little work."""
+
+
 class CommandTopics:
     """The command topics of announced parts.
 
@@ -19,34 +23,37 @@ class CommandTopics:
 
     def __init__(self, reserved: ReservedTopics | None) -> None:
         self._reserved = reserved
-        self._parts: dict[str, tuple[AnnouncedPart, ...]] = {}
+        self._parts: dict[str, dict[AnnouncedPart, None]] = {}
 
     def add(self, part: AnnouncedPart) -> None:
         """Add the command topics of *part*."""
         for topic in part.described.part.writes:
-            self._parts[topic] = (*self._parts.get(topic, ()), part)
+            self._parts.setdefault(topic, {})[part] = None
 
     def remove(self, part: AnnouncedPart) -> None:
         """Remove the command topics of *part*."""
         for topic in part.described.part.writes:
-            if left := tuple([one for one in self._parts.get(topic, ()) if one is not part]):
-                self._parts[topic] = left
-            else:
-                self._parts.pop(topic, None)
-
-    def may_read(self, topic: str, reader: _Reader) -> bool:
-        """Return whether *reader* may read what is published on *topic*."""
-        if self._reserved is not None and self._reserved.is_secret(topic):
-            return False
-        parts = self._parts.get(topic, ())
-        own = (reader.stored,) if isinstance(reader, AnnouncedPart) else [one for one, _ in reader.reachability.members]
-        return not any(one.described.sends_code or not _is_one_device(one.stored, own) for one in parts)
+            if parts := self._parts.get(topic):
+                parts.pop(part, None)
+                if not parts:
+                    del self._parts[topic]
 
     def readable(self, topic: str, readers: Iterable[_Reader]) -> tuple[_Reader, ...]:
-        """Return those of *readers* that may read *topic*."""
-        return tuple([one for one in readers if self.may_read(topic, one)])
+        """Return those of *readers* that may read what is published on *topic*."""
+        if self._reserved is not None and self._reserved.is_secret(topic):
+            return ()
+        if (parts := self._parts.get(topic)) is None:
+            return tuple(readers)
+        if len(parts) > _MOST or any(one.described.sends_code for one in parts):
+            return ()
+        names = frozenset.intersection(*[_names_of(one.stored) for one in parts])
+        return tuple([one for one in readers if any(not names.isdisjoint(_names_of(own)) for own in _owners(one))])
 
 
-def _is_one_device(stored: StoredAnnouncement, others: Iterable[StoredAnnouncement]) -> bool:
-    own = stored.described.identifiers
-    return any(one.key == stored.key or not set(own).isdisjoint(one.described.identifiers) for one in others)
+def _owners(reader: _Reader) -> Iterable[StoredAnnouncement]:
+    return (reader.stored,) if isinstance(reader, AnnouncedPart) else (one for one, _ in reader.reachability.members)
+
+
+def _names_of(stored: StoredAnnouncement) -> frozenset[str]:
+    """Return the names of a device, one of which its announcements share."""
+    return frozenset((stored.key, *stored.described.identifiers))

@@ -272,7 +272,7 @@ class AnnouncedDevices:
         """
         for topic, reader in missed:
             word = self._last_messages.get(topic)
-            if topic == taken or word is None or not self._registry.commands.may_read(topic, reader):
+            if topic == taken or word is None or not self._registry.commands.readable(topic, (reader,)):
                 continue
             parts, readers = ((), (reader,)) if isinstance(reader, AvailabilityReader) else ((reader,), ())
             await self._states.read(topic, word.payload, parts, readers, retained=True, wait_if_full=False)

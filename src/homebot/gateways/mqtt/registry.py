@@ -112,7 +112,7 @@ class AnnouncementRegistry(DeviceRegistry):
             if not self._add_reader(topic_filter, part, refused):
                 continue
             stored.subscriptions.append((topic_filter, part))
-            if not self.commands.may_read(topic_filter, part):
+            if not self.commands.readable(topic_filter, (part,)):
                 refused.append(WireError(f"commands of another device, or codes, go to {topic_filter!r}"))
             elif count and not has_wildcard(topic_filter) and (part.described.remembers or not only_remembering):
                 replayed.append((topic_filter, part))

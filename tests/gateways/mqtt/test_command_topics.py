@@ -1,0 +1,65 @@
+"""A topic of commands is read by its own device alone."""
+
+import json
+from typing import Any
+
+from homebot.conventions.convention import Convention
+from homebot.conventions.description import DeviceAnnounced
+from homebot.conventions.installed_conventions import find_conventions
+from homebot.gateways.mqtt.registry import AnnouncementRegistry, TopicReaders
+from homebot.gateways.mqtt.state_topics import StateTopics
+
+(CONVENTION,) = find_conventions(("homeassistant",), {}, "")
+
+
+def announced(registry: AnnouncementRegistry, component: str, name: str, device: str = "", **config: Any) -> None:
+    fields = {"unique_id": name, **config}
+    if device:
+        fields["device"] = {"identifiers": [device], "name": device}
+    topic = f"homeassistant/{component}/{name}/config"
+    (described,) = CONVENTION.read_message(topic, json.dumps(fields).encode(), retained=True)
+    assert isinstance(described, DeviceAnnounced)
+    registry.put(described)
+
+
+def registry_of(*conventions: Convention) -> AnnouncementRegistry:
+    return AnnouncementRegistry("mqtt", conventions, StateTopics(()))
+
+
+def readers_of(registry: AnnouncementRegistry, topic: str) -> list[str]:
+    route = registry.route(topic) or TopicReaders(())
+    parts = [one.stored.key for one in route.announced_parts]
+    return parts + [stored.key for one in route.availability_readers for stored, _ in one.reachability.members]
+
+
+def test_a_switch_that_reports_where_it_is_told_is_read_with_its_device_and_no_other_is() -> None:
+    registry = registry_of(CONVENTION)
+    announced(registry, "switch", "plug", "plug17", state_topic="desk/plug", command_topic="desk/plug")
+    announced(registry, "sensor", "own", "plug17", state_topic="desk/plug")
+    announced(registry, "sensor", "other", "other17", state_topic="desk/plug")
+    announced(registry, "sensor", "nobody", state_topic="desk/+")
+    assert readers_of(registry, "desk/plug") == ["homeassistant:switch/plug", "homeassistant:sensor/own"]
+    announced(registry, "switch", "plug", "plug17", state_topic="desk/plug", command_topic="desk/set")
+    assert len(readers_of(registry, "desk/plug")) == 4
+    assert readers_of(registry, "desk/set") == []
+
+
+def test_nobody_learns_from_what_an_alarm_is_told_that_another_device_is_there() -> None:
+    """A template would tell the digits of a code, one after the other."""
+    registry = registry_of(CONVENTION)
+    announced(registry, "sensor", "spy", state_topic="spy", availability_topic="alarm/set")
+    assert readers_of(registry, "alarm/set") == ["homeassistant:sensor/spy"]
+    announced(registry, "alarm_control_panel", "alarm", state_topic="alarm", command_topic="alarm/set")
+    assert readers_of(registry, "alarm/set") == []
+    registry.remove("homeassistant:alarm_control_panel/alarm")
+    assert readers_of(registry, "alarm/set") == ["homeassistant:sensor/spy"]
+
+
+def test_a_topic_on_which_too_many_take_commands_is_read_by_none() -> None:
+    """Or each of their messages would be a second of work."""
+    registry = registry_of(CONVENTION)
+    for number in range(257):
+        announced(registry, "switch", f"s{number}", "flood17", state_topic="s", command_topic="s")
+    assert readers_of(registry, "s") == []
+    registry.remove("homeassistant:switch/s0")
+    assert len(readers_of(registry, "s")) == 256
