@@ -35,6 +35,7 @@ __all__ = [
     "with_stated_facts",
 ]
 
+_fact_of = Fact.of_checked  # looked up once, as `of_checked` says
 
 MAX_FACTS = 200
 """Most published facts of one device; those of the preferred announcements come first."""
@@ -322,7 +323,7 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
             if value and (fact := (name, value, gateway, convention)) not in found:
                 changed_value, changed_at = source.facts.get(name, ("", at))
                 said_at = changed_at if changed_value == value else at
-                found[fact] = Fact(
+                found[fact] = _fact_of(
                     name=name, value=value, gateway=gateway, convention=convention, key=sighting.key, said_at=said_at
                 )
         if len(found) >= MAX_FACTS:

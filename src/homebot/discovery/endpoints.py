@@ -24,6 +24,8 @@ __all__ = [
     "sorted_routes",
 ]
 
+_endpoint_of = Endpoint.of_checked  # looked up once, as `of_checked` says
+
 _SourceReach: TypeAlias = tuple[SourceRecord, str, Reach | None]
 """The reachability of a part according to one announcement."""
 
@@ -157,7 +159,7 @@ def endpoints(
     for (gateway, key), address, command_address in described:
         heard = [source for source in sources.values() if source.key[0] == gateway]
         found.append(
-            Endpoint(
+            _endpoint_of(
                 gateway=gateway,
                 key=key,
                 address=address,

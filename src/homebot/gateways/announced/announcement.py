@@ -287,4 +287,4 @@ class StoredAnnouncement:
 
 @lru_cache(maxsize=10_000)  # devices share many facts
 def _fact(key: str, value: str) -> KeyValue:
-    return KeyValue(key=key, value=value)
+    return KeyValue(key=key, value=value).slimmed()
