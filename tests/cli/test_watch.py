@@ -172,3 +172,10 @@ def test_top_takes_the_whole_terminal_and_gives_it_back(door: str) -> None:
     assert shown.startswith("\x1b[?1049h")
     frame = shown.split("loop lag")[1]
     assert frame.count("\r\n") < 12
+
+
+@pytest.mark.parametrize("width", [None, 120])
+def test_a_long_value_leaves_the_issuer_in_its_column(width: int | None) -> None:
+    """It moved behind `color temperature 3000 K`."""
+    lines = [fitted(("12:00:00.0", "lamp", value, "", "local"), width) for value in ("on", "color temperature 3000 K")]
+    assert len({line.index("local") for line in lines}) == 1

@@ -181,10 +181,11 @@ def fitted(cells: tuple[str, ...], width: int | None) -> str:
     """Return *cells* in columns; if *width* is given, the line is cut to fit: first the cause, then the issuer."""
     time, device, value, why, issuer = cells
     begin = f"{time}  {device:<{_DEVICE}}  {value:<{_VALUE}}"
+    end = len(time) + _DEVICE + _VALUE + _WHY + 6  # of the cause, also after a long value
     if width is None:
-        return f"{begin}  {why:<{_WHY}}  {issuer}".rstrip()
+        return f"{f'{begin}  {why}':<{end}}  {issuer}".rstrip()
     room = max(0, width - len(begin) - 2)
     issuer = printable(issuer, room) if len(issuer) > room and room else issuer[:room]
     left = room - len(issuer) - 2
     cut = printable(why, left) if left > 0 else ""
-    return f"{begin}  {cut:<{min(_WHY, max(left, 0))}}  {issuer}".rstrip()[:width]
+    return f"{f'{begin}  {cut}':<{min(end, width - len(issuer) - 2)}}  {issuer}".rstrip()[:width]
