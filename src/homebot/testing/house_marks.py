@@ -39,7 +39,7 @@ def open_house(test: pytest.Item, loop: AbstractEventLoop, *config: object) -> I
         with hold_open(loop, _with_log(_homebot(test, *config) if config else _virtual_house(test))) as house:
             yield house
     except UsageError as exc:
-        pytest.fail(str(exc), pytrace=False)
+        raise pytest.fail.Exception(str(exc), pytrace=False) from None
 
 
 @asynccontextmanager
