@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from importlib.metadata import entry_points
 
-import homebot_acme
 import pytest
 from homebot_acme import Acme, AcmeSettings
 from pydantic import ValidationError
@@ -19,9 +18,9 @@ from homebot.testing import TestHouse
 INFO = b'{"name": "Desk", "dimmable": true}'
 
 
-def test_the_package_is_the_installed_one() -> None:
+def test_the_package_is_installed() -> None:
     """Else nothing here would be shown of entry points."""
-    assert Path(homebot_acme.__file__).parent != Path(__file__).parent
+    assert "acme" in entry_points(group="homebot.mqtt_conventions").names
 
 
 def announce(payload: bytes) -> DeviceAnnounced:
