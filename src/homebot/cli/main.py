@@ -81,7 +81,7 @@ _WRONG_COMMAND_LINE: Final = 2
 
 _EPILOG = """\
 examples:
-  homebot run                                    try it: embedded broker, simulated devices, light service
+  homebot run                                    try it: a simulated family's house
   homebot devices                                the devices in the house
   homebot find 'light and dimmable in kitchen'   the devices that match
   homebot do 'Kitchen lamp' on                   command a device, and show whether it obeyed

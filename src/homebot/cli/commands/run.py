@@ -127,8 +127,8 @@ def _add_sources(parser: argparse.ArgumentParser) -> None:
         type=_app,
         action="append",
         default=[],
-        help="app to run: a plug-in's name, module:Class or a Python file; may be given more than once (default: the "
-        "light service in the simulated house, none with your own broker)",
+        help="app to run: a plug-in's name, module:Class or a Python file; may be given more than once (default: "
+        "those of the simulated house, none with your own broker)",
     )
     parser.add_argument(
         "--act", action="store_true", help="allow the gateway `mqtt` to send commands to an external broker"

@@ -84,7 +84,8 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
     why = (
         f"such a device needs a right that names it ({asks})" if asks else "it is not among what the client may command"
     )
-    has = f"the scope of the client is {', '.join(command.scope)}" if command.scope else "the client has no token"
+    scope = ", ".join(command.scope)
+    has = f"the scope of the client is {scope}" if scope else "no token of the client is known"
     step = _approval_step(command) if needs_approval else ""
     return f"{command.issuer} may not command {device.id}: {why}, and {has}; {step}{_client_advice(command, right)}"
 
