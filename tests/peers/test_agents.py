@@ -7,6 +7,7 @@ from typing import Any
 
 import anyio
 import pytest
+from anyio.abc import SocketAttribute, SocketStream
 from anyio.streams.buffered import BufferedByteReceiveStream
 from tests.bridges.home_api.api import Api, running_api
 from tests.patience import PATIENCE
@@ -60,6 +61,9 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
             assert len(found.content[0].text) < FOUR_LAMPS
             assert (await call(session, "command", device="lamp1", do="on"))["outcome"] == "confirmed"
             assert "lamp1 reported on" in str(await call(session, "why", device="lamp1"))
+            assert (await call(session, "why", device="../nosuch"))["outcome"] == "not_found"
+            too_long = await session.call_tool("why", {"device": "x" * 501})
+            assert "at most 500 characters" in too_long.content[0].text
 
             declined = await call(session, "command", device="front_door", do="unlock")
             assert declined == {
@@ -154,3 +158,42 @@ async def test_raw_json_rpc_is_refused_what_its_token_has_no_right_to_and_hears_
             await sent.aclose()
             with anyio.fail_after(PATIENCE):
                 assert await process.wait() == 0
+
+
+async def test_it_hears_and_ends_while_all_calls_wait_for_an_answer() -> None:
+    pytest.importorskip("mcp")
+    waiting = anyio.Event()
+
+    async def answer_nothing(stream: SocketStream) -> None:
+        async with stream:
+            waiting.set()
+            await anyio.sleep_forever()
+
+    async with await anyio.create_tcp_listener(local_host="127.0.0.1") as silent, anyio.create_task_group() as tasks:
+        tasks.start_soon(silent.serve, answer_nothing)
+        door = f"127.0.0.1:{silent.extra(SocketAttribute.local_port)}"  # noqa: S610 - not Django's
+        command = [sys.executable, "-m", "homebot", "mcp", "--door", door]
+        async with await anyio.open_process(command, stderr=None) as process:
+            assert process.stdin is not None
+            assert process.stdout is not None
+            lines = BufferedByteReceiveStream(process.stdout)
+            client = {
+                "protocolVersion": "2025-06-18",
+                "capabilities": {},
+                "clientInfo": {"name": "raw", "version": "1"},
+            }
+            messages: list[dict[str, object]] = [
+                {"id": "hello", "method": "initialize", "params": client},
+                {"method": "notifications/initialized"},
+                *({"id": number, "method": "tools/call", "params": {"name": "home"}} for number in range(100)),
+                {"id": "ping", "method": "ping"},
+            ]
+            for message in messages:
+                await process.stdin.send(json.dumps({"jsonrpc": "2.0", **message}).encode() + b"\n")
+            with anyio.fail_after(PATIENCE):
+                await waiting.wait()
+                answered = [json.loads(await lines.receive_until(b"\n", 100_000))["id"] for _ in range(2)]
+                assert answered == ["hello", "ping"]
+                await process.stdin.aclose()
+                assert await process.wait() == 0
+        tasks.cancel_scope.cancel()

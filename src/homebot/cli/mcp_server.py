@@ -1,17 +1,17 @@
-"""The tools of ``homebot mcp``: the HTTP API for agents. The only file that imports the MCP SDK.
+"""The tools of ``homebot mcp``: the HTTP API for agents. The only file that imports the MCP SDK and its HTTP client.
 
-Each request has its own connection, so that homebot may restart in between. Device names are untrusted, so they are
+Each request has its own connection, so that homebot may restart in between, and no thread: the SDK reads with threads,
+and could neither hear nor end while all wait for slow devices. Device names are untrusted, so they are
 only in answers, never in descriptions. Annotations are not postponed here, because the SDK reads those of inner
 functions.
 """
 
 import json
 from collections.abc import Mapping
-from http.client import HTTPConnection, HTTPException
-from typing import Annotated, Final
+from typing import Annotated, Final, TypeAlias
 from urllib.parse import quote, unquote, urlencode
 
-from anyio import to_thread
+import httpx2
 from mcp.server.elicitation import AcceptedElicitation, ElicitationResult
 from mcp.server.mcpserver import Context, MCPServer
 from mcp.server.mcpserver.resolve import Elicit, Resolve
@@ -42,6 +42,12 @@ _LONGEST: Final = 900.0
 
 _MOST: Final = 4 * 1024 * 1024
 
+_MOST_AT_ONCE: Final = 32
+"""Requests that homebot is sent at the same time; it takes 64 clients."""
+
+Words: TypeAlias = Annotated[str, Field(max_length=500)]
+"""An argument; as part of an address, homebot takes up to 8 KiB."""
+
 
 class Sure(BaseModel):
     """Confirmation by a person."""
@@ -61,32 +67,37 @@ class ApiClient:
 
     def __init__(self, address: DoorAddress) -> None:
         self._address = address
+        host, port, token, _, _ = address
+        self._http = httpx2.AsyncClient(
+            base_url=httpx2.URL(scheme="http", host=host, port=port),
+            headers={"Content-Type": "application/json", **({"Authorization": f"Bearer {token}"} if token else {})},
+            timeout=_LONGEST,
+            limits=httpx2.Limits(max_connections=_MOST_AT_ONCE, max_keepalive_connections=0),
+            trust_env=False,
+        )
 
     async def read(self, path: str, last: str = "", **query: object) -> str:
         """Return the answer of the route *path* and *last* as JSON; for a problem, its ``outcome`` and ``reason``."""
         asked = urlencode({name: value for name, value in query.items() if value != ""})
-        return await to_thread.run_sync(self._ask, "GET", f"{path}{quote(last)}?{asked}", None)
+        return await self._ask("GET", f"{path}{quote(last, safe='')}?{asked}")
 
     async def post(self, path: str, body: Mapping[str, str]) -> str:
         """Return the answer to *body* as JSON, like :meth:`read`."""
-        return await to_thread.run_sync(self._ask, "POST", path, json.dumps(body).encode())
+        return await self._ask("POST", path, json.dumps(body).encode())
 
-    def _ask(self, method: str, target: str, body: bytes | None) -> str:
-        host, port, token, _, home = self._address
-        connection = HTTPConnection(host, port, timeout=_LONGEST)
-        headers = {"Content-Type": "application/json", **({"Authorization": f"Bearer {token}"} if token else {})}
+    async def _ask(self, method: str, target: str, body: bytes | None = None) -> str:
+        host, port, _, _, home = self._address
+        found = b""
         try:
-            connection.request(method, target, body, headers)
-            response = connection.getresponse()
-            text = response.read(_MOST).decode(errors="replace")
-        except (OSError, HTTPException) as exc:
+            async with self._http.stream(method, target, content=body) as response:
+                async for piece in response.aiter_bytes():
+                    found = (found + piece)[:_MOST]
+        except httpx2.HTTPError as exc:
             return _problem("failed", f"no homebot answers on {host}:{port} ({exc}); start one with `homebot run`")
-        finally:
-            connection.close()
-        served = unquote(response.headers.get(HOME_HEADER, ""))
+        text, served = found.decode(errors="replace"), unquote(response.headers.get(HOME_HEADER, ""))
         if home and served and served != home:
             return _problem("failed", f"the homebot on {host}:{port} serves the home {served!r}, not {home!r}")
-        return text.rstrip() if response.status == 200 else _refusal(text)
+        return text.rstrip() if response.status_code == 200 else _refusal(text)
 
 
 def house_server(api: ApiClient) -> MCPServer:
@@ -96,29 +107,29 @@ def house_server(api: ApiClient) -> MCPServer:
         """Return the rooms of the house, with the number of devices by type."""
         return await api.read("/api/home")
 
-    async def find_devices(query: str = "", limit: int = 50) -> str:
+    async def find_devices(query: Words = "", limit: int = 50) -> str:
         """Return the devices that fit a query such as `light in kitchen`, or all, with room and values."""
         return await api.read("/api/devices", q=query, limit=limit)
 
-    async def why(device: str, state: str = "") -> str:
+    async def why(device: Words, state: Words = "") -> str:
         """Return why a device is in its state or, given a state such as `on`, why it is not in that one."""
         return await api.read("/api/why/", device, state=state)
 
-    async def history(device: str, capability: str = "", since: str = "24h", points: int = 50) -> str:
+    async def history(device: Words, capability: Words = "", since: Words = "24h", points: int = 50) -> str:
         """Return past values of a device, or of one capability such as `temperature`, for the last `24h` or `7d`."""
         return await api.read("/api/history", device=device, capability=capability, since=since, points=points)
 
-    async def details(device: str) -> str:
+    async def details(device: Words) -> str:
         return await api.read("/api/devices/", device.partition("#")[0])
 
     async def sure(
-        device: str, do: str, details: Annotated[str, Resolve(details)], context: Context
+        device: Words, do: Words, details: Annotated[str, Resolve(details)], context: Context
     ) -> Sure | Elicit[Sure]:
         return _question(details, device, do, context)
 
     async def command(
-        device: str,
-        do: str,
+        device: Words,
+        do: Words,
         details: Annotated[str, Resolve(details)],
         sure: Annotated[ElicitationResult[Sure], Resolve(sure)],
     ) -> str:

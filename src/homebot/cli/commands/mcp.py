@@ -1,6 +1,7 @@
 """``homebot mcp``."""
 
 import argparse
+import signal
 import sys
 from contextlib import redirect_stdout
 
@@ -27,6 +28,7 @@ def _serve(options: argparse.Namespace) -> int:
     address = door_of(options)
     from homebot.cli.mcp_server import ApiClient, house_server  # noqa: PLC0415 - not before the extra is known to be there
 
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # the SDK's thread that reads standard input cannot be cancelled
     with redirect_stdout(sys.__stdout__):  # the protocol writes bytes to it
         house_server(ApiClient(address)).run("stdio")
     return 0
