@@ -1,6 +1,6 @@
 """The topics on which no state is read, as commands with codes go there. Pure."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TypeAlias
 
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
@@ -38,9 +38,9 @@ class CommandTopics:
                 if not parts:
                     del self._parts[topic]
 
-    def readable(self, topic: str, readers: Iterable[_Reader]) -> tuple[_Reader, ...]:
+    def readable(self, topic: str, readers: Sequence[_Reader]) -> tuple[_Reader, ...]:
         """Return those of *readers* that may read what is published on *topic*."""
-        if self._reserved is not None and self._reserved.is_secret(topic):
+        if not readers or (self._reserved is not None and self._reserved.is_secret(topic)):
             return ()
         if (parts := self._parts.get(topic)) is None:
             return tuple(readers)

@@ -4,6 +4,7 @@ Apps may still publish there themselves. From some of them nobody may read, as c
 """
 
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -22,6 +23,8 @@ __all__ = ["ReservedTopics"]
 OWN = "homebot"
 
 _BRIDGE_REQUEST = "/bridge/request/"
+_MAX_CACHED = 5000
+"""State topics: all announcements of a device have one, but do not come one after the other."""
 
 
 class _Reservation(NamedTuple):
@@ -38,10 +41,14 @@ class ReservedTopics:
     Args:
         conventions: Conventions whose topics of announcements and texts are reserved.
         own_commands: The filters of commands to homebot's own devices.
+
+    Attributes:
+        is_secret: Returns whether nobody may read a topic, as there may be codes.
     """
 
     def __init__(self, conventions: Iterable[Convention], own_commands: Iterable[str] = ()) -> None:
         self._rules: FilterIndex[_Reservation | TextConvention] = FilterIndex()
+        self.is_secret = lru_cache(_MAX_CACHED)(self._is_secret)
         for topic_filter in own_commands:
             self._rules.add(topic_filter, _Reservation("it belongs to homebot", is_secret=True))
         for one in conventions:
@@ -74,8 +81,7 @@ class ReservedTopics:
                 return rule.why
         return why
 
-    def is_secret(self, topic: str) -> bool:
-        """Return whether nobody may read *topic*, as there may be codes."""
+    def _is_secret(self, topic: str) -> bool:
         rules = self._rules.match(topic)
         return _BRIDGE_REQUEST in topic or any(isinstance(one, _Reservation) and one.is_secret for one in rules)
 
