@@ -5,6 +5,7 @@ from contextlib import asynccontextmanager
 
 from tests.gateways.watched_gateway import WatchedGateway, reading, receive
 
+from homebot.clock import Clock
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import SendCommandResponse
 from homebot.devices.value import PlainValue
@@ -35,9 +36,9 @@ class Watcher(WatchedGateway):
 
 
 @asynccontextmanager
-async def watched_gateway(**settings: object) -> AsyncIterator[Watcher]:
+async def watched_gateway(clock: Clock | None = None, /, **settings: object) -> AsyncIterator[Watcher]:
     """Run a gateway with these settings inside the block."""
-    graph = Graph()
+    graph = Graph(clock)
     async with Node(graph, "watcher") as node, Node(graph, "coap", namespace="/gateway") as own:
         made = CoapGateway(own, CoapGatewaySettings.model_validate(settings))
         watcher = Watcher(node, made)
