@@ -47,13 +47,14 @@ class Vacuum:
 
 
 @asynccontextmanager
-async def vacuum(**settings: object) -> AsyncIterator[Vacuum]:
+async def vacuum(kept: str = "", **settings: object) -> AsyncIterator[Vacuum]:
     table = RobotSettings.model_validate(settings)
     async with (
         simple_house() as house,
         Node(house.graph, "robots") as node,
         anyio.create_task_group() as tasks,
     ):
+        await house.say(f"{BASE}/pose", kept, retain=True)
         tracker = RobotTracker(node, RobotOwners({"dusty": ()}), lambda: HOUSE, {"dusty": table})
         await tasks.start(tracker.serve)
         yield Vacuum(house, house.watcher.create_subscription(RobotPose, ROBOT_POSES, None, ALL))
@@ -143,6 +144,12 @@ async def test_a_pose_by_mqtt_counts_as_long_as_it_says_also_after_the_link_was_
         await dusty.say("pose", '{"room": "Hall", "limit": 60}', "dusty")
         [pose] = (await dusty.ask()).pose
         assert (pose.room, pose.has_position, pose.limit) == ("Hall", False, 60.0)
+
+
+async def test_a_pose_that_the_broker_kept_does_not_count_as_its_age_is_unknown() -> None:
+    async with vacuum(kept='{"x": 1, "y": 2}', topic=f"{BASE}/pose") as dusty:
+        await anyio.sleep(1)
+        assert not (await dusty.ask()).success
 
 
 async def test_a_topic_that_no_device_says_is_for_the_tracker_of_robots_alone_and_no_device() -> None:

@@ -51,6 +51,8 @@ async def read_poses(node: Node, devices: Devices, robot: TrackedRobot) -> None:
     log, settings = LogLimit(node.graph.clock), robot.settings
 
     def on_pose(message: RawMessage) -> None:
+        if message.retained:  # its age is not known
+            return
         try:
             told = JsonPose.model_validate_json(message.payload[:_LONGEST_POSE])
         except ValidationError as exc:
