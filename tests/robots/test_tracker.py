@@ -415,7 +415,9 @@ async def test_a_pose_is_current_when_asked(one: House) -> None:
         await anyio.sleep(0.01)
 
 
-async def test_a_motion_sensor_of_a_robot_says_its_room_for_a_minute(open_home: OpenHome) -> None:
+async def test_a_motion_sensor_of_a_robot_says_its_room_for_a_minute_whatever_its_link_does(
+    open_home: OpenHome,
+) -> None:
     async with open_home() as home, Node(home.graph, "robots") as node:
         home.put("low motion", "occupancy_sensor", readable=("occupancy",), area="hall")
         home.put("motion", "occupancy_sensor", readable=("occupancy",), area="kitchen")
@@ -430,6 +432,17 @@ async def test_a_motion_sensor_of_a_robot_says_its_room_for_a_minute(open_home: 
         assert [(pose.room, pose.has_position, pose.limit) for pose in answer.pose] == [("Hall", False, 60.0)]
         await anyio.sleep(60)
         assert not (await where.call(WhereIsRobotRequest())).success
+        home.gateway.set_unavailable("its link is cut")
+        await anyio.sleep(1)
+        assert not (await where.call(WhereIsRobotRequest())).success
+        home.gateway.set_available()
+        await anyio.sleep(1)
+        assert not (await where.call(WhereIsRobotRequest())).success
+        await home.report("low motion", "occupancy", False)
+        await anyio.sleep(1)
+        await home.report("low motion", "occupancy", True)
+        await anyio.sleep(1)
+        assert (await where.call(WhereIsRobotRequest())).success
 
 
 async def test_a_motion_sensor_does_not_revive_a_pose_of_a_silent_robot(open_home: OpenHome) -> None:

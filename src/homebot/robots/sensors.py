@@ -37,12 +37,16 @@ def read_tags(node: Node, robot: TrackedRobot) -> None:
 
 
 async def follow_motion(devices: Devices, robots: Iterable[TrackedRobot]) -> None:
-    """Place each of *robots* in the room of its motion sensors while they detect motion; until cancelled."""
+    """Place each of *robots* in the room of its motion sensors when these begin to detect motion; until cancelled."""
     by_sensor = {key: robot for robot in robots for name in robot.settings.motion_sensors for key in (name, fold(name))}
+    since: dict[str, float] = {}
     async for change in devices.follow(OccupancySensor):
         handle = change.handle
         robot = by_sensor.get(handle.id) or by_sensor.get(fold(handle.name))
-        if robot is not None and handle.area and handle.occupied and change.kind != "removed":
+        if robot is None or change.kind == "removed" or handle.since("occupancy") == since.get(handle.id):
+            continue  # other changes, as of its link, are no motion
+        since[handle.id] = handle.since("occupancy")
+        if handle.area and handle.occupied and handle.freshness == "fresh":
             robot.place(handle.id, MOTION_LIMIT, room=handle.area, by_robot=False)
 
 
