@@ -63,11 +63,8 @@ class HomeAssistantReader:
         parts: _Parts = {}
         broken: WireError | None = None
         for config in announced.components:
-            if self._is_fahrenheit and config.component in _HEATING and not config.has("temperature_unit"):
-                config.values = {**config.values, "temperature_unit": "F"}
             try:
-                build = builder_of(config.component)
-                part = self._shapes.part(config, build) if config.component in SHAPED else build(config)
+                part = self._part(config)
                 if config_topic.component == DEVICE:
                     part = part._replace(availability=cached_availability(config))
             except WireError as error:
@@ -85,6 +82,12 @@ class HomeAssistantReader:
             self.rejected -= 1
             raise broken
         return parts
+
+    def _part(self, config: DiscoveryConfig) -> DescribedPart:
+        if self._is_fahrenheit and config.component in _HEATING and not config.has("temperature_unit"):
+            config.values = {**config.values, "temperature_unit": "F"}
+        build = builder_of(config.component)
+        return self._shapes.part(config, build) if config.component in SHAPED else build(config)
 
 
 _Builder: TypeAlias = Callable[[DiscoveryConfig], DescribedPart]

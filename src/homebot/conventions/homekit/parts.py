@@ -124,15 +124,21 @@ def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
             has_function = True
             part = _part(service, own_name, tuple(capability for capability, _ in found.values()))
             yield HomekitPart(part, service, {name: row for name, (_, row) in found.items()})
-        if (capability := _CHILD_LOCK.describe(service)) is not None:
-            setting = Part(
-                id=f"{service.iid}-lock",
-                name="Child lock",
-                service_type="x_setting",
-                category="config",
-                capabilities=(capability,),
-            )
-            yield HomekitPart(setting, service, {"on_off": _CHILD_LOCK})
+        yield from _child_lock(service)
+
+
+def _child_lock(service: HapService) -> Iterator[HomekitPart]:
+    """Yield the setting of a service that can lock its buttons."""
+    capability = _CHILD_LOCK.describe(service)
+    if capability is not None:
+        part = Part(
+            id=f"{service.iid}-lock",
+            name="Child lock",
+            service_type="x_setting",
+            category="config",
+            capabilities=(capability,),
+        )
+        yield HomekitPart(part, service, {"on_off": _CHILD_LOCK})
 
 
 def _source_rows(accessory: Accessory) -> Iterator[ServiceRow]:
