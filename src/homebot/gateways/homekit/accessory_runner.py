@@ -140,8 +140,10 @@ class AccessoryRunner(DeviceRunner):
         _check(f"{command.capability} for {accessory.device.name}", statuses.values())
         for one, value in wanted.items():
             one.value = value  # the next command, before it is read back, may depend on it: a temperature on a mode
-        watched = (one for one in known.values() if one in wanted or one.type in row.kinds)
-        ids = {(accessory.aid, one.iid) for one in watched if "pr" in one.perms}
+        self._read_back(link, accessory.aid, (one for one in known.values() if one in wanted or one.type in row.kinds))
+
+    def _read_back(self, link: HomekitLink, aid: int, written: Iterable[HapCharacteristic]) -> None:
+        ids = {(aid, one.iid) for one in written if "pr" in one.perms}
         if ids and self._tasks is not None and self.link is link:
             self._tasks.start_soon(self._read, link, ids)
 
