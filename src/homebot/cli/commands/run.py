@@ -210,10 +210,7 @@ def run_configured(options: argparse.Namespace) -> int:
 
         # A simulated house always starts as described, so there is nothing to remember.
         is_kept = house is None and not options.ephemeral
-
-        def read() -> Config:
-            return configuration(options)[0]
-
+        read = partial(_config, options)
         make_runtime = partial(
             Runtime,
             config,
@@ -227,6 +224,10 @@ def run_configured(options: argparse.Namespace) -> int:
             watches_apps=options.reload,
         )
         return on_an_event_loop(_run(make_runtime, options.seconds, read, view))
+
+
+def _config(options: argparse.Namespace) -> Config:
+    return configuration(options)[0]
 
 
 @contextmanager

@@ -215,20 +215,18 @@ class StateReader:
                 refused.append(shared)
             if retained and shared.value is before:
                 continue  # all its members have reported it already
-            await self._report_members(shared, work, is_sign_of_life=said and not retained, retained=retained)
+            await self._report_members(shared, work, said=said, retained=retained)
         return frozenset(
             (stored.key, part) for shared in refused if shared.value is False for stored, part in shared.members
         )
 
-    async def _report_members(
-        self, shared: SharedReachability, work: TimeSlice, *, is_sign_of_life: bool, retained: bool
-    ) -> None:
+    async def _report_members(self, shared: SharedReachability, work: TimeSlice, *, said: bool, retained: bool) -> None:
         for stored, part in tuple(shared.members):
             if work.is_over:
                 await work.pause()
                 if self._devices.get(stored.key) is not stored:
                     continue
-            if is_sign_of_life:
+            if said and not retained:
                 stored.heard_at = self._reporter.now
             self._report_reachable(stored, part, shared, retained=retained)
 
