@@ -49,6 +49,10 @@ from homebot.devices.device_types import DEVICE_TYPES
         ("", "mV", 2997.0, "voltage", 2.997),
         ("", "mA", 16.0, "current", 0.016),
         ("", "Hz", 50.0, "frequency", 50.0),
+        ("power", "kWh", 12.3, "energy", 12.3),  # HASS_DISCOVER_SENSOR_KWH of Tasmota 8
+        ("power", "V", 230.0, "voltage", 230.0),
+        ("power", "A", 0.4, "current", 0.4),
+        ("energy", "kW", 1.2, "power", 1200.0),  # LIVE_POWER of ecodan-ha-local
     ],
 )
 def test_a_number_is_reported_in_the_unit_of_the_vocabulary(

@@ -27,7 +27,8 @@ def quantity_of(device_class: str, unit: str) -> Quantity:
 
     Args:
         device_class: Its class; an unknown one is a ``measurement``, and an empty one what the unit alone measures.
-        unit: Its unit; an empty one is the vocabulary's own, and an inconvertible one stays.
+        unit: Its unit; an empty one is the vocabulary's own, one of another class is trusted more than the class, as
+            Tasmota 8 called volts ``power``, and an inconvertible one stays.
     """
     service_type, capability = _CLASSES.get(device_class or measured_in(unit), _OTHER)
     canonical = CAPABILITIES[capability].unit
@@ -35,7 +36,7 @@ def quantity_of(device_class: str, unit: str) -> Quantity:
         return Quantity(service_type, capability, canonical or unit)
     conversion = conversion_of(capability, unit)
     if conversion is None:
-        return Quantity(service_type, capability, unit)
+        return quantity_of("", unit) if measured_in(unit) else Quantity(service_type, capability, unit)
     return Quantity(service_type, capability, canonical, conversion)
 
 
