@@ -263,6 +263,15 @@ async def test_a_lamp_that_came_back_is_told_again(home: Home) -> None:
     assert len(home.commands) == 1
 
 
+async def test_a_lamp_that_is_offline_is_not_what_it_was(home: Home) -> None:
+    """A Tasmota plug that was pulled out within a minute of its report was said to be on already."""
+    lamp = await home.lamp("on_off", before={"on_off": True})
+    home.behaviours["lamp"] = ignore
+    home.gateway.devices.report_reachable("lamp", reachable=False)
+    await anyio.sleep(1)
+    assert isinstance(await lamp.turn_on(), NoAnswer)
+
+
 async def test_what_was_so_long_ago_is_sent_and_silence_does_not_contradict_it(home: Home) -> None:
     lamp = await home.lamp("on_off", before={"on_off": True})
     await anyio.sleep(300)

@@ -239,9 +239,10 @@ def known_state(
 
     Recent values were reported live within the last minute, and since the connection was lost.
 
-    If the device is online by its last will, retained values are certain, and so are those from before the connection
-    was lost: many devices report only changes. They are not recent if the device has come back since, because it may
-    have lost power. After a failed command older values are not certain, and newer ones are not recent.
+    Nothing is certain of an unreachable device. If one is online by its last will, retained values are certain, and so
+    are those from before the connection was lost: many devices report only changes. They are not recent if the device
+    has come back since, because it may have lost power. After a failed command older values are not certain, and newer
+    ones are not recent.
 
     Args:
         last: The last value of each capability, certain or not.
@@ -249,7 +250,7 @@ def known_state(
         lost_at: The time of the last loss of the connection, in seconds since the Unix epoch.
     """
     is_online = command.device.reachable.state == "yes"
-    if not (is_online or command.device.freshness == "fresh"):
+    if command.device.reachable.state == "no" or not (is_online or command.device.freshness == "fresh"):
         return {}, False
     back_at = command.device.reachable.since.to_seconds() if is_online else -inf
     values: dict[str, PlainValue] = {}
