@@ -209,6 +209,13 @@ def test_help_teaches_by_examples(capsys: Text) -> None:
     assert "homebot topic pub --once /hello std_msgs/String '{data: hi}'" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("command", ["replay", "top", "why"])
+def test_the_sentences_below_the_examples_are_not_indented(capsys: Text, command: str) -> None:
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    assert "\n    " not in capsys.readouterr().out.partition("\nexamples:")[2]
+
+
 def _process(homebot: Any, *arguments: str) -> subprocess.Popen[str]:
     command = [sys.executable, "-m", "homebot", *arguments]
     environment = os.environ | {"HOMEBOT_DOOR": homebot.door}

@@ -141,6 +141,8 @@ def test_a_recording_of_an_installed_app_is_replayed_as_it_is(folder: Path, caps
     (folder / "day").write_bytes(recording_of(app))
     assert main(["replay", "day", "--diff"]) == 0
     assert capsys.readouterr() == ("no difference: 0 commands are the same\n", "")
+    assert main(["replay", "day"]) == 0
+    assert capsys.readouterr() == ("", "homebot: no app gave a command; --app names another\n")
 
 
 def test_an_older_format_and_fields_of_a_newer_homebot_are_read(

@@ -40,7 +40,7 @@ _EXAMPLES = """\
   homebot replay day.jsonl.gz
 
 The recorded day is repeated in virtual time: devices report what they reported then, and nothing is sent to any device.
-    With --diff, the exit code is 0 if the apps gave the same commands, 1 if they differ, and 2 after an error.
+With --diff, the exit code is 0 if the apps gave the same commands, 1 if they differ, and 2 after an error.
 """
 
 
@@ -89,6 +89,8 @@ def _replay(options: argparse.Namespace) -> int:
     names = part_names([*recording.devices.values(), *replayed.devices])
     start = recording.header.started_at.to_seconds()
     if not options.diff:
+        if not replayed.commands:
+            print("homebot: no app gave a command; --app names another", file=sys.stderr)
         for one in replayed.commands:
             print(json.dumps(_command_json(one, start, names)) if options.json else _command_text(one, start, names))
         return 0

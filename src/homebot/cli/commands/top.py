@@ -26,7 +26,7 @@ _EXAMPLES = """\
   homebot top --json | jq .lag
 
 For each topic: messages per second, the number waiting in its fullest queue, the number lost since the start, and the
-    time of its slowest handler since the last frame. On a terminal it runs until Ctrl-C; elsewhere it prints one table.
+time of its slowest handler since the last frame. On a terminal it runs until Ctrl-C; elsewhere it prints one table.
 """
 
 

@@ -46,7 +46,7 @@ _EXAMPLES = """\
   homebot why lights/roomlights405 --json
 
 Explains the state of a device: its last change, the program that asked for it, the cause, and the device's answer. If
-    no command explains the change, it was made by hand, or by the device itself.
+no command explains the change, it was made by hand, or by the device itself.
 """
 
 
