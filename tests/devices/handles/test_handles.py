@@ -306,6 +306,7 @@ Act = Callable[[Any], Awaitable[None]]
         (WindowCovering, ("movement", "position"), lambda it: it.open(), [("movement", "open", 0.0)]),
         (WindowCovering, ("position",), lambda it: it.open(), [("position", 100.0, 0.0)]),
         (Closure, ("position",), lambda it: it.close(), [("position", 0.0, 0.0)]),
+        (Closure, ("movement", "position"), lambda it: it.close(), [("movement", "closed", 0.0)]),
         (WindowCovering, ("tilt",), lambda it: it.close(), [("tilt", 0.0, 0.0)]),
         (WindowCovering, ("movement",), lambda it: it.stop(), [("movement", "stopped", 0.0)]),
         (WindowCovering, ("position", "tilt"), lambda it: it.set_position(30), [("position", 30.0, 0.0)]),
