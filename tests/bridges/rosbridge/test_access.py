@@ -8,8 +8,11 @@ import anyio
 import pytest
 from pydantic import SecretStr, ValidationError
 from structlog.testing import capture_logs
+from tests.bridges.conftest import Peer
 from tests.patience import PATIENCE
+from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
+from websockets.typing import Origin
 
 from homebot.bridges.rosbridge import ClientToken, DoorSettings
 from homebot.bridges.rosbridge.access import ClientAccess, right_to_call, right_to_publish
@@ -151,6 +154,19 @@ async def test_of_pages_without_a_token_only_those_that_the_configuration_names_
             "the right manage is missing; a web page without a token has: read, act. To give it, "
             'make a token: homebot token new NAME --scope "read" --scope "manage"'
         )
+
+
+async def test_a_program_that_sends_an_origin_as_websocket_client_does_is_no_page(open_house: Any) -> None:
+    """Browsers say which they are; ros-mcp and other programs with that library do not."""
+    async with open_house(settings("read", "manage")) as house:
+        house.node("approve").create_service(
+            Trigger, "/discovery/approve", lambda _: SuccessResponse(success=True, message="")
+        )
+        address = f"127.0.0.1:{house.door.port}"
+        async with connect(
+            f"ws://{address}", origin=Origin(f"http://{address}"), user_agent_header=None, compression=None, proxy=None
+        ) as connection:
+            assert (await Peer(connection).call("/discovery/approve"))["result"] is True
 
 
 async def test_the_right_raw_is_none_to_read_or_to_manage(open_house: Any) -> None:

@@ -33,6 +33,8 @@ LOG_IN: Final = Subprotocol("homebot.log_in")
 
 _API: Final = "/api/"
 _OWN_SITE: Final = frozenset({"same-origin", "none"})
+_OF_BROWSERS: Final = ("User-Agent", "Accept-Encoding")
+"""Headers of every browser; programs with the library websocket-client send an ``Origin`` without them."""
 _PAGE: Final = ""  # the name of a page that has not sent its token yet
 
 Site: TypeAlias = "Callable[[str, str], Awaitable[tuple[HTTPStatus, Mapping[str, str], bytes] | None]]"
@@ -87,7 +89,9 @@ class Entrance:
         """Return the name and the rights of an admitted client."""
         from homebot.bridges.rosbridge.access import ClientAccess  # noqa: PLC0415 - loaded with the first
 
-        name, is_page = self._names[connection], bool(self._unnamed_page(connection, connection.request))
+        name, request = self._names[connection], connection.request
+        is_browser = request is not None and any(one in request.headers for one in _OF_BROWSERS)
+        is_page = is_browser and bool(self._unnamed_page(connection, request))
         return ClientAccess.of(name, self._rights[name], self._shared.owners(), is_page=is_page)
 
     async def admit(self, connection: DoorConnection, request: Request) -> Response | None:
