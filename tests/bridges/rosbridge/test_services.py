@@ -104,6 +104,13 @@ async def test_a_call_with_the_type_of_another_service_is_refused(house: House, 
     assert answer["values"] == "service /beep is a std_srvs/srv/Trigger, not a std_srvs/srv/Empty"
 
 
+@pytest.mark.parametrize("stated", ["rosapi/GetActionServers", "rosapi_msgs/srv/ActionServers"])
+async def test_a_service_of_rosapi_is_called_with_any_type(house: House, peer: Peer, stated: str) -> None:
+    """ROS 1's, as roslib says, or one that no package has, as ros-mcp 3.1 says: the original ignores it."""
+    await peer.send("call_service", service="/rosapi/action_servers", type=stated)
+    assert (await peer.receive())["values"] == {"action_servers": []}
+
+
 async def test_a_call_counts_until_its_handler_has_ended(open_house: Any) -> None:
     """Or a client with short time limits could have any number of handlers at work."""
     opened = anyio.Event()

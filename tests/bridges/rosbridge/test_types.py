@@ -11,7 +11,7 @@ from tests.bridges.conftest import House, Peer
 from tests.messages.test_ros_packages import sample
 
 from homebot.bridges.rosbridge.access import right_to_call
-from homebot.bridges.rosbridge.types import find_message_type, find_service_type, same_type
+from homebot.bridges.rosbridge.types import find_message_type, find_service_type
 from homebot.devices.client_rights import Right
 from homebot.devices.names import DEFINE_TYPE
 from homebot.errors import PeerError
@@ -25,12 +25,6 @@ from homebot.messages.message import Message
 from homebot.messages.std_msgs import Header
 
 DRIVE = {"linear": {"x": 0.5, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": -0.25}}
-
-
-def test_the_types_of_rosapi_have_the_package_of_either_ros() -> None:
-    """Both libraries call its services by the types of ROS 1."""
-    assert same_type("rosapi/Topics", "rosapi_msgs/srv/Topics")
-    assert not same_type("rosapi/Topics", "rosapi_msgs/srv/Nodes")
 
 
 async def test_the_header_of_ros_1_is_taken_without_its_counter(house: House) -> None:

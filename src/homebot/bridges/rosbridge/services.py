@@ -97,6 +97,8 @@ _MAX_TIMEOUT = 3600.0
 _WAITING_FOR_DEVICES = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND})
 """Services that answer once the outcome of a command is known, however slow the device."""
 _OF_PARAMETERS = frozenset(PARAMETER_SERVICES.values())
+_ROSAPI = "/rosapi/"
+"""The services that libraries call with types of their own: ``rosapi/Topics``, ``rosapi_msgs/srv/ActionServers``."""
 _MOST, _LONGEST = 200, 100  # names compared, and their lengths: a client may ask repeatedly
 
 
@@ -173,7 +175,7 @@ def _prepare(node: Node, op: CallService, access: ClientAccess) -> tuple[Client[
     name = node.resolve_name(op.service, "service name")
     if node.graph.get_service_type(name) is None:
         raise ServiceUnavailableError(name)
-    service_type = service_type_of(node.graph, name, op.type)
+    service_type = service_type_of(node.graph, name, "" if name.startswith(_ROSAPI) else op.type)
     request_type: type[Message] = service_type.Request
     values, problem = parse_queries(request_type, named_values(request_type, op.args))
     request = request_from_client(request_type, access.stamped(request_type, values), node.graph.clock.now())

@@ -143,13 +143,9 @@ def interfaces_of(graph: Graph) -> Interfaces:
     return graph.interfaces
 
 
-_ROS2_PACKAGES: Final = {"rosapi": "rosapi_msgs"}
-"""Packages that clients call as in ROS 1."""
-
-
 def _parts(ros_type: str) -> tuple[str, str]:
     package, _, rest = ros_type.partition("/")
-    return _ROS2_PACKAGES.get(package, package), rest.removeprefix("msg/").removeprefix("srv/").removeprefix("action/")
+    return package, rest.removeprefix("msg/").removeprefix("srv/").removeprefix("action/")
 
 
 _ROS2_NAMES = {"secs": "sec", "nsecs": "nanosec"}
