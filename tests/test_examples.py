@@ -135,6 +135,7 @@ async def test_the_app_of_the_readme_commands_nothing_at_a_heartbeat(monkeypatch
         pytest.param("05_random_days", BARE, id="random days, no plug-in", marks=nightly),
         pytest.param("07_thesis_light_service", (), id="thesis"),
         pytest.param("07_thesis_light_service", BARE, id="thesis, no plug-in", marks=nightly),
+        pytest.param("09_button", (), id="button"),
     ],
 )
 def test_the_tests_of_an_example_pass_without_a_warning_whatever_is_installed(
