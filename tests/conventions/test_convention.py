@@ -2,12 +2,13 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.conventions.installed_conventions import default_conventions, find_conventions
-from homebot.errors import WireError
+from homebot.conventions.installed_conventions import check_tables, default_conventions, find_conventions
+from homebot.errors import PluginError, WireError
 
 CODE = """
 import sys
@@ -40,6 +41,33 @@ def test_lists_of_all_devices_are_asked_for_before_single_announcements(names: t
     """Else each device would be described twice: from its announcements while the list is read, and with the list."""
     found = [one.name for one in find_conventions(names, {}, "home425")]
     assert found == ["zigbee2mqtt", *(name for name in names if name != "zigbee2mqtt")]
+
+
+BARE = "class Glow:\n    read_message = 1\n"
+WITHOUT_INIT = """
+from homebot.conventions.convention import Convention, ConventionSettings
+
+class Glow(Convention):
+    Settings, name = ConventionSettings, "glow"
+"""
+
+
+@pytest.mark.parametrize(
+    ("source", "problem"),
+    [
+        (BARE, "is no convention: it has no Settings, no name, no filters, no birth_messages"),
+        (WITHOUT_INIT, r"cannot be created: Glow\.__init__\(\) takes exactly one argument"),
+    ],
+)
+def test_a_class_that_is_no_convention_is_refused_with_what_it_lacks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, source: str, problem: str
+) -> None:
+    """`homebot config check` ended with a traceback."""
+    monkeypatch.chdir(tmp_path)
+    Path("glow.py").write_text(source)
+    assert check_tables(("glow.py:Glow",), {}) == []
+    with pytest.raises(PluginError, match=problem):
+        find_conventions(["glow.py:Glow"], {}, "home425")
 
 
 def test_rejected_messages_are_counted_from_the_first_on() -> None:

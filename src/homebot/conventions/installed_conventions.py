@@ -17,6 +17,8 @@ GROUP = "homebot.mqtt_conventions"
 
 _ALL = ("thesis", "zigbee2mqtt", "homeassistant", "tasmota", "shelly", "homie", "thing")
 
+_MEMBERS = ("Settings", "name", "filters", "birth_messages", "read_message")
+
 
 def default_conventions() -> tuple[str, ...]:
     """Return homebot's own conventions that are installed."""
@@ -45,11 +47,15 @@ def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: s
     """
     conventions: list[Convention] = []
     for name in dict.fromkeys(names):
-        kind = load_plugin(GROUP, name)
+        kind = _load(name)
         table = tables.get(_table_name(name, kind), {})
         if "root" in kind.Settings.model_fields and isinstance(table, dict):
             table = {"root": root, **table}
-        conventions.append(kind(_checked(kind.Settings, table)))
+        settings = _checked(kind.Settings, table)
+        try:
+            conventions.append(kind(settings))
+        except TypeError as exc:  # as of a class derived from Convention without an __init__
+            raise PluginError(name, f"cannot be created: {exc}") from exc
     return tuple(sorted(conventions, key=lambda one: not isinstance(one, SlicedConvention)))
 
 
@@ -81,9 +87,16 @@ def check_tables(names: tuple[str, ...], tables: Mapping[str, object]) -> list[I
 def _loadable(names: Iterable[str]) -> Iterator[tuple[str, type[Any]]]:
     for name in names:
         try:
-            yield name, load_plugin(GROUP, name)
+            yield name, _load(name)
         except PluginError:
             continue
+
+
+def _load(name: str) -> type[Any]:
+    kind = load_plugin(GROUP, name)
+    if missing := [one for one in _MEMBERS if not hasattr(kind, one)]:
+        raise PluginError(name, f"is no convention: it has no {', no '.join(missing)}")
+    return kind
 
 
 def _table_name(name: str, kind: type[Convention]) -> str:
