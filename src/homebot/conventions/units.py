@@ -1,6 +1,6 @@
 """Measured quantities, and conversions to the vocabulary's units. Pure.
 
-Source of the conversions: Home Assistant core 2025.4, ``util/unit_conversion.py``.
+Source of the conversions: Home Assistant core 2026.11, ``util/unit_conversion.py``.
 """
 
 import math
@@ -137,6 +137,7 @@ _UNITS: Mapping[str, Mapping[str, Conversion]] = {
         "kcal": Conversion(0.0, 4.184, 3.6e3),
         "Mcal": Conversion(0.0, 4.184, 3.6),
         "Gcal": Conversion(0.0, 4184.0, 3.6),
+        "thm": Conversion(0.0, 105.4804, 3.6),
     },
     "flow": {
         "L/h": _MILLI,
@@ -148,6 +149,8 @@ _UNITS: Mapping[str, Mapping[str, Conversion]] = {
         "m3/h": _SAME,
         "ft³/min": Conversion(0.0, 60 * 0.028316846592, 1.0),
         "gal/min": Conversion(0.0, 60 * 0.003785411784, 1.0),
+        "gal/h": Conversion(0.0, 0.003785411784, 1.0),
+        "gal/d": Conversion(0.0, 0.003785411784, 24.0),
     },
     "frequency": {"mHz": _MILLI, "kHz": _KILO, "MHz": _MEGA, "GHz": Conversion(0.0, 1e9, 1.0)},
     "humidity": dict.fromkeys(("%RH", "% RH", "RH%"), _SAME),
@@ -169,6 +172,8 @@ _UNITS: Mapping[str, Mapping[str, Conversion]] = {
         "bar": _KILO,
         "mmHg": Conversion(0.0, 1.333223874150, 1.0),
         "inHg": Conversion(0.0, 33.8638864034, 1.0),
+        "inH₂O": Conversion(0.0, 2.49088908333, 1.0),
+        "atm": Conversion(0.0, 1013.25, 1.0),
         "psi": Conversion(0.0, 68.9475729317, 1.0),
     },
     "temperature": {
