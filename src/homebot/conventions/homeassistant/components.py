@@ -1,6 +1,6 @@
 """The components of configs that are understood, and the actions of those that move or lock, by their state. Pure.
 
-Source of the actions: Home Assistant core 2025.4, ``components``: ``const.py`` of lawn_mower, lock and vacuum.
+Source of the actions: Home Assistant core 2026.11, ``components``: ``const.py`` of lawn_mower, lock and vacuum.
 """
 
 from collections.abc import Mapping
@@ -61,6 +61,7 @@ MOWER_ACTIONS: Mapping[str, tuple[int, str]] = {
     "mowing": (1, "start_mowing"),
     "paused": (2, "pause"),
     "docked": (4, "dock"),
+    "idle": (8, "stop"),
 }
 """The bit of ``supported_features`` that each needs, and its name."""
 

@@ -30,6 +30,7 @@ from homebot.conventions.homeassistant.states.rows import (
     read_text,
     read_while_on,
     sensed,
+    write_switch,
 )
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
@@ -39,6 +40,7 @@ from homebot.support.numbers import to_number
 __all__ = ["CLIMATE", "FAN", "HUMIDIFIER", "WATER_HEATER"]
 
 _SINGLE, _PAIR, _HUMIDITY, _FAN, _PRESET, _SWING, _SWING_HORIZONTAL = 1, 2, 4, 8, 16, 32, 512
+_TURN_OFF, _TURN_ON = 128, 256
 _LOW, _HIGH = "target_temp_low", "target_temp_high"
 _ANY_CELSIUS = (-100.0, 200.0)
 
@@ -57,9 +59,11 @@ def _bounds(info: Fields) -> tuple[float, float] | tuple[()]:
 
 
 def _to_number(name: str, info: Fields, value: PlainValue) -> float:
-    """Return a commanded setpoint in the unit of Home Assistant, within the entity's bounds."""
+    """Return a commanded setpoint in the unit of Home Assistant: a step as its own pages set, within the bounds."""
     celsius = require_number(name, value, *(_bounds(info) or _ANY_CELSIUS), "°C")
     number = to_fahrenheit(celsius, 3) if info.get("is_fahrenheit") else celsius
+    step = to_number(info.get("target_temp_step")) or (1.0 if info.get("is_fahrenheit") else 0.0)
+    number = round(round(number / step) * step, 3) if step > 0 else number
     least, most = bounds_of(info, "min_temp", "max_temp") or (number, number)
     return min(max(number, least), most)
 
@@ -69,9 +73,10 @@ def _modes(info: Fields) -> tuple[str, ...]:
 
 
 def _is_pair(info: Fields) -> bool:
-    """Return whether the pair of targets is effective now, not the single one."""
+    """Return whether the pair of targets is effective now, not the single one; Venstar has it in ``auto``."""
     features = whole_of(info, "supported_features")
-    return bool(features & _PAIR) and (not features & _SINGLE or info.get("state") == "heat_cool")
+    has_only_pair = info.get("temperature") is None and to_number(info.get(_LOW)) is not None
+    return bool(features & _PAIR) and (not features & _SINGLE or has_only_pair or info.get("state") == "heat_cool")
 
 
 def _heats(info: Fields) -> bool:
@@ -103,8 +108,10 @@ def _setpoint(name: str, end: str, when: Condition) -> EntityRow:
     return EntityRow(name, read, write, "", when, (), _bounds, "°C")
 
 
-def _write_on(info: Fields, value: PlainValue, _code: str) -> Fields:
-    """Switch by means of the mode, as Home Assistant does."""
+def _write_on(info: Fields, value: PlainValue, code: str) -> Fields:
+    """Switch by the services for it, which know the last mode, or else by means of the mode."""
+    if has(_TURN_ON if value else _TURN_OFF)(info):
+        return write_switch(info, value, code)
     return {"service": "set_hvac_mode", "hvac_mode": switched_mode(_modes(info), value)}
 
 
@@ -167,7 +174,7 @@ HUMIDIFIER: Final = EntityComponent(
     "x_humidifier",
     (
         SWITCH,
-        _HUMIDITY_SETPOINT,
+        replace(_HUMIDITY_SETPOINT, when=lambda info: "humidity" in info),
         _MEASURED[1],
         choice("humidifier_mode", "mode", "available_modes", "set_mode", when=has(1)),
     ),

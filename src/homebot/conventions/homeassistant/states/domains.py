@@ -19,7 +19,6 @@ from homebot.conventions.entity_rows import (
     alarm_commands,
     class_of,
     condition_component,
-    has_feature,
     number_component,
     opening_type,
     options_of,
@@ -51,6 +50,7 @@ from homebot.conventions.homeassistant.states.rows import (
     read_text,
     read_while_on,
     reported,
+    switch,
 )
 from homebot.conventions.lamp import LightFeatures, WhiteRange
 from homebot.conventions.payload import shown
@@ -184,7 +184,7 @@ _PLAYER_MOVES = {"playing": (16_384, "media_play"), "paused": (1, "media_pause")
 _MEDIA_PLAYER: Final = EntityComponent(
     lambda info: "video_player" if class_of(info) in {"tv", "projector"} else "speaker",
     (
-        EntityRow("on_off", read_state(_PLAYER_ON), SWITCH.write, when=has_feature("supported_features", 128 | 256)),
+        switch(128, 256, read_state(_PLAYER_ON)),
         *reported(percent("volume", "volume_level", "volume_set", "volume_level", has(4), 100.0), "volume_level"),
         flag("muted", "is_volume_muted", "volume_mute", has(8)),
         choice("option", "source", "source_list", "select_source", when=has(2048)),
@@ -293,7 +293,7 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
     "siren": EntityComponent(
         "siren",
         (
-            SWITCH,
+            switch(1, 2),
             EntityRow("siren_tone", None, _write_tone, when=_tones, options=_tones),
             EntityRow("volume", None, percent("volume", "", "turn_on", "volume_level", None, 100.0).write, "", has(8)),
         ),

@@ -81,7 +81,7 @@ class HomeAssistantEntity:
         kind = DOMAINS.get(self.domain)
         if kind is None or self.entry.is_disabled or (self.domain == "sensor" and names_secret(self.name)):
             return True
-        members = options_of(self.info, "entity_id")
+        members = options_of(self.info, "entity_id") or options_of(self.info, "group_entities")
         if self.domain == "scene":
             return any(one.partition(".")[0] in _CAN_HURT for one in members)
         return any(row.write for row in kind.rows) and (bool(members) or self._is_marked_as_group)
@@ -164,7 +164,8 @@ class HomeAssistantEntity:
         Raises:
             RefusedError: It is not settable, or needs a code, or the value is invalid; names the valid ones.
         """
-        data = dict(writer_of(self._rows, capability)({**self.info, **self._taken}, value, code))
+        info = {**self.info, **self._taken, **({"code_format": None} if self.entry.has_code else {})}
+        data = dict(writer_of(self._rows, capability)(info, value, code))
         service = str(data.pop("service"))
         if self.domain == "light" and transition:
             data["transition"] = require_transition(transition, _MOST_SECONDS)

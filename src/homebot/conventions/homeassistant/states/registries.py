@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Final, NamedTuple
 
 from homebot.conventions.homeassistant.device import DeviceInfo, read_device
-from homebot.conventions.payload import text_of
+from homebot.conventions.payload import as_fields, text_of
 from homebot.devices.part import Category
 from homebot.errors import WireError
 
@@ -31,6 +31,7 @@ class EntityEntry(NamedTuple):
         device_id: Its device; empty for none.
         name: Its own name; empty for none.
         is_disabled: Whether its owner switched it off.
+        has_code: Whether Home Assistant knows the code that it needs.
     """
 
     key: str
@@ -39,6 +40,7 @@ class EntityEntry(NamedTuple):
     name: str = ""
     category: Category = ""
     is_disabled: bool = False
+    has_code: bool = False
 
 
 class Registries:
@@ -67,14 +69,15 @@ class Registries:
         fields = self._listed["entity"].get(entity_id)
         if fields is None:
             return EntityEntry(entity_id, entity_id.replace(".", "_")[:_MAX_ID])
-        category = _CATEGORIES.get(fields.get("entity_category"), "")
+        category, domain = _CATEGORIES.get(fields.get("entity_category"), ""), entity_id.partition(".")[0]
         return EntityEntry(
             key=_text(fields, "id") or entity_id,
-            part_id=f"{entity_id.partition('.')[0]}_{fields.get('unique_id') or _text(fields, 'id')}"[:_MAX_ID],
+            part_id=f"{domain}_{fields.get('unique_id') or _text(fields, 'id')}"[:_MAX_ID],
             device_id=_text(fields, "device_id"),
             name=text_of(fields.get("name")) or text_of(fields.get("original_name")),
             category="config" if fields.get("hidden_by") and not category else category,
             is_disabled=bool(fields.get("disabled_by")),
+            has_code=bool(as_fields(as_fields(fields.get("options")).get(domain)).get("default_code")),
         )
 
     def device(self, device_id: str) -> DeviceInfo | None:

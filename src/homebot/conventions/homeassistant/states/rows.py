@@ -12,6 +12,7 @@ from homebot.conventions.command_values import require_bool, require_number, req
 from homebot.conventions.entity_rows import EntityRow, Fields, ReadField, options_of, read_flag, whole_of
 from homebot.conventions.payload import text_of
 from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
 
 __all__ = [
@@ -30,6 +31,8 @@ __all__ = [
     "read_while_on",
     "reported",
     "sensed",
+    "switch",
+    "write_switch",
 ]
 
 Condition: TypeAlias = Callable[[Fields], object]
@@ -79,12 +82,25 @@ def bounds_of(info: Fields, low: str, high: str) -> tuple[float, float] | tuple[
     return (least, most) if least is not None and most is not None and least < most else ()
 
 
-def _write_switch(_info: Fields, value: PlainValue, _code: str) -> Fields:
+def write_switch(_info: Fields, value: PlainValue, _code: str) -> Fields:
+    """Return the service that switches."""
     return {"service": "turn_on" if require_bool("on_off", value) else "turn_off"}
 
 
-SWITCH = EntityRow("on_off", read_state({"on": True, "off": False}), _write_switch)
+SWITCH = EntityRow("on_off", read_state({"on": True, "off": False}), write_switch)
 """Of a state that is on or off."""
+
+
+def switch(on: int, off: int, read: ReadField | None = SWITCH.read) -> EntityRow:
+    """Return the row of a switch that can be turned *on* and *off* by the bits for these, or has only one of them."""
+
+    def write(info: Fields, value: PlainValue, code: str) -> Fields:
+        service = write_switch(info, value, code)
+        if not has(on if value else off)(info):
+            raise RefusedError(f"on_off {value}", f"it can only be turned {'off' if value else 'on'} from here")
+        return service
+
+    return EntityRow("on_off", read, write, when=has(on, off))
 
 
 def percent(

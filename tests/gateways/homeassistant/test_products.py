@@ -1,0 +1,94 @@
+"""Entities of products, with the features that their integrations state."""
+
+import pytest
+from tests.gateways.homeassistant.test_entities import entity_entry, home, only, state
+
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
+
+COOLER = {"hvac_modes": ["cool", "heat", "dry", "fan_only", "off"], "min_temp": 16, "max_temp": 30}
+VENSTAR = {"hvac_modes": ["heat", "cool", "off", "auto"], "min_temp": 7, "max_temp": 35}
+
+
+@pytest.mark.parametrize(
+    ("entity_id", "attributes", "capability", "value", "called"),
+    [
+        # Gree, Daikin, Sensibo: on again as it was, which no mode says; before 2024.2 there was no service for it
+        ("climate.a", {**COOLER, "supported_features": 385}, "on_off", True, ("turn_on", {})),
+        ("climate.a", {**COOLER, "supported_features": 385}, "on_off", False, ("turn_off", {})),
+        ("climate.a", {**COOLER, "supported_features": 1}, "on_off", True, ("set_hvac_mode", {"hvac_mode": "heat"})),
+        # Tesla's protection of the cabin, LG's air conditioners: whole steps
+        (
+            "climate.a",
+            {**COOLER, "supported_features": 1, "target_temp_step": 5},
+            "cooling_setpoint",
+            28.0,
+            ("set_temperature", {"temperature": 30.0}),
+        ),
+        ("media_player.webos", {"supported_features": 24_381}, "on_off", False, ("turn_off", {})),
+        ("siren.chime", {"supported_features": 5, "available_tones": ["ding"]}, "on_off", True, ("turn_on", {})),
+        ("lawn_mower.goat", {"supported_features": 15}, "mower", "idle", ("stop", {})),
+    ],
+)
+def test_a_command_is_the_service_that_the_product_has(
+    entity_id: str, attributes: dict[str, object], capability: str, value: PlainValue, called: tuple[str, object]
+) -> None:
+    call = only(entity_id, "off", **attributes).call(capability, value)
+    assert (call.service, dict(call.data)) == called
+
+
+@pytest.mark.parametrize(
+    ("entity_id", "features", "value", "way"),
+    [("media_player.webos", 24_381, True, "turned off"), ("siren.chime", 5, False, "turned on")],
+)
+def test_what_has_one_service_is_switched_one_way(entity_id: str, features: int, *, value: bool, way: str) -> None:
+    """A television that sleeps hears nothing; a chime of Ring ends by itself."""
+    with pytest.raises(RefusedError, match=way):
+        only(entity_id, "on", supported_features=features).call("on_off", value)
+
+
+def test_seventy_degrees_fahrenheit_are_not_sixty_nine() -> None:
+    """LG's air conditioners cut 69.998 off."""
+    entities = home()
+    entities.celsius = False
+    told = {"hvac_modes": ["off", "cool"], "supported_features": 1, "target_temp_step": 1}
+    entities.put("climate.lg", state("cool", min_temp=64, max_temp=86, **told), is_new=True)
+    ((cooler,),) = entities.regroup().values()
+    cooler.part()
+    assert cooler.call("cooling_setpoint", 21.11).data == {"temperature": 70.0}
+
+
+def test_two_targets_without_the_single_one_are_both_ends() -> None:
+    """Venstar's mode for both is ``auto``."""
+    ends = {"temperature": None, "target_temp_low": 20.0, "target_temp_high": 25.0}
+    thermostat = only("climate.venstar", "auto", supported_features=3, **VENSTAR, **ends)
+    values = thermostat.read(is_change=False)
+    assert (values["heating_setpoint"], values["cooling_setpoint"]) == (20.0, 25.0)
+    call = thermostat.call("cooling_setpoint", 24.0)
+    assert call.data == {"target_temp_low": 20.0, "target_temp_high": 24.0}
+
+
+@pytest.mark.parametrize(
+    ("entity_id", "capability", "value"),
+    [("lock.yale", "lock", "locked"), ("alarm_control_panel.verisure", "alarm", "armed_away")],
+)
+def test_a_code_that_home_assistant_knows_is_not_asked_for(entity_id: str, capability: str, value: str) -> None:
+    """Its owner gave it in the settings of the entity."""
+    entry = entity_entry(entity_id, options={entity_id.partition(".")[0]: {"default_code": "123456"}})
+    entities = home(entry)
+    told = {"code_format": r"^\d{6}$", "code_arm_required": True, "supported_features": 2}
+    entities.put(entity_id, state("unlocked", **told), is_new=True)
+    ((entity,),) = entities.regroup().values()
+    entity.part()
+    assert entity.call(capability, value).data == {}
+
+
+def test_a_humidifier_without_a_target_takes_none() -> None:
+    """A dehumidifier of Tuya has only speeds."""
+    part = only("humidifier.tuya", "on", min_humidity=0, max_humidity=100).part()
+    assert [one.name for one in part.capabilities] == ["on_off"]
+
+
+def test_a_mower_that_stands_on_the_lawn_is_idle() -> None:
+    """Husqvarna's Automower is that if it was stopped by hand."""
+    assert only("lawn_mower.automower", "idle", supported_features=7).read(is_change=False) == {"mower": "idle"}
