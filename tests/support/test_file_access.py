@@ -5,6 +5,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -92,10 +93,28 @@ def nobody() -> Iterator[None]:
         os.seteuid(user)
 
 
-def test_a_secret_of_somebody_else_says_how_to_give_it_to_the_reader(tmp_path: Path) -> None:
+@pytest.fixture
+def open_folder() -> Iterator[Path]:
+    """Return a folder that everybody may enter, unlike those of pytest."""
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        folder.chmod(0o755)
+        yield folder
+
+
+def test_a_secret_of_somebody_else_says_how_to_give_it_to_the_reader(open_folder: Path) -> None:
     """As in a service of the system, for which root has made a token."""
-    file = tmp_path / "panel.token"
+    file = open_folder / "panel.token"
     file.write_text("secret")
     file.chmod(0)
     with nobody(), pytest.raises(UsageError, match=rf"belong to the user (\w+): chown \1 '{file}'"):
         read_secret(file)
+
+
+def test_a_secret_in_a_folder_of_somebody_else_is_to_be_moved(open_folder: Path) -> None:
+    """As in the home of a person on Ubuntu, which no other user may enter: to own the file alone is not enough."""
+    file = open_folder / "home" / "panel.token"
+    file.parent.mkdir(mode=0)
+    with nobody(), pytest.raises(UsageError, match=r"closed to the user \w+; move the file"):
+        read_secret(file)
+    file.parent.chmod(0o700)

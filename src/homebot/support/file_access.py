@@ -7,6 +7,7 @@ permissions, as on Windows, nothing is refused.
 import os
 import stat
 import sys
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
@@ -132,7 +133,10 @@ def _warn_of_readers(warning: str, file: str, _identity: tuple[int, int, int]) -
 def _unreadable(path: Path, error: OSError | ValueError) -> str:
     if isinstance(error, PermissionError) and os.name == "posix":
         user = _user_name(os.geteuid())
-        return f"it must belong to the user {user}: chown {user} '{path}'"
+        with suppress(PermissionError):
+            path.stat()
+            return f"it must belong to the user {user}: chown {user} '{path}'"
+        return f"a folder on the way is closed to the user {user}; move the file to another one"
     if isinstance(error, OSError):
         return error.strerror or str(error)
     return "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else str(error)
