@@ -83,6 +83,14 @@ def test_a_code_that_home_assistant_knows_is_not_asked_for(entity_id: str, capab
     assert entity.call(capability, value).data == {}
 
 
+def test_a_water_heater_has_one_target_beside_its_limits() -> None:
+    """Matter's and SmartThings' tell these as target_temp_low and target_temp_high, also while they are off."""
+    limits = {"target_temp_low": 40, "target_temp_high": 65, "min_temp": 40, "max_temp": 65, "temperature": None}
+    heater = only("water_heater.a", "off", supported_features=11, operation_list=["eco", "off"], **limits)
+    assert heater.read(is_change=False)["heating_setpoint"] is None
+    assert heater.call("heating_setpoint", 55.0).data == {"temperature": 55.0}
+
+
 def test_a_humidifier_without_a_target_takes_none() -> None:
     """A dehumidifier of Tuya has only speeds."""
     part = only("humidifier.tuya", "on", min_humidity=0, max_humidity=100).part()

@@ -76,7 +76,8 @@ def _is_pair(info: Fields) -> bool:
     """Return whether the pair of targets is effective now, not the single one; Venstar has it in ``auto``."""
     features = whole_of(info, "supported_features")
     has_only_pair = info.get("temperature") is None and to_number(info.get(_LOW)) is not None
-    return bool(features & _PAIR) and (not features & _SINGLE or has_only_pair or info.get("state") == "heat_cool")
+    has_pair = bool(features & _PAIR and _modes(info))  # this bit of a water heater has another meaning
+    return has_pair and (not features & _SINGLE or has_only_pair or info.get("state") == "heat_cool")
 
 
 def _heats(info: Fields) -> bool:
