@@ -44,11 +44,15 @@ def test_lists_of_all_devices_are_asked_for_before_single_announcements(names: t
 
 
 BARE = "class Glow:\n    read_message = 1\n"
-WITHOUT_INIT = """
+DERIVED = """
 from homebot.conventions.convention import Convention, ConventionSettings
 
 class Glow(Convention):
     Settings, name = ConventionSettings, "glow"
+"""
+COUNTS = """
+    def __init__(self, settings):
+        self.rejected = 0
 """
 
 
@@ -56,7 +60,8 @@ class Glow(Convention):
     ("source", "problem"),
     [
         (BARE, "is no convention: it has no Settings, no name, no filters, no birth_messages"),
-        (WITHOUT_INIT, r"cannot be created: Glow\.__init__\(\) takes exactly one argument"),
+        (DERIVED, r"cannot be created: TypeError: Glow\.__init__\(\) takes exactly one argument"),
+        (DERIVED + COUNTS, r"cannot be created: AttributeError: property 'rejected' "),
     ],
 )
 def test_a_class_that_is_no_convention_is_refused_with_what_it_lacks(

@@ -54,8 +54,8 @@ def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: s
         settings = _checked(kind.Settings, table)
         try:
             conventions.append(kind(settings))
-        except TypeError as exc:  # as of a class derived from Convention without an __init__
-            raise PluginError(name, f"cannot be created: {exc}") from exc
+        except Exception as exc:
+            raise PluginError(name, f"cannot be created: {type(exc).__name__}: {exc}") from exc
     return tuple(sorted(conventions, key=lambda one: not isinstance(one, SlicedConvention)))
 
 
