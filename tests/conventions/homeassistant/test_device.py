@@ -1,10 +1,11 @@
 from collections.abc import Mapping
 
 import pytest
+from pydantic_core import to_json
 
 from homebot.conventions.description import Availability
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.device import MAX_SOURCES, read_availability, read_device
+from homebot.conventions.homeassistant.device import MAX_SOURCES, device_in, read_availability, read_device
 from homebot.errors import WireError
 
 
@@ -41,6 +42,27 @@ def test_a_device_has_identifiers_area_and_facts() -> None:
         "origin": "Zigbee2MQTT",
         "origin_sw_version": "2.1",
     }
+
+
+def test_a_device_and_its_program_may_have_short_keys() -> None:
+    device = {"ids": "x", "mf": "Maker", "sa": "Kitchen", "cmd_t": "no topic here"}
+    origin = {"name": "bridge", "sw": "2.1", "url": "https://example.org"}
+
+    found = device_in(to_json((device, origin)))
+
+    assert (found.identifiers, found.area) == (("id:x",), "Kitchen")
+    assert found.facts == {
+        "manufacturer": "Maker",
+        "origin": "bridge",
+        "origin_sw_version": "2.1",
+        "origin_url": "https://example.org",
+    }
+
+
+@pytest.mark.parametrize(("told", "problem"), [((3, None), "device is 3"), ((None, "me"), "origin is 'me'")])
+def test_what_is_no_object_is_refused(told: tuple[object, object], problem: str) -> None:
+    with pytest.raises(WireError, match=problem):
+        device_in(to_json(told))
 
 
 @pytest.mark.parametrize("address", ["349454123456", "34:94:54:12:34:56"])
@@ -128,6 +150,13 @@ def availability(fields: Mapping[str, object]) -> Availability | None:
 def test_without_topics_there_is_no_availability() -> None:
     assert availability({}) is None
     assert availability({"availability": []}) is None
+
+
+def test_an_entry_of_the_availability_may_have_short_keys() -> None:
+    found = availability({"availability": [{"t": "a/av", "pl_avail": "yes"}]})
+    assert found is not None
+    (source,) = found.sources
+    assert (source.topic, source.read(b"yes"), source.read(b"online")) == ("a/av", True, None)
 
 
 def test_one_topic_has_two_payloads_and_others_are_ignored() -> None:

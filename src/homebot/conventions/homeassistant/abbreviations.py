@@ -7,7 +7,7 @@ changed its meaning.
 from collections.abc import Mapping
 from types import MappingProxyType
 
-__all__ = ["ABBREVIATIONS", "DEVICE_ABBREVIATIONS", "ORIGIN_ABBREVIATIONS"]
+__all__ = ["ABBREVIATIONS", "DEVICE_ABBREVIATIONS", "ORIGIN_ABBREVIATIONS", "full_keys"]
 
 _ALL = """
 act_stat_t=activity_state_topic act_t=action_topic act_tpl=action_template act_val_tpl=activity_value_template
@@ -107,3 +107,14 @@ DEVICE_ABBREVIATIONS = _table(
 
 ORIGIN_ABBREVIATIONS = _table("sw=sw_version url=support_url")
 """Of the ``origin`` in a config."""
+
+
+def full_keys(fields: dict[str, object], table: Mapping[str, str]) -> dict[str, object]:
+    """Return *fields* with the full keys of *table*; of both forms of a key the short one wins."""
+    if table.keys().isdisjoint(fields):
+        return fields
+    full = dict(fields)
+    for key in fields:
+        if key in table:
+            full[table[key]] = full.pop(key)
+    return full

@@ -7,7 +7,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py``; ``child_de
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple, TypeAlias
 
-from homebot.conventions.homeassistant.abbreviations import ABBREVIATIONS, DEVICE_ABBREVIATIONS, ORIGIN_ABBREVIATIONS
+from homebot.conventions.homeassistant.abbreviations import ABBREVIATIONS, full_keys
 from homebot.conventions.homeassistant.components import BUILDERS
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic
@@ -26,15 +26,11 @@ class Announced(NamedTuple):
     """The content of one announcement.
 
     Attributes:
-        device: The device in full keys; empty for none.
-        origin: The announcing program, in full keys.
         components: The components of the device, without removed ones and unknown ones. The id of one without a
             ``unique_id`` is the key of the announcement and, for a whole device, its name in the message.
-        common: The shared fields, or those of a single component; they have the availability of the device.
+        common: The shared fields, or those of a single component; they have the device and its availability.
     """
 
-    device: Fields
-    origin: Fields
     components: tuple[DiscoveryConfig, ...]
     common: Fields
 
@@ -48,16 +44,14 @@ def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced | None:
     fields = parse_object(payload, MAX_ANNOUNCEMENT_BYTES)
     if fields.get("migrate_discovery", fields.get("migr_discvry")) is True:
         return None
-    fields = _expanded(fields)
-    device = _part(fields, "device", DEVICE_ABBREVIATIONS) if "device" in fields else {}
-    origin = _part(fields, "origin", ORIGIN_ABBREVIATIONS) if "origin" in fields else {}
+    fields = full_keys(fields, ABBREVIATIONS)
     if topic.component == DEVICE:
         components = tuple(_components(topic, fields))
     else:
         if _BASE in fields:
             fields = _with_base(fields)
         components = (DiscoveryConfig(topic.component, topic.key, fields),)
-    return Announced(device, origin, components, common=fields)
+    return Announced(components, common=fields)
 
 
 _BASE = "~"
@@ -76,38 +70,6 @@ _SHARED = (
 )
 
 
-def _expanded(fields: dict[str, object]) -> dict[str, object]:
-    """Expand the keys, also those of the availability."""
-    full = fields if ABBREVIATIONS.keys().isdisjoint(fields) else _full_keys(fields, ABBREVIATIONS)
-    availability = full.get("availability")
-    if isinstance(availability, dict):
-        full["availability"] = _full_keys(availability, ABBREVIATIONS)
-    elif isinstance(availability, list):
-        full["availability"] = [
-            one if not isinstance(one, dict) or ABBREVIATIONS.keys().isdisjoint(one) else _full_keys(one, ABBREVIATIONS)
-            for one in availability
-        ]
-    return full
-
-
-def _full_keys(fields: Fields, table: Mapping[str, str]) -> dict[str, object]:
-    """Expand the keys; of both forms of a key the short one wins."""
-    full = dict(fields)
-    for key in fields:
-        if key in table:
-            full[table[key]] = full.pop(key)
-    return full
-
-
-def _part(fields: Fields, key: str, table: Mapping[str, str]) -> Fields:
-    part = fields[key]
-    if part is None:
-        return {}
-    if not isinstance(part, dict):
-        raise WireError(f"{key} is {shown(part)}, not an object")
-    return part if table.keys().isdisjoint(part) else _full_keys(part, table)
-
-
 def _with_base(fields: dict[str, object]) -> dict[str, object]:
     base = fields.pop(_BASE, None)
     if base is None:
@@ -124,9 +86,11 @@ def _with_base(fields: dict[str, object]) -> dict[str, object]:
 
 
 def _based_entry(base: str, entry: object) -> object:
-    if isinstance(entry, dict) and "topic" in entry:
-        return {**entry, "topic": _based(base, entry["topic"])}
-    return entry
+    if not isinstance(entry, dict):
+        return entry
+    return {
+        key: _based(base, value) if key == "topic" else value for key, value in full_keys(entry, ABBREVIATIONS).items()
+    }
 
 
 def _based(base: str, topic: object) -> object:
@@ -143,7 +107,7 @@ def _child_devices(fields: Fields) -> Iterator[Fields]:
     children = fields.get("child_devices")
     for child in children if isinstance(children, list) else ():
         if isinstance(child, dict):
-            yield _full_keys(child, ABBREVIATIONS)
+            yield full_keys(child, ABBREVIATIONS)
 
 
 def _components(topic: ConfigTopic, fields: Fields) -> list[DiscoveryConfig]:
@@ -166,7 +130,7 @@ def _component(topic: ConfigTopic, name: str, entry: object, common: Fields) -> 
     """Return one component; None for a removed or an unknown one."""
     if not isinstance(entry, dict):
         raise WireError(f"component {shown(name)} is {shown(entry)}, not an object")
-    full = _expanded(entry)
+    full = full_keys(entry, ABBREVIATIONS)
     platform = full.pop("platform", None)
     if not isinstance(platform, str):
         raise WireError(f"component {shown(name)}: platform is {shown(platform)}, not a text")

@@ -12,6 +12,12 @@ from typing import NamedTuple, get_args
 from pydantic_core import from_json, to_json
 
 from homebot.conventions.description import Availability, AvailabilityMode
+from homebot.conventions.homeassistant.abbreviations import (
+    ABBREVIATIONS,
+    DEVICE_ABBREVIATIONS,
+    ORIGIN_ABBREVIATIONS,
+    full_keys,
+)
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import ValueSource
 from homebot.conventions.payload import clean_text, shown
@@ -78,9 +84,23 @@ _MAX_CACHED = 5000
 
 @lru_cache(_MAX_CACHED)
 def device_in(text: bytes) -> DeviceInfo:
-    """Return :func:`read_device` of a device and an origin in JSON."""
+    """Return :func:`read_device` of a device and an origin in JSON, as announced: None for none, also in short keys.
+
+    Raises:
+        WireError: As there, or one is no object.
+    """
     device, origin = from_json(text)
-    return read_device(device, origin)
+    return read_device(
+        _in_full("device", device, DEVICE_ABBREVIATIONS), _in_full("origin", origin, ORIGIN_ABBREVIATIONS)
+    )
+
+
+def _in_full(name: str, fields: object, table: Mapping[str, str]) -> Mapping[str, object]:
+    if fields is None:
+        return {}
+    if not isinstance(fields, dict):
+        raise WireError(f"{name} is {shown(fields)}, not an object")
+    return full_keys(fields, table)
 
 
 def cached_availability(config: DiscoveryConfig) -> Availability | None:
@@ -211,7 +231,7 @@ def read_availability(config: DiscoveryConfig) -> Availability | None:
 def _entry(config: DiscoveryConfig, entry: object) -> _PayloadAvailability:
     if not isinstance(entry, dict):
         raise WireError(f"availability has {shown(entry)}, not an object")
-    own = DiscoveryConfig("availability", "", entry)
+    own = DiscoveryConfig("availability", "", full_keys(entry, ABBREVIATIONS))
     own.encoding = config.encoding
     source = _source(own, "topic", "value_template")
     if source is None:

@@ -107,7 +107,8 @@ _MAX_MEMBERS = 100
 
 
 def _described(topic: str, config_topic: ConfigTopic, announced: Announced, parts: _Parts) -> DeviceAnnounced:
-    device = device_in(to_json((announced.device, announced.origin)))
+    common = announced.common
+    device = device_in(to_json((common.get("device"), common.get("origin"))))
     if config_topic.component == DEVICE:
         key, (described, whole) = config_topic.key, _shared_availability(config_topic, announced, parts)
     else:
