@@ -57,6 +57,7 @@ class AnnouncedPart(PartTexts):
 
     Attributes:
         address: Address of its texts: the gateway's text address, or the one on which the device publishes text.
+        filters: The filters on which it is read.
         known: The last value of each capability with its reading; None before the first report.
         names: The capabilities of its last short state; states with the same capabilities share the tuple.
         is_plain: Whether it has only ever reported numbers and flags, and no events.
@@ -65,6 +66,7 @@ class AnnouncedPart(PartTexts):
     stored: StoredAnnouncement
     described: DescribedPart
     address: str
+    filters: tuple[str, ...] = field(default=(), init=False)
     known: dict[str, tuple[PlainValue, Reading]] | None = field(default=None, init=False)
     names: tuple[str, ...] = field(default=(), init=False)
     is_plain: bool = field(default=True, init=False)
@@ -168,7 +170,6 @@ class StoredAnnouncement:
         excess: Bytes beyond the length that its number of parts justifies.
         stale_after: Seconds of silence after which it counts as stale; 0 for the gateway's default.
         reachability: Reported reachability of the device (``""``) and of the parts that report it.
-        subscriptions: The filters on which its parts are read.
         is_confirmed: Whether the last sighting was a sign of life of the device itself.
         heard_at: When it last reported or was announced live, on the monotonic clock; -inf for never.
         refresh_at: When, on the monotonic clock, the next sign of life is due for a sighting.
@@ -184,7 +185,6 @@ class StoredAnnouncement:
     stale_after: float = 0.0
     parts: dict[str, AnnouncedPart] = field(init=False)
     reachability: Mapping[str, SharedReachability] = field(init=False)
-    subscriptions: list[tuple[str, AnnouncedPart]] = field(default_factory=list, init=False)
     is_confirmed: bool = field(default=False, init=False)
     heard_at: float = field(default=-math.inf, init=False)
     refresh_at: float = field(default=0.0, init=False)
@@ -237,7 +237,7 @@ class StoredAnnouncement:
 
     def detach(self) -> None:
         """Drop its parts, which refer back to it, so that it is freed without the garbage collector."""
-        self.parts, self.reachability, self.subscriptions = {}, _NOTHING, []
+        self.parts, self.reachability = {}, _NOTHING
 
     def record_reachable(self, part: str, reachable: bool | None) -> None:  # noqa: FBT001 - the value itself
         """Record the published reachability of *part*."""

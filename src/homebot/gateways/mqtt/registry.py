@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from functools import lru_cache
-from itertools import repeat
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.convention import Convention, TextConvention
@@ -111,7 +110,7 @@ class AnnouncementRegistry(DeviceRegistry):
                 continue
             if not self._add_reader(topic_filter, part, refused):
                 continue
-            stored.subscriptions.append((topic_filter, part))
+            part.filters = (*part.filters, topic_filter)
             if not self.commands.readable(topic_filter, (part,)):
                 refused.append(WireError(f"commands of another device, or codes, go to {topic_filter!r}"))
             elif count and not has_wildcard(topic_filter) and (part.described.remembers or not only_remembering):
@@ -195,10 +194,10 @@ class AnnouncementRegistry(DeviceRegistry):
         for part in stored.parts.values():
             self.commands.remove(part)
             self._forget_routes(*part.described.part.writes)
+            for topic_filter in part.filters:
+                self._remove_reader(topic_filter, part)
         self._unregister_text(stored)
         self._leave_reachability(stored)
-        for topic_filter, part in stored.subscriptions:
-            self._remove_reader(topic_filter, part)
 
     def _forget_routes(self, *topic_filters: str) -> None:
         for one in topic_filters:
@@ -278,8 +277,5 @@ def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability,
 
 def _readings(stored: StoredAnnouncement) -> list[tuple[str, AnnouncedPart]]:
     """Return each filter with its part of *stored*; a list, so that a plug-in fails early."""
-    found: list[tuple[str, AnnouncedPart]] = []
-    for announced_part in stored.parts.values() if stored.described.text is None else ():
-        topics = dict.fromkeys(announced_part.described.codec.topics())
-        found += zip(topics, repeat(announced_part))
-    return found
+    parts = stored.parts.values() if stored.described.text is None else ()
+    return [(one, part) for part in parts for one in dict.fromkeys(part.described.codec.topics())]
