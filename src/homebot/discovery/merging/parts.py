@@ -2,8 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import chain
-from operator import attrgetter
+from itertools import chain, starmap
 from typing import Final, NamedTuple, TypeAlias
 
 from homebot.devices import DevicePart, Route
@@ -139,8 +138,8 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
     convention, parts are one only if they have the same id and topics, the same commands on the same topics, or are a
     sensor that several bridges receive. Otherwise two parts with the same id are in conflict, and the older one counts.
     """
-    if len(sources) == 1:
-        return _parts_of_one(sources[0], topics, known)
+    if len(sources) == 1 or _are_distinct(sources):
+        return _distinct_parts(sources, topics, known)
     conflicts: list[str] = []
     numbered: dict[int, _Merged] = {}
     places: dict[PartPlace, int] = {}
@@ -186,23 +185,33 @@ def main_part(parts: Sequence[DevicePart]) -> DevicePart | None:
     )
 
 
-_ID = attrgetter("id")
+def _are_distinct(sources: Sequence[SourceRecord]) -> bool:
+    """Return whether all parts of *sources* are announced once, by one trusted origin, as usual."""
+    origin = _origin(sources[0])
+    found = [(source, part) for source in sources for part in source.sighting.parts]
+    commands = [told for told in starmap(_commands_of, found) if told]
+    return (
+        not sources[0].is_claimed
+        and all(_origin(source) == origin for source in sources)
+        and len({(part.service_type, part.id) for _, part in found}) == len(found)
+        and len(set(commands)) == len(commands)
+    )
 
 
-def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) -> MergedParts:
-    """Return the parts of a device with a single announcement, the usual case: nothing has to be matched."""
+def _distinct_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: PartIds) -> MergedParts:
+    """Return the parts of a device of which nothing has to be matched."""
     conflicts: list[str] = []
     places: dict[PartPlace, int] = {}
-    parts = source.sighting.parts[:MAX_PARTS]
-    gateway, key = source.key
-    convention = source.sighting.convention
-    ids: Sequence[str] = tuple(map(_ID, parts))
-    has_own_ids = not known and len(set(ids)) == len(ids) == len(source.sighting.parts)
+    found = [(source, part) for source in sources for part in source.sighting.parts]
+    left_out = len(found) - MAX_PARTS
+    del found[MAX_PARTS:]
+    ids: Sequence[str] = [part.id for _, part in found]
     if known or len(set(ids)) < len(ids):
-        label = source.label
-        ids = part_ids([Named(part, label, [(source.number, (gateway, key, part))]) for part in ids], known)
+        named = [Named(part.id, source.label, [(source.number, (*source.key, part.id))]) for source, part in found]
+        ids = part_ids(named, known)
     merged: list[DevicePart] = []
-    for number, part in enumerate(parts):
+    for number, (source, part) in enumerate(found):
+        gateway, key = source.key
         places[gateway, key, part.id] = number
         routes: tuple[Route, ...] = ()
         if source.is_claimed:
@@ -214,16 +223,17 @@ def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) 
                 gateway=gateway,
                 key=key,
                 part=part.id,
-                convention=convention,
+                convention=source.sighting.convention,
                 takes=EVERYTHING,
                 approved="",
                 topics=part.writes,
             )
             routes = (route,)
         merged.append(_part_of(id=ids[number], part=part, routes=routes))
-    if left_out := len(source.sighting.parts) - len(parts):
+    if left_out > 0:
         conflicts.append(_left_out(left_out))
-    return MergedParts(tuple(merged), tuple(conflicts), places, has_own_ids=has_own_ids)
+    parts = tuple(merged)
+    return MergedParts(parts, tuple(conflicts), places, has_own_ids=_has_own_ids(sources, parts, places))
 
 
 def _claim_conflict(source: SourceRecord) -> str:
