@@ -82,6 +82,7 @@ PHASES = {"a_act_power": 200, "a_voltage": 230, "b_act_power": 100, "c_act_power
         (POSITION, "number:200", "water_valve", {"value": 40}, {"position": 40.0, "valve": "open"}),
         (POSITION, "number:200", "water_valve", {"value": 0}, {"position": 0.0, "valve": "closed"}),
         (STATE, "boolean:200", "switch", {"value": True}, {"on_off": True}),
+        (of_service("start_charging"), "boolean:200", "switch", {"value": True}, {"on_off": True}),
     ],
 )  # fmt: skip
 def test_a_component_reports(

@@ -124,3 +124,24 @@ def test_a_diffuser_has_a_switch_for_each_slot(say: Say) -> None:
     assert calls(parts["cury:0/left/intensity"].codec.write("number", 30.0)) == [
         ("Cury.Set", {"id": 0, "slot": "left", "intensity": 30})
     ]
+
+
+NEO = {
+    "boolean:200": of_service("state"),
+    "number:200": of_service("water_temperature", meta={"ui": {"unit": "°C"}}),
+    "object:200": of_service("water_consumption"),
+    "object:201": of_service("other"),
+}
+
+
+def test_a_state_beside_a_water_meter_is_a_valve(say: Say) -> None:
+    """As the Neo smart water valve: it opens the water of a house, and asks before."""
+    parts = parts_of(say, NEO, {key: {"value": None} for key in NEO})
+    assert {key: one.part.service_type for key, one in parts.items()} == {
+        "boolean:200": "water_valve",
+        "number:200": "temperature_sensor",
+        "object:200": "x_sensor",
+    }
+    assert calls(parts["boolean:200"].codec.write("valve", "open")) == [("Boolean.Set", {"id": 200, "value": True})]
+    frame = json.dumps({"params": {"object:200": {"value": {"counter": {"total": 12.345}}}}}).encode()
+    assert parts["object:200"].codec.read("x/events/rpc", frame, retained=False) == {"measurement": 12.345}

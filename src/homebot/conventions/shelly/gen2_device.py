@@ -42,10 +42,14 @@ from homebot.conventions.shelly.gen2_sensors import (
     build_sensor,
 )
 from homebot.conventions.shelly.gen2_virtual import (
+    CONSUMPTION,
     OF_THERMOSTAT,
     TARGET,
+    VALVE_STATE,
     VIRTUAL,
+    build_consumption,
     build_service_thermostat,
+    build_valve,
     build_virtual,
     build_virtual_button,
     role_of,
@@ -133,10 +137,11 @@ def _build_parts(components: Sequence[ShellyComponent]) -> list[JsonPart]:
         role = role_of(component.config)
         if role == TARGET:
             parts.append(build_service_thermostat(roles))
-        if role == TARGET or (role in OF_THERMOSTAT and TARGET in roles):
-            continue
-        for build in _BUILDERS.get(component.kind, ()):
-            parts.extend(build(component))
+        elif role == VALVE_STATE and CONSUMPTION in roles:
+            parts.append(build_valve(component, role))
+        elif role not in OF_THERMOSTAT or TARGET not in roles:
+            for build in _BUILDERS.get(component.kind, ()):
+                parts.extend(build(component))
     return parts
 
 
@@ -164,6 +169,7 @@ _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     "devicepower": (build_power,),
     **dict.fromkeys(VIRTUAL, (build_virtual,)),
     "button": (build_virtual_button,),
+    "object": (build_consumption,),
     "cury": (build_diffuser,),
 }
 _CHANNEL = re.compile(rf"(?:switch|cover|em1|{'|'.join(LIGHTS)}):[0-9]{{1,2}}")

@@ -3,8 +3,8 @@
 The values of a maker's service are components of their own; those of a thermostat make one part.
 
 Source: Shelly Gen2+ API, Virtual Components: Boolean, Number, Text, Enum and Button; XT1, Irrigation Controller, Smart
-Water Valve, LinkedGo ST802 and ST1820; ShellyX, Manifest Reference; Home Assistant core 2025.11,
-``components/shelly/climate.py``.
+Water Valve, Neo smart water valve, Top AC Portable EV Charger, LinkedGo ST802 and ST1820; ShellyX, Manifest Reference;
+Home Assistant core 2025.11, ``components/shelly/climate.py`` and ``sensor.py``.
 """
 
 import re
@@ -20,10 +20,14 @@ from homebot.conventions.units import sensor_type
 from homebot.support.numbers import to_number
 
 __all__ = [
+    "CONSUMPTION",
     "OF_THERMOSTAT",
     "TARGET",
+    "VALVE_STATE",
     "VIRTUAL",
+    "build_consumption",
     "build_service_thermostat",
+    "build_valve",
     "build_virtual",
     "build_virtual_button",
     "role_of",
@@ -44,12 +48,14 @@ _MEASURED: Mapping[str, tuple[str, str]] = {
     "last_precipitation": ("measurement", "mm"),
     "current_temperature": ("temperature", ""),
     "current_humidity": ("humidity", ""),
+    "water_temperature": ("temperature", ""),
 }
 """Capability and unit of the numbers of a maker's service, by role."""
 
 _CONTROLLED: Mapping[tuple[str, str], tuple[str, str]] = {
     ("number", "target_humidity"): ("x_humidifier", "humidity_setpoint"),
     ("boolean", "state"): ("switch", "on_off"),
+    ("boolean", "start_charging"): ("switch", "on_off"),
 }
 """Service type and capability of the settings of a maker's service, by kind and role."""
 
@@ -58,6 +64,9 @@ _DISPLAYS = ("label", "progressbar")
 
 _VALVE_POSITION = ("number", "position")
 """Kind and role of the opening of a water valve; blinds are covers in a maker's service."""
+
+VALVE_STATE, CONSUMPTION = "state", "water_consumption"
+"""Roles of a water valve that is only open or closed, and of the water that it has let through."""
 
 _ZONE = re.compile(r"zone[0-9]{1,2}")
 _VALVES = ("open", "closed")
@@ -68,7 +77,7 @@ def build_virtual(component: ShellyComponent) -> Parts:
     """Describe a value as a setting, or by its role, its view or its access."""
     role, access = role_of(component.config), text_of(component.config.get("access")) or "*"
     if (component.kind, role) == _VALVE_POSITION or (component.kind == "boolean" and _ZONE.fullmatch(role)):
-        return (_build_valve(component, role),)
+        return (build_valve(component, role),)
     is_shown = _ui(component.config).get("view") in _DISPLAYS or not {"w", "*"} & set(access)
     if is_shown or (component.kind == "number" and role in _MEASURED):
         return (_build_sensor(component, role),)
@@ -107,7 +116,7 @@ def _build_sensor(component: ShellyComponent, role: str) -> JsonPart:
     return part
 
 
-def _build_valve(component: ShellyComponent, role: str) -> JsonPart:
+def build_valve(component: ShellyComponent, role: str) -> JsonPart:
     """Describe a water valve, perhaps one that can be opened in part, or a zone of an irrigation controller."""
     has_position = component.kind == "number"
 
@@ -131,6 +140,15 @@ def _build_valve(component: ShellyComponent, role: str) -> JsonPart:
     if has_position:
         part.add_capability("position", writer=percent_writer("position", publish))
     return part
+
+
+def build_consumption(component: ShellyComponent) -> Parts:
+    """Describe the water that a valve has let through; other objects have no meaning in common."""
+    if role_of(component.config) != CONSUMPTION:
+        return ()
+    part = component.part("", "x_sensor")
+    component.add_value(part, "measurement", "value.counter.total", unit="m³")
+    return (part,)
 
 
 def role_of(config: Fields) -> str:
