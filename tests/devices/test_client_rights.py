@@ -96,7 +96,9 @@ NAMES_THAT_ASK = (
     "Warmwasser, Rasensprenger, Sektionaltor, Pforte, Poêle, Cheminée, Cumulus, Ballon d'eau chaude, Plaque de "
     "cuisson, Robinet, Gaz, Ouvre-porte, Estufa, Chimenea, Vitrocerámica, Termo eléctrico, Grifo, Puerta de "
     "entrada, Stufa, Caminetto, Rubinetto, Basculante, Porta d'ingresso, Ketel, Geiser, Haard, Pelletkachel, "
-    "Sproeier, Slagboom, Voordeur"
+    "Sproeier, Slagboom, Voordeur, Steam oven combi, Steam oven micro, Oven microwave, Dampfgarer-Kombi, Dialoggarer, "
+    "Induktionskochfeld, Four vapeur, Four micro-ondes, Table de cuisson à induction, Piano cottura, Piano induzione, "
+    "Placa de cocción, Placa de inducción, Stoomoven, Inductiekookplaat"
 )
 
 
