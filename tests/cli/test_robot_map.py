@@ -189,5 +189,5 @@ def test_a_room_of_four_million_cells_takes_seconds() -> None:
 
 def test_noise_is_no_room() -> None:
     """Millions of its edges would fill the memory."""
-    with pytest.raises(UsageError, match="a free area of the map is in over 300,000 rows; filter its noise first"):
+    with pytest.raises(UsageError, match="a free area of the map has over 300,000 strips; filter its noise first"):
         list(cluttered(0.2).rooms({"Hall": (50.0, 50.0)}, []))

@@ -228,7 +228,7 @@ def _filled(rows: list[bytearray], row: int, column: int, value: int) -> dict[in
             ends.setdefault(row, []).extend((begin, left))
             runs += 1
             if runs > _MOST_RUNS:
-                raise UsageError(f"a free area of the map is in over {_MOST_RUNS:,} rows; filter its noise first")
+                raise UsageError(f"a free area of the map has over {_MOST_RUNS:,} strips; filter its noise first")
             waiting += [(one, begin, left) for one in (row - 1, row + 1) if 0 <= one < len(rows)]
     return {row: sorted(found) for row, found in ends.items()}
 

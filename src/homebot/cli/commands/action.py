@@ -65,7 +65,7 @@ def _send_goal(door: DoorClient, options: argparse.Namespace) -> int:
         print(f"Cancelling the goal; its end is awaited for {_CANCEL_WITHIN:g} s", file=sys.stderr)
         door.cancel_goal(name, goal)
         if not _follow_goal(name, door.until(_CANCEL_WITHIN), options):
-            print(f"Goal still executed: {name} has not ended it yet", file=sys.stderr)
+            print(f"Goal still executing: {name} has not ended it yet", file=sys.stderr)
         raise
     return 0 if state == _SUCCEEDED else 1
 
