@@ -63,6 +63,12 @@ CHARGER = {
     "1/157/0": [{"0": "Manual", "1": 0}, {"0": "Solar", "1": 2}],
     "1/157/1": 2,
 }
+CHIME = {
+    "1/29/0": [{"0": 0x0146, "1": 2}],
+    "1/1366/0": [{"0": 1, "1": "Ding Dong"}, {"0": 3, "1": "Alert"}, {"0": None, "1": "Broken"}],
+    "1/1366/1": 3,
+    "1/1366/65529": [0],
+}
 PUMP = {"1/29/0": [{"0": 0x0303, "1": 1}], "1/6/0": True, "1/8/0": 200, "1/512/16": 32}
 PLUG = {"1/29/0": [{"0": 266, "1": 2}], "1/6/0": True}
 PLAYER = {"1/29/0": [{"0": 0x28, "1": 1}], "1/6/0": True, "1/1286/0": 0, "1/1286/65529": [0, 1]}
@@ -153,6 +159,30 @@ def test_a_filter_is_a_part_beside_its_purifier() -> None:
     ]
     assert readings(device, "1-dust_filter") == {"measurement": 12.0, "problem": True}
     assert readings(device, "1-carbon_filter") == {"problem": False}
+
+
+def test_a_chime_has_sounds_and_a_button_that_plays_the_selected_one() -> None:
+    chime = only_device(CHIME)
+    assert [(one.id, one.name, one.service_type) for one in chime.device.parts] == [
+        ("1", "", "siren"),
+        ("1-play", "Play", "x_setting"),
+    ]
+    assert readings(chime) == {"siren_tone": "Alert"}
+    assert encoded(chime, "siren_tone", "Ding Dong") == (AttributeWrite(0x0556, 1, 1),)
+    assert encoded(chime, "push", True, "1-play") == (ClusterInvocation(0x0556, "PlayChimeSound"),)
+
+
+def test_an_alarm_of_a_dishwasher_is_a_part_beside_its_operation() -> None:
+    washer = only_device({"1/29/0": [{"0": 0x0075}], "1/93/2": 4, "1/96/4": 3})
+    assert [one.name for one in washer.device.parts] == ["", "Alarm"]
+    assert readings(washer, "1-alarm") == {"problem": True}
+
+
+def test_a_thermostat_tells_how_much_it_heats_and_how_cold_it_is_outside() -> None:
+    """As Eberle's UTE 3000 and Longan-link's thermostat; the temperature outside is none of the room."""
+    thermostat = only_device({"1/29/0": [{"0": 0x0301}], "1/513/0": 2250, "1/513/1": 1250, "1/513/8": 100})
+    assert readings(thermostat).items() >= {"local_temperature": 22.5, "measurement": 100.0}.items()
+    assert readings(thermostat, "1-outdoor_temperature") == {"measurement": 12.5}
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,13 @@
 """The clusters of appliances: modes, temperatures, operational states, pumps, vacuum cleaners and car chargers. Pure.
 
 Source: Matter 1.4 Application Clusters, 1.9 (Mode Select), 1.10 (Mode Base), 1.14 (Operational State), 1.17 (Service
-Area), 4.2 (Pump), 6.10 (Media Playback), 7.2 to 7.4 (RVC), 8 (home appliances, among them 8.2, Temperature Control),
-9.3 (Energy EVSE), 9.5 (Water Heater).
+Area), 4.2 (Pump), 6.10 (Media Playback), 7.2 to 7.4 (RVC), 8 (home appliances, among them 8.2, Temperature Control, and
+8.4, Dishwasher Alarm), 9.3 (Energy EVSE), 9.5 (Water Heater); Matter 1.5, Chime.
 """
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from itertools import islice
 from typing import Final
 
 from homebot.conventions.command_values import require_true
@@ -30,6 +31,7 @@ __all__ = ["APPLIANCE_ROWS", "MODE_SELECT", "is_oven_cabinet"]
 MODE_SELECT, RUN_MODE, TEMPERATURE, OPERATION, CLEANING, EVSE = 80, 84, 86, 96, 97, 153
 OVEN_CAVITY, OVEN_MODE, FRIDGE_ALARM, WATER_HEATER, HEATER_MODE, PUMP = 72, 73, 87, 148, 158, 512
 WASHER, _SPIN, ENERGY_MODE, PLAYBACK, SERVICE_AREA = 83, 1, 159, 0x0506, 336
+DISHWASHER_ALARM, CHIME, _SELECTED_SOUND = 93, 0x0556, 1
 _CHARGES, _FAULT, _IS_OPEN = 3, 6, 1
 _SUPPLY, _CIRCUIT_CURRENT, _LEAST_CURRENT, _ENABLE_CHARGING = 1, 5, 6, 2
 _MODE_CLUSTERS: Final = (MODE_SELECT, OVEN_MODE, 81, 82, 85, 89, 94, 157, HEATER_MODE, ENERGY_MODE)
@@ -140,21 +142,28 @@ def _listed_row(
     )
 
 
-def _button_row(number_: int, name: str) -> ClusterRow:
-    """Return the row of a command of an operation, which is a part beside it."""
+def _button_row(number_: int, name: str, cluster: int = OPERATION, part_suffix: str = "") -> ClusterRow:
+    """Return the row of a command, such as of an operation, which is a part beside it."""
 
     def write(_at: MatterEndpoint, command: Command) -> MatterOrders:
         require_true("push", command.value.plain())
-        return (ClusterInvocation(OPERATION, name),)
+        return (ClusterInvocation(cluster, name),)
 
     return ClusterRow(
-        OPERATION,
+        cluster,
         ACCEPTED_COMMANDS,
         "push",
         write=write,
-        when=lambda one: one.accepts(OPERATION, number_),
-        part_suffix=name.casefold(),
+        when=lambda one: one.accepts(cluster, number_),
+        part_suffix=part_suffix or name.casefold(),
     )
+
+
+def _sounds(endpoint: MatterEndpoint) -> dict[int, str]:
+    """Return the installed sounds of a chime, by number."""
+    listed = islice(endpoint.structs(CHIME, 0), _MOST_MODES)
+    found = ((whole_number(field_of(one, 0, "chimeID")), text_of(field_of(one, 1, "name"))) for one in listed)
+    return {number_: name for number_, name in found if number_ is not None and name}
 
 
 def _read_vacuum(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
@@ -268,4 +277,16 @@ APPLIANCE_ROWS: Final = (
     ClusterRow(PUMP, 16, "problem", any_bit(0b11)),  # of itself, or of its supply
     ClusterRow(WATER_HEATER, 4, "measurement", number(1, 0, 100), unit="%"),  # how much of the water is hot
     ClusterRow(FRIDGE_ALARM, 2, "problem", one_of(_IS_OPEN)),
+    ClusterRow(DISHWASHER_ALARM, 2, "problem", any_bit(), spare_suffix="alarm"),  # of water, heat or door
+    ClusterRow(
+        CHIME,
+        _SELECTED_SOUND,
+        "siren_tone",
+        lambda one, raw: choice(_sounds(one))(one, raw),
+        when=_sounds,
+        orders=lambda one: {
+            name: AttributeWrite(CHIME, _SELECTED_SOUND, number_) for number_, name in _sounds(one).items()
+        },
+    ),
+    _button_row(0, "PlayChimeSound", CHIME, "play"),
 )

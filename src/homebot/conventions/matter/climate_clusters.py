@@ -27,7 +27,7 @@ __all__ = ["CLIMATE_ROWS"]
 
 THERMOSTAT, FAN = 513, 514
 
-_LOCAL, _COOLING, _HEATING = 0, 0x11, 0x12
+_LOCAL, _OUTDOOR, _HEATING_DEMAND, _COOLING, _HEATING = 0, 1, 8, 0x11, 0x12
 _SYSTEM_MODE, _RUNNING_STATE, _ACTIVE_PRESET, _PRESETS = 0x1C, 0x29, 0x4E, 0x50
 _LIMITS: Final = {_HEATING: ((0x15, 0x16), (3, 4)), _COOLING: ((0x17, 0x18), (5, 6))}
 """Of each setpoint: the attributes of the limits that people set, and of those of the device."""
@@ -149,6 +149,15 @@ def _setpoint_row(name: str, attribute: int, feature: int) -> ClusterRow:
 
 CLIMATE_ROWS: Final = (
     ClusterRow(THERMOSTAT, _LOCAL, "local_temperature", number(100, -32_767, 32_767)),
+    ClusterRow(
+        THERMOSTAT,
+        _OUTDOOR,
+        "measurement",
+        number(100, -27_315, 32_767),
+        unit="°C",
+        part_suffix="outdoor_temperature",
+    ),
+    ClusterRow(THERMOSTAT, _HEATING_DEMAND, "measurement", number(1, 0, 100), unit="%"),  # of the greatest heating
     _setpoint_row("heating_setpoint", _HEATING, _HEATS),
     _setpoint_row("cooling_setpoint", _COOLING, _COOLS),
     ClusterRow(THERMOSTAT, _SYSTEM_MODE, "thermostat_mode", choice(_MODES), orders=_mode_orders),
