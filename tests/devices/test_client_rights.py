@@ -98,7 +98,8 @@ NAMES_THAT_ASK = (
     "entrada, Stufa, Caminetto, Rubinetto, Basculante, Porta d'ingresso, Ketel, Geiser, Haard, Pelletkachel, "
     "Sproeier, Slagboom, Voordeur, Steam oven combi, Steam oven micro, Oven microwave, Dampfgarer-Kombi, Dialoggarer, "
     "Induktionskochfeld, Four vapeur, Four micro-ondes, Table de cuisson à induction, Piano cottura, Piano induzione, "
-    "Placa de cocción, Placa de inducción, Stoomoven, Inductiekookplaat"
+    "Placa de cocción, Placa de inducción, Stoomoven, Inductiekookplaat, Locked, Momentarily unlocked, Lock rule, "
+    "Valve opened, Water supply, Lower oven cook mode, Homelink"
 )
 
 
