@@ -48,6 +48,9 @@ DECISIONS = "merging"
 PLACES = "places"
 """The owner's records: which announcements are one device, and statements about devices."""
 
+_EMBEDDED = "embedded"
+"""The folder of homebot's own broker, which moves nowhere."""
+
 _BATCH = 200
 """Most devices written in one transaction."""
 
@@ -135,7 +138,8 @@ class IndexPersistence:
     def _other_folders(self) -> list[str]:
         """Return the folders with a file of the same home for another network: the broker may have moved."""
         own = Path(self.file)
-        return sorted(str(one.parent) for one in own.parent.parent.glob(f"*/{own.name}") if one != own)
+        others = own.parent.parent.glob(f"*/{own.name}") if own.parent.name != _EMBEDDED else ()
+        return sorted(str(one.parent) for one in others if one != own)
 
     def _restore_owner(self, records: Mapping[str, str]) -> int:
         """Restore the owner's decisions; return how many records could not be read."""
