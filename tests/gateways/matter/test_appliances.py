@@ -368,13 +368,30 @@ def test_a_lock_is_only_moved_as_a_lock() -> None:
             "column 1 up wheel",
         ),
         ({"1/29/4": [{"0": None, "1": 0x41, "2": 1}]}, "freezer"),
-        ({"1/80/0": "Bulb mode", "1/80/2": [{"0": "On", "1": 1}], "1/80/3": 1}, "Bulb mode"),
         ({"1/29/4": [{"1": 8, "2": 99}, {"1": 99, "2": 1}, 7, {"1": None}]}, ""),
     ],
 )
 def test_a_part_is_named_by_its_labels_or_tags(attributes: dict[str, object], name: str) -> None:
     (part,) = only_device({"1/59/0": 2, "1/59/65532": 2, **attributes}).device.parts
     assert part.name == name
+
+
+@pytest.mark.parametrize(
+    ("attributes", "names"),
+    [
+        ({"1/29/0": [{"0": 0x0101}], "1/6/0": True}, ["", "Dimming Edge"]),
+        ({"1/59/0": 2, "1/64/0": [{"0": "Button", "1": "Up"}]}, ["Up", "Dimming Edge"]),
+        ({"1/29/0": [{"0": 0x0104}]}, ["Dimming Edge"]),
+    ],
+)
+def test_a_plain_mode_is_a_setting_of_its_own(attributes: dict[str, object], names: list[str]) -> None:
+    """As those of Inovelli's VTM31, at its light, at its buttons, and at endpoints with nothing else."""
+    mode = {"1/80/0": "Dimming Edge", "1/80/2": [{"0": "Leading", "1": 0}, {"0": "Trailing", "1": 1}], "1/80/3": 1}
+    device = only_device({**attributes, **mode})
+    assert [one.name for one in device.device.parts] == names
+    assert device.device.parts[-1].service_type == "x_setting"
+    assert readings(device, "1-mode") == {"option": "Trailing"}
+    assert encoded(device, "option", "Leading", "1-mode") == (ClusterInvocation(80, "ChangeToMode", {"newMode": 0}),)
 
 
 def test_an_endpoint_of_no_bridge_is_of_its_node() -> None:

@@ -26,7 +26,10 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import whole_number
 
-__all__ = ["APPLIANCE_ROWS", "MODE_SELECT", "is_oven_cabinet"]
+__all__ = ["APPLIANCE_ROWS", "MODE", "MODE_SELECT", "is_oven_cabinet"]
+
+MODE: Final = "mode"
+"""The part of an endpoint that is a setting with a name of its own: of a light, a button or nothing else."""
 
 MODE_SELECT, RUN_MODE, TEMPERATURE, OPERATION, CLEANING, EVSE = 80, 84, 86, 96, 97, 153
 OVEN_CAVITY, OVEN_MODE, FRIDGE_ALARM, WATER_HEATER, HEATER_MODE, PUMP = 72, 73, 87, 148, 158, 512
@@ -36,7 +39,7 @@ _CHARGES, _FAULT, _IS_OPEN = 3, 6, 1
 _SUPPLY, _CIRCUIT_CURRENT, _LEAST_CURRENT, _ENABLE_CHARGING = 1, 5, 6, 2
 _MODE_CLUSTERS: Final = (MODE_SELECT, OVEN_MODE, 81, 82, 85, 89, 94, 157, HEATER_MODE, ENERGY_MODE)
 """Plain, oven, laundry washer, refrigerator, vacuum cleaner, dishwasher, microwave oven, charger, water heater, energy:
-an endpoint with several is operated by the first, and the energy's is a part beside it."""
+the plain and the energy's are parts beside the mode that operates an endpoint."""
 
 _CHANGE_TO_MODE: Final = 0
 _MOST_MODES: Final = 100
@@ -101,6 +104,7 @@ def _mode_row(cluster: int) -> ClusterRow:
         when=partial(_labels, cluster),
         orders=partial(_mode_orders, cluster),
         accepts=_CHANGE_TO_MODE,
+        part_suffix=MODE if cluster == MODE_SELECT else "",
         spare_suffix="energy_mode" if cluster == ENERGY_MODE else "",
     )
 

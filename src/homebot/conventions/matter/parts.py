@@ -8,7 +8,7 @@ Source: Matter 1.4 Core Specification, 9.5.5 (TagList), 9.8 (Fixed Label), 9.9 (
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from homebot.conventions.matter.appliance_clusters import APPLIANCE_ROWS, MODE_SELECT, is_oven_cabinet
+from homebot.conventions.matter.appliance_clusters import APPLIANCE_ROWS, MODE, MODE_SELECT, is_oven_cabinet
 from homebot.conventions.matter.climate_clusters import CLIMATE_ROWS
 from homebot.conventions.matter.cluster_row import ClusterRow
 from homebot.conventions.matter.endpoint import DESCRIPTOR, TAG_LIST, MatterEndpoint, field_of
@@ -85,7 +85,7 @@ def _main_part(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...], *
     service_type, is_guessed = _service_type(endpoint, capabilities)
     return Part(
         id=str(endpoint.id),
-        name=_name(endpoint) or (endpoint.text(MODE_SELECT, 0) if service_type == "x_setting" else ""),
+        name=_name(endpoint),
         service_type="window_covering" if covers and service_type == "closure" else service_type,
         advertised=_advertised(endpoint),
         guessed=is_guessed,
@@ -102,7 +102,7 @@ def _extra_part(endpoint: MatterEndpoint, suffix: str, capabilities: tuple[Capab
     is_setting = any(one.settable for one in capabilities)
     return Part(
         id=part_id,
-        name=suffix.replace("_", " ").capitalize(),
+        name=(suffix == MODE and endpoint.text(MODE_SELECT, 0)) or suffix.replace("_", " ").capitalize(),
         service_type="x_setting" if is_setting else kind,
         advertised=_advertised(endpoint) if is_setting else "",
         capabilities=capabilities,
