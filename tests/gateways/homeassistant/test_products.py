@@ -1,7 +1,7 @@
 """Entities of products, with the features that their integrations state."""
 
 import pytest
-from tests.gateways.homeassistant.test_entities import entity_entry, home, only, state
+from tests.gateways.homeassistant.test_entities import HUB, entity_entry, home, only, state
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -100,3 +100,16 @@ def test_a_humidifier_without_a_target_takes_none() -> None:
 def test_a_mower_that_stands_on_the_lawn_is_idle() -> None:
     """Husqvarna's Automower is that if it was stopped by hand."""
     assert only("lawn_mower.automower", "idle", supported_features=7).read(is_change=False) == {"mower": "idle"}
+
+
+@pytest.mark.parametrize(("own", "room"), [(None, "Hall"), ("lawn", "Lawn")])
+def test_a_work_area_of_a_mower_is_where_the_mower_is(own: str | None, room: str) -> None:
+    """Husqvarna's are child devices since 2026.11."""
+    entities = home(entity_entry("number.height", device_id="d2"))
+    child = {"id": "d2", "name": "My lawn", "identifiers": [["husqvarna_automower", "1_0"]], "area_id": own}
+    entities.registries.put("device", [HUB, {**child, "parent_device_id": "d1"}])
+    entities.registries.put("area", [{"area_id": one, "name": one.capitalize()} for one in ("hall", "lawn")])
+    entities.put("number.height", state("50"), is_new=True)
+    entities.regroup()
+    device = entities.describe("d2")
+    assert (device.area, device.metadata["via_device"]) == (room, "d1")

@@ -88,7 +88,7 @@ class Registries:
         name = text_of(fields.get("name_by_user")) or text_of(fields.get("name"))
         known = {key: value for key, value in fields.items() if value is not None}
         block = {**known, "name": name, "identifiers": [_identifier(*one) for one in _pairs(fields)]}
-        block |= {"via_device": _text(fields, "via_device_id")}
+        block |= {"via_device": _text(fields, "via_device_id") or _text(fields, "parent_device_id")}
         try:
             return read_device(block, {})
         except WireError:
@@ -104,9 +104,13 @@ class Registries:
     def place(self, device_id: str, entity_ids: Iterable[str]) -> tuple[str, str]:
         """Return the names of the area and of the floor of a device; empty for none.
 
-        The area of an entity outranks that of its device, which counts if the entities are in several.
+        The area of an entity outranks that of its device, which counts if the entities are in several. A child device,
+        which came in 2026.11, is where its parent is.
         """
-        device, *entities = (_text(fields, "area_id") for fields in self._entries(device_id, entity_ids))
+        fields, *others = self._entries(device_id, entity_ids)
+        parent = self._listed["device"].get(_text(fields, "parent_device_id"), {})
+        device = _text(fields, "area_id") or _text(parent, "area_id")
+        entities = [_text(one, "area_id") for one in others]
         shared = {one or device for one in entities}
         for area_id in (*(shared if len(shared) == 1 else ()), device, *entities):
             area = self._listed["area"].get(area_id)
