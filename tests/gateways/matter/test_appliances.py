@@ -185,6 +185,19 @@ def test_a_thermostat_tells_how_much_it_heats_and_how_cold_it_is_outside() -> No
     assert readings(thermostat, "1-outdoor_temperature") == {"measurement": 12.5}
 
 
+def test_the_offset_of_a_thermometer_and_the_hold_time_of_a_motion_sensor_are_settings() -> None:
+    """As of Aqara's W600 and Heiman's M1."""
+    thermostat = only_device({"1/29/0": [{"0": 0x0301}], "1/513/0": 1900, "1/513/16": -15})
+    assert readings(thermostat, "1-temperature_offset") == {"number": -1.5}
+    assert encoded(thermostat, "number", 0.5, "1-temperature_offset") == (AttributeWrite(513, 16, 5),)
+    motion = {"1/29/0": [{"0": 0x0107}], "1/1030/0": 0, "1/1030/3": 70, "1/1030/4": {"0": 6, "1": 3600, "2": 60}}
+    _, held = only_device(motion).device.parts
+    assert (held.name, held.service_type, held.capabilities[0].bounds) == ("Hold time", "x_setting", (6.0, 3600.0))
+    assert encoded(only_device(motion), "number", 30.0, "1-hold_time") == (AttributeWrite(1030, 3, 30),)
+    _, held = only_device({**motion, "1/1030/4": None}).device.parts
+    assert held.capabilities[0].bounds == (0.0, 65_535.0)
+
+
 @pytest.mark.parametrize(
     ("attributes", "capability", "value", "cluster", "command", "payload"),
     [

@@ -8,7 +8,7 @@ Source: Matter 1.4 Application Clusters, 4.3 (Thermostat; 4.3.9, presets), 4.4 (
 from functools import partial
 from typing import Final
 
-from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, number
+from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, number, number_writer
 from homebot.conventions.matter.endpoint import (
     AttributeWrite,
     ClusterInvocation,
@@ -27,7 +27,7 @@ __all__ = ["CLIMATE_ROWS"]
 
 THERMOSTAT, FAN = 513, 514
 
-_LOCAL, _OUTDOOR, _HEATING_DEMAND, _COOLING, _HEATING = 0, 1, 8, 0x11, 0x12
+_LOCAL, _OUTDOOR, _HEATING_DEMAND, _OFFSET, _COOLING, _HEATING = 0, 1, 8, 0x10, 0x11, 0x12
 _SYSTEM_MODE, _RUNNING_STATE, _ACTIVE_PRESET, _PRESETS = 0x1C, 0x29, 0x4E, 0x50
 _LIMITS: Final = {_HEATING: ((0x15, 0x16), (3, 4)), _COOLING: ((0x17, 0x18), (5, 6))}
 """Of each setpoint: the attributes of the limits that people set, and of those of the device."""
@@ -141,7 +141,7 @@ def _setpoint_row(name: str, attribute: int, feature: int) -> ClusterRow:
         attribute,
         name,
         number(100, -32_767, 32_767),
-        lambda _at, command: (AttributeWrite(THERMOSTAT, attribute, round(command.value.number * 100)),),
+        number_writer(THERMOSTAT, attribute, 100),
         when=lambda one: not one.features(THERMOSTAT) or one.features(THERMOSTAT) & feature,
         bounds=partial(_setpoint_bounds, attribute),
     )
@@ -157,6 +157,16 @@ CLIMATE_ROWS: Final = (
         unit="°C",
         part_suffix="outdoor_temperature",
     ),
+    ClusterRow(
+        THERMOSTAT,
+        _OFFSET,
+        "number",
+        number(10, -127, 127),
+        number_writer(THERMOSTAT, _OFFSET, 10),
+        bounds=lambda _at: (-12.7, 12.7),
+        unit="K",
+        part_suffix="temperature_offset",
+    ),
     ClusterRow(THERMOSTAT, _HEATING_DEMAND, "measurement", number(1, 0, 100), unit="%"),  # of the greatest heating
     _setpoint_row("heating_setpoint", _HEATING, _HEATS),
     _setpoint_row("cooling_setpoint", _COOLING, _COOLS),
@@ -164,13 +174,7 @@ CLIMATE_ROWS: Final = (
     ClusterRow(THERMOSTAT, _RUNNING_STATE, "thermostat_action", _read_action),
     ClusterRow(THERMOSTAT, None, "preset_mode", _read_preset, None, _HAS_PRESETS, _presets, _preset_orders),
     ClusterRow(FAN, _FAN_MODE, "on_off", any_bit(), _write_fan_on, when=lambda one: not one.has(ON_OFF)),
-    ClusterRow(
-        FAN,
-        _FAN_SETTING,
-        "fan_speed",
-        _read_speed,
-        lambda _at, command: (AttributeWrite(FAN, _FAN_SETTING, round(command.value.number)),),
-    ),
+    ClusterRow(FAN, _FAN_SETTING, "fan_speed", _read_speed, number_writer(FAN, _FAN_SETTING)),
     ClusterRow(FAN, _FAN_MODE, "fan_mode", choice(_FAN_MODES), orders=_fan_orders),
     ClusterRow(FAN, _ROCK, "oscillation", any_bit(), _write_rock, _ROCKS),
     ClusterRow(

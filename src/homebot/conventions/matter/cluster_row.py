@@ -5,17 +5,19 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from homebot.conventions.command_values import require_option
-from homebot.conventions.matter.endpoint import MatterEndpoint, MatterOrder, MatterOrders
+from homebot.conventions.matter.endpoint import AttributeWrite, MatterEndpoint, MatterOrder, MatterOrders
 from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number, whole_number
 
-__all__ = ["ClusterRow", "Reader", "any_bit", "choice", "flag", "number", "one_of"]
+__all__ = ["ClusterRow", "Reader", "Writer", "any_bit", "choice", "flag", "number", "number_writer", "one_of"]
 
 Reader: TypeAlias = Callable[[MatterEndpoint, object], PlainValue]
 """Returns the value of a capability from an endpoint and the raw value of the row's attribute; None for unknown. Never
 raises."""
+
+Writer: TypeAlias = Callable[[MatterEndpoint, Command], MatterOrders]
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +41,7 @@ class ClusterRow:
     attribute: int | None
     capability: str
     read: Reader | None = None
-    write: Callable[[MatterEndpoint, Command], MatterOrders] | None = None
+    write: Writer | None = None
     feature: int = 0
     when: Callable[[MatterEndpoint], object] | None = None
     orders: Callable[[MatterEndpoint], Mapping[str, MatterOrder]] | None = None
@@ -102,6 +104,11 @@ def number(divisor: float = 1, least: float = -1e12, most: float = 1e12) -> Read
         return round(value / divisor, 6) if value is not None and least <= value <= most else None
 
     return read
+
+
+def number_writer(cluster: int, attribute: int, factor: int = 1) -> Writer:
+    """Return a writer of numbers into an attribute, in steps of one part of *factor*."""
+    return lambda _at, command: (AttributeWrite(cluster, attribute, round(command.value.number * factor)),)
 
 
 def flag(*, means: bool = True) -> Reader:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Final
 
-from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, flag, number, one_of
+from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, flag, number, number_writer, one_of
 from homebot.conventions.matter.endpoint import (
     ClusterInvocation,
     MatterEndpoint,
@@ -74,6 +74,7 @@ _UNITS: Final = ("ppm", "ppb", "ppt", "mg/m³", "µg/m³", "ng/m³", "1/m³", "B
 _CONCENTRATION, _UNIT = 0, 8
 _ORGANIC: Final = 1070
 _SCALED_PRESSURE, _SCALE = 16, 20
+_HOLD, _HOLD_LIMITS = 3, 4
 _HAS_BATTERY: Final = 1 << 1
 _CHARGING: Final = {1: True, 2: False, 3: False}
 _FAULT, _END_OF_SERVICE, _EXPIRED = 6, 7, 1
@@ -110,6 +111,12 @@ def _read_pressure(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     if scaled is not None and scale is not None:
         return round(scaled / 10**scale / 100, 4) if scale >= -20 else None
     return endpoint.number(PRESSURE, 0, -32_767, 32_767)  # tenths of kilopascals: hectopascals
+
+
+def _hold_bounds(endpoint: MatterEndpoint) -> tuple[float, float]:
+    limits = as_fields(endpoint.value(OCCUPANCY, _HOLD_LIMITS))
+    least, most = (finite_number(field_of(limits, *one)) for one in enumerate(("holdTimeMin", "holdTimeMax")))
+    return (least, most) if least is not None and most is not None and least < most else (0.0, 65_535.0)
 
 
 def _unit_of(cluster: int, endpoint: MatterEndpoint) -> int:
@@ -222,6 +229,16 @@ SENSOR_ROWS: Final = (
         for name in (*_BOOLEAN_STATES.values(), "state")
     ),
     ClusterRow(OCCUPANCY, 0, "occupancy", any_bit(1)),
+    ClusterRow(
+        OCCUPANCY,
+        _HOLD,
+        "number",
+        number(1, 0, 65_535),
+        number_writer(OCCUPANCY, _HOLD),
+        bounds=_hold_bounds,
+        unit="s",
+        part_suffix="hold_time",
+    ),
     ClusterRow(ALARM, 1, "smoke", one_of(1, 2)),
     ClusterRow(ALARM, 2, "carbon_monoxide_alarm", one_of(1, 2)),
     ClusterRow(ALARM, _FAULT, "problem", _read_fault),
