@@ -140,6 +140,17 @@ async def test_a_goal_that_is_cancelled_ends_as_its_server_says(house: House, st
         assert await user.receive() == {"op": "action_result", "id": "g", "action": "/fib", **end}
 
 
+@pytest.mark.parametrize(("is_success", "status"), [(True, 4), (False, 6)])
+async def test_a_goal_without_a_status_ends_as_its_result_says(house: House, is_success: object, status: int) -> None:
+    """The first ``Action`` of roslib states none."""
+    async with house.peer() as robot, house.peer() as user:
+        await robot.tell("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
+        await user.send("send_action_goal", id="g", args={"order": 5}, **GOAL)
+        asked = await robot.receive()
+        await robot.send("action_result", id=asked["id"], action="/fib", values={"sequence": [0]}, result=is_success)
+        assert (await user.receive())["status"] == status
+
+
 async def test_the_goals_of_a_server_that_leaves_are_aborted(house: House) -> None:
     async with house.node("app") as app:
         client = ActionClient(app, Fibonacci, "/fib")

@@ -190,7 +190,8 @@ class ProvidedActions:
         try:
             if isinstance(op.values, dict | list):
                 result_type = running.goal.action_type.Result
-                end = op.status, self._read(result_type, named_values(result_type, op.values))
+                status = op.status or (GoalState.SUCCEEDED if op.result else GoalState.ABORTED)
+                end = status, self._read(result_type, named_values(result_type, op.values))
         finally:
             running.end.set_result(end)
 

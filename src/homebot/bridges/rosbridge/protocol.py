@@ -220,7 +220,7 @@ class ActionResult(ActionOperation, ops=("action_result",)):
     """The end of a goal that the client executes; ``values`` is a text if ``result`` is false.
 
     Attributes:
-        status: 4 succeeded, 5 canceled, 6 aborted.
+        status: 4 succeeded, 5 canceled, 6 aborted; 0 for the one that ``result`` says.
     """
 
     values: Any = None
