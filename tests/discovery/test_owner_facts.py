@@ -323,7 +323,7 @@ def test_a_room_one_typo_away_from_another_is_taken_for_a_typo_unless_it_is_said
     with pytest.raises(UsageError, match=r"there is no room 'Kichen'; did you mean Kitchen\?"):
         index.places.place("lamp", "Kichen", 1.0)
     index.sort()
-    with pytest.raises(UsageError, match=r"did you mean study\?"):
+    with pytest.raises(UsageError, match=r"did you mean Study\?"):
         index.places.place("lamp", "Studyy", 1.0)
     assert index.places.place("lamp", "Kichen", 1.0, is_new=True) == "Kichen"
     assert index.places.place("lamp", "Garage", 1.0) == "Garage"
