@@ -49,6 +49,13 @@ def test_an_entity_that_is_offline_makes_itself_unreachable_while_another_speaks
     assert not index.find(parse_query("offline"))
 
 
+def test_it_is_told_which_address_says_that_a_device_is_offline(index: DeviceIndex) -> None:
+    """While Zigbee2MQTT was down, each of its devices was said to be offline according to itself."""
+    index.observe(LAMP)
+    index.report(tell(LAMP, REACHABLE, False, address="zigbee2mqtt/bridge/state"))
+    assert only(index).reachable.why == "homeassistant:lamp is offline, according to zigbee2mqtt/bridge/state"
+
+
 def test_one_part_that_can_be_reached_is_enough(index: DeviceIndex) -> None:
     for one in (LAMP, METER):
         index.observe(one)

@@ -103,7 +103,7 @@ def _answer(label: str, source: SourceRecord, reach: Reach, reports: list[_Sourc
 
 
 def _according(source: SourceRecord, reach: Reach) -> str:
-    reporter = "it or its last will" if source.sighting.convention else source.key[0]
+    reporter = reach.address if source.sighting.convention else source.key[0]
     return f"according to {reporter}" + ("" if reach.live else ", in a retained message")
 
 

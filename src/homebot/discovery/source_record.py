@@ -39,12 +39,14 @@ class Reach:
         value: Whether the device or part can be reached; None for unknown.
         heard_at: ``since`` on the monotonic clock.
         live: Whether it was reported live, rather than in a retained message.
+        address: Where it was reported: a topic of the device, or of its bridge.
     """
 
     value: bool | None
     since: Time
     heard_at: float
     live: bool
+    address: str
 
 
 @dataclass(frozen=True, slots=True)

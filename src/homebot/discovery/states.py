@@ -168,8 +168,7 @@ class StateRecorder:
         if report.address:
             if reading.part not in source.reach:
                 self._table.changes.announced += 1  # the first one still belongs to its announcement
-            live = not report.retained
-            store_reachability(entry, source, reading, report.received_at, self._liveness.now, live=live)
+            store_reachability(entry, source, reading, report, self._liveness.now)
         else:  # the device reports it no longer
             source.set_reach({part: reach for part, reach in source.reach.items() if part != reading.part})
 
@@ -241,13 +240,11 @@ def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:
     return False
 
 
-def store_reachability(
-    entry: Entry, source: SourceRecord, reading: Reading, stamp: Time, now: float, *, live: bool
-) -> None:
+def store_reachability(entry: Entry, source: SourceRecord, reading: Reading, report: Report, now: float) -> None:
     """Note whether a device, or one of its parts, can be reached."""
     if reading.part and all(one.id != reading.part for one in source.sighting.parts):
         return
-    value = reading.value.plain()
+    value, live = reading.value.plain(), not report.retained
     answer = value if isinstance(value, bool) else None
     known = source.reach.get(reading.part)
     if known is not None and known.value is answer:
@@ -255,7 +252,7 @@ def store_reachability(
             known.live = live
             source.set_reach(source.reach)
         return
-    source.set_reach({**source.reach, reading.part: Reach(answer, stamp, now, live)})
+    source.set_reach({**source.reach, reading.part: Reach(answer, report.received_at, now, live, report.address)})
     entry.is_denied = answer is False or (entry.is_denied and is_denied(entry.sources.values()))
 
 
