@@ -93,6 +93,8 @@ def test_a_floor_that_is_null_is_none() -> None:
     ("features", "more", "key", "reason"),
     [
         ([feature("Polygon", [square(0, 0)])], {}, "features.0.properties.name", "is missing"),
+        ([feature("Polygon", [square(0, 0)], name=101)], {}, "features.0.properties.name", "must be a text, got 101"),
+        ([], {"homebot": {"units": "ft"}}, "homebot.units", "must be m, or absent for degrees, got 'ft'"),
         ([feature("Polygon", [square(0, 0, 0.001)], name="a")], {}, "homebot", '"origin": [lon, lat]'),
         ([feature("Polygon", [square(0, 0, 0.01)], name="a")], {"homebot": {"origin": 3}}, "homebot.origin", "[x, y]"),
         ([], {"homebot": {"frame": "odom", "units": "m"}}, "homebot.frame", "must be map, the frame of the house"),

@@ -55,7 +55,9 @@ class _File:
         self._plan = HousePlan(source, self._known, source)
         if (frame := settings.get("frame", "map")) != "map":
             raise ConfigError(source, "homebot.frame", f"must be map, the frame of the house, got {frame!r}")
-        self._is_in_metres = settings.get("units") == "m"
+        if (units := settings.get("units")) not in (None, "m"):
+            raise ConfigError(source, "homebot.units", f"must be m, or absent for degrees, got {units!r:.40}")
+        self._is_in_metres = units == "m"
         if settings and not self._is_in_metres:
             self._origin = self._point(settings.get("origin"), "homebot.origin")
             bearing = settings.get("bearing", 0)
@@ -68,7 +70,8 @@ class _File:
         corners: list[Point] = []
         for key, given, kind, coordinates in self._of("Polygon", "MultiPolygon"):
             if not (name := given.get("name")) or not isinstance(name, str):
-                raise ConfigError(self._source, f"{key}.properties.name", "is missing: the name of the room")
+                problem = f"must be a text, got {name!r:.40}" if name else "is missing: the name of the room"
+                raise ConfigError(self._source, f"{key}.properties.name", problem)
             several = coordinates if kind == "MultiPolygon" else [coordinates]
             areas = [[self._points(ring, key) for ring in _list(one)] for one in _list(several)]
             room = found.setdefault(name, {"floor": _floor(given), "polygon": []})
