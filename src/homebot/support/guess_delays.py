@@ -1,7 +1,6 @@
 """Growing delays for those who guess a secret. Pure."""
 
-from collections.abc import Hashable
-from typing import Final, Generic, TypeVar, final
+from typing import Final, final
 
 from homebot.support.bounded_map import BoundedMap
 
@@ -10,12 +9,10 @@ __all__ = ["GuessDelays"]
 _FREE: Final = 3  # wrong secrets without a delay: people mistype
 _FIRST: Final = 0.5
 _LONGEST: Final = 8.0
-"""Seconds; an honest person who shares the guesser's name or address still gets a chance."""
+"""Seconds; less than a CONNECT may wait, so that an honest client on the same host gets its chance."""
 
 _FORGOTTEN: Final = 600.0  # seconds after the last wrong secret
 _MOST: Final = 1000
-
-Guesser = TypeVar("Guesser", bound=Hashable)
 
 
 class _Guesses:
@@ -33,7 +30,7 @@ class _Guesses:
 
 
 @final
-class GuessDelays(Generic[Guesser]):
+class GuessDelays:
     """The delays of the last 1,000 guessers.
 
     After three wrong secrets each further one delays the next attempts: by half a second at first, twice as long each
@@ -41,17 +38,17 @@ class GuessDelays(Generic[Guesser]):
     """
 
     def __init__(self) -> None:
-        self._guesses: BoundedMap[Guesser, _Guesses] = BoundedMap(_MOST)
+        self._guesses: BoundedMap[str, _Guesses] = BoundedMap(_MOST)
 
     def __len__(self) -> int:
         return len(self._guesses)
 
-    def until(self, guesser: Guesser) -> float:
+    def until(self, guesser: str) -> float:
         """Return when the next attempt is allowed; may be in the past."""
         found = self._guesses.get(guesser)
         return 0.0 if found is None else found.failed_at + found.delay
 
-    def failed(self, guesser: Guesser, now: float) -> tuple[int, float]:
+    def failed(self, guesser: str, now: float) -> tuple[int, float]:
         """Record a wrong secret; return the number of them, and the delay of the next attempt."""
         found = self._guesses.get(guesser)
         if found is None or found.failed_at < now - _FORGOTTEN:

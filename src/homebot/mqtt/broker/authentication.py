@@ -79,7 +79,7 @@ class LoginThrottle:
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._guessers: GuessDelays[str] = GuessDelays()
+        self._guessers = GuessDelays()
         self._known: BoundedMap[Applicant, bool] = BoundedMap(_MOST_KNOWN)  # whether it has been right since
 
     def __len__(self) -> int:
