@@ -372,8 +372,10 @@ class DoorClient:
 
     def _ended(self) -> LinkError:
         received = self._protocol.close_rcvd
-        reason = received.reason if received else ""
-        return LinkError(f"the connection to homebot ended: {reason or 'homebot stopped'}")
+        reason = (
+            (received.reason or "homebot stopped") if received else "it was cut; homebot crashed, or changed the token"
+        )
+        return LinkError(f"the connection to homebot ended: {reason}")
 
 
 def _reason(response: Response) -> str:
