@@ -120,7 +120,9 @@ async def test_a_connection_that_ends_is_an_error() -> None:
         return []
 
     async with answering(leave) as port:
-        with pytest.raises(LinkError, match="the connection to homebot ended: it was cut; homebot crashed, or changed the token"):
+        with pytest.raises(
+            LinkError, match="the connection to homebot ended: it was cut; homebot crashed, or changed the token"
+        ):
             await to_thread.run_sync(use, port, lambda door: (door.settle(), door.settle()))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 import socket
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 import aiocoap
 import anyio
@@ -152,6 +152,18 @@ async def test_a_host_that_answers_from_many_ports_keeps_no_other_out() -> None:
         assert len(watcher.gateway._sessions) == MAX_PER_ADDRESS
         watcher.gateway._answered(GroupAnswer("127.0.0.1", 5683, b"</on>", is_whole=True))
         assert len(watcher.gateway._sessions) == MAX_PER_ADDRESS + 1
+
+
+async def test_a_host_that_answers_from_many_ports_and_is_silent_delays_no_other() -> None:
+    async with device() as lamp, watched_gateway(devices=["coap://127.0.0.2"], timeout=300.0) as watcher:
+        with ExitStack() as silent:
+            for _ in range(MAX_PER_ADDRESS):
+                opened = silent.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+                opened.bind(("127.0.0.12", 0))
+                watcher.gateway._answered(GroupAnswer("127.0.0.12", opened.getsockname()[1], b"</on>", is_whole=True))
+            port = int(lamp.uri.rpartition(":")[2])
+            watcher.gateway._answered(GroupAnswer("127.0.0.1", port, b"</on>", is_whole=True))
+            assert (await watcher.sighting(lambda one: bool(one.parts))).key == lamp.uri
 
 
 @contextmanager

@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 
 __all__ = ["CoapGateway"]
 
-DESCRIBED_AT_ONCE = 8
-"""Endpoints that are described at the same time; the others wait."""
+DESCRIBED_AT_ONCE, DESCRIBED_PER_HOST = 8, 2
+"""Endpoints that are described at the same time, and of those at one address; the others wait."""
 
 MAX_PER_HOST = 32
 """Endpoints at one address that are found by multicast: a host that answers from many ports is one host."""
@@ -214,14 +214,15 @@ class CoapGateway(Gateway):
                 self.devices.reject(source, answer.payload, str(exc))
                 return
         endpoint = endpoint_at(answer.host, answer.port)
-        if endpoint.key not in self._sessions and self._count_at(endpoint) >= MAX_PER_HOST:
+        found_there = sum(not one.endpoint.is_registered for one in self._at_host_of(endpoint))
+        if endpoint.key not in self._sessions and found_there >= MAX_PER_HOST:
             self.devices.reject(source, b"", f"more than {MAX_PER_HOST} endpoints answer from there")
             return
         self._found(endpoint)
 
-    def _count_at(self, endpoint: CoapEndpoint) -> int:
+    def _at_host_of(self, endpoint: CoapEndpoint) -> list[EndpointSession]:
         host = host_of(endpoint.base)
-        return sum(one.host == host and not one.endpoint.is_registered for one in self._sessions.values())
+        return [one for one in self._sessions.values() if one.host == host]
 
     def _found(self, endpoint: CoapEndpoint) -> None:
         """Start the session of an endpoint, or wake the one that it has."""
@@ -263,13 +264,9 @@ class CoapGateway(Gateway):
     def _begin(self, endpoint: CoapEndpoint) -> None:
         assert self._client is not None  # noqa: S101 - found while it serves
         assert self._tasks is not None  # noqa: S101 - likewise
-        session = EndpointSession(
-            endpoint,
-            self._client,
-            self.devices,
-            poll_every=self._settings.poll_every,
-            describing=self._describing,
-        )
+        of_host = next((one.of_host for one in self._at_host_of(endpoint)), anyio.CapacityLimiter(DESCRIBED_PER_HOST))
+        describing, poll_every = (of_host, self._describing), self._settings.poll_every
+        session = EndpointSession(endpoint, self._client, self.devices, poll_every=poll_every, describing=describing)
         self._sessions[endpoint.key] = session
         self._tasks.start_soon(run_as, "a CoAP endpoint", partial(self._run, session))
 

@@ -113,7 +113,10 @@ class EndpointSession(DeviceRunner):
 
     Args:
         poll_every: Seconds between two readings of resources that cannot be observed.
-        describing: Limits the endpoints that are described at the same time.
+        describing: Limits the endpoints that are described at the same time: of its host, and all.
+
+    Attributes:
+        of_host: The limit for its host.
     """
 
     def __init__(
@@ -123,14 +126,14 @@ class EndpointSession(DeviceRunner):
         devices: PublishedDevices,
         *,
         poll_every: float,
-        describing: anyio.CapacityLimiter,
+        describing: tuple[anyio.CapacityLimiter, anyio.CapacityLimiter],
     ) -> None:
         super().__init__(endpoint.key, endpoint.key, devices, DEVICE_BACKOFF)
         self.endpoint, self.authority = endpoint, authority_of(endpoint.base)
         self.host = host_of(endpoint.base)
         self._client = client
         self._poll_every = poll_every
-        self._describing = describing
+        self.of_host, self._describing = describing
         self._things: dict[str, ThingDevice] = {}
 
     @property
@@ -177,7 +180,7 @@ class EndpointSession(DeviceRunner):
         await thing.perform(command)
 
     async def _run_devices(self) -> None:
-        async with self._describing:
+        async with self.of_host, self._describing:
             guard = await self._guard()
             self._client = self._client.guarded_by(guard)
             described = await self._describe()
