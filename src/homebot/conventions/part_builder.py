@@ -192,8 +192,8 @@ def moved(
     """
     part, codec = described.part, described.codec
     assert isinstance(codec, TableCodec)  # noqa: S101 - for the type checker
-    return described._replace(
-        part=part.model_copy(
+    return DescribedPart(
+        part.model_copy(
             update={
                 "id": part.id if part_id is None else part_id,
                 "name": part.name if name is None else name,
@@ -201,8 +201,10 @@ def moved(
                 "writes": tuple([topics[one] for one in part.writes]),
             }
         ),
-        codec=codec.moved(topics),
-        state_requests=tuple([one._replace(topic=topics[one.topic]) for one in described.state_requests]),
+        codec.moved(topics),
+        tuple([one._replace(topic=topics[one.topic]) for one in described.state_requests]),
+        described.expiries,
+        sends_code=described.sends_code,
     )
 
 

@@ -76,10 +76,11 @@ class Liveness:
     def extend(self, entry: Entry, source: SourceRecord, heard_at: float) -> None:
         """Extend the deadline of *entry* by the silence that *source*, last heard at *heard_at*, allows."""
         silence = source.lasts
-        deadline = heard_at + silence
-        if deadline > entry.deadline:
+        deadline, before = heard_at + silence, entry.deadline
+        if deadline > before:
             entry.deadline, entry.expires = deadline, source.seen_at.to_seconds() + silence
-        self.schedule(entry)
+        if entry.is_shared or before == -math.inf:  # a later deadline is checked when the earlier one has come
+            self.schedule(entry)
 
     def restart(self, entry: Entry, now: float, wall: float) -> None:
         """Let the allowed silence of a restored *entry* begin now."""
