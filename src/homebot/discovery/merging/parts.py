@@ -51,6 +51,7 @@ class _SourcePart:
     group: int = 0
 
 
+_Announced: TypeAlias = tuple[SourceRecord, Part]
 _Occurrence: TypeAlias = tuple[SourceRecord, Part, _SourcePart]
 
 
@@ -138,8 +139,9 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
     convention, parts are one only if they have the same id and topics, the same commands on the same topics, or are a
     sensor that several bridges receive. Otherwise two parts with the same id are in conflict, and the older one counts.
     """
-    if len(sources) == 1 or _are_distinct(sources):
-        return _distinct_parts(sources, topics, known)
+    told = [(source, part) for source in sources for part in source.sighting.parts]
+    if len(sources) == 1 or _are_distinct(sources, told):
+        return _distinct_parts(told, topics, known)
     conflicts: list[str] = []
     numbered: dict[int, _Merged] = {}
     places: dict[PartPlace, int] = {}
@@ -185,30 +187,27 @@ def main_part(parts: Sequence[DevicePart]) -> DevicePart | None:
     )
 
 
-def _are_distinct(sources: Sequence[SourceRecord]) -> bool:
+def _are_distinct(sources: Sequence[SourceRecord], announced: Sequence[_Announced]) -> bool:
     """Return whether all parts of *sources* are announced once, by one trusted origin, as usual."""
     origin = _origin(sources[0])
-    found = [(source, part) for source in sources for part in source.sighting.parts]
-    commands = [told for told in starmap(_commands_of, found) if told]
+    commands = [told for told in starmap(_commands_of, announced) if told]
     return (
         not sources[0].is_claimed
         and all(_origin(source) == origin for source in sources)
-        and len({(part.service_type, part.id) for _, part in found}) == len(found)
+        and len({(part.service_type, part.id) for _, part in announced}) == len(announced)
         and len(set(commands)) == len(commands)
     )
 
 
-def _distinct_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: PartIds) -> MergedParts:
+def _distinct_parts(announced: Sequence[_Announced], topics: TopicOwnership, known: PartIds) -> MergedParts:
     """Return the parts of a device of which nothing has to be matched."""
     conflicts: list[str] = []
     places: dict[PartPlace, int] = {}
-    found = [(source, part) for source in sources for part in source.sighting.parts]
-    left_out = len(found) - MAX_PARTS
-    del found[MAX_PARTS:]
-    ids: Sequence[str] = [part.id for _, part in found]
-    if known or len(set(ids)) < len(ids):
+    found = announced[:MAX_PARTS]
+    names = ids = [part.id for _, part in found]
+    if known or len(set(names)) < len(names):
         named = [Named(part.id, source.label, [(source.number, (*source.key, part.id))]) for source, part in found]
-        ids = part_ids(named, known)
+        ids = list(part_ids(named, known))
     merged: list[DevicePart] = []
     for number, (source, part) in enumerate(found):
         gateway, key = source.key
@@ -230,10 +229,10 @@ def _distinct_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, kno
             )
             routes = (route,)
         merged.append(_part_of(id=ids[number], part=part, routes=routes))
-    if left_out > 0:
+    if left_out := len(announced) - len(found):
         conflicts.append(_left_out(left_out))
-    parts = tuple(merged)
-    return MergedParts(parts, tuple(conflicts), places, has_own_ids=_has_own_ids(sources, parts, places))
+    has_own_ids = not left_out and len(places) == len(names) and ids == names
+    return MergedParts(tuple(merged), tuple(conflicts), places, has_own_ids=has_own_ids)
 
 
 def _claim_conflict(source: SourceRecord) -> str:
