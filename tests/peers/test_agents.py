@@ -99,10 +99,10 @@ async def test_the_device_that_a_person_agreed_to_is_commanded_and_not_one_that_
         return types.ElicitResult(action="accept", content={"confirm": True})
 
     async with mcp.Client(server.house_server(RenamedDevices()), mode=mode, elicitation_callback=person) as session:
-        result = await session.call_tool("command", {"device": "Door#bolt", "do": "unlock"})
+        result = await session.call_tool("command", {"device": "Door#bolt", "do": "unlock\x1b[2K\n"})
     commanded = json.loads(result.content[0].text)["device"]
     assert commanded.endswith("#bolt")
-    assert asked[-1].startswith(f"{commanded}: unlock?")
+    assert asked[-1].startswith(f"{commanded}: unlock\\x1b[2K\\n?")  # nothing overwrites the question
 
 
 async def test_nothing_is_sent_to_a_device_that_cannot_be_looked_up() -> None:

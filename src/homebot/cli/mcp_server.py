@@ -21,6 +21,7 @@ from pydantic import BaseModel, Field
 from homebot.cli.door_address import DoorAddress
 from homebot.devices.names import HOME_HEADER
 from homebot.devices.outcomes import OUTCOMES
+from homebot.support.printable import printable
 from homebot.version import __version__
 
 __all__ = ["ApiClient", "house_server"]
@@ -162,7 +163,7 @@ def _question(details: str, named: str, do: str, context: Context) -> Sure | Eli
         return Sure(confirm=True)
     if can is None or can.elicitation is None:
         return _Unsent(problem=_problem("refused", "this device always asks, and this client cannot ask its person"))
-    return Elicit(f"{_target(device, named)}: {do}? It always asks: {reason}.", Sure)
+    return Elicit(printable(f"{_target(device, named)}: {do}? It always asks: {reason}.", 2000), Sure)
 
 
 def _refusal(text: str) -> str:
