@@ -35,8 +35,6 @@ __all__ = [
     "with_stated_facts",
 ]
 
-_fact_of = Fact.of_checked  # looked up once, as `of_checked` says
-
 MAX_FACTS = 200
 """Most published facts of one device; those of the preferred announcements come first."""
 
@@ -323,7 +321,7 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
             if value and (fact := (name, value, gateway, convention)) not in found:
                 changed_value, changed_at = source.facts.get(name, ("", at))
                 said_at = changed_at if changed_value == value else at
-                found[fact] = _fact_of(
+                found[fact] = Fact(
                     name=name, value=value, gateway=gateway, convention=convention, key=sighting.key, said_at=said_at
                 )
         if len(found) >= MAX_FACTS:

@@ -24,8 +24,6 @@ __all__ = [
     "sorted_routes",
 ]
 
-_endpoint_of = Endpoint.of_checked  # looked up once, as `of_checked` says
-
 _SourceReach: TypeAlias = tuple[SourceRecord, str, Reach | None]
 """The reachability of a part according to one announcement."""
 
@@ -159,7 +157,7 @@ def endpoints(
     for (gateway, key), address, command_address in described:
         heard = [source for source in sources.values() if source.key[0] == gateway]
         found.append(
-            _endpoint_of(
+            Endpoint(
                 gateway=gateway,
                 key=key,
                 address=address,
