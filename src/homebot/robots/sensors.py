@@ -38,7 +38,7 @@ def read_tags(node: Node, robot: TrackedRobot) -> None:
 
 async def follow_motion(devices: Devices, robots: Iterable[TrackedRobot]) -> None:
     """Place each of *robots* in the room of its motion sensors when these begin to detect motion; until cancelled."""
-    by_sensor = {key: robot for robot in robots for name in robot.settings.motion_sensors for key in (name, fold(name))}
+    by_sensor = _by_sensor(robots)
     since: dict[str, float] = {}
     async for change in devices.follow(OccupancySensor):
         handle = change.handle
@@ -48,6 +48,11 @@ async def follow_motion(devices: Devices, robots: Iterable[TrackedRobot]) -> Non
         since[handle.id] = handle.since("occupancy")
         if handle.area and handle.occupied and handle.freshness == "fresh":
             robot.place(handle.id, MOTION_LIMIT, room=handle.area, by_robot=False)
+
+
+def _by_sensor(robots: Iterable[TrackedRobot]) -> dict[str, TrackedRobot]:
+    """Return the robots by the ids, names and folded names of their motion sensors."""
+    return {key: robot for robot in robots for name in robot.settings.motion_sensors for key in (name, fold(name))}
 
 
 async def read_poses(node: Node, devices: Devices, robot: TrackedRobot) -> None:

@@ -1,6 +1,6 @@
 """The topics on which no state is read, as commands with codes go there. Pure."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TypeAlias
 
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
@@ -47,11 +47,14 @@ class CommandTopics:
         if len(parts) > _MOST or any(one.described.sends_code for one in parts):
             return ()
         names = frozenset.intersection(*[_names_of(one.stored) for one in parts])
-        return tuple([one for one in readers if any(not names.isdisjoint(_names_of(own)) for own in _owners(one))])
+        return tuple([one for one in readers if _is_of(one, names)])
 
 
-def _owners(reader: _Reader) -> Iterable[StoredAnnouncement]:
-    return (reader.stored,) if isinstance(reader, AnnouncedPart) else (one for one, _ in reader.reachability.members)
+def _is_of(reader: _Reader, names: frozenset[str]) -> bool:
+    """Return whether *reader* belongs to a device with one of *names*."""
+    if isinstance(reader, AnnouncedPart):
+        return not names.isdisjoint(_names_of(reader.stored))
+    return any(not names.isdisjoint(_names_of(one)) for one, _ in reader.reachability.members)
 
 
 def _names_of(stored: StoredAnnouncement) -> frozenset[str]:

@@ -3,7 +3,7 @@
 Source: Home Assistant core 2024.3, ``helpers/entity.py`` and ``const.py``.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime
 from typing import Final, NamedTuple
 
@@ -81,14 +81,17 @@ class HomeAssistantEntity:
         kind = DOMAINS.get(self.domain)
         if kind is None or self.entry.is_disabled or (self.domain == "sensor" and names_secret(self.name)):
             return True
-        members = options_of(self.info, "entity_id") or options_of(self.info, "group_entities")
         if self.domain == "scene":
-            return any(one.partition(".")[0] in _CAN_HURT for one in members)
-        return any(row.write for row in kind.rows) and (bool(members) or self._is_marked_as_group)
+            return any(one.partition(".")[0] in _CAN_HURT for one in self._members)
+        return any(row.write for row in kind.rows) and self._is_group
 
     @property
-    def _is_marked_as_group(self) -> bool:
-        return any(self.info.get(mark) is True for mark in _GROUP_MARKS)
+    def _is_group(self) -> bool:
+        return bool(self._members) or any(self.info.get(mark) is True for mark in _GROUP_MARKS)
+
+    @property
+    def _members(self) -> Sequence[str]:
+        return options_of(self.info, "entity_id") or options_of(self.info, "group_entities")
 
     @property
     def name(self) -> str:
