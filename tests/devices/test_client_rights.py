@@ -8,7 +8,7 @@ from homebot.devices.always_ask import always_asks, why_device_asks, why_it_asks
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, Right, read_scope
 from homebot.devices.device import Device, Fact, KeyValue
 from homebot.devices.part import Capability
-from homebot.devices.words import ALL_THAT_ASK, HEAT, WATER, Groups
+from homebot.devices.words import ALL_THAT_ASK, FIRE, WATER, Groups
 from homebot.errors import UsageError
 from homebot.messages import Time
 
@@ -38,6 +38,12 @@ def of_model(model: str, service_type: str, capability: str) -> Device:
     """Return a device that nobody gave a name."""
     one = device("0x00158d0001", part(service_type, capability))
     return one.model_copy(update={"metadata": (KeyValue(key="model", value=model),)})
+
+
+def of_maker(maker: str, model: str, service_type: str) -> Device:
+    one = device("front-lawn", part(service_type, "on_off"))
+    facts = (KeyValue(key="manufacturer", value=maker), KeyValue(key="model", value=model))
+    return one.model_copy(update={"metadata": facts})
 
 
 GARDEN = of_model("Zigbee smart water valve", "switch", "on_off")
@@ -99,7 +105,8 @@ NAMES_THAT_ASK = (
     "Sproeier, Slagboom, Voordeur, Steam oven combi, Steam oven micro, Oven microwave, Dampfgarer-Kombi, Dialoggarer, "
     "Induktionskochfeld, Four vapeur, Four micro-ondes, Table de cuisson à induction, Piano cottura, Piano induzione, "
     "Placa de cocción, Placa de inducción, Stoomoven, Inductiekookplaat, Locked, Momentarily unlocked, Lock rule, "
-    "Valve opened, Water supply, Lower oven cook mode, Homelink"
+    "Valve opened, Water supply, Lower oven cook mode, Homelink, Microwave, Mikrowelle Küche, Micro-ondes, Microonde, "
+    "Microondas, Magnetron"
 )
 
 
@@ -194,13 +201,18 @@ PARTS: list[tuple[str, Device, bool]] = [
             ("x", 100.0, True),
             ("x", 90.0, False),
             ("x", 35.0, False),
+            ("Fireplace", 35.0, True),
+            ("Pelletofen", 30.0, True),
+            ("Stufa", 35.0, True),
+            ("Fireplace room", 35.0, False),
         )
     ),
     *(
         (f"number {name}", device("heat pump", part("x_setting", name=name, capabilities=(HOT_WATER,))), asks)
         for names, asks in (
             (("DHW setpoint", "dhw1 target", "Hot water target", "Water heater limit", "Boiler setpoint"), True),
-            (("Flow target", "Water pressure", "Hot day limit"), False),
+            (("Extruder 1 temperature", "Bed temperature", "Nozzle target temperature"), True),  # OctoPrint, Bambu Lab
+            (("Flow target", "Water pressure", "Hot day limit", "Bedroom temperature"), False),
         )
         for name in names
     ),
@@ -221,6 +233,16 @@ PARTS: list[tuple[str, Device, bool]] = [
             ("1 gang touch panel switch with backlight and child lock", "switch"),
             ("Garage door opener", "light"),
             ("Smart garage door sensor", "x_setting"),
+        )
+    ),
+    # Home Assistant calls the zones of irrigation by the names that they have in the maker's app.
+    *(
+        (f"{service_type} of {maker}", of_maker(maker, "GENERATION3_8ZONE", service_type), asks)
+        for maker, service_type, asks in (
+            ("Rachio", "switch", True),
+            ("RainMachine", "switch", True),
+            ("Rachio", "x_setting", False),
+            ("Bosch", "switch", False),
         )
     ),
     # An oven heats by its program (hcpy); its language is a setting.
@@ -267,7 +289,7 @@ OTHER_NAMES = (
     "Torbeleuchtung, Hauslicht, Ventilator, Motor, Monitor, Store, Kinderzimmer, Radiator, Lampe du portail, "
     "Sonnette portail, Porte, Lumière garage, Luce cancello, Luz puerta garaje, Poortlamp, Deurbel poort, "
     "Heater room lamp, Gas shut-off sensor, Auto shut-off, Infrared remote, Radiator booster, Pool pump, "
-    "Sump pump alarm, "
+    "Sump pump alarm, Motion sensor microwave switch, Microwave light, Emergency stop, Shutdown, "
     "Puerta, Gas meter, Gas alarm, Front door light, Kamin Licht, Ofenraum Lampe, Schränke, Channel four"
 )
 
@@ -305,7 +327,8 @@ def test_a_relay_asks_if_its_model_is_for_water_gas_boilers_or_stoves(model: str
         (VALVE, WATER),
         (GARDEN, WATER),
         (device("Garden sprinkler", part("plug", "on_off")), WATER),
-        (OVEN_PLUG, HEAT),
+        (OVEN_PLUG, frozenset({"heat"})),
+        (device("Fireplace", part("plug", "on_off")), FIRE),
         (HALL_LOCK, frozenset({"lock"})),
         (GARAGE_COVER, frozenset({"entry"})),
         (HALL_LAMP, frozenset()),
@@ -359,6 +382,16 @@ def test_a_keypad_that_disarms_asks_with_all_that_it_has(service_type: str) -> N
 def test_all_parts_of_a_garage_door_ask_but_for_its_lamp() -> None:
     """Its button opens it as well."""
     assert [may(LOCAL_RIGHTS, GARAGE, number) for number in range(3)] == [False, False, True]
+
+
+def test_the_blinds_of_a_hub_with_a_garage_door_do_not_ask() -> None:
+    """ESPSomfy-RTS announces all covers of a house as one device (SomfyShade::publishDisco)."""
+    hub = device(
+        "espsomfyrts",
+        part("window_covering", "movement", part_id="shade1", name="Salon", tag="shutter"),
+        part("closure", "movement", part_id="shade2", name="Garage", tag="garage_door"),
+    )
+    assert [may(LOCAL_RIGHTS, hub, number) for number in range(2)] == [True, False]
 
 
 def test_a_client_may_command_by_type_and_room() -> None:

@@ -18,6 +18,7 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.words import (
     ALL_THAT_ASK,
     BURNS_OR_FLOODS,
+    FIRE,
     GARAGE,
     HEAT,
     NO_LOCK,
@@ -74,7 +75,12 @@ _HOTTER_THAN_A_ROOM = 45.0
 _DEGREES = frozenset({"°C", "°F", "K"})
 _RELAYS = frozenset({"plug", "switch", "window_covering", "x_unknown"})
 _AT_WINDOWS = frozenset({"awning", "blind", "curtain", "shade"})
-_HARMLESS = frozenset({"light"})
+_HARMLESS = frozenset({"light", "window_covering"})
+"""What also stands beside a garage door: ESPSomfy-RTS announces all covers of a house as one device."""
+
+_MAKE = frozenset({"manufacturer", "model"})
+"""Rachio and RainMachine make nothing but irrigation, of which the switches have the names of places in the garden."""
+
 _BUTTONS = frozenset({"generic_switch", "x_scene", "x_setting"})
 _PRESSED = frozenset({"push", "scene"})
 _CHOSEN = frozenset({"option", "state"})
@@ -94,8 +100,9 @@ def always_asks(device: Device, part: DevicePart) -> bool:
 def why_it_asks(device: Device, part: DevicePart) -> str:
     """Return why *part* of *device* always asks, for people; empty if it does not.
 
-    All other parts of such a device always ask too, except lights with topics of their own: a garage door often has a
-    button beside its cover, and a lamp. So does a part with announced payloads on the topic of such a relay.
+    All other parts of such a device always ask too, except lights and blinds with topics of their own: a garage door
+    often has a button beside its cover, and a lamp. So does a part with announced payloads on the topic of such a
+    relay.
     """
     if reason := _why_declared(part.part) or _why_by_itself(device, part):
         return reason
@@ -265,10 +272,10 @@ def _why_of_model(device: Device, part: DevicePart, groups: Groups) -> str:
 
 
 def _why_hot(device: Device, part: DevicePart) -> str:
-    """Return why a thermostat always asks: it is called a boiler, and gets hotter than a room."""
+    """Return why a thermostat always asks: it lights a fire, or is called a boiler and gets hotter than a room."""
     for one in part.part.capabilities:
-        if one.name == "heating_setpoint" and one.settable and _is_hot(one):
-            return _why_named(HEAT, *_names(device, part))
+        if one.name == "heating_setpoint" and one.settable:
+            return _why_named(HEAT if _is_hot(one) else FIRE, *_names(device, part))
     return ""
 
 
@@ -285,7 +292,8 @@ def _own_name(part: DevicePart) -> str:
 
 
 def _model(device: Device) -> str:
+    model = ""
     for fact in device.metadata:  # a loop is cheaper than a generator for each announcement
-        if fact.key == "model":
-            return fact.value
-    return ""
+        if fact.key in _MAKE:
+            model = f"{model} {fact.value}" if model else fact.value
+    return model

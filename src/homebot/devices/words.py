@@ -4,6 +4,7 @@ The words of the table are in lower case without accents, see :mod:`homebot.supp
 
 - ``heat``: loads that burn or scald. Of heaters, only those that blow, glow or radiate: their manuals
 (IEC 60335-2-30) forbid switching them by a timer or remotely, because they may be covered.
+- ``fire``: loads in which a fire burns.
 - ``water``: loads that flood, or keep water out, and valves of gas. ``entry``: gates, doors, bolts.
 - ``lock``: locks.
 - ``opener``: drives of a door or a gate. ``open``: commands that let in or disarm.
@@ -28,6 +29,7 @@ from homebot.support.folding import words_of
 __all__ = [
     "ALL_THAT_ASK",
     "BURNS_OR_FLOODS",
+    "FIRE",
     "GARAGE",
     "HEAT",
     "NO_LOCK",
@@ -42,13 +44,14 @@ __all__ = [
 Groups: TypeAlias = frozenset[str]
 
 GARAGE: Final = frozenset({"garage"})
-HEAT: Final = frozenset({"heat"})
+FIRE: Final = frozenset({"fire"})
+HEAT: Final = frozenset({"heat", "fire"})
 OPEN: Final = frozenset({"open"})
 OPENER: Final = frozenset({"opener"})
 SIREN: Final = frozenset({"siren"})
 WATER: Final = frozenset({"water"})
 BURNS_OR_FLOODS: Final = HEAT | WATER
-NO_LOCK: Final = frozenset({"heat", "water", "entry", "opener", "open"})
+NO_LOCK: Final = BURNS_OR_FLOODS | {"entry", "opener", "open"}
 """The groups of parts that always ask, except locks: a lock among settings is a key lock."""
 
 ALL_THAT_ASK: Final = NO_LOCK | {"lock"}
