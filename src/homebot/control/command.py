@@ -63,6 +63,7 @@ class IssuedCommand:
         transition: Seconds that the change takes.
         scope: The rights of a client of the door, by its token.
         states: The states of the part at the time of the command, by capability.
+        values: Their values.
         why_it_asks: Why the part is one that always asks; empty if it is not.
     """
 
@@ -80,13 +81,15 @@ class IssuedCommand:
     is_client: bool = field(init=False)
     place: tuple[str, str] = field(init=False)
     states: dict[str, State] = field(init=False)
+    values: dict[str, PlainValue] = field(init=False)
     why_it_asks: str = field(init=False)
 
     def __post_init__(self) -> None:
         self.place = self.device.id, self.part.id
         self.states = {one.capability: one for one in self.device.states if one.part == self.part.id}
+        self.values = {name: state.value.plain() for name, state in self.states.items()}
         if len(self.settings) > 1:
-            self.settings = _ordered(self.settings, self.states)
+            self.settings = _ordered(self.settings, self.values)
         self.why_it_asks = why_it_asks(self.device, self.part)
         self.is_client = is_client(self.issuer)
 
@@ -114,10 +117,9 @@ class IssuedCommand:
         )
 
 
-def _ordered(settings: Mapping[str, PlainValue], states: Mapping[str, State]) -> Mapping[str, PlainValue]:
+def _ordered(settings: Mapping[str, PlainValue], values: Mapping[str, PlainValue]) -> Mapping[str, PlainValue]:
     """Return *settings* in an order in which no thermostat is to heat to more than it cools to."""
-    wanted, known = settings.get("heating_setpoint"), states.get("heating_setpoint")
-    before = None if known is None else known.value.plain()
+    wanted, before = settings.get("heating_setpoint"), values.get("heating_setpoint")
     rises = isinstance(wanted, float) and isinstance(before, float) and wanted > before
     last = _SETPOINTS[::-1] if rises else _SETPOINTS
     return dict(sorted(settings.items(), key=lambda one: last.index(one[0]) if one[0] in last else -1))
@@ -154,7 +156,7 @@ def order_of(command: IssuedCommand) -> Order:
         command.transition,
         moves=not _MOTIONS.isdisjoint(settings) and any(settings[one] != STOPPED for one in _MOTIONS & settings.keys()),
         is_momentary=not MOMENTARY.isdisjoint(settings),
-        opens_further=settings.get("movement") == "open" and _is_half_open(command.states.get("position")),
+        opens_further=settings.get("movement") == "open" and _is_half_open(command.values.get("position")),
         turns_on="on_off" not in settings and _turns_on(command),
         has_ramp=has_ramp,
         echoed=echoed,
@@ -164,15 +166,14 @@ def order_of(command: IssuedCommand) -> Order:
     )
 
 
-def _is_half_open(position: State | None) -> bool:
-    value = None if position is None else position.value.plain()
-    return isinstance(value, float) and not fits("position", END_POSITIONS["open"], value)
+def _is_half_open(position: PlainValue) -> bool:
+    return isinstance(position, float) and not fits("position", END_POSITIONS["open"], position)
 
 
 def _turns_on(command: IssuedCommand) -> bool:
     """Return whether the part reports that it is off, and a level, a speed or, for a lamp, a colour turns it on."""
-    settings, power = command.settings, command.states.get("on_off")
-    if power is None or not power.live or power.value.plain() is not False:
+    settings = command.settings
+    if command.values.get("on_off") is not False or not command.states["on_off"].live:
         return False
     if settings.get("level") == 0 or settings.get("fan_speed") == 0:
         return False
@@ -231,7 +232,6 @@ def no_such_part(device_id: str, part_id: str, device: Device | None, command_id
 def known_state(
     command: IssuedCommand,
     asked: Iterable[str],
-    last: Mapping[str, PlainValue],
     unsure_since: Mapping[str, float],
     lost_at: float,
 ) -> tuple[dict[str, PlainValue], bool]:
@@ -245,7 +245,6 @@ def known_state(
     ones are not recent.
 
     Args:
-        last: The last value of each capability, certain or not.
         unsure_since: The time of the last failed command for each capability, in seconds since the Unix epoch.
         lost_at: The time of the last loss of the connection, in seconds since the Unix epoch.
     """
@@ -263,5 +262,5 @@ def known_state(
         is_fresh = state.live and abs(command.issued_at - told_at) <= durations.FRESH
         is_recent = is_recent and is_fresh and unsure_at == -inf and lost_at < told_at >= back_at
         if told_at > (unsure_at if is_online else max(unsure_at, lost_at)):
-            values[capability] = last[capability]
+            values[capability] = command.values[capability]
     return values, is_recent

@@ -245,11 +245,10 @@ class CommandExecutor:
             is_sure = is_sure and not _contradicts(settings, command)
         known: dict[str, PlainValue] = {}
         is_recent = False
-        last = {capability: state.value.plain() for capability, state in command.states.items()}
         if is_sure:
             asked, lost = dict.fromkeys((*order.settings, *order.wanted)), self._feed.last_loss(command.part.routes)
-            known, is_recent = known_state(command, asked, last, timeline.unsure_since, lost.wall)
-        progress = timeline.command(order, self._clock.monotonic(), known, last)
+            known, is_recent = known_state(command, asked, timeline.unsure_since, lost.wall)
+        progress = timeline.command(order, self._clock.monotonic(), known, command.values)
         progress.must_answer = not progress.wanted and self._feed.is_answering(command.part.routes)
         opened = self._open[command.id] = OpenCommand(command, timeline, progress, self._limits)
         is_so = is_recent and is_at_rest and progress.was_so

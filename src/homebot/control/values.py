@@ -20,7 +20,6 @@ __all__ = [
     "departs",
     "fits",
     "is_intermediate",
-    "is_on",
     "is_other_end",
     "is_same",
     "related",
@@ -31,7 +30,7 @@ STOPPED: Final = "stopped"
 """The value of a stop command, which is always allowed."""
 
 POWERS: Final = frozenset({"on_off", "level", "fan_speed"})
-"""The capabilities that turn a part on or off."""
+"""The capabilities that turn a part on or off: a true value means on, as any level but 0."""
 
 COLORS: Final = frozenset({"color_temperature", "color", "effect"})
 """Capabilities that turn most lamps on when they are set."""
@@ -97,14 +96,13 @@ def is_same(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
     This is stricter than :func:`fits`: half a degree more is a new setpoint, although a device may round to it. For the
     white of a lamp, and for a motor, which stops a little off its goal, both are the same.
     """
-    if not fits(capability, wanted, seen):
-        return False
+    is_close = True
     if isinstance(wanted, float) and isinstance(seen, float):
         fineness = _obedience(capability).fineness
-        return abs(wanted - seen) <= (_ROUNDING * abs(wanted) if fineness is None else fineness)
-    if capability == "color" and isinstance(wanted, tuple) and isinstance(seen, tuple):
-        return _is_same_color(wanted, seen)
-    return True
+        is_close = abs(wanted - seen) <= (_ROUNDING * abs(wanted) if fineness is None else fineness)
+    elif capability == "color" and isinstance(wanted, tuple) and isinstance(seen, tuple):
+        is_close = _is_same_color(wanted, seen)
+    return is_close and fits(capability, wanted, seen)
 
 
 def is_intermediate(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
@@ -212,19 +210,14 @@ def _position(value: PlainValue) -> PlainValue:
     return END_POSITIONS.get(value, value)
 
 
-def is_on(value: PlainValue) -> bool:
-    """Return whether *value*, of one of :data:`POWERS`, means on: a dimmed lamp is on."""
-    return value is not None and value is not False and value != 0.0
-
-
 _CHANGES: Final[tuple[tuple[frozenset[str], frozenset[str], Callable[[PlainValue, PlainValue], bool]], ...]] = (
     (_OPENINGS, _OPENINGS, lambda value, wanted: not fits("position", _position(value), _position(wanted))),
-    (POWERS, POWERS, lambda value, wanted: is_on(value) != is_on(wanted)),
+    (POWERS, POWERS, lambda value, wanted: bool(value) != bool(wanted)),
     (_HUES, _HUES, lambda _value, _wanted: True),
-    (POWERS, MODES, lambda value, wanted: is_on(value) != _is_running(wanted)),
-    (MODES, POWERS, lambda value, wanted: _is_running(value) != is_on(wanted)),
-    (POWERS, COLORS, lambda value, _wanted: not is_on(value)),
-    (COLORS, POWERS, lambda _value, wanted: not is_on(wanted)),
+    (POWERS, MODES, lambda value, wanted: bool(value) != _is_running(wanted)),
+    (MODES, POWERS, lambda value, wanted: _is_running(value) != bool(wanted)),
+    (POWERS, COLORS, lambda value, _wanted: not value),
+    (COLORS, POWERS, lambda _value, wanted: not wanted),
 )
 """For the held capability and the one that is set: whether the wanted value changes the held one."""
 

@@ -150,7 +150,8 @@ class Service(GraphEntity, Generic[RequestT, ResponseT]):
         """Remove a handler that has ended."""
         del self._runs[run]
         self.room += 1
-        self.call_next()
+        if self.line:
+            self.call_next()
 
     def failed(self, error: BaseException, *, has_caller: bool = True) -> ServiceFailedError:
         """Return the error for the caller of a handler that raised *error*; an unexpected one counts as a failure."""

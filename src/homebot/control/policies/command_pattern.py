@@ -186,7 +186,7 @@ def known_value(command: IssuedCommand, capability: str, facts: Facts) -> PlainV
     state = command.states.get(capability)
     if state is None:
         return None
-    value, age = state.value.plain(), facts.age(state.told_at.to_seconds())
+    value, age = command.values[capability], facts.age(state.told_at.to_seconds())
     timeline = facts.timeline_of(command.device, command.part)
     for name in _MOVED_BY.get(capability, (capability,)):
         sent = timeline.last_sent(name, command.id)

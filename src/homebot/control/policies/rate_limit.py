@@ -9,7 +9,7 @@ from pydantic import Field
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
-from homebot.control.values import POWERS, is_on
+from homebot.control.values import POWERS
 from homebot.devices.value import PlainValue
 from homebot.support.bounded_map import BoundedMap
 from homebot.units import Seconds
@@ -107,7 +107,7 @@ def _effects(command: IssuedCommand) -> list[tuple[_Place, PlainValue]]:
     effects: list[tuple[_Place, PlainValue]] = []
     for capability, value in command.settings.items():
         if capability in POWERS:
-            effects.append(((device, part, _POWER), is_on(value)))
+            effects.append(((device, part, _POWER), bool(value)))
         if capability != "on_off":
             effects.append(((device, part, capability), value))
     return effects
@@ -138,7 +138,7 @@ def _is_undone(sent: _Sent, command: IssuedCommand, now: float) -> bool:
     if state is None:
         return False
     is_older = command.issued_at - state.told_at.to_seconds() >= now - sent.at
-    return not is_older and is_on(state.value.plain()) is not sent.value
+    return not is_older and bool(state.value.plain()) is not sent.value
 
 
 def _turn(sent: _Sent, value: PlainValue) -> tuple[bool, float]:

@@ -57,9 +57,9 @@ def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) ->
 
 def check_approval(command: IssuedCommand, _facts: Facts) -> Verdict:
     """Refuse every command to a dangerous part, unless the owner approved a route that takes it."""
-    if not _waits_for_approval(command):
-        return _APPROVED
     device, why = command.device, command.why_it_asks
+    if not (why and _waits_for_approval(command)):
+        return _APPROVED
     used = FactUsed(f"{APPROVED} of {device.id}", value=False)
     reason = f"{command.label} is unsafe ({why}), and {_missing_approval(command)}; approve it with {_approve(device)}"
     return Verdict(APPROVAL, allowed=False, reason=reason, facts=(used,))
@@ -86,7 +86,7 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
     )
     scope = ", ".join(command.scope)
     has = f"the scope of the client is {scope}" if scope else "no token of the client is known"
-    step = _approval_step(command) if needs_approval else ""
+    step = _approval_step(command) if asks and needs_approval else ""
     return f"{command.issuer} may not command {device.id}: {why}, and {has}; {step}{_client_advice(command, right)}"
 
 
@@ -145,10 +145,8 @@ def _approval_step(command: IssuedCommand) -> str:
 
 def _waits_for_approval(command: IssuedCommand) -> bool:
     routes = command.part.routes
-    if not routes or not command.why_it_asks:
-        return False
     approved = [route for route in routes if route.approved]
-    return not (approved and all(any(route.can(one) for route in approved) for one in command.settings))
+    return bool(routes) and not (approved and all(any(one.can(name) for one in approved) for name in command.settings))
 
 
 def _missing_approval(command: IssuedCommand) -> str:

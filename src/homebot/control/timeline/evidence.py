@@ -63,7 +63,7 @@ def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
     over_at = progress.over_at
     if over_at < math.inf:
         return Step("wait", over_at) if now < over_at else _DONE
-    echo_until = weakly_met_at(progress) + plan.echo_patience
+    echo_until = weakly_met_at(progress) + plan.echo_patience if progress.has_echo else math.inf
     until = _answer_until(progress, plan, echo_until)
     if now < min(until, echo_until):
         return Step("wait", until)
@@ -93,7 +93,7 @@ def outcome_of(progress: CommandProgress, now: float) -> Outcome:
 def weakly_met_at(progress: CommandProgress) -> float:
     """Return when all values were reported or echoed, or sent if an echo is declared; inf if they were not."""
     order = progress.order
-    if not progress.wanted or not progress.has_echo:
+    if not progress.wanted:
         return math.inf
     latest = -math.inf
     for name, wanted in progress.wanted.items():

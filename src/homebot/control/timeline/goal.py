@@ -62,8 +62,7 @@ class WantedValue:
     @property
     def was_so(self) -> bool:
         """True if the wanted value was certain before."""
-        known = self._known
-        return known is not NOTHING and (is_same(self._capability, self.value, known) or self._is_answer(known))
+        return self._known is not NOTHING and self._is_so(self._known)
 
     @property
     def is_certain(self) -> bool:
@@ -82,9 +81,7 @@ class WantedValue:
 
     def shows_obedience(self, value: PlainValue) -> bool:
         """Return whether *value* shows that the device obeyed; a value that it had before must be the exact one."""
-        if not self.fits(value):
-            return False
-        return self._known != value or is_same(self._capability, self.value, value) or self._is_answer(value)
+        return self.fits(value) and (self._known != value or self._is_so(value))
 
     def refine(self, value: PlainValue) -> None:
         """Record that the device now reports the confirmed value as *value*, by itself."""
@@ -97,9 +94,13 @@ class WantedValue:
         if self.fast_at is not None and self.returned_after is None:
             self.returned_after = at - self.fast_at
 
-    def _is_answer(self, value: PlainValue) -> bool:
+    def _is_so(self, value: PlainValue) -> bool:
+        """Return whether *value* is exactly the wanted one, or was the device's answer to the same command earlier."""
+        if is_same(self._capability, self.value, value):
+            return True
         wanted = self._order.settings.get(self._capability)
-        return self._profile.is_answer(self._capability, wanted, value) and fits(self._capability, wanted, value)
+        is_answer = (wanted, value) in self._profile.answers.get(self._capability, ())
+        return is_answer and fits(self._capability, wanted, value)
 
 
 @final

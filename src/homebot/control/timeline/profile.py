@@ -159,10 +159,6 @@ class DeviceProfile:
             self.answers[capability] = [*others, (wanted, seen)][-_KEPT_ANSWERS:]
             self.is_changed = True
 
-    def is_answer(self, capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
-        """Return whether *seen* was the answer to the same command earlier."""
-        return (wanted, seen) in self.answers.get(capability, ())
-
     def rounding(self, capability: str) -> float:
         """Return by how much the device rounds values of *capability*; 0 if unknown.
 

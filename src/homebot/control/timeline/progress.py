@@ -55,6 +55,7 @@ class CommandProgress:
         is_unacknowledged: Whether the network did not acknowledge the last sending in time.
         ended_at: When its outcome was decided, or it was superseded; inf before.
         learns_late: Whether an answer after its failure shows the device's response time.
+        has_echo: Whether a bridge may report the wanted values before the device obeyed.
         suspected: The capabilities whose fast reports were retracted before, as a bridge's echoes are.
         usual_returns: The seconds after which the device is known to go back by itself, by capability.
     """
@@ -94,6 +95,7 @@ class CommandProgress:
                 [one for one in order.settings if one not in order.echoed and profile.is_echo(one)]
             )
             self.usual_returns = {one: end for one in self.wanted if (end := profile.usual_return(one)) is not None}
+        self.has_echo = bool(order.echoed or self.suspected)
         self._profile = profile
         self._motion = Motion(order, last)
         self._is_fade = False
@@ -145,11 +147,6 @@ class CommandProgress:
         wanted = self.wanted
         were_so = all(map(_WAS_SO, wanted.values())) if wanted else self._settings_were_so()
         return were_so and not self.order.opens_further
-
-    @property
-    def has_echo(self) -> bool:
-        """True if a bridge may report the wanted values before the device obeyed."""
-        return bool(self.order.echoed or self.suspected)
 
     @property
     def is_on_its_way(self) -> bool:
