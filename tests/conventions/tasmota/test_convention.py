@@ -107,8 +107,8 @@ def test_sensors_come_after_the_config() -> None:
     assert ids(device_in(take(convention, "config", config()))) == ["power_1", "wifi"]
     assert ids(device_in(take(convention, "sensors", SENSORS))) == [
         "power_1",
-        "DS18B20_Id",
         "DS18B20_Temperature",
+        "DS18B20_Id",
         "wifi",
     ]
     assert take(convention, "sensors", SENSORS) == ()

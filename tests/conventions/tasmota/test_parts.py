@@ -303,12 +303,19 @@ def test_the_temperature_inside_a_device_is_no_temperature_of_its_room(
     assert built({**sensors, "TempUnit": "C"})[part_id].part.category == category
 
 
+PLUG = {"TotalStartTime": "2025-01-01T10:00:00", "Total": 1.5, "Yesterday": 1, "Today": 0.5, "Period": 0, "Power": 5}
+
+
 def test_a_plug_begins_with_what_it_measures_now() -> None:
     """A list showed the time since which a plug counts, and three counters, but not its power."""
-    start = "2025-01-01T10:00:00"
-    parts = built({"ENERGY": {"TotalStartTime": start, "Total": 1.5, "Today": 0.5, "Power": 5, "Voltage": 230}})
-    shown = [one.part.id for one in parts.values() if one.part.category != "diagnostic"]
-    assert shown == ["ENERGY_Power", "ENERGY_Voltage", "ENERGY_Total", "ENERGY_Today"]
+    shown = [one.part.id for one in built({"ENERGY": PLUG}).values() if one.part.category != "diagnostic"]
+    assert shown == ["ENERGY_Power", "ENERGY_Total", "ENERGY_Yesterday", "ENERGY_Today", "ENERGY_Period"]
+
+
+def test_a_plug_counts_its_energy_once() -> None:
+    """The energy of a day was listed twice, as its total and the sum of today have the same steps."""
+    parts = [one.part for one in built({"ENERGY": PLUG}).values()]
+    assert [one.id for one in parts if "energy" in {it.name for it in one.capabilities}] == ["ENERGY_Total"]
 
 
 def test_a_blind_begins_with_its_shutter_and_a_thermometer_with_its_temperature() -> None:

@@ -54,11 +54,15 @@ def _plain(unit: str) -> Quantity:
     return Quantity("x_sensor", "measurement", unit)
 
 
-_ENERGIES = ("Energy", "ImportActive", "Today", "TodaySumImport", "Total", "TotalTariff", "Total_in", "Yesterday")
-_RETURNED = ("ExportActive", "ExportActiveTotal", "ExportTariff", "TodaySumExport", "Total_out")
+_ENERGIES = ("Energy", "ImportActive", "Total", "TotalTariff", "Total_in")
+_RETURNED = ("ExportActive", "ExportActiveTotal", "ExportTariff", "Total_out")
+_OF_A_DAY = ("Today", "TodaySumExport", "TodaySumImport", "Yesterday")
+"""Energies that ``Total`` counts as well: the sum of all meters would be twice the energy."""
+
 _KNOWN: Mapping[str, Quantity] = {
     **dict.fromkeys(_ENERGIES, quantity("energy")),
     **dict.fromkeys(_RETURNED, quantity("energy_returned")),
+    **dict.fromkeys(_OF_A_DAY, _plain("kWh")),
     **dict.fromkeys(("ActivePower", "Power", "PowerTotal", "Power_curr"), quantity("power")),
     **dict.fromkeys(("Current", "CurrentNeutral"), quantity("current")),
     **{f"{name}_l{phase}": quantity(name) for name in ("current", "power", "voltage") for phase in (1, 2, 3)},
@@ -135,9 +139,14 @@ def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
     return tuple(leaves)
 
 
+def _rank(leaf: Leaf) -> int:
+    """Return the place of *leaf* among the sensors: what is now, counters, the rest."""
+    return 2 if leaf.quantity.capability == "measurement" else int("energy" in leaf.quantity.capability)
+
+
 def describe_sensors(config: TasmotaConfig, leaves: Iterable[Leaf]) -> Iterable[DescribedPart]:
     """Describe a part for each leaf, and one for the strength of the wireless signal."""
-    for leaf in sorted(leaves, key=lambda one: "energy" in one.quantity.capability):  # counters after what is now
+    for leaf in sorted(leaves, key=_rank):
         quantity = leaf.quantity
         is_number = leaf.is_number or quantity.capability != "measurement"
         part = JsonPart(
