@@ -281,6 +281,37 @@ def test_a_further_setting_of_an_appliance_is_a_part_beside_it_that_asks_as_it_d
     assert [is_declared(DevicePart(id=one.id, part=one, routes=())) for one in oven.device.parts] == [True, True]
 
 
+@pytest.mark.parametrize(
+    ("attributes", "name", "capability", "reading", "value", "order"),
+    [
+        # As python-matter-server's mock washer, Home Assistant's microwave oven, Eve's thermostats and Aqara's P2.
+        ({**WASHER, "1/83/2": 1, "1/83/3": [1, 2]}, "rinses", "option", "normal", "extra", AttributeWrite(83, 2, 2)),
+        (
+            {"1/29/0": [{"0": 0x0079}], "1/95/0": 30, "1/95/1": 86_400},
+            "cook_time",
+            "number",
+            30.0,
+            90.0,
+            ClusterInvocation(95, "SetCookingParameters", {"cookTime": 90}),
+        ),
+        ({"1/516/1": 0, **PRESETS}, "child_lock", "on_off", False, True, AttributeWrite(516, 1, 1)),
+        ({"1/69/0": True, "1/128/0": 2, "1/128/1": 3}, "sensitivity", "option", "3", "1", AttributeWrite(128, 0, 0)),
+    ],
+)
+def test_a_setting_beside_the_function_of_a_device_is_a_part(
+    attributes: dict[str, object],
+    name: str,
+    capability: str,
+    reading: PlainValue,
+    value: PlainValue,
+    order: AttributeWrite | ClusterInvocation,
+) -> None:
+    device = only_device(attributes)
+    assert device.device.parts[-1].service_type == "x_setting"
+    assert readings(device, f"1-{name}") == {capability: reading}
+    assert encoded(device, capability, value, f"1-{name}") == (order,)
+
+
 @pytest.mark.parametrize(("tag", "service_type"), [(0, "window_covering"), (5, "closure")])
 def test_a_closure_that_covers_a_window_is_a_blind_with_its_panels(tag: int, service_type: str) -> None:
     """Gates and garage doors always ask, and blinds do not."""

@@ -33,8 +33,10 @@ MODE: Final = "mode"
 
 MODE_SELECT, RUN_MODE, TEMPERATURE, OPERATION, CLEANING, EVSE = 80, 84, 86, 96, 97, 153
 OVEN_CAVITY, OVEN_MODE, FRIDGE_ALARM, WATER_HEATER, HEATER_MODE, PUMP = 72, 73, 87, 148, 158, 512
-WASHER, _SPIN, ENERGY_MODE, PLAYBACK, SERVICE_AREA = 83, 1, 159, 0x0506, 336
+WASHER, _SPIN, _RINSE, ENERGY_MODE, PLAYBACK, SERVICE_AREA = 83, 1, 2, 159, 0x0506, 336
 DISHWASHER_ALARM, CHIME, _SELECTED_SOUND = 93, 0x0556, 1
+MICROWAVE, _COOK_TIME, _LONGEST = 95, 0, 1
+_RINSES: Final = {0: "none", 1: "normal", 2: "extra", 3: "most"}
 _CHARGES, _FAULT, _IS_OPEN = 3, 6, 1
 _SUPPLY, _CIRCUIT_CURRENT, _LEAST_CURRENT, _ENABLE_CHARGING = 1, 5, 6, 2
 _MODE_CLUSTERS: Final = (MODE_SELECT, OVEN_MODE, 81, 82, 85, 89, 94, 157, HEATER_MODE, ENERGY_MODE)
@@ -146,6 +148,12 @@ def _listed_row(
     )
 
 
+def _rinse_orders(endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
+    listed = endpoint.value(WASHER, 3)
+    known = listed if isinstance(listed, list) else []
+    return {name: AttributeWrite(WASHER, _RINSE, raw) for raw, name in _RINSES.items() if raw in known}
+
+
 def _button_row(number_: int, name: str, cluster: int = OPERATION, part_suffix: str = "") -> ClusterRow:
     """Return the row of a command, such as of an operation, which is a part beside it."""
 
@@ -232,6 +240,21 @@ APPLIANCE_ROWS: Final = (
     _listed_row(TEMPERATURE, _LEVEL, _levels, partial(_to_temperature, "targetTemperatureLevel"), "temperature"),
     _listed_row(
         WASHER, _SPIN, lambda one: _texts(one.value(WASHER, 0)), partial(AttributeWrite, WASHER, _SPIN), "spin_speed"
+    ),
+    ClusterRow(
+        WASHER, _RINSE, "option", choice(_RINSES), when=_rinse_orders, orders=_rinse_orders, spare_suffix="rinses"
+    ),
+    ClusterRow(
+        MICROWAVE,
+        _COOK_TIME,
+        "number",
+        number(),
+        lambda _at, command: (
+            ClusterInvocation(MICROWAVE, "SetCookingParameters", {"cookTime": round(command.value.number)}),
+        ),
+        bounds=lambda one: (1, one.number(MICROWAVE, _LONGEST, 1) or 86_400),
+        unit="s",
+        part_suffix="cook_time",
     ),
     ClusterRow(OPERATION, _STATE, "running", one_of(_RUNNING)),
     ClusterRow(OPERATION, _STATE, "problem", one_of(_ERROR)),

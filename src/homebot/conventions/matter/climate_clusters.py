@@ -2,7 +2,8 @@
 
 A preset of a thermostat, such as *Home* and *Away*, is a named temperature.
 
-Source: Matter 1.4 Application Clusters, 4.3 (Thermostat; 4.3.9, presets), 4.4 (Fan Control).
+Source: Matter 1.4 Application Clusters, 4.3 (Thermostat; 4.3.9, presets), 4.4 (Fan Control), 4.5
+(Thermostat User Interface Configuration).
 """
 
 from functools import partial
@@ -25,7 +26,7 @@ from homebot.support.numbers import whole_number
 
 __all__ = ["CLIMATE_ROWS"]
 
-THERMOSTAT, FAN = 513, 514
+THERMOSTAT, FAN, KEYPAD, _LOCKOUT = 513, 514, 516, 1
 
 _LOCAL, _OUTDOOR, _HEATING_DEMAND, _OFFSET, _COOLING, _HEATING = 0, 1, 8, 0x10, 0x11, 0x12
 _SYSTEM_MODE, _RUNNING_STATE, _ACTIVE_PRESET, _PRESETS = 0x1C, 0x29, 0x4E, 0x50
@@ -166,6 +167,14 @@ CLIMATE_ROWS: Final = (
         bounds=lambda _at: (-12.7, 12.7),
         unit="K",
         part_suffix="temperature_offset",
+    ),
+    ClusterRow(
+        KEYPAD,
+        _LOCKOUT,
+        "on_off",
+        any_bit(),
+        lambda _at, command: (AttributeWrite(KEYPAD, _LOCKOUT, int(command.value.flag)),),
+        part_suffix="child_lock",
     ),
     ClusterRow(THERMOSTAT, _HEATING_DEMAND, "measurement", number(1, 0, 100), unit="%"),  # of the greatest heating
     _setpoint_row("heating_setpoint", _HEATING, _HEATS),

@@ -10,6 +10,7 @@ from typing import Final
 
 from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, flag, number, number_writer, one_of
 from homebot.conventions.matter.endpoint import (
+    AttributeWrite,
     ClusterInvocation,
     MatterEndpoint,
     MatterOrders,
@@ -75,6 +76,7 @@ _CONCENTRATION, _UNIT = 0, 8
 _ORGANIC: Final = 1070
 _SCALED_PRESSURE, _SCALE = 16, 20
 _HOLD, _HOLD_LIMITS = 3, 4
+SENSITIVITY, _MOST_LEVELS = 128, 10
 _HAS_BATTERY: Final = 1 << 1
 _CHARGING: Final = {1: True, 2: False, 3: False}
 _FAULT, _END_OF_SERVICE, _EXPIRED = 6, 7, 1
@@ -117,6 +119,10 @@ def _hold_bounds(endpoint: MatterEndpoint) -> tuple[float, float]:
     limits = as_fields(endpoint.value(OCCUPANCY, _HOLD_LIMITS))
     least, most = (finite_number(field_of(limits, *one)) for one in enumerate(("holdTimeMin", "holdTimeMax")))
     return (least, most) if least is not None and most is not None and least < most else (0.0, 65_535.0)
+
+
+def _levels(endpoint: MatterEndpoint) -> tuple[str, ...]:
+    return tuple(str(level + 1) for level in range(min(endpoint.whole(SENSITIVITY, 1) or 0, _MOST_LEVELS)))
 
 
 def _unit_of(cluster: int, endpoint: MatterEndpoint) -> int:
@@ -227,6 +233,15 @@ SENSOR_ROWS: Final = (
     *(
         ClusterRow(BOOLEAN_STATE, 0, name, flag(means=name != "contact"), when=partial(_is_boolean_state, name))
         for name in (*_BOOLEAN_STATES.values(), "state")
+    ),
+    ClusterRow(
+        SENSITIVITY,
+        0,
+        "option",
+        lambda one, raw: choice(dict(enumerate(_levels(one))))(one, raw),
+        when=_levels,
+        orders=lambda one: {level: AttributeWrite(SENSITIVITY, 0, raw) for raw, level in enumerate(_levels(one))},
+        part_suffix="sensitivity",
     ),
     ClusterRow(OCCUPANCY, 0, "occupancy", any_bit(1)),
     ClusterRow(
