@@ -224,6 +224,15 @@ def test_a_value_that_a_service_cannot_have_is_refused(
     [
         ("4A", {"33": 1, "35": 20.0}, {"c33": {"valid-values": [0, 1]}}, "thermostat_mode", ("off", "heat"), ()),
         ("4A", {"33": 1, "35": 20.0}, {"c35": {"minValue": 5, "maxValue": 30}}, "heating_setpoint", (), (5.0, 30.0)),
+        # The ranges of HAP-NodeJS, of every thermostat of Homebridge that sets none: auto goes lower than heat.
+        (
+            "4A",
+            {"33": 1, "35": 20.0, "12": 20.0},
+            {"c35": {"minValue": 10, "maxValue": 38}, "c12": {"minValue": 0, "maxValue": 25}},
+            "heating_setpoint",
+            (),
+            (0.0, 38.0),
+        ),
         ("4A", {"33": 0, "34": 30.0}, {"c34": {"minValue": 20, "maxValue": 50}}, "humidity_setpoint", (), (20.0, 50.0)),
         # SwitchBot's humidifier, as Home Assistant bridges it.
         ("BD", {"B4": 1, "CA": 45.0}, {"cCA": {"minValue": 20, "maxValue": 80}}, "humidity_setpoint", (), (20.0, 80.0)),

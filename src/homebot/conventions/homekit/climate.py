@@ -47,6 +47,13 @@ def _setpoint_of(threshold: str, service: HapService) -> str | None:
     return SETPOINT if is_of_heating == (threshold == HEAT_TO) else None
 
 
+def _setpoint_bounds(threshold: str, service: HapService) -> tuple[float, ...]:
+    """Return the bounds of any mode; a command is held to those of the present one."""
+    known = [service.characteristics[kind].bounds for kind in (SETPOINT, threshold) if kind in service.characteristics]
+    ends = [end for bounds in known for end in bounds]
+    return (min(ends), max(ends)) if ends else ()
+
+
 def _check_order(service: HapService, capability: str, kind: str, celsius: float) -> None:
     """Refuse a temperature to heat to above the one to cool to."""
     ends = {one: service.number(one) for one in (HEAT_TO, COOL_TO)} | {kind: celsius}
@@ -80,7 +87,17 @@ def _setpoint_row(capability: str, threshold: str, mode: int) -> ServiceRow:
         return {kind: celsius}
 
     watched = f"{SETPOINT} {threshold} {TARGET}"
-    return ServiceRow(THERMOSTAT, capability, watched, SETPOINT, None, read, write, when=partial(_can, mode))
+    return ServiceRow(
+        THERMOSTAT,
+        capability,
+        watched,
+        SETPOINT,
+        None,
+        read,
+        write,
+        bounds=partial(_setpoint_bounds, threshold),
+        when=partial(_can, mode),
+    )
 
 
 def _read_heater_mode(service: HapService) -> PlainValue:
