@@ -147,7 +147,7 @@ async def test_a_thousand_connections_are_bounded_and_an_honest_client_comes_thr
         waiting.append(stream)
         if len(waiting) > 200:
             await waiting.pop(0).aclose()
-        assert len(house.door._arriving) <= 64
+        assert len(list(house.door._arrivals)) <= 64
     assert (await answer(house, f"{GET}\r\n"))[0] == 503
     for stream in waiting:
         await stream.aclose()

@@ -18,6 +18,11 @@ from homebot.graph import qos_profile_latched
 from homebot.messages import SetBool, String
 from homebot.messages.std_srvs import SetBoolResponse
 
+
+def ignore(_: int) -> None:
+    """Keep no account."""
+
+
 SET_LEVEL = '{"op": "set_level", "level": "warning"}'
 
 
@@ -97,7 +102,7 @@ def test_without_a_wish_a_frame_is_sent_as_it_is(packing: Packing) -> None:
 
 @given(st.permutations(range(5)))
 def test_an_operation_is_read_from_fragments_in_any_order(order: list[int]) -> None:
-    reader = FrameAssembler(1000)
+    reader = FrameAssembler(1000, ignore)
     fragments = list(Packing(fragment_size=8).pack(SET_LEVEL, "mine"))
     *early, last = (result_of(reader.read(fragments[number])) for number in order)
     assert early == [None] * 4
@@ -105,7 +110,7 @@ def test_an_operation_is_read_from_fragments_in_any_order(order: list[int]) -> N
 
 
 def test_fragments_of_two_frames_may_be_mixed() -> None:
-    reader = FrameAssembler(1000)
+    reader = FrameAssembler(1000, ignore)
     read = [
         result_of(reader.read(one))
         for pair in zip(Packing(False, 20).pack(SET_LEVEL, "a"), Packing(False, 20).pack(SET_LEVEL, "b"), strict=True)
@@ -131,7 +136,7 @@ def fragment(number: int, total: int, data: str = "x", identifier: str = "f") ->
     ],
 )
 def test_fragments_that_do_not_fit_are_refused(frames: list[str], problem: str) -> None:
-    reader = FrameAssembler(100)
+    reader = FrameAssembler(100, ignore)
     *early, last = frames
     for frame in early:
         result_of(reader.read(frame))
@@ -140,19 +145,35 @@ def test_fragments_that_do_not_fit_are_refused(frames: list[str], problem: str) 
 
 
 def test_a_fragment_that_comes_twice_counts_once() -> None:
-    reader = FrameAssembler(100)
+    reader = FrameAssembler(100, ignore)
     for _ in range(50):
         result_of(reader.read(fragment(0, 2, SET_LEVEL[:20])))
     assert isinstance(result_of(reader.read(fragment(1, 2, SET_LEVEL[20:]))), SetLevel)
 
 
 def test_of_too_many_frames_that_do_not_end_the_oldest_is_forgotten() -> None:
-    reader = FrameAssembler(1000)
+    reader = FrameAssembler(1000, ignore)
     for number in range(11):
         result_of(reader.read(fragment(0, 2, SET_LEVEL[:20], f"{number}")))
     assert reader.dropped == 1
     assert result_of(reader.read(fragment(1, 2, SET_LEVEL[20:], "0"))) is None
     assert isinstance(result_of(reader.read(fragment(1, 2, SET_LEVEL[20:], "10"))), SetLevel)
+
+
+def test_the_characters_of_kept_fragments_are_counted_until_their_frame_is_whole_or_forgotten() -> None:
+    held: list[int] = []
+    reader = FrameAssembler(1000, held.append)
+    for frame, total in (
+        (fragment(0, 2, "x" * 50, "a"), 50),
+        (fragment(0, 2, SET_LEVEL[:10], "b"), 60),
+        (fragment(0, 2, "é" * 50, "a"), 210),
+        (fragment(1, 2, SET_LEVEL[10:], "b"), 200),
+    ):
+        result_of(reader.read(frame))
+        assert sum(held) == total
+    with pytest.raises(FrameError):
+        result_of(reader.read(fragment(1, 3, "x", "a")))
+    assert sum(held) == 0
 
 
 async def test_a_client_gets_messages_and_responses_as_it_asked_for_them(house: House, peer: Peer) -> None:

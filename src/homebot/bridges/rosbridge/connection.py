@@ -7,6 +7,7 @@ here. A client that does not read is not read from either, as the answers to its
 from __future__ import annotations
 
 import asyncio
+from collections import deque
 from collections.abc import AsyncIterator, Callable
 from contextlib import suppress
 from http import HTTPStatus
@@ -16,9 +17,11 @@ import anyio
 from websockets.asyncio.server import ServerConnection
 from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
-from websockets.frames import CloseCode
+from websockets.frames import DATA_OPCODES, CloseCode, Frame
 from websockets.http11 import Response
+from websockets.protocol import Event, State
 
+from homebot.bridges.rosbridge.arrivals import Arrivals
 from homebot.bridges.turns import ServerTurns
 from homebot.errors import LinkError, WireError
 
@@ -33,15 +36,15 @@ _READ = 2048
 _GET: Final = b"GET "
 _GO_AHEAD: Final = b"HTTP/1.1 100 Continue\r\n\r\n"
 
-_MOST_ARRIVING = 64
-"""Most connections without a request; one more closes the oldest."""
+_CONTROL_HEADER: Final = 6
+"""Bytes of a client's control frame in addition to its data."""
 
 
 class DoorConnection(ServerConnection):
     """A connection that does not hold up the event loop.
 
     Args:
-        arriving: The connections without a session, oldest first; this one adds itself.
+        arrivals: All connections; this one adds itself.
         open_timeout: Seconds within which the complete request must arrive.
 
     Attributes:
@@ -51,14 +54,15 @@ class DoorConnection(ServerConnection):
     def __init__(
         self,
         turns: ServerTurns,
-        arriving: dict[DoorConnection, None],
+        arrivals: Arrivals,
         open_timeout: float,
         *arguments: Any,
         **settings: Any,
     ) -> None:
         super().__init__(*arguments, **settings)
         self._turns = turns
-        self._arriving = arriving
+        self._arrivals = arrivals
+        self._sizes = deque([0])  # of messages that are not handled yet; the last one is incomplete
         self._holds: set[str] = set()
         self._is_lost = False
         self._is_heard = False
@@ -76,11 +80,7 @@ class DoorConnection(ServerConnection):
         self.recv_messages.pause = lambda: self._hold("queue")
         self.recv_messages.resume = lambda: self._release("queue")
         self._too_late = self.loop.call_later(self._open_timeout, self.transport.abort)
-        self._arriving[self] = None
-        if len(self._arriving) > _MOST_ARRIVING:
-            oldest = next(iter(self._arriving))
-            del self._arriving[oldest]
-            oldest.transport.abort()
+        self._arrivals.add(self)
 
     def data_received(self, data: bytes) -> None:
         """Handle *data* now or in the next turn; until then nothing more is read."""
@@ -104,7 +104,7 @@ class DoorConnection(ServerConnection):
     def connection_lost(self, exc: Exception | None) -> None:
         """Discard unsent data."""
         self._is_lost = True
-        self._arriving.pop(self, None)
+        self._arrivals.remove(self)
         self.has_asked()
         super().connection_lost(exc)
 
@@ -148,12 +148,38 @@ class DoorConnection(ServerConnection):
 
     def has_arrived(self) -> None:
         """Record that the connection has a session, or is being answered."""
-        self._arriving.pop(self, None)
+        self._arrivals.has_session(self)
+        self.has_handled()
 
     def has_answer(self) -> None:
         """Record that the request has been answered, so that the connection may be closed like one without."""
         if not self._is_lost:
-            self._arriving[self] = None
+            self._arrivals.add(self)
+
+    def hold(self, size: int) -> None:
+        """Count *size* bytes from the client that are kept, or no longer if negative."""
+        self._arrivals.hold(self, size)
+
+    def has_handled(self) -> None:
+        """Record that the request, or the oldest message, has been handled."""
+        self.hold(-self._sizes.popleft())
+
+    def cut_off(self, problem: str) -> None:
+        """Close the connection at once because of *problem*."""
+        if self.protocol.state is State.OPEN:
+            self.protocol.fail(CloseCode.TRY_AGAIN_LATER, problem)
+            self.send_data()
+        self.transport.abort()
+
+    def process_event(self, event: Event) -> None:
+        """Handle *event*, and note where a message ends."""
+        super().process_event(event)
+        if isinstance(event, Frame) and event.opcode not in DATA_OPCODES:
+            size = len(event.data) + _CONTROL_HEADER
+            self._sizes[-1] -= size
+            self.hold(-size)
+        elif not isinstance(event, Frame) or event.fin:
+            self._sizes.append(0)
 
     def _receive(self, data: bytes) -> None:
         if not self._is_lost:
@@ -174,6 +200,8 @@ class DoorConnection(ServerConnection):
         if self.posted is not None:
             data = self._head(self.posted, data)
         if data:
+            self._sizes[-1] += len(data)
+            self.hold(len(data))
             super().data_received(data)
 
     def _head(self, posted: PostedRequest, data: bytes) -> bytes:
@@ -200,7 +228,7 @@ class DoorConnection(ServerConnection):
             self.transport.resume_reading()
 
 
-async def client_frames(connection: ServerConnection) -> AsyncIterator[str]:
+async def client_frames(connection: DoorConnection) -> AsyncIterator[str]:
     """Yield the frames of a client until it leaves; a binary frame ends the connection, unless it contains JSON.
 
     The original server accepts those too, and websocket-sharp, which ROS# uses, can only send bytes in that way.
@@ -212,6 +240,7 @@ async def client_frames(connection: ServerConnection) -> AsyncIterator[str]:
                 await connection.close(CloseCode.UNSUPPORTED_DATA, "the rosbridge server accepts only JSON in UTF-8")
                 return
             yield text
+            connection.has_handled()
     except ConnectionClosed:
         return
 

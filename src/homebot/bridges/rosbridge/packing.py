@@ -11,7 +11,7 @@ import math
 import struct
 import zlib
 from base64 import b64encode
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -88,11 +88,15 @@ class FrameAssembler:
     """The reader of operations, which assembles fragments received in any order.
 
     It keeps the fragments of up to ten incomplete frames; an eleventh replaces the oldest.
+
+    Args:
+        limit: Most characters of all fragments; one outside ASCII makes all of its fragment count fourfold.
+        hold: Called with each change of their number.
     """
 
-    def __init__(self, limit: int) -> None:
+    def __init__(self, limit: int, hold: Callable[[int], None]) -> None:
         self.dropped = 0
-        self._limit = limit
+        self._limit, self._hold, self._held = limit, hold, 0
         self._open: dict[Identifier, _Collected] = {}
 
     def read(self, frame: str) -> Generator[None, None, Operation | None]:
@@ -103,7 +107,12 @@ class FrameAssembler:
         op = yield from parse_frame(frame)
         if not isinstance(op, Fragment):
             return op
-        whole = self._collect(op)
+        try:
+            whole = self._collect(op)
+        finally:
+            size = sum(one.size for one in self._open.values())
+            self._hold(size - self._held)
+            self._held = size
         if whole is None:
             return None
         op = yield from parse_frame(whole)
@@ -134,5 +143,9 @@ class _Collected:
         self.parts: dict[int, str] = {}
 
     def add(self, fragment: Fragment) -> None:
-        self.size += len(fragment.data) - len(self.parts.get(fragment.num, ""))
+        self.size += _size(fragment.data) - _size(self.parts.get(fragment.num, ""))
         self.parts[fragment.num] = fragment.data
+
+
+def _size(text: str) -> int:
+    return len(text) * (1 if text.isascii() else 4)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import errno
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import partial
 from http import HTTPStatus
@@ -21,6 +21,7 @@ from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
 from homebot.bridges.client_error_log import LibraryLog
+from homebot.bridges.rosbridge.arrivals import Arrivals
 from homebot.bridges.rosbridge.connection import DoorConnection, client_frames, http_response, is_roslibpy
 from homebot.bridges.rosbridge.entrance import LOG_IN, Entrance, Site, address_of, is_for_api, is_for_websocket
 from homebot.bridges.rosbridge.settings import DoorSettings
@@ -55,6 +56,10 @@ _CRASHES: Final = {
 }
 """Mistakes of clients, by the lines of the library."""
 
+_LIMITS: Final[Mapping[int, str]] = {
+    CloseCode.MESSAGE_TOO_BIG: "max_frame_bytes",
+    CloseCode.TRY_AGAIN_LATER: "max_arriving_bytes_of_all",
+}
 _FULL: Final = "too many clients are connected"
 _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
 
@@ -93,7 +98,7 @@ class Door:
         self._shared = shared = SharedState(node, settings, owners or settings.robot_owners)
         self._entrance = Entrance(settings, local_rights, shared, site, open_timeout)
         self._sessions: dict[DoorConnection, ClientSession] = {}
-        self._arriving: dict[DoorConnection, None] = {}
+        self._arrivals = Arrivals(settings.max_arriving_bytes_of_all)
         self._api: HttpRequests | None = None
         self._port = settings.port
         self._announce = announce
@@ -167,7 +172,7 @@ class Door:
             await server.wait_closed()
             return
         # A client that does not read, or has not sent a request, cannot be sent a close frame.
-        for connection in (*self._sessions, *self._arriving):
+        for connection in (*self._sessions, *self._arrivals):
             connection.transport.abort()
         await server.wait_closed()
 
@@ -201,7 +206,7 @@ class Door:
             close_timeout=_CLOSE_TIMEOUT,
             max_queue=1,  # frames, which may be large
             create_connection=cast(
-                "type[ServerConnection]", partial(DoorConnection, shared.turns, self._arriving, self._open_timeout)
+                "type[ServerConnection]", partial(DoorConnection, shared.turns, self._arrivals, self._open_timeout)
             ),
             logger=log,
         )
@@ -253,7 +258,7 @@ class Door:
         self._shared.counters.clients += 1
         connection.has_arrived()
         send = partial(connection.send_in_time, self._settings.stall_timeout, cut)
-        link = DoorLink(send, cut, connection.round_trip, connection.is_excused)
+        link = DoorLink(send, cut, connection.round_trip, connection.is_excused, connection.hold)
         access = entrance.access_of(connection)
         asking = OutsideClient(self._shared, access, address_of(connection))
         session = ClientSession(asking, link, is_roslibpy=is_roslibpy(connection))
@@ -261,7 +266,7 @@ class Door:
         try:
             await session.run(texts)
             end = connection.protocol.close_sent
-            if end is not None and end.code == CloseCode.MESSAGE_TOO_BIG:
-                asking.log_refusal(f" was cut off: {end.reason}, the max_frame_bytes of [door]", "frame", end.reason)
+            if end is not None and (limit := _LIMITS.get(end.code)):
+                asking.log_refusal(f" was cut off: {end.reason}, the {limit} of [door]", "frame", end.reason)
         finally:
             del self._sessions[connection]

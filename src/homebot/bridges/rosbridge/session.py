@@ -47,12 +47,14 @@ class DoorLink(NamedTuple):
         send: Sends a frame, waiting for room; raises LinkError if the client is gone.
         ping: Returns when the client has answered a ping.
         is_excused: Returns whether the client has been heard since the last call, or is not being read from.
+        hold: Counts bytes from the client that are kept, or no longer if negative.
     """
 
     send: Callable[[str | bytes], Awaitable[None]]
     cut: Callable[[], None]
     ping: Callable[[], Awaitable[None]]
     is_excused: Callable[[], bool]
+    hold: Callable[[int], None]
 
 
 class ClientSession:
@@ -70,7 +72,7 @@ class ClientSession:
         self._settings = settings = shared.settings
         self._outbox = Outbox(link.send, link.cut, shared.turns, _ANSWERS)
         self._heartbeat = Heartbeat(link.ping, settings.ping_interval, settings.ping_timeout, link.is_excused)
-        self._assembler = FrameAssembler(settings.max_frame_bytes)
+        self._assembler = FrameAssembler(settings.max_frame_bytes, link.hold)
         self._level: protocol.Level = "none" if is_roslibpy else "error"
         self._calls = 0
         self._slowness = LogLimit(shared.node.graph.clock)

@@ -70,6 +70,8 @@ class DoorSettings(AccessSettings):
             ask.
         max_frame_bytes: Largest frame from a client; a larger one closes its connection. A frame has at most 20,000
             values, plus a million numbers in long lists.
+        max_arriving_bytes_of_all: Most bytes of frames from all clients together that are incomplete or not handled;
+            then the client with the most is cut off.
         queue_depth: Most messages of one topic waiting for a slow client (on a keyed topic: of each key); then the
             oldest is dropped and counted.
         max_waiting_bytes: Most bytes of messages waiting for one slow client; then the oldest message of the topic with
@@ -89,6 +91,7 @@ class DoorSettings(AccessSettings):
     tokens: Mapping[str, ClientToken] = Field(default_factory=dict)
     scope: Scope | None = None
     max_frame_bytes: Count = 6_291_456
+    max_arriving_bytes_of_all: Count = 33_554_432
     queue_depth: Count = 1000
     max_waiting_bytes: Count = 8_388_608
     max_waiting_bytes_of_all: Count = 33_554_432
