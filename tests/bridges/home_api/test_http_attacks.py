@@ -83,7 +83,10 @@ async def test_an_invalid_request_is_logged_without_the_token_in_it(house: House
 @pytest.mark.parametrize(
     ("request_text", "status"),
     [
-        (f"{GET}Content-Length: 2\r\n\r\nhi", 0),
+        (f"{GET}Content-Length: 2\r\n\r\nhi", 400),
+        (f"{GET}Content-Length: 0\r\n\r\n", 503),
+        (f"{GET}Transfer-Encoding: chunked\r\n\r\n2\r\nhi\r\n0\r\n\r\n", 400),
+        (f"{GET}X: {'x' * 20_000}", 431),
         (f"{POST}Content-Type: text/plain\r\nContent-Length: 2\r\n\r\n{{}}", 415),
         (f"{POST}Content-Length: 2\r\n\r\n{{}}", 415),
         (f"{POST}{JSON}Content-Length: 4\r\n\r\n[[[[", 400),
@@ -109,6 +112,20 @@ async def test_another_method_is_answered_with_the_one_that_there_is(open_house:
     async with open_house() as house:
         _, head = await answer(house, f"{GET.replace('/api/home', '/api/command')}\r\n")
     assert "\r\nAllow: POST\r\n" in head
+
+
+async def test_head_is_answered_like_get_without_the_body(house: House) -> None:
+    """Source: RFC 9110, 9.3.2."""
+    _, found = await answer(house, f"{GET}\r\n")
+    _, head = await answer(house, f"HEAD{GET.removeprefix('GET')}\r\n")
+    assert head == found.partition("\r\n\r\n")[0] + "\r\n\r\n"
+
+
+async def test_a_get_with_fields_in_its_body_is_told_where_they_belong(house: House) -> None:
+    """`requests.get(url, json=…)` sends the body after the head."""
+    async with sent(house, f"{GET}Content-Length: 14\r\n\r\n") as stream:
+        await stream.send(b'{"q": "light"}')
+        assert "fields of GET belong in the address" in await received(stream)
 
 
 async def test_a_body_that_is_too_long_is_told_the_limit(open_house: Any) -> None:

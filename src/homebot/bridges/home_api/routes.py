@@ -163,6 +163,8 @@ def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
     try:
         if is_post:
             return route, route.question.model_validate_json(request.body)
+        if request.body:
+            raise ProblemError(HTTPStatus.BAD_REQUEST, "fields of GET belong in the address, as in ?q=light")
         return route, route.question.model_validate(_query_fields(route, url))
     except ValidationError as exc:
         raise _wrong_field(route, exc) from None

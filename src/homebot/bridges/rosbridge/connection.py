@@ -7,6 +7,7 @@ here. A client that does not read is not read from either, as the answers to its
 from __future__ import annotations
 
 import asyncio
+import re
 from collections import deque
 from collections.abc import AsyncIterator, Callable
 from contextlib import suppress
@@ -34,6 +35,9 @@ _READ = 2048
 """Bytes read at once: up to 340 of the smallest frames, about 5 ms of work for the library."""
 
 _GET: Final = b"GET "
+_MOST_OF_HEAD: Final = 16_384
+_END_OF_HEAD: Final = re.compile(rb"\n\r?\n")
+_BODY: Final = re.compile(rb"\n(?:content-length:\s*[1-9]|transfer-encoding:)", re.IGNORECASE)
 _GO_AHEAD: Final = b"HTTP/1.1 100 Continue\r\n\r\n"
 
 _CONTROL_HEADER: Final = 6
@@ -187,16 +191,18 @@ class DoorConnection(ServerConnection):
             self._release("turn")
 
     def _read(self, data: bytes) -> None:
-        """Pass *data* to the library; for methods other than GET, only the head of the complete request."""
+        """Pass *data* to the library; of other methods, or a GET with a body, only the head of the complete request."""
         if self._begun is not None:
             data, self._begun = self._begun + data, None
-            if len(data) < len(_GET) and _GET.startswith(data):
-                self._begun = data
-                return
-            if not data.startswith(_GET) and data[:1].isupper():
-                from homebot.bridges.rosbridge.posted_request import PostedRequest  # noqa: PLC0415 - few clients post
+            if data[:1].isupper():
+                head = _END_OF_HEAD.split(data, 1)[0]
+                if len(head) == len(data) < _MOST_OF_HEAD:
+                    self._begun = data
+                    return
+                if not data.startswith(_GET) or _BODY.search(head):
+                    from homebot.bridges.rosbridge.posted_request import PostedRequest  # noqa: PLC0415 - few clients
 
-                self.posted = PostedRequest()
+                    self.posted = PostedRequest()
         if self.posted is not None:
             data = self._head(self.posted, data)
         if data:

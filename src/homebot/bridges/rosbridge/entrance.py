@@ -100,8 +100,10 @@ class Entrance:
         if (problem := refusal(self._settings, headers.get_all("Host"), headers.get_all("Origin"))) is not None:
             return self.turn_away(connection, HTTPStatus.FORBIDDEN, problem)
         if not is_api:
-            if connection.posted is not None:
-                return self.turn_away(connection, HTTPStatus.METHOD_NOT_ALLOWED, f"there is only GET outside {_API}")
+            if connection.posted is not None and not connection.posted.is_reading:
+                return self.turn_away(
+                    connection, HTTPStatus.METHOD_NOT_ALLOWED, f"there are only GET and HEAD outside {_API}"
+                )
             if is_for_websocket(request):
                 if _is_of_own_page(headers):
                     self._names[connection] = _PAGE

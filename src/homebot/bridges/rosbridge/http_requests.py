@@ -55,7 +55,7 @@ class HttpRequests:
         connection.has_arrived()
         posted = connection.posted
         more = () if posted is None else (posted.content_type, posted.body)
-        asked = ApiRequest("GET" if posted is None else posted.method, connection.target, *more)
+        asked = ApiRequest(posted.method if posted and not posted.is_reading else "GET", connection.target, *more)
         with anyio.CancelScope() as scope:
             self._asking[connection] = scope
             connection.connection_lost_waiter.add_done_callback(lambda _: scope.cancel())

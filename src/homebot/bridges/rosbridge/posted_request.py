@@ -1,4 +1,4 @@
-"""HTTP requests with a body, while the WebSocket library only reads GET; the only file that uses h11.
+"""HTTP requests with a body or other methods than GET, which the WebSocket library does not read, by h11.
 
 A request is read completely, within limits, and its head is passed to the library as that of a GET, so that clients are
 admitted and answered in one place.
@@ -49,6 +49,11 @@ class PostedRequest:
             problem = str(exc).partition(": b")[0]  # without the line, which may contain a token
             raise WireError(f"the HTTP request is wrong: {problem}") from exc
         return b""
+
+    @property
+    def is_reading(self) -> bool:
+        """True for GET, and for HEAD, whose answer has no body."""
+        return self.method in {"GET", "HEAD"}
 
     @property
     def waits_for_go_ahead(self) -> bool:

@@ -197,7 +197,7 @@ class Door:
             settings.host,
             port,
             process_request=self._admit,
-            process_response=self._name_home,
+            process_response=self._finish,
             select_subprotocol=lambda _, offered: LOG_IN if LOG_IN in offered else None,
             compression=None,  # not worth it on a local link, and a small frame could expand without limit
             server_header=None,
@@ -211,8 +211,11 @@ class Door:
             logger=log,
         )
 
-    def _name_home(self, _: ServerConnection, __: Request, response: Response) -> None:
+    def _finish(self, connection: ServerConnection, _: Request, response: Response) -> None:
         response.headers[HOME_HEADER] = self._home
+        posted = cast("DoorConnection", connection).posted
+        if posted is not None and posted.method == "HEAD":
+            response.body = b""
 
     async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         arriving = cast("DoorConnection", connection)
