@@ -55,11 +55,24 @@ def test_nobody_learns_from_what_an_alarm_is_told_that_another_device_is_there()
     assert readers_of(registry, "alarm/set") == ["homeassistant:sensor/spy"]
 
 
-def test_a_topic_on_which_too_many_take_commands_is_read_by_none() -> None:
+def test_however_many_others_take_commands_on_a_topic_the_first_device_is_read_and_they_are_not() -> None:
+    """A stranger would hide the state of a plug that is told and reports on one topic."""
+    registry = registry_of(CONVENTION)
+    announced(registry, "switch", "plug", "plug17", state_topic="desk/plug", command_topic="desk/plug")
+    for number in range(257):
+        announced(registry, "switch", f"s{number}", state_topic="desk/plug", command_topic="desk/plug")
+    assert readers_of(registry, "desk/plug") == ["homeassistant:switch/plug"]
+    announced(registry, "switch", "plug", "plug17", state_topic="desk/plug", command_topic="desk/plug", retain=True)
+    assert readers_of(registry, "desk/plug") == ["homeassistant:switch/plug"]
+    registry.remove("homeassistant:switch/plug")
+    assert readers_of(registry, "desk/plug") == ["homeassistant:switch/s0"]
+
+
+def test_of_too_many_on_a_topic_where_they_take_commands_the_first_are_read() -> None:
     """Or each of their messages would be a second of work."""
     registry = registry_of(CONVENTION)
     for number in range(257):
         announced(registry, "switch", f"s{number}", "flood17", state_topic="s", command_topic="s")
-    assert readers_of(registry, "s") == []
+    assert readers_of(registry, "s") == [f"homeassistant:switch/s{number}" for number in range(256)]
     registry.remove("homeassistant:switch/s0")
     assert len(readers_of(registry, "s")) == 256
