@@ -25,6 +25,8 @@ __all__ = [
 
 MessageT = TypeVar("MessageT")
 
+_GUARDS = frozenset({"alarm", "lock"})
+
 
 class PartFields(TypedDict, total=False):
     """Fields of :class:`homebot.devices.part.Part` that a part may have."""
@@ -155,8 +157,12 @@ class PartBuilder(Generic[MessageT]):
             state_requests=tuple(self._state_requests),
             expiries=self._expiries,
             remembers=self._remembers,
-            sends_code=self._sends_code,
+            sends_code=self._sends_code or self._may_get_codes(),
         )
+
+    def _may_get_codes(self) -> bool:
+        """Return whether other clients may send it codes: it is a lock or alarm that reports elsewhere."""
+        return not _GUARDS.isdisjoint(self._writers) and self._writes.keys().isdisjoint(self._readers)
 
 
 class JsonPart(PartBuilder[JsonMessage]):

@@ -3,6 +3,8 @@
 import json
 from typing import Any
 
+import pytest
+
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.installed_conventions import find_conventions
@@ -76,3 +78,14 @@ def test_of_too_many_on_a_topic_where_they_take_commands_the_first_are_read() ->
     assert readers_of(registry, "s") == [f"homeassistant:switch/s{number}" for number in range(256)]
     registry.remove("homeassistant:switch/s0")
     assert len(readers_of(registry, "s")) == 256
+
+
+@pytest.mark.parametrize("topic", ["z/door/set", "z/door/set/pin_code", "z/door/set/#"])
+def test_nobody_reads_what_other_clients_tell_a_lock_even_if_homebot_sends_it_no_code(topic: str) -> None:
+    """Zigbee2MQTT takes ``pin_code`` so."""
+    registry = registry_of(CONVENTION)
+    announced(registry, "switch", "spy", state_topic=topic, command_topic="z/door/set")
+    assert readers_of(registry, topic.replace("#", "pin_code")) == ["homeassistant:switch/spy"]
+    announced(registry, "lock", "door", "door17", state_topic="z/door", command_topic="z/door/set")
+    assert readers_of(registry, topic.replace("#", "pin_code")) == []
+    assert readers_of(registry, "z/door") == ["homeassistant:lock/door"]

@@ -1,4 +1,4 @@
-"""The topics on which no state is read, as commands with codes go there. Pure."""
+"""The topics of commands: by which device each is read, and which are not, as codes may go there. Pure."""
 
 from collections.abc import Sequence
 from itertools import islice
@@ -6,11 +6,11 @@ from typing import TypeAlias
 
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 from homebot.gateways.mqtt.reserved import ReservedTopics
+from homebot.mqtt.filter_tree import FilterIndex
 
 __all__ = ["CommandTopics"]
 
 _Reader: TypeAlias = AnnouncedPart | AvailabilityReader
-
 
 _MOST = 256
 """Most readers of a topic with commands, so that each message is little work."""
@@ -25,30 +25,31 @@ class CommandTopics:
     def __init__(self, reserved: ReservedTopics | None) -> None:
         self._reserved = reserved
         self._parts: dict[str, dict[tuple[str, str], AnnouncedPart]] = {}
-        self._coded: dict[str, set[AnnouncedPart]] = {}
+        self._coded: FilterIndex[AnnouncedPart] = FilterIndex()
 
-    def add(self, part: AnnouncedPart) -> None:
-        """Add the command topics of *part*, in the place of an earlier description of it."""
+    def add(self, part: AnnouncedPart) -> tuple[str, ...]:
+        """Add the command topics of *part*, in place of its earlier description; return the filters concerned."""
         for topic in part.described.part.writes:
-            self._parts.setdefault(topic, {})[_place_of(part)] = part
-            if part.described.sends_code:
-                self._coded.setdefault(topic, set()).add(part)
+            self._parts.setdefault(topic, {})[part.stored.key, part.described.part.id] = part
+        for topic_filter in (filters := _coded_filters(part)):
+            self._coded.add(topic_filter, part)
+        return *part.described.part.writes, *filters
 
-    def remove(self, part: AnnouncedPart) -> None:
-        """Remove the command topics of *part*."""
+    def remove(self, part: AnnouncedPart) -> tuple[str, ...]:
+        """Remove the command topics of *part*; return the filters concerned."""
+        place = part.stored.key, part.described.part.id
         for topic in part.described.part.writes:
-            parts, coded = self._parts.get(topic, {}), self._coded.get(topic, set())
-            if parts.get(_place_of(part)) is part:
-                del parts[_place_of(part)]
-            coded.discard(part)
-            if not parts:
-                self._parts.pop(topic, None)
-            if not coded:
-                self._coded.pop(topic, None)
+            if (parts := self._parts.get(topic)) and parts.get(place) is part:
+                del parts[place]
+                if not parts:
+                    del self._parts[topic]
+        for topic_filter in (filters := _coded_filters(part)):
+            self._coded.remove(topic_filter, part)
+        return *part.described.part.writes, *filters
 
     def readable(self, topic: str, readers: Sequence[_Reader]) -> tuple[_Reader, ...]:
         """Return those of *readers* that may read what is published on *topic*."""
-        if not readers or topic in self._coded or (self._reserved is not None and self._reserved.is_secret(topic)):
+        if not readers or self._coded.has_match(topic) or (self._reserved and self._reserved.is_secret(topic)):
             return ()
         if (parts := self._parts.get(topic)) is None:
             return tuple(readers)
@@ -56,8 +57,10 @@ class CommandTopics:
         return tuple(islice((one for one in readers if _is_of(one, names)), _MOST))
 
 
-def _place_of(part: AnnouncedPart) -> tuple[str, str]:
-    return part.stored.key, part.described.part.id
+def _coded_filters(part: AnnouncedPart) -> list[str]:
+    """Return the filters of topics with codes of *part*: Zigbee2MQTT takes them on ``LOCK/set/pin_code`` too."""
+    topics = part.described.part.writes if part.described.sends_code else ()
+    return [f"{one}/#" if one.endswith("/set") else one for one in topics]
 
 
 def _is_of(reader: _Reader, names: frozenset[str]) -> bool:

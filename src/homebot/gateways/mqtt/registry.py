@@ -121,8 +121,7 @@ class AnnouncementRegistry(DeviceRegistry):
             shared.members.append((stored, part_id))
         stored.reachability = reachability or stored.reachability
         for part in stored.parts.values():
-            self.commands.add(part)
-            self._forget_routes(*part.described.part.writes)
+            self._forget_routes(*self.commands.add(part))
         if stored.described.text is not None:
             self._register_text(stored, stored.described.text)
         return tuple(refused), tuple(replayed)
@@ -192,8 +191,7 @@ class AnnouncementRegistry(DeviceRegistry):
 
     def _leave(self, stored: StoredAnnouncement) -> None:
         for part in stored.parts.values():
-            self.commands.remove(part)
-            self._forget_routes(*part.described.part.writes)
+            self._forget_routes(*self.commands.remove(part))
             for topic_filter in part.filters:
                 self._remove_reader(topic_filter, part)
         self._unregister_text(stored)

@@ -5,7 +5,6 @@ Apps may still publish there themselves. From some of them nobody may read, as c
 
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
-from operator import attrgetter
 from typing import NamedTuple
 
 from homebot.conventions.convention import (
@@ -19,8 +18,6 @@ from homebot.errors import WireError
 from homebot.mqtt.filter_tree import FilterIndex
 
 __all__ = ["ReservedTopics"]
-
-OWN = "homebot"
 
 _BRIDGE_REQUEST = "/bridge/request/"
 _MAX_CACHED = 5000
@@ -49,6 +46,7 @@ class ReservedTopics:
     def __init__(self, conventions: Iterable[Convention], own_commands: Iterable[str] = ()) -> None:
         self._rules: FilterIndex[_Reservation | TextConvention] = FilterIndex()
         self.is_secret = lru_cache(_MAX_CACHED)(self._is_secret)
+        self._rules.add("homebot/#", _Reservation("it belongs to homebot"))
         for topic_filter in own_commands:
             self._rules.add(topic_filter, _Reservation("it belongs to homebot", is_secret=True))
         for one in conventions:
@@ -69,8 +67,6 @@ class ReservedTopics:
         """Return why no device of *convention* may have a command topic *topic*; empty if it may."""
         if topic.startswith("$"):
             return "it belongs to the broker"
-        if topic == OWN or topic.startswith(f"{OWN}/"):
-            return "it belongs to homebot"
         if _BRIDGE_REQUEST in topic:
             return "it is reserved for requests to a bridge"
         why = ""
@@ -92,7 +88,7 @@ class ReservedTopics:
         """
         reserved: dict[str, str] = {}
         for part in described.parts:
-            for topic in (*part.part.writes, *map(_TOPIC, part.state_requests)):
+            for topic in (*part.part.writes, *[one.topic for one in part.state_requests]):
                 if why := self.why(topic, described.convention):
                     reserved[topic] = why
         if not reserved:
@@ -100,9 +96,6 @@ class ReservedTopics:
         parts = tuple([_without(reserved, part) for part in described.parts])
         refused = dict.fromkeys(topic for part in described.parts for topic in part.part.writes if topic in reserved)
         return described._replace(parts=parts), tuple(f"{topic}: {reserved[topic]}" for topic in refused)
-
-
-_TOPIC = attrgetter("topic")
 
 
 def _without(reserved: Mapping[str, str], described: DescribedPart) -> DescribedPart:
