@@ -124,6 +124,16 @@ def test_a_lamp_shares_no_topic_with_a_lock(shared: dict[str, Any]) -> None:
     assert verdicts(lock, hatch, lamp) == {"lock front/lock": True, "hatch front/hatch": True, "lamp front/lamp": False}
 
 
+@pytest.mark.parametrize("on", ["evil", ""])
+def test_directly_below_where_a_lock_is_told_nothing_else_is_told_without_a_better_claim(on: str) -> None:
+    """As Zigbee2MQTT takes a code on ``LOCK/set/pin_code``."""
+    lock = use("lock", "z/bolt17/set", on="0x17/lock", asks=True)
+    assert verdicts(lock, use("evil", "z/bolt17/set/pin_code", on=on)) == {"lock 0x17/lock": True, f"evil {on}": False}
+    assert all(verdicts(lock, use("code", "z/bolt17/set/pin_code", on="bolt17_code")).values())
+    assert all(verdicts(lock, use("gate", "z/bolt17/set/state", on=on, asks=True)).values())
+    assert all(verdicts(use("evil", "z", on="evil", asks=True), use("lamp", "z/lamp/set", on="x17")).values())
+
+
 def test_what_another_device_speaks_on_is_not_told_anything() -> None:
     door = use("door", reads=("front_door/state",), on="front_door")
     assert verdicts(door, use("evil", "front_door/state", on="evil"))["evil evil"] is False
@@ -194,6 +204,7 @@ uses = st.builds(
     reads=st.sampled_from([(), ("h/a/set",), ("h/b/set", "ir")]),
     is_anonymous=st.booleans(),
     is_native=st.booleans(),
+    asks=st.booleans(),
 )
 
 

@@ -25,7 +25,8 @@ __all__ = [
 
 MessageT = TypeVar("MessageT")
 
-_GUARDS = frozenset({"alarm", "lock"})
+_CODED = frozenset({"alarm", "lock"})
+"""Capabilities for which other clients may send codes, unless the part reports on the topic of its commands."""
 
 
 class PartFields(TypedDict, total=False):
@@ -157,12 +158,9 @@ class PartBuilder(Generic[MessageT]):
             state_requests=tuple(self._state_requests),
             expiries=self._expiries,
             remembers=self._remembers,
-            sends_code=self._sends_code or self._may_get_codes(),
+            sends_code=self._sends_code
+            or (not _CODED.isdisjoint(self._writers) and self._writes.keys().isdisjoint(self._readers)),
         )
-
-    def _may_get_codes(self) -> bool:
-        """Return whether other clients may send it codes: it is a lock or alarm that reports elsewhere."""
-        return not _GUARDS.isdisjoint(self._writers) and self._writes.keys().isdisjoint(self._readers)
 
 
 class JsonPart(PartBuilder[JsonMessage]):

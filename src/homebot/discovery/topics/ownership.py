@@ -6,7 +6,7 @@ Any client may announce anything, such as a lamp with the command topic of a loc
   describes the same device and was made at a place that names the device.
 - Any other topic belongs to the device announced at the place that names it best; see
   :mod:`homebot.discovery.topics.use`. This includes topics on which a device publishes, and those below its command
-  topics.
+  topics. In a tie, those directly below belong to a device that always asks, as Zigbee2MQTT takes codes there.
 - In a tie, the topic belongs to none, unless it is evidently shared: the devices are behind one bridge or do not
   identify themselves, and there are at least three, or their places have a name in common. Then it belongs to those of
   them that always ask, if there are any.
@@ -153,7 +153,7 @@ class TopicOwnership:
                 continue
             node.users = (*node.users, use)
             touched[node] = None
-            if node.children and use.rank(topic):
+            if node.children and (use.asks or use.rank(topic)):
                 touched.update(dict.fromkeys(_used_below(node, MAX_BELOW)))
 
     def _leave(self, use: TopicUse, touched: dict[TopicNode, None]) -> None:
@@ -167,7 +167,7 @@ class TopicOwnership:
             node.owners, node.users = _without(node.owners, use), _without(node.users, use)
             node.speakers = _without(node.speakers, use)
             touched[node] = None
-            if node.children and (is_owner or (is_user and use.rank(topic))):
+            if node.children and (is_owner or (is_user and (use.asks or use.rank(topic)))):
                 touched.update(dict.fromkeys(_used_below(node, None if is_owner else MAX_BELOW)))
 
     def _judge(self, touched: Iterable[TopicNode], device: str) -> frozenset[str]:
@@ -299,10 +299,10 @@ def _verdicts_of(node: TopicNode) -> dict[SourceKey, str]:
     holders = _holders(node)
     if len(users) == 1 and all(one.device == users[0].device for one, _ in holders):
         return {}
-    return _by_place(node.topic, users, [(one, one.rank(where)) for one, where in holders])
+    return _by_place(node.topic, users, holders)
 
 
-def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[TopicUse, int]]) -> dict[SourceKey, str]:
+def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[TopicUse, float]]) -> dict[SourceKey, str]:
     holders.sort(key=lambda held: -held[1])
     ranks = [(one, one.rank(topic)) for one in users]
     top = max(rank for _, rank in ranks)
@@ -310,7 +310,7 @@ def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[Topic
     winners = {one.key for one in _winners(best)}
     found: dict[SourceKey, str] = {}
     for use, rank in ranks:
-        stronger = [one for one, held in holders if held > rank]
+        stronger = [one for one, held in holders if held > (rank + _TIE if use.asks else rank)]
         if owner := _other_device(use, stronger):
             found[use.key] = owner
         elif rank == top and use.key not in winners:
@@ -340,13 +340,19 @@ def _owners(node: TopicNode | None) -> tuple[TopicUse, ...]:
     return ()
 
 
-def _holders(node: TopicNode) -> list[tuple[TopicUse, str]]:
-    """Return the uses that publish on the topic, and those with commands on a topic above, with that topic."""
-    found = [(one, node.topic) for one in node.speakers]
+_TIE = 0.5
+"""What a claim counts more in a tie."""
+
+
+def _holders(node: TopicNode) -> list[tuple[TopicUse, float]]:
+    """Return the uses that publish on the topic, and those with commands on a topic above, with their ranks."""
+    topic = node.topic
+    found = [(one, float(one.rank(topic))) for one in node.speakers]
     above = node.parent
     while above is not None:
         if above.users:
-            found += [(one, above.topic) for one in above.users]
+            topic, tie = above.topic, _TIE if above is node.parent else 0.0
+            found += [(one, one.rank(topic) + (tie if one.asks else 0.0)) for one in above.users]
         above = above.parent
     return found
 

@@ -31,7 +31,7 @@ class CommandTopics:
         """Add the command topics of *part*, in place of its earlier description; return the filters concerned."""
         for topic in part.described.part.writes:
             self._parts.setdefault(topic, {})[part.stored.key, part.described.part.id] = part
-        for topic_filter in (filters := _coded_filters(part)):
+        for topic_filter in (filters := _coded_filters(part) if part.described.sends_code else ()):
             self._coded.add(topic_filter, part)
         return *part.described.part.writes, *filters
 
@@ -43,7 +43,7 @@ class CommandTopics:
                 del parts[place]
                 if not parts:
                     del self._parts[topic]
-        for topic_filter in (filters := _coded_filters(part)):
+        for topic_filter in (filters := _coded_filters(part) if part.described.sends_code else ()):
             self._coded.remove(topic_filter, part)
         return *part.described.part.writes, *filters
 
@@ -57,10 +57,9 @@ class CommandTopics:
         return tuple(islice((one for one in readers if _is_of(one, names)), _MOST))
 
 
-def _coded_filters(part: AnnouncedPart) -> list[str]:
+def _coded_filters(part: AnnouncedPart) -> tuple[str, ...]:
     """Return the filters of topics with codes of *part*: Zigbee2MQTT takes them on ``LOCK/set/pin_code`` too."""
-    topics = part.described.part.writes if part.described.sends_code else ()
-    return [f"{one}/#" if one.endswith("/set") else one for one in topics]
+    return tuple([f"{one}/#" if one.endswith("/set") else one for one in part.described.part.writes])
 
 
 def _is_of(reader: _Reader, names: frozenset[str]) -> bool:

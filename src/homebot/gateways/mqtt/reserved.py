@@ -5,6 +5,7 @@ Apps may still publish there themselves. From some of them nobody may read, as c
 
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
+from operator import attrgetter
 from typing import NamedTuple
 
 from homebot.conventions.convention import (
@@ -88,7 +89,7 @@ class ReservedTopics:
         """
         reserved: dict[str, str] = {}
         for part in described.parts:
-            for topic in (*part.part.writes, *[one.topic for one in part.state_requests]):
+            for topic in (*part.part.writes, *map(attrgetter("topic"), part.state_requests)):
                 if why := self.why(topic, described.convention):
                     reserved[topic] = why
         if not reserved:
