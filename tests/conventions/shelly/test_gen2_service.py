@@ -145,3 +145,15 @@ def test_a_state_beside_a_water_meter_is_a_valve(say: Say) -> None:
     assert calls(parts["boolean:200"].codec.write("valve", "open")) == [("Boolean.Set", {"id": 200, "value": True})]
     frame = json.dumps({"params": {"object:200": {"value": {"counter": {"total": 12.345}}}}}).encode()
     assert parts["object:200"].codec.read("x/events/rpc", frame, retained=False) == {"measurement": 12.345}
+
+
+def test_the_phases_of_a_charger_are_meters(say: Say) -> None:
+    """Of the Top AC Portable EV Charger, in kilowatts, as Home Assistant 2026.11 reads it."""
+    phase = {"voltage": 231.5, "current": 15.9, "power": 3.68}
+    value = {"phase_a": phase, "phase_b": phase, "phase_c": phase, "total_power": 11.04, "total_act_energy": 5.2}
+    parts = parts_of(say, {"object:200": of_service("phase_info")}, {"object:200": {"value": value}})
+    assert {one.part.service_type for one in parts.values()} == {"electrical_meter"}
+    frame = json.dumps({"params": {"object:200": {"value": value}}}).encode()
+    heard = {key: dict(one.codec.read("x/events/rpc", frame, retained=False)) for key, one in parts.items()}
+    assert heard["object:200"] == {"power": 11_040.0, "energy": 5.2}
+    assert heard["object:200/phase_b"] == {"power": 3680.0, "voltage": 231.5, "current": 15.9}

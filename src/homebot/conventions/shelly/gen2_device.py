@@ -47,7 +47,7 @@ from homebot.conventions.shelly.gen2_virtual import (
     TARGET,
     VALVE_STATE,
     VIRTUAL,
-    build_consumption,
+    build_object,
     build_service_thermostat,
     build_valve,
     build_virtual,
@@ -169,7 +169,7 @@ _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     "devicepower": (build_power,),
     **dict.fromkeys(VIRTUAL, (build_virtual,)),
     "button": (build_virtual_button,),
-    "object": (build_consumption,),
+    "object": (build_object,),
     "cury": (build_diffuser,),
 }
 _CHANNEL = re.compile(rf"(?:switch|cover|em1|{'|'.join(LIGHTS)}):[0-9]{{1,2}}")

@@ -25,7 +25,7 @@ __all__ = [
     "TARGET",
     "VALVE_STATE",
     "VIRTUAL",
-    "build_consumption",
+    "build_object",
     "build_service_thermostat",
     "build_valve",
     "build_virtual",
@@ -67,6 +67,13 @@ _VALVE_POSITION = ("number", "position")
 
 VALVE_STATE, CONSUMPTION = "state", "water_consumption"
 """Roles of a water valve that is only open or closed, and of the water that it has let through."""
+
+_PHASES = "phase_info"
+_CHARGED: tuple[tuple[str, Mapping[str, str]], ...] = (
+    ("", {"power": "total_power", "energy": "total_act_energy"}),
+    *((f"phase_{one}", {key: f"phase_{one}.{key}" for key in ("power", "voltage", "current")}) for one in "abc"),
+)
+"""Meters of the Top AC Portable EV Charger, of which the object has that role: in kW and kWh."""
 
 _ZONE = re.compile(r"zone[0-9]{1,2}")
 _VALVES = ("open", "closed")
@@ -142,13 +149,23 @@ def build_valve(component: ShellyComponent, role: str) -> JsonPart:
     return part
 
 
-def build_consumption(component: ShellyComponent) -> Parts:
-    """Describe the water that a valve has let through; other objects have no meaning in common."""
-    if role_of(component.config) != CONSUMPTION:
+def build_object(component: ShellyComponent) -> Parts:
+    """Describe the water that a valve has let through, or the phases of a charger; other objects have no meaning."""
+    role = role_of(component.config)
+    if role == _PHASES:
+        return tuple(_build_meter(component, *meter) for meter in _CHARGED)
+    if role != CONSUMPTION:
         return ()
     part = component.part("", "x_sensor")
     component.add_value(part, "measurement", "value.counter.total", unit="m³")
     return (part,)
+
+
+def _build_meter(component: ShellyComponent, suffix: str, fields: Mapping[str, str]) -> JsonPart:
+    part = component.part(suffix, "electrical_meter", tag=suffix)
+    for capability, path in fields.items():
+        component.add_value(part, capability, f"value.{path}", factor=1000 if capability == "power" else 1)
+    return part
 
 
 def role_of(config: Fields) -> str:
