@@ -72,6 +72,7 @@ CHIME = {
 PUMP = {"1/29/0": [{"0": 0x0303, "1": 1}], "1/6/0": True, "1/8/0": 200, "1/512/16": 32}
 PLUG = {"1/29/0": [{"0": 266, "1": 2}], "1/6/0": True}
 PLAYER = {"1/29/0": [{"0": 0x28, "1": 1}], "1/6/0": True, "1/1286/0": 0, "1/1286/65529": [0, 1]}
+SPEAKER = {"1/29/0": [{"0": 0x22, "1": 1}], "1/6/0": False, "1/8/0": 127, "1/8/2": 1, "1/8/3": 254, "1/6/65529": [0, 1]}
 METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288": 250, "1/2820/1539": 1000}
 
 
@@ -81,6 +82,7 @@ METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288"
         (VACUUM, "robotic_vacuum_cleaner", {"vacuum": "idle", "option": "Max"}),
         ({**VACUUM, "1/84/1": 7, "1/97/4": 1}, "robotic_vacuum_cleaner", {"vacuum": "cleaning"}),
         (PLAYER, "video_player", {"on_off": True, "playback": "playing"}),
+        (SPEAKER, "speaker", {"muted": True, "volume": 50.0}),
         ({**VACUUM, "1/97/4": 64}, "robotic_vacuum_cleaner", {"vacuum": "returning"}),
         ({**VACUUM, "1/97/4": 65}, "robotic_vacuum_cleaner", {"vacuum": "docked"}),
         ({**VACUUM, "1/97/4": 3}, "robotic_vacuum_cleaner", {"vacuum": "error"}),
@@ -222,7 +224,9 @@ def test_the_offset_of_a_thermometer_and_the_hold_time_of_a_motion_sensor_are_se
             {"chargingEnabledUntil": None, "minimumChargeCurrent": 6000, "maximumChargeCurrent": 32_000},
         ),
         (HOB, "on_off", False, 6, "Off", {}),
-        ({**HOB, "1/6/65532": 0}, "on_off", True, 6, "On", {}),  # speakers list Off alone, and take both
+        ({**HOB, "1/6/65532": 0}, "on_off", True, 6, "On", {}),  # some list Off alone, and take both
+        (SPEAKER, "muted", False, 6, "On", {}),
+        (SPEAKER, "muted", True, 6, "Off", {}),
         (CLOSURE, "movement", "closed", 260, "MoveTo", {"position": 0}),
         ({**CLOSURE, "1/260/65532": 3}, "movement", "open", 260, "MoveTo", {"position": 1, "latch": False}),
         ({**CLOSURE, "1/260/5": 2, "1/260/65532": 3}, "movement", "closed", 260, "MoveTo", {"position": 0}),

@@ -155,8 +155,23 @@ def _tenths(command: Command) -> int:
 
 
 LIGHT_ROWS: Final = (
-    # On/Off of a lock may move its bolt.
-    ClusterRow(ON_OFF, _ON_OFF_VALUE, "on_off", flag(), _write_on, when=lambda one: not one.has(LOCK)),
+    # On/Off of a lock may move its bolt, and that of a speaker mutes it (Matter 1.4 Device Library, Speaker).
+    ClusterRow(
+        ON_OFF,
+        _ON_OFF_VALUE,
+        "muted",
+        flag(means=False),
+        lambda _at, command: (ClusterInvocation(ON_OFF, "Off" if command.value.flag else "On"),),
+        when=_is_speaker,
+    ),
+    ClusterRow(
+        ON_OFF,
+        _ON_OFF_VALUE,
+        "on_off",
+        flag(),
+        _write_on,
+        when=lambda one: not one.has(LOCK) and not _is_speaker(one),
+    ),
     ClusterRow(LEVEL, _CURRENT_LEVEL, "volume", _read_level, _write_level, when=_is_speaker),
     ClusterRow(LEVEL, _CURRENT_LEVEL, "level", _read_level, _write_level, when=_is_dimmed),
     ClusterRow(
