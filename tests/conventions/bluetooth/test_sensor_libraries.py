@@ -208,6 +208,21 @@ def test_an_advertisement_that_is_repeated_reports_nothing_new() -> None:
     assert values(read(parser, BUTTON))["button_0", "press"] == "single"
 
 
+def test_a_packet_reports_what_it_holds_and_no_earlier_values() -> None:
+    """A motion sensor of Qingping sees somebody, and later says its battery: qingping-ble, tests/test_parser.py."""
+    parser = SensorLibraryParser({})
+    motion, battery = "4812cdd560342d580804012d01000f01b7", "0812cdd560342d580201640f019809043c010000"
+    found = []
+    for data in motion, motion, battery:
+        sent = {full_uuid("fdcd"): bytes.fromhex(data)}
+        found.append(values(read(parser, Advertisement("58:2D:34:60:D5:CD", -60, service_data=sent))))
+    assert found == [
+        {("motion", "occupancy"): True},
+        {},
+        {("battery", "battery"): 100.0, ("illuminance", "illuminance"): 316.0},
+    ]
+
+
 def test_the_value_of_an_event_is_unknown_after_a_moment() -> None:
     """The sensor never says that the motion is over."""
     assert read(SensorLibraryParser({}), MOTION).expiries == {"motion": (AutoExpiry("occupancy", MOMENT),)}

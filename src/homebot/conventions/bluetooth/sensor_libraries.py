@@ -71,6 +71,7 @@ class _Sensor:
     def __init__(self, reader: BluetoothData) -> None:
         self.reader = reader
         self.parts: dict[str, Part] = {}
+        self.values: dict[int, object] = {}  # by identity: each packet makes those that it has anew
         self.moments: set[str] = set()
         self.last: Advertisement | None = None
 
@@ -106,19 +107,17 @@ class SensorLibraryParser(BroadcastParser):
         if sensor is None:
             return None
         self._sensors[advertisement.address] = sensor
-        values: tuple[BroadcastValue, ...] = ()
         is_new = sensor.last is None or not sensor.last.says_the_same(advertisement)
         sensor.last = advertisement
         try:
             update = sensor.reader.update(info)
         except Exception as exc:
             raise _unreadable(sensor.reader, advertisement, exc) from exc
-        if is_new:
-            values = tuple(_read_update(sensor, update))
+        values = tuple(_read_update(sensor, update))
         return Broadcast(
             name=update.title or _name_of(update) or advertisement.name,
             parts=tuple(sensor.parts.values()),
-            values=values,
+            values=values if is_new else (),
             expiries={
                 one.id: (AutoExpiry(one.capabilities[0].name, MOMENT),)
                 for one in sensor.parts.values()
@@ -211,14 +210,17 @@ def _service_info(advertisement: Advertisement) -> BluetoothServiceInfoBleak:
 
 
 def _read_update(sensor: _Sensor, update: SensorUpdate) -> Iterator[BroadcastValue]:
-    """Add the parts of an update, and yield its values."""
-    parts = sensor.parts
-    for key, description in update.entity_descriptions.items():
-        value = update.entity_values[key].native_value
+    """Add the parts of an update, and yield the values of its packet: an update has all values so far."""
+    parts, before = sensor.parts, sensor.values
+    sensor.values = {id(one): one for one in (*update.entity_values.values(), *update.binary_entity_values.values())}
+    for key, measured in update.entity_values.items():
+        description = update.entity_descriptions[key]
         device_class = str(getattr(description.device_class, "value", "") or "")
-        if device_class not in _OWN_CLASSES:
-            yield from _measured(parts, _part_id(key), description, device_class, value)
+        if device_class not in _OWN_CLASSES and id(measured) not in before:
+            yield from _measured(parts, _part_id(key), description, device_class, measured.native_value)
     for key, one in update.binary_entity_values.items():
+        if id(one) in before:
+            continue
         described = update.binary_entity_descriptions[key].device_class
         device_class = str(getattr(described, "value", "") or "")
         is_button = device_class == "occupancy" and _package_of(type(sensor.reader)) in _OCCUPANCY_IS_A_BUTTON
