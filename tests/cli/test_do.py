@@ -72,6 +72,7 @@ def test_why_nothing_was_commanded_is_told(homebot: Any, capsys: Text) -> None:
         (["level"], "level", {}),
         (["heating_setpoint", "21", "°C"], "set", {"heating_setpoint": "21 °C"}),
         (["2700", "K"], "2700 K", {}),
+        (["arm", "home"], "arm home", {}),
     ],
 )
 def test_the_request_is_what_the_arguments_say(

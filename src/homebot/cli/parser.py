@@ -36,7 +36,10 @@ SYNONYMS: Final = {
 }
 """Words of other tools for commands of homebot."""
 
-_COMMANDS: Final = ("on", "off", "open", "close", "stop", "lock", "unlock", "play", "pause", "mute", "unmute", "press")
+_COMMANDS: Final = (
+    *("on", "off", "open", "close", "stop", "lock", "unlock", "arm", "disarm"),
+    *("play", "pause", "mute", "unmute", "press"),
+)
 """Words that devices take, for completion."""
 
 _WRONG_COMMAND_LINE = 2

@@ -33,11 +33,19 @@ _PRESSED: Final = frozenset({"locate", "push", "scene"})
 _SAME_WORDS: Final[Mapping[str, str]] = MappingProxyType(
     {"on": "on", "turn_on": "on", "turn on": "on", "turn_off": "off", "turn off": "off", SET: SET}
 )
-_ROBOTS: Final = frozenset({"vacuum", "mower"})
-_ROBOT_STATES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
-    {"start": ("cleaning", "mowing"), "pause": ("paused",), "stop": ("idle",), "dock": ("returning", "docked")}
+_WITH_STATES: Final = frozenset({"alarm", "mower", "vacuum"})
+_STATES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        "start": ("cleaning", "mowing"),
+        "pause": ("paused",),
+        "stop": ("idle",),
+        "dock": ("returning", "docked"),
+        "disarm": ("disarmed",),
+        "arm": ("armed_away",),
+        **{f"arm {mode}": (f"armed_{mode}",) for mode in ("away", "home", "night", "vacation")},
+    }
 )
-"""States of vacuum cleaners and mowers for a word; each device takes one of them."""
+"""States of vacuum cleaners, mowers and alarms for a word; each device takes one of them."""
 
 _FLAGS: Final[Mapping[str, bool]] = MappingProxyType(
     {"on": True, "true": True, "yes": True, "1": True, "off": False, "false": False, "no": False, "0": False}
@@ -101,10 +109,7 @@ def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
         return decode_command(given, part)
     except RefusedError as exc:
         found = (
-            _respelt(word, part)
-            or _with_unit(word, part)
-            or _named_value(word, part, target)
-            or _robot_state(word, part)
+            _respelt(word, part) or _with_unit(word, part) or _named_value(word, part, target) or _state_for(word, part)
         )
         if found is not None:
             return found
@@ -119,11 +124,11 @@ def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
         raise RefusedError(f"{word} without a value", f"it takes {accepted}") from None
 
 
-def _robot_state(word: str, part: Part) -> tuple[str, PlainValue] | None:
-    """Return the setting of a vacuum cleaner or mower for a word; None if *part* is neither, or does not take it."""
-    for state in _ROBOT_STATES.get(word, ()):
+def _state_for(word: str, part: Part) -> tuple[str, PlainValue] | None:
+    """Return the setting of a robot or alarm for a word; None if *part* is neither, or does not take it."""
+    for state in _STATES.get(word.replace("_", " "), ()):
         for one in part.capabilities:
-            if one.settable and state in one.options and one.name in _ROBOTS:
+            if one.settable and state in one.options and one.name in _WITH_STATES:
                 return one.name, state
     return None
 

@@ -83,7 +83,7 @@ def _request(options: argparse.Namespace) -> dict[str, object]:
     given = {"level": options.level, "color_temperature": options.kelvin, "color": options.color}
     values = {name: value for name, value in given.items() if value is not None}
     command = options.word
-    if command[:1].isdigit():  # a number, perhaps with a unit: no name of a capability
+    if command[:1].isdigit() or command == "arm":  # a number, perhaps with a unit, or "arm home": no capability
         command = " ".join([command, *options.values])
     elif options.values:
         values[command] = " ".join(options.values)
