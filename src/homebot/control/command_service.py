@@ -1,6 +1,7 @@
 """The service ``/devices/command``: commands in words, with an id, name or query."""
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Final, final
 
 import anyio
@@ -18,7 +19,7 @@ from homebot.devices.command_messages import (
     Setting,
 )
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused, worst
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
 
@@ -107,10 +108,9 @@ class CommandService:
 
     async def _why_unreachable(self, device: Device) -> str:
         """Return why *device* is unreachable now, perhaps only since the command; empty if it is reachable."""
-        try:
+        newest: Device | None = device
+        with suppress(ServiceError):
             newest = await self._lookup.device(device.id)
-        except ServiceError:
-            newest = device
         return newest.reachable.why if newest is not None and newest.reachable.state == "no" else ""
 
 
@@ -120,7 +120,7 @@ def _part_request(
     return CommandRequest(
         device=device.id,
         part=part.id,
-        settings=tuple(Setting(capability=name, value=Value.of(value)) for name, value in settings.items()),
+        settings=tuple(map(Setting.of, settings, settings.values())),
         transition=request.transition,
         code=request.code,
         issuer=request.issuer or UNNAMED_CLIENT,

@@ -277,7 +277,7 @@ class CommandExecutor:
     def _decided(self, opened: OpenCommand, outcome: Outcome) -> Outcome:
         command, timeline, progress = opened.command, opened.timeline, opened.progress
         if isinstance(outcome, Confirmed):
-            for capability in command.settings if timeline.unsure_since else ():
+            for capability in command.settings:
                 timeline.unsure_since.pop(capability, None)
         elif outcome.may_obey_later:  # it may have changed, although no report says so
             since = self._clock.now()

@@ -13,9 +13,9 @@ from homebot.control.values import STOPPED, changes, departs, fits
 from homebot.devices.command_messages import Setting
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.devices.trigger import NO_TRIGGER, Trigger
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue
 from homebot.devices.wording.journal_words import trigger_text
-from homebot.devices.wording.values import plain_value, value_text
+from homebot.devices.wording.values import value_text
 
 __all__ = [
     "LEASE_POLICY",
@@ -94,12 +94,12 @@ class Lease:
     @property
     def setting(self) -> Setting:
         """The held setting."""
-        return Setting(capability=self.capability, value=Value.of(self.value))
+        return Setting.of(self.capability, self.value)
 
     @property
     def held_value(self) -> str:
         """The value after the word *held*: ``open``, ``at 40 %``."""
-        text = value_text(self.capability, plain_value(self.setting.value))
+        text = value_text(self.capability, self.value)
         return f"at {text}" if isinstance(self.value, float) else text
 
     def text(self, now: float) -> str:

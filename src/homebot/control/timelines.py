@@ -89,9 +89,7 @@ class Timelines:
 
     def schedule(self, place: PartRef) -> None:
         """Set the timer of a decided command, and save the profile."""
-        entry = self._entries.get(place)
-        if entry is not None:
-            self._update(entry)
+        self._update(self._entries[place])
 
     def cause(self, place: PartRef, capability: str, value: PlainValue, stamp: float) -> Attribution | None:
         """Return the cause of the report with that *stamp*; None if no command explains or ended it."""

@@ -73,6 +73,7 @@ class Service(GraphEntity, Generic[RequestT, ResponseT]):
 
     Attributes:
         room: Number of further handlers that may begin to wait; without room, calls are queued.
+        runs: The handlers that wait, in the order of their start, for reproducible runs.
     """
 
     def __init__(
@@ -97,7 +98,7 @@ class Service(GraphEntity, Generic[RequestT, ResponseT]):
         self.is_exclusive = not concurrent
         self.line: deque[asyncio.Future[None]] = deque()
         self._failures = failures
-        self._runs: dict[HandlerRun, None] = {}  # in order of start, for reproducible runs
+        self.runs: dict[HandlerRun, None] = {}
 
     @property
     def service_name(self) -> str:
@@ -141,18 +142,6 @@ class Service(GraphEntity, Generic[RequestT, ResponseT]):
                 turn.set_result(None)
                 return
 
-    def add_run(self, run: HandlerRun) -> None:
-        """Count a running handler."""
-        self._runs[run] = None
-        self.room -= 1
-
-    def remove_run(self, run: HandlerRun) -> None:
-        """Remove a handler that has ended."""
-        del self._runs[run]
-        self.room += 1
-        if self.line:
-            self.call_next()
-
     def failed(self, error: BaseException, *, has_caller: bool = True) -> ServiceFailedError:
         """Return the error for the caller of a handler that raised *error*; an unexpected one counts as a failure."""
         reason = str(error)
@@ -177,11 +166,11 @@ class Service(GraphEntity, Generic[RequestT, ResponseT]):
     def seconds_without_caller(self) -> float:
         """Return the age in seconds of the oldest handler without a caller, or 0."""
         now = asyncio.get_running_loop().time()
-        return next((now - run.began for run in self._runs if run.outcome.done()), 0.0)
+        return next((now - run.began for run in self.runs if run.outcome.done()), 0.0)
 
     def cancel_handlers(self) -> None:
         """Cancel all running handlers."""
-        for run in tuple(self._runs):
+        for run in tuple(self.runs):
             run.cancel()
 
     def close(self, *, finish: bool = False) -> None:
@@ -193,7 +182,7 @@ class Service(GraphEntity, Generic[RequestT, ResponseT]):
             return
         super().close()
         own = next(calling_runs(), None)
-        for run in () if finish else tuple(self._runs):
+        for run in () if finish else tuple(self.runs):
             if run is not own:
                 run.end_call(ServiceGoneError(self.service_name), cancels=True)
         while self.line:
@@ -230,7 +219,8 @@ class HandlerRun:
         self.ended = asyncio.Event()
         self._is_answered = False
         self._scope = anyio.CancelScope()
-        server.add_run(self)
+        server.runs[self] = None
+        server.room -= 1
 
     async def serve(self, *, is_callers_task: bool = False) -> None:
         """Run the handler in the current task: one of the serving node, or its caller's, with which it is cancelled."""
@@ -286,16 +276,20 @@ class HandlerRun:
         return None if self.outcome.done() else self._parent
 
     def _end(self, outcome: object) -> None:
+        server = self.server
         if outcome is _UNSERVED:
-            outcome = ServiceGoneError(self.server.service_name)
+            outcome = ServiceGoneError(server.service_name)
         self.task = None  # cancelled timers of the handler keep this run alive in their context for a while
         self.ended.set()
         if self.outcome.done():
-            self.server.drop(outcome)
+            server.drop(outcome)
         else:
             self._is_answered = True
             self.outcome.set_result(outcome)
-        self.server.remove_run(self)
+        del server.runs[self]
+        server.room += 1
+        if server.line:
+            server.call_next()
 
     def _discard_handler(self) -> None:
         if iscoroutine(self._handler):

@@ -11,7 +11,7 @@ from pydantic_core import CoreSchema, core_schema
 from homebot.config import value_errors
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
-from homebot.control.values import END_POSITIONS
+from homebot.control.values import END_POSITIONS, POWERS
 from homebot.control.values import fits as is_reached
 from homebot.devices.query.exact import parse_exact_query
 from homebot.devices.query.matching import PartFacets, fits
@@ -120,7 +120,6 @@ QueryText: TypeAlias = Annotated[str, AfterValidator(_query_text)]
 
 _MOST_PATTERNS = 100
 _MODES = frozenset({"thermostat_mode", "water_heater_mode", "humidifier_mode", "fan_mode"})
-_STRENGTHS = frozenset({"level", "fan_speed"})
 _OPENINGS = frozenset({"movement", "valve"})
 _COMPARED = frozenset({"position", "heating_setpoint"})
 """Capabilities with an effect that depends on the value before."""
@@ -130,19 +129,11 @@ _NO_HEAT = frozenset({"off", "cool", "dry", "fan_only"})
 
 
 def _turns_on(capability: str, wanted: PlainValue, _known: PlainValue) -> bool:
-    if capability == "on_off":
-        return wanted is True
-    if capability in _STRENGTHS:
-        return isinstance(wanted, float) and wanted > 0
-    return capability in _MODES and wanted != "off"
+    return bool(wanted) if capability in POWERS else capability in _MODES and wanted != "off"
 
 
 def _turns_off(capability: str, wanted: PlainValue, _known: PlainValue) -> bool:
-    if capability == "on_off":
-        return wanted is False
-    if capability in _STRENGTHS:
-        return wanted == 0
-    return capability in _MODES and wanted == "off"
+    return wanted == 0 if capability in POWERS else capability in _MODES and wanted == "off"
 
 
 def _opens(capability: str, wanted: PlainValue, known: PlainValue) -> bool:

@@ -240,10 +240,9 @@ class CommandProgress:
         elif self.outcome is None and not self.superseded_by:
             self.superseded_by, self.ended_at = newer.id, now
 
-    def report(self, fact: Reported) -> ReportRole:
-        """Record a live report, and return its role."""
-        role = self.roles[fact.number] = self._role_of(fact)
-        return role
+    def report(self, fact: Reported) -> None:
+        """Record a live report, and its role."""
+        self.roles[fact.number] = self._role_of(fact)
 
     def _settings_were_so(self) -> bool:
         """Return whether the settings were certain before, if the part reports none of them."""

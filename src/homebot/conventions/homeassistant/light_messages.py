@@ -80,7 +80,7 @@ class JsonLight:
 
     def publish(self, light: LightCommand) -> Publications:
         """Encode a command."""
-        return self.command.publish(compact_json(self.message(light)))
+        return (self.command.publication(compact_json(self.message(light))),)
 
     def message(self, light: LightCommand) -> dict[str, object]:
         """Return the object of a command, or of a state."""
