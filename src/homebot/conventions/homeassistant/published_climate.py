@@ -1,6 +1,6 @@
 """Published thermostats, air conditioners, water heaters and humidifiers, each as one entity. Pure.
 
-Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``: climate.py, humidifier.py, water_heater.py.
+Source: Home Assistant core 2024.3 to 2026.11, ``components/mqtt``: climate.py, humidifier.py, water_heater.py.
 """
 
 from collections.abc import Mapping

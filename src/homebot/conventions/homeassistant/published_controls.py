@@ -2,7 +2,7 @@
 
 Commands are the settable options of the vocabulary, never a state that is only reported, such as ``jammed``.
 
-Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``: alarm_control_panel.py, cover.py, fan.py,
+Source: Home Assistant core 2024.3 to 2026.11, ``components/mqtt``: alarm_control_panel.py, cover.py, fan.py,
 lawn_mower.py, lock.py, siren.py, vacuum.py, valve.py.
 """
 
@@ -127,7 +127,7 @@ def _read_valve(text: str) -> Values:
 
 
 def publish_vacuum(entity: PublishedEntity, available: Available, _part: Part) -> None:
-    """Publish the state, the power, the charge and the locator of a robot that cleans."""
+    """Publish the state, the power and the locator of a robot that cleans."""
     vacuum = available.pop("vacuum")
     payloads = settable_payloads(vacuum, {action: state for state, (_, action) in VACUUM_ACTIONS.items()})
     commands: dict[str, Values] = {action: {"vacuum": state} for action, state in payloads.items()}
@@ -143,29 +143,24 @@ def publish_vacuum(entity: PublishedEntity, available: Available, _part: Part) -
 
 
 def _add_vacuum_state(entity: PublishedEntity, available: Available) -> list[str]:
-    """Add the state in JSON, which the power and the charge need; return the features that they are."""
+    """Add the state in JSON, which the power needs; return the features that it is."""
     features, reported = [], ["vacuum"]
-    speed, battery = available.get("fan_mode"), available.get("battery")
+    speed = available.get("fan_mode")
     if speed is not None and speed.settable and speed.options:
         reported.append(available.pop("fan_mode").name)
         features.append("fan_speed")
         entity.config["fan_speed_list"] = list(speed.options)
         options = {option: option for option in speed.options}
         entity.add_command("set_fan_speed_topic", "fan_mode", payload_reader("fan_mode", options))
-    if battery is not None and battery.readable and not battery.settable:
-        reported.append(available.pop("battery").name)
-        features.append("battery")
     entity.add_state("state_topic", "vacuum", _vacuum_text, reported)
     return features
 
 
 def _vacuum_text(values: Values) -> str:
-    state, speed, charge = (values.get(name) for name in ("vacuum", "fan_mode", "battery"))
+    state, speed = values.get("vacuum"), values.get("fan_mode")
     message: dict[str, object] = {"state": "cleaning" if state == "spot" else state}
     if isinstance(speed, str):
         message["fan_speed"] = speed
-    if isinstance(charge, float):
-        message["battery_level"] = round(charge)
     return compact_json(message)
 
 

@@ -2,7 +2,7 @@
 
 Entities with one value each are here too: switches, numbers, selects, buttons, sensors, events.
 
-Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``: binary_sensor.py, button.py, event.py, number.py,
+Source: Home Assistant core 2024.3 to 2026.11, ``components/mqtt``: binary_sensor.py, button.py, event.py, number.py,
 scene.py, select.py, sensor.py, switch.py, tag.py, text.py.
 """
 

@@ -1,6 +1,6 @@
 """A published lamp, as a light of schema ``json``: one object reports it, one commands it. Pure.
 
-Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt/light/schema_json.py``.
+Source: Home Assistant core 2024.3 to 2026.11, ``components/mqtt/light/schema_json.py``.
 """
 
 from collections.abc import Mapping

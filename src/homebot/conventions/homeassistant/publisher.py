@@ -1,6 +1,6 @@
 """Publisher of exposed devices, as configs and states for a Home Assistant. Pure.
 
-Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``.
+Source: Home Assistant core 2024.3 to 2026.11, ``components/mqtt``.
 """
 
 import hashlib
