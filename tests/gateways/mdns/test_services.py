@@ -1,7 +1,7 @@
 """Services are followed for as long as they say they are there, and a flood of them stays bounded; in virtual time."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable, Collection
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field, replace
 
@@ -19,6 +19,7 @@ from homebot.gateways.mdns.services import (
     GRACE,
     KEPT_AGAIN,
     MAX_WAITING,
+    MAX_WAITING_OF_ALL,
     PER_SECOND,
     Services,
 )
@@ -41,7 +42,8 @@ class FakeNetwork(ServiceNetwork):
 
     answers: dict[str, ResolvedService] = field(default_factory=dict)
     kept: dict[str, Record] = field(default_factory=dict)
-    names: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    there: list[ServiceNews] = field(default_factory=list)
+    tell: Callable[[ServiceNews], None] = print
     asked: list[tuple[float, str]] = field(default_factory=list)
     asked_again: int = 0
     at_once: int = 0
@@ -75,11 +77,11 @@ class FakeNetwork(ServiceNetwork):
         del service_type
         self.kept.pop(name, None)
 
-    def cached_names(self, service_type: str) -> tuple[str, ...]:
-        return self.names.get(service_type, ())
-
-    async def ask_again(self) -> None:
-        self.asked_again += 1
+    async def ask_again(self, service_types: Collection[str] | None = None) -> None:
+        self.asked_again += service_types is None
+        for news in self.there:
+            if service_types is None or news.service_type in service_types:
+                self.tell(news)
 
 
 @dataclass
@@ -122,6 +124,7 @@ async def following(
 ) -> AsyncIterator[tuple[Services, RecordingHandler]]:
     known = RecordingHandler()
     services = Services(known, LoopClock(), most)
+    network.tell = services.on_news
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(services.follow, network, before)
         await anyio.wait_all_tasks_blocked()
@@ -273,7 +276,8 @@ class TestFlood:
         network = FakeNetwork()
         async with following(network, 10_000) as (services, known):
             for number in range(10_000):
-                services.on_news(network.say(service(f"fake {number}", f"_type{number % 100}._tcp.local.", 4500)))
+                news = network.say(service(f"fake {number}", ttl=4500))
+                services.on_news(replace(news, sender=f"sender {number % 100}"))
             await anyio.sleep(1)
             assert len(known.there) <= BURST + 1.5 * PER_SECOND
             await anyio.sleep(10)
@@ -287,20 +291,28 @@ class TestFlood:
             await anyio.sleep(30)
             assert network.most_at_once == 32
 
-    async def test_a_real_service_of_another_type_is_found_at_once_all_the_same(self) -> None:
+    @pytest.mark.parametrize("service_type", [LAMP, OTHER])
+    async def test_a_real_service_of_another_sender_is_found_at_once_all_the_same(self, service_type: str) -> None:
         network = FakeNetwork()
         async with following(network) as (services, known):
             for number in range(10_000):
-                services.on_news(network.say(service(f"fake {number}", OTHER)))
-            services.on_news(network.say(service("Hall")))
+                services.on_news(replace(network.say(service(f"fake {number}", service_type)), sender="10.0.0.66"))
+            services.on_news(replace(network.say(service("Hall")), sender="10.0.0.7"))
             await anyio.sleep(1)
             assert f"Hall.{LAMP}" in known.there
+
+    async def test_more_senders_than_may_wait_take_no_more_places(self) -> None:
+        network = FakeNetwork()
+        async with following(network) as (services, known):
+            for number in range(10_000):
+                services.on_news(ServiceNews("seen", LAMP, f"fake {number}.{LAMP}", f"sender {number}"))
+            assert len(known.refused) == 10_000 - MAX_WAITING_OF_ALL
 
     async def test_a_real_service_is_found_among_names_that_do_not_answer_and_has_a_place(self) -> None:
         network = FakeNetwork()
         async with following(network, 100) as (services, known):
             for number in range(10_000):
-                services.on_news(ServiceNews("seen", f"_type{number % 100}._tcp.local.", f"fake {number}"))
+                services.on_news(ServiceNews("seen", LAMP, f"fake {number}", f"sender {number % 100}"))
             services.on_news(network.say(service("Hall")))
             await anyio.sleep(15)
             assert list(known.there) == [f"Hall.{LAMP}"]
@@ -335,7 +347,7 @@ class TestFlood:
             hall = network.say(service("Hall", ttl=4500))
             services.on_news(hall)
             assert known.refused[-1][0] == hall.name
-            network.names[LAMP] = (hall.name,)
+            network.there.append(hall)
             await anyio.sleep(120)
             assert list(known.there) == [hall.name]
 

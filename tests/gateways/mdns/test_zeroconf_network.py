@@ -1,15 +1,19 @@
-"""What is kept of hosts that announce more and more is bounded."""
+"""What is kept of hosts that announce more and more is bounded, and news say which host told them."""
 
 import ipaddress
+import socket
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
-from tests.gateways.mdns.lamp import HOST
+import anyio
+from tests.gateways.mdns.lamp import HOST, LOOPBACK, SERVICE_TYPE
 from tests.gateways.mdns.packets import AAAA, address, answer, pointer, record, service, text
+from tests.patience import PATIENCE
 from zeroconf._protocol.incoming import DNSIncoming
 from zeroconf.asyncio import AsyncZeroconf
 
 from homebot.gateways.announced.counters import GatewayCounters
+from homebot.gateways.mdns.network import ServiceNews
 from homebot.gateways.mdns.zeroconf_network import MAX_ADDRESSES, MAX_PLANNED, MdnsNetwork
 
 LAMP = "_lamp._tcp.local."
@@ -50,3 +54,24 @@ async def test_names_without_end_leave_no_queries_behind() -> None:
         for first in range(0, 3 * MAX_PLANNED, 100):
             hear(*(pointer(LAMP, f"fake {number}.{LAMP}") for number in range(first, first + 100)))
         assert len(network._browsers[LAMP].query_scheduler._query_heap) <= MAX_PLANNED
+
+
+async def test_news_say_which_host_told_them() -> None:
+    heard: dict[str, str] = {}
+    complete = anyio.Event()
+
+    def hear(news: ServiceNews) -> None:
+        heard[news.name] = news.sender
+        if len(heard) == 2:
+            complete.set()
+
+    async with MdnsNetwork.opened((LOOPBACK,), hear, GatewayCounters()) as network:
+        network.browse(SERVICE_TYPE)
+        for sender in ("127.0.0.7", "127.0.0.8"):
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as opened:
+                opened.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(LOOPBACK))
+                opened.bind((sender, 0))
+                opened.sendto(answer(pointer(SERVICE_TYPE, f"{sender}.{SERVICE_TYPE}")), ("224.0.0.251", 5353))
+        with anyio.fail_after(PATIENCE):
+            await complete.wait()
+    assert heard == {f"127.0.0.{number}.{SERVICE_TYPE}": f"127.0.0.{number}" for number in (7, 8)}

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ipaddress
 import socket
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
@@ -33,11 +33,13 @@ class ServiceNews:
 
     Attributes:
         kind: ``seen`` (announced, or changed), or ``gone`` (it said goodbye).
+        sender: The network address that told it; empty if it was in the cache.
     """
 
     kind: Literal["seen", "gone"]
     service_type: str
     name: str
+    sender: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,11 +90,8 @@ class ServiceNetwork(Protocol):
     def forget(self, service_type: str, name: str) -> None:
         """Drop the cached records of a service, so that its next announcement is news."""
 
-    def cached_names(self, service_type: str) -> tuple[str, ...]:
-        """Return the names of the services of a type that were announced and not withdrawn."""
-
-    async def ask_again(self) -> None:
-        """Ask for all types again."""
+    async def ask_again(self, service_types: Collection[str] | None = None) -> None:
+        """Ask for these types again, by default for all."""
 
 
 class NetworkInterfaces:

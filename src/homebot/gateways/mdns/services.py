@@ -2,13 +2,14 @@
 
 One task follows each service: it waits until the SRV record expires, queries it again, and removes the service if it
 does not answer (RFC 6762, section 5.2), unless its device is known to be there. Announcements of unknown services wait
-in bounded queues, one for each type, and are admitted at a limited rate, each type in turn, so that a flood of one type
+in bounded queues, one for each sender, and are admitted at a limited rate, each sender in turn, so that a flood of one
 does not block the others.
 """
 
 from collections import OrderedDict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import count
 from typing import Protocol
 
 import anyio
@@ -39,8 +40,8 @@ MAX_ASKED = 32
 """Services that are queried at the same time."""
 
 MAX_WAITING, MAX_WAITING_OF_ALL = 256, 1024
-"""Services of one type that wait for admission, and of all types, which have equal shares of it; further ones are
-dropped, counted, and looked for again later."""
+"""Services of one sender that wait for admission, and of all senders, which have equal shares of it; further ones are
+dropped, counted, and asked for again later."""
 
 BURST, PER_SECOND = 256.0, 20.0
 """Services that are admitted at once, and each second after that; none while :data:`MAX_ASKED` have not answered."""
@@ -51,11 +52,9 @@ PACE = 0.25
 KEPT_AGAIN = 30.0
 """Seconds after which a service is queried again that did not answer and is kept."""
 
-LOOK_AGAIN = 30.0
-"""Seconds after which dropped services are looked for in the cache of the library."""
-
-ASK_AGAIN = 600.0
-"""Seconds after which all types are queried again, because announcements may have been lost."""
+ASK_AGAIN, ALL_AGAIN = 30.0, 20
+"""Seconds after which the types of dropped services are queried again; each 20th time all types are, because
+announcements may have been lost."""
 
 CHANGES_AT_ONCE, CHANGE_EVERY = 5.0, 10.0
 """Changes of one service that are handled at once, and seconds between further ones: each change may cause a new
@@ -115,7 +114,8 @@ class Services:
         key = news.name.lower()
         one = self._followed.get(key)
         if news.kind == "gone":
-            self._waiting.get(news.service_type, OrderedDict()).pop(key, None)
+            for line in self._waiting.values():
+                line.pop(key, None)
             if one is not None:
                 one.scope.cancel()
                 self._leave(one, "it said goodbye")
@@ -133,19 +133,19 @@ class Services:
                 self._begin(
                     tasks, network, _Followed(service.service_type, service.key, TRIES_AFTER_LOSS, has_answered=True)
                 )
-            tasks.start_soon(self._look_again, network)
             tasks.start_soon(self._ask_again, network)
             await self._admit_waiting(tasks, network)
 
     def _enqueue(self, key: str, news: ServiceNews) -> None:
-        line = self._waiting.setdefault(news.service_type, OrderedDict())
+        line = self._waiting.get(news.sender) or OrderedDict()
         if key in line:
             return
-        if len(line) >= (most := min(MAX_WAITING, MAX_WAITING_OF_ALL // len(self._waiting))):
+        if len(line) >= (most := min(MAX_WAITING, MAX_WAITING_OF_ALL // (len(self._waiting) + 1))):
             self._missed.add(news.service_type)
-            self._handler.refuse(news.name, f"more than {most} new services of its type at once")
+            self._handler.refuse(news.name, f"more than {most} new services of its sender at once")
             return
         line[key] = news
+        self._waiting[news.sender] = line
         self._some_wait.set()
 
     async def _admit_waiting(self, tasks: TaskGroup, network: ServiceNetwork) -> None:
@@ -164,11 +164,11 @@ class Services:
         return any(self._waiting.values()) and sum(not one.has_answered for one in self._followed.values()) < MAX_ASKED
 
     def _next(self) -> ServiceNews:
-        """Return the next service to admit, of each type in turn the newest; one waits."""
+        """Return the next service to admit, of each sender in turn the newest; one waits."""
         while True:
-            service_type, line = self._waiting.popitem(last=False)
+            sender, line = self._waiting.popitem(last=False)
             if line:
-                self._waiting[service_type] = line
+                self._waiting[sender] = line
                 return line.popitem()[1]
 
     def _admit(self, tasks: TaskGroup, network: ServiceNetwork, news: ServiceNews) -> None:
@@ -227,18 +227,8 @@ class Services:
             self._changes[one.name.lower()] = one.changes
             self._handler.drop(one.name, why)
 
-    async def _look_again(self, network: ServiceNetwork) -> None:
-        while True:
-            await anyio.sleep(LOOK_AGAIN)
-            missed, self._missed = self._missed, set()
-            for service_type in missed:
-                for name in network.cached_names(service_type):
-                    if service_type in self._missed:  # still too many
-                        break
-                    if name.lower() not in self._followed and len(self._followed) < self._most:
-                        self.on_news(ServiceNews("seen", service_type, name))
-
     async def _ask_again(self, network: ServiceNetwork) -> None:
-        while True:
+        for turn in count(1):
             await anyio.sleep(ASK_AGAIN)
-            await network.ask_again()
+            missed, self._missed = self._missed, set()
+            await network.ask_again(missed if turn % ALL_AGAIN else None)

@@ -10,12 +10,14 @@ Sources: RFC 6762 (Multicast DNS), RFC 6763 (DNS-Based Service Discovery).
 from __future__ import annotations
 
 import ipaddress
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Collection, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from typing import Literal
 
 import anyio
 from zeroconf import Error, IPVersion, RecordUpdate, ServiceInfo, ServiceStateChange, Zeroconf, current_time_millis
+from zeroconf._handlers.record_manager import RecordManager
+from zeroconf._protocol.incoming import DNSIncoming
 from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
 
 from homebot.conventions.dns_sd import (
@@ -75,6 +77,22 @@ class _Browser(AsyncServiceBrowser):
             self.query_scheduler.stop()
 
 
+class _Records(RecordManager):
+    """The reader of responses, which tells browsers of a response before it returns, but not who sent it.
+
+    Attributes:
+        sender: The address that sent the response being read; empty while none is.
+    """
+
+    sender = ""
+
+    def async_updates_from_response(self, msg: DNSIncoming) -> None:
+        """Read a response."""
+        self.sender = msg.source[0] if msg.source else ""
+        super().async_updates_from_response(msg)
+        self.sender = ""
+
+
 class MdnsNetwork(ServiceNetwork):
     """The network behind some interfaces, used as ``async with MdnsNetwork.opened(…) as network``."""
 
@@ -86,6 +104,7 @@ class MdnsNetwork(ServiceNetwork):
         counters: GatewayCounters,
     ) -> None:
         self._zeroconf = zeroconf
+        self._records = zeroconf.zeroconf.record_manager = _Records(zeroconf.zeroconf)
         self._interfaces = interfaces
         self._on_news = on_news
         self._counters = counters
@@ -135,18 +154,12 @@ class MdnsNetwork(ServiceNetwork):
         take = self._on_type_change if service_type == ENUMERATION else self._on_change
         self._browsers[service_type] = _Browser(self._zeroconf.zeroconf, service_type, handlers=[take])
 
-    async def ask_again(self) -> None:
-        """Look for all types again, for services that were missed; known ones are reported again."""
-        for service_type, browser in tuple(self._browsers.items()):
-            await browser.async_cancel()
+    async def ask_again(self, service_types: Collection[str] | None = None) -> None:
+        """Look for types again, by default for all, for services that were missed; known ones are reported again."""
+        for service_type in self._browsers.keys() & (self._browsers.keys() if service_types is None else service_types):
+            await self._browsers[service_type].async_cancel()
             del self._browsers[service_type]
             self.browse(service_type)
-
-    def cached_names(self, service_type: str) -> tuple[str, ...]:
-        """Return the names of the cached services of a type that were not withdrawn."""
-        now, cache = current_time_millis(), self._zeroconf.zeroconf.cache
-        kept = cache.async_entries_with_name(service_type)
-        return tuple(one.alias for one in kept if hasattr(one, "alias") and not one.is_expired(now))
 
     def resolve_cached(self, service_type: str, name: str) -> ResolvedService | None:
         """Return a service from cached records; None if some are missing or expired."""
@@ -234,7 +247,7 @@ class MdnsNetwork(ServiceNetwork):
         if any(info.name.lower() == name.lower() for _, info in self._own.values()):
             return
         kind: Literal["seen", "gone"] = "gone" if state_change is ServiceStateChange.Removed else "seen"
-        self._on_news(ServiceNews(kind, service_type, name))
+        self._on_news(ServiceNews(kind, service_type, name, self._records.sender))
 
     def _on_type_change(self, *, name: str, state_change: ServiceStateChange, **_: object) -> None:
         found = full_type(name)
