@@ -71,6 +71,7 @@ def test_a_number_is_reported_in_the_unit_of_the_vocabulary(
         ("temperature", "°De", "temperature"),
         ("wind_speed", "km/h", "measurement"),
         ("", "lqi", "measurement"),
+        ("", "mmHg", "measurement"),  # blood, as of Withings
         ("not_a_class", "furlong", "measurement"),
     ],
 )

@@ -83,8 +83,13 @@ def conversion_of(capability: str, unit: str) -> Conversion | None:
 
 
 def measured_in(unit: str) -> str:
-    """Return the only capability of numbers in *unit*; empty if several have it, such as ``%`` and ``K``, or none."""
-    return "" if unit in {"", "K"} else next((one for one in _BY_UNIT if conversion_of(one, unit) is not None), "")
+    """Return the only capability of numbers in *unit*; empty for none, or for several, such as ``%`` and ``K``.
+
+    ``mmHg`` may be of the air or of blood, as Withings reports it.
+    """
+    if unit in {"", "K", "mmHg"}:
+        return ""
+    return next((one for one in _BY_UNIT if conversion_of(one, unit) is not None), "")
 
 
 _BY_UNIT = ("temperature", "illuminance", "pressure", "power", "energy", "voltage", "current", "frequency", "flow")
