@@ -113,3 +113,19 @@ def test_a_work_area_of_a_mower_is_where_the_mower_is(own: str | None, room: str
     entities.regroup()
     device = entities.describe("d2")
     assert (device.area, device.metadata["via_device"]) == (room, "d1")
+
+
+def test_the_main_light_of_a_strip_is_a_light_beside_its_segments() -> None:
+    """WLED's is a group of the segments of its device: they are dark while it is off."""
+    names = {"light.wled": None, "light.wled_main": "Main", "light.wled_segment_1": "Segment 1"}
+    entities = home(*(entity_entry(one, device_id="d1", original_name=name) for one, name in names.items()))
+    members = {"light.wled_main": ["light.wled", "light.wled_segment_1"]}
+    for one in names:
+        told = {"supported_color_modes": ["brightness"], "supported_features": 32, "friendly_name": f"Strip {one}"}
+        listed = {"group_entities": members[one]} if one in members else {}
+        entities.put(one, state("on", **told, **listed), is_new=True)
+    (parts,) = entities.regroup().values()
+    assert [one.entity_id for one in parts] == ["light.wled_main", "light.wled", "light.wled_segment_1"]
+    assert parts[0].part().name == "Main"
+    call = parts[0].call("on_off", value=False)
+    assert (call.service, call.entity_id) == ("turn_off", "light.wled_main")

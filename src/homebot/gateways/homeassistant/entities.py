@@ -196,7 +196,7 @@ class HomeAssistantEntities:
         for entity_id, entity in sorted(self._entities.items(), key=_order):
             entity.device_key, entity.entry = "", self.registries.entity(entity_id)
             entry = entity.entry
-            if entity.is_left_out or self.registries.is_left_out(entry.device_id):
+            if entity.is_left_out(self.registries) or self.registries.is_left_out(entry.device_id):
                 continue
             key = entry.device_id or entry.key
             parts = groups.setdefault(key, {})
@@ -211,7 +211,7 @@ class HomeAssistantEntities:
         return groups
 
 
-def _order(one: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, str]:
-    """Return the sort key of an entity: settings last, and then as :data:`DOMAINS` are sorted."""
+def _order(one: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, bool, str]:
+    """Return the sort key of an entity: settings last, then as :data:`DOMAINS` are sorted, a whole before its parts."""
     entity_id, entity = one
-    return bool(entity.entry.category), _ORDER[entity.domain], entity_id
+    return bool(entity.entry.category), _ORDER[entity.domain], not entity.is_group, entity_id

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 from homebot.conventions.command_values import require_transition
 from homebot.conventions.entity_rows import EntityRow, Fields, options_of, text_of, writer_of
 from homebot.conventions.homeassistant.states.domains import DOMAINS
-from homebot.conventions.homeassistant.states.registries import EntityEntry
+from homebot.conventions.homeassistant.states.registries import EntityEntry, Registries
 from homebot.conventions.payload import Readings
 from homebot.conventions.secrets import names_secret
 from homebot.devices.capabilities import EVENTS
@@ -75,18 +75,22 @@ class HomeAssistantEntity:
         self._taken: Fields = {}
         self._rows: dict[str, EntityRow] = {}
 
-    @property
-    def is_left_out(self) -> bool:
-        """True for one that homebot does not use: no type of its domain, a secret, a group, a scene that could hurt."""
+    def is_left_out(self, registries: Registries) -> bool:
+        """Return whether homebot does not use it: no type of its domain, a secret, a group, a scene that could hurt.
+
+        A group of lights of its own device is none, as WLED's main light, without which all segments are dark.
+        """
         kind = DOMAINS.get(self.domain)
         if kind is None or self.entry.is_disabled or (self.domain == "sensor" and names_secret(self.name)):
             return True
         if self.domain == "scene":
             return any(one.partition(".")[0] in _CAN_HURT for one in self._members)
-        return any(row.write for row in kind.rows) and self._is_group
+        own = {registries.entity(one).device_id for one in self._members} == {self.entry.device_id or None}
+        return any(row.write for row in kind.rows) and self.is_group and not own
 
     @property
-    def _is_group(self) -> bool:
+    def is_group(self) -> bool:
+        """True if it stands for others."""
         return bool(self._members) or any(self.info.get(mark) is True for mark in _GROUP_MARKS)
 
     @property
