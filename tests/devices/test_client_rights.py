@@ -168,6 +168,15 @@ PARTS: list[tuple[str, Device, bool]] = [
             ("Garage blind", "", "", False),
         )
     ),
+    # The key locks of Plugwise and EQ-3 in Home Assistant; a switch among settings still opens a valve.
+    *(
+        (f"setting {name}", device("anna", part("switch", "on_off", name=name, category="config")), asks)
+        for name, asks in (("Lock", False), ("Kiosk lock", False), ("Main valve", True))
+    ),
+    *(
+        (f"{kind} of IntelliFire", device("IntelliFire", part(kind, capability, name="Flame")), True)
+        for kind, capability in (("switch", "on_off"), ("thermostat", "heating_setpoint"))
+    ),
     # The switch of that name is that of its lamp.
     *((f"switch {name}", device(name, part("switch", "on_off")), False) for name in ("Garage", "Garage left")),
     # As the action `open` of a Thing called Garage, and the buttons of an ESPHome of that name.

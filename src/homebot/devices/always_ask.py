@@ -185,7 +185,7 @@ def _why_by_itself(device: Device, part: DevicePart) -> str:
     if device.tags and _TAG in map(fold, device.tags):
         return "it has the tag always_ask"
     if kind in _RELAYS:
-        return why_it_drives(device, part)
+        return why_it_drives(device, part, NO_LOCK if part.part.category else ALL_THAT_ASK)
     if kind in _BUTTONS and (reason := _why_named_setting(device, part)):
         return reason
     if kind == "x_setting":
