@@ -7,6 +7,7 @@ import pytest
 from tests.conventions.announced_parts import Say
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
+from homebot.devices.value import PlainValue
 
 Fields = Mapping[str, object]
 
@@ -124,6 +125,32 @@ def test_a_diffuser_has_a_switch_for_each_slot(say: Say) -> None:
     assert calls(parts["cury:0/left/intensity"].codec.write("number", 30.0)) == [
         ("Cury.Set", {"id": 0, "slot": "left", "intensity": 30})
     ]
+
+
+STRIP = {"on": True, "brightness": 40, "rgb": [255, 0, 0], "effect": "rainbow"}
+
+
+@pytest.mark.parametrize(
+    ("capability", "value", "params"),
+    [
+        ("on_off", False, {"on": False}),
+        ("level", 50.0, {"on": True, "brightness": 50}),
+        ("color", (120.0, 100.0), {"on": True, "rgb": [0, 255, 0]}),
+        ("effect", "static", {"on": True, "effect": "static"}),
+    ],
+)
+def test_a_strip_of_leds_is_a_lamp_with_effects(
+    say: Say, capability: str, value: PlainValue, params: Mapping[str, object]
+) -> None:
+    """As Home Assistant 2026.11 reads and commands it."""
+    config = {"ledstrip:0": {"id": 0, "effects": ["static", "rainbow"]}}
+    strip = parts_of(say, config, {"ledstrip:0": {"id": 0, **STRIP}})["ledstrip:0"]
+    assert strip.part.service_type == "light"
+    frame = json.dumps({"params": {"ledstrip:0": STRIP}}).encode()
+    assert strip.codec.read("x/events/rpc", frame, retained=False) == {
+        "on_off": True, "level": 40.0, "color": (0.0, 100.0), "effect": "rainbow",
+    }  # fmt: skip
+    assert calls(strip.codec.write(capability, value, transition=1.0)) == [("LedStrip.Set", {"id": 0, **params})]
 
 
 NEO = {

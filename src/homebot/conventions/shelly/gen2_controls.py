@@ -1,7 +1,8 @@
 """Switches, covers, thermostats, diffusers and lamps of Shelly's second generation. Pure.
 
 Source: Shelly Gen2+ API, components Switch, Cover, Thermostat, Cury, Light, CCT, RGB, RGBW and RGBCCT;
-``transition_duration`` is in seconds. aioshelly, ``cury_set``.
+``transition_duration`` is in seconds. aioshelly, ``cury_set`` and ``ledstrip_set``; Home Assistant core 2026.11,
+``components/shelly/light.py``: a strip is ``on``, and has effects.
 """
 
 import math
@@ -12,9 +13,9 @@ from homebot.conventions.command_values import Writer, number_writer, option_wri
 from homebot.conventions.description import Publications
 from homebot.conventions.lamp import LIGHT_CAPABILITIES, LightCommand, LightFeatures, WhiteRange, read_lamp, read_rgb
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import Readings, as_fields, percent_of
+from homebot.conventions.payload import Readings, as_fields, percent_of, text_of
 from homebot.conventions.shelly.gen2_component import ShellyComponent
-from homebot.conventions.shelly.status import Fields, reader_of
+from homebot.conventions.shelly.status import Fields, reader_of, texts_of
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
 
@@ -115,6 +116,9 @@ def _decode_thermostat(mode: str, action: str, status: Fields) -> Readings:
 
 _ANY_WHITE = (2700, 6500)
 _LEAST_TRANSITION = 0.5
+_STRIP = "ledstrip"
+_CALLED: Mapping[str, str] = {"light": "Light", _STRIP: "LedStrip"}
+"""The names of components in methods; others are in capitals."""
 
 
 LIGHTS: Mapping[str, frozenset[str]] = {
@@ -123,6 +127,7 @@ LIGHTS: Mapping[str, frozenset[str]] = {
     "rgb": frozenset({"rgb"}),
     "rgbw": frozenset({"rgb"}),
     "rgbcct": frozenset({"color_temp", "rgb"}),
+    _STRIP: frozenset({"rgb"}),
 }
 """Modes of the components that are lamps; one with several has to be told which."""
 
@@ -133,17 +138,20 @@ def build_light(component: ShellyComponent) -> tuple[JsonPart, ...]:
     features = LightFeatures(
         LIGHTS[component.kind],
         WhiteRange(white, tuple(map(float, white))),
+        texts_of(component.config.get("effects")),
         only_in_bounds=True,
         most_seconds=math.inf,
     )
     part = component.part("", "light")
-    component.read_status(part, partial(_decode_light, features))
+    component.read_status(part, partial(_decode_light, features, "on" if component.kind == _STRIP else "output"))
     features.add_to(part, LIGHT_CAPABILITIES, partial(_set_light, component))
     return (part,)
 
 
-def _decode_light(features: LightFeatures, status: Fields) -> Readings:
-    found = dict(read_lamp(status, "output", "brightness"))
+def _decode_light(features: LightFeatures, on_key: str, status: Fields) -> Readings:
+    found = dict(read_lamp(status, on_key, "brightness"))
+    if (effect := text_of(status.get("effect"))) in features.effects:
+        found["effect"] = effect
     mode = status.get("mode")
     if features.has_white and (kelvin := to_number(status.get("ct"))) is not None:
         found["color_temperature"] = kelvin if kelvin > 0 and mode != "rgb" else None
@@ -163,9 +171,11 @@ def _set_light(component: ShellyComponent, command: LightCommand) -> Publication
     if command.color:
         params |= ({"mode": "rgb"} if has_modes else {}) | {"rgb": list(command.color)}
         params |= {"white": 0} if component.kind == "rgbw" else {}
-    if command.transition:
+    if command.effect:
+        params["effect"] = command.effect
+    if command.transition and component.kind != _STRIP:
         params["transition_duration"] = max(_LEAST_TRANSITION, round(command.transition, 1))
-    return component.call("Light.Set" if component.kind == "light" else f"{component.kind.upper()}.Set", **params)
+    return component.call(f"{_CALLED.get(component.kind, component.kind.upper())}.Set", **params)
 
 
 def _white_range(config: Fields) -> tuple[int, int]:

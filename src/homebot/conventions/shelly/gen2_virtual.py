@@ -15,7 +15,7 @@ from homebot.conventions.description import Publications
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, text_of
 from homebot.conventions.shelly.gen2_component import LONGEST_UNIT, ShellyComponent
-from homebot.conventions.shelly.status import LONGEST_TEXT, Fields
+from homebot.conventions.shelly.status import Fields, texts_of
 from homebot.conventions.units import sensor_type
 from homebot.support.numbers import to_number
 
@@ -77,7 +77,6 @@ _CHARGED: tuple[tuple[str, Mapping[str, str]], ...] = (
 
 _ZONE = re.compile(r"zone[0-9]{1,2}")
 _VALVES = ("open", "closed")
-_MOST_OPTIONS = 100
 
 
 def build_virtual(component: ShellyComponent) -> Parts:
@@ -109,7 +108,7 @@ def _build_setting(component: ShellyComponent, role: str) -> JsonPart:
         method=f"{kind.capitalize()}.Set",
         unit=_unit(config) if capability == "number" else "",
         bounds=_bounds_of(config) if kind == "number" else (),
-        options=_options_of(config) if kind == "enum" else (),
+        options=texts_of(config.get("options")) if kind == "enum" else (),
     )
     return part
 
@@ -175,15 +174,6 @@ def role_of(config: Fields) -> str:
     return role if is_makers and isinstance(role, str) else ""
 
 
-def _options_of(config: Fields) -> tuple[str, ...]:
-    options = config.get("options")
-    if not isinstance(options, list):
-        return ()
-    return tuple(
-        option for option in options[:_MOST_OPTIONS] if isinstance(option, str) and len(option) <= LONGEST_TEXT
-    )
-
-
 def _unit(config: Fields) -> str:
     return text_of(_ui(config).get("unit"), LONGEST_UNIT)
 
@@ -213,7 +203,7 @@ def build_service_thermostat(roles: Mapping[str, ShellyComponent]) -> JsonPart:
     target, working = roles[TARGET], roles.get("working_mode")
     part = target.part("", "thermostat")
     bounds = _bounds_of(target.config) or _USUAL
-    listed = ("heat",) if working is None else _options_of(working.config)
+    listed = ("heat",) if working is None else texts_of(working.config.get("options"))
     functions = tuple(_WORKING_MODES[one] for one in listed if one in _WORKING_MODES)
     for setpoint in ("heating_setpoint", *(("cooling_setpoint",) if "cool" in functions else ())):
         target.add_value(part, setpoint, method="Number.Set", bounds=bounds)
@@ -221,7 +211,7 @@ def build_service_thermostat(roles: Mapping[str, ShellyComponent]) -> JsonPart:
         room.add_value(part, "local_temperature")
     _add_mode(part, roles.get("enable"), working, functions)
     if (fan := roles.get("fan_speed")) is not None:
-        fan.add_value(part, "fan_mode", method="Enum.Set", options=_options_of(fan.config))
+        fan.add_value(part, "fan_mode", method="Enum.Set", options=texts_of(fan.config.get("options")))
     return part
 
 

@@ -7,7 +7,7 @@ from typing import Final, TypeAlias
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, read_number, text_of
 from homebot.devices.capabilities import CAPABILITIES
 
-__all__ = ["LONGEST_TEXT", "NO_FIELDS", "Fields", "StatusDecoder", "reader_of", "value_at"]
+__all__ = ["LONGEST_TEXT", "NO_FIELDS", "Fields", "StatusDecoder", "reader_of", "texts_of", "value_at"]
 
 Fields: TypeAlias = Mapping[str, object]
 """A status or a configuration, or a part of one."""
@@ -17,6 +17,8 @@ StatusDecoder: TypeAlias = Callable[[Fields], Readings]
 
 LONGEST_TEXT: Final = 255
 """Characters of a text that is read or set."""
+
+_MOST_OPTIONS: Final = 100
 
 NO_FIELDS: Final[Fields] = MappingProxyType({})
 """Stands for a missing value."""
@@ -39,6 +41,12 @@ def reader_of(path: str, capability: str, factor: float = 1.0) -> StatusDecoder:
         return {capability: text_of(value, LONGEST_TEXT)} if is_text else NO_READINGS
 
     return decode
+
+
+def texts_of(listed: object) -> tuple[str, ...]:
+    """Return the options that *listed* has."""
+    options = listed[:_MOST_OPTIONS] if isinstance(listed, list) else ()
+    return tuple(one for one in options if isinstance(one, str) and len(one) <= LONGEST_TEXT)
 
 
 def value_at(status: Fields, path: str) -> object:
