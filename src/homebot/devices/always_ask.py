@@ -9,7 +9,7 @@ such as its program. See :mod:`homebot.devices.words`.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import Final
 
@@ -35,6 +35,7 @@ __all__ = [
     "BREAKER",
     "CHANGED",
     "always_asks",
+    "asks_by_itself",
     "is_approved",
     "is_arming",
     "is_declared",
@@ -73,7 +74,7 @@ _HOTTER_THAN_A_ROOM = 45.0
 """Degrees Celsius that a boiler exceeds but a room thermostat never does; an electric floor is set up to this."""
 
 _DEGREES = frozenset({"°C", "°F", "K"})
-_RELAYS = frozenset({"plug", "switch", "window_covering", "x_unknown"})
+_RELAYS = frozenset({"plug", "siren", "switch", "window_covering", "x_unknown"})
 _AT_WINDOWS = frozenset({"awning", "blind", "curtain", "shade"})
 _HARMLESS = frozenset({"light", "window_covering"})
 """What also stands beside a garage door: ESPSomfy-RTS announces all covers of a house as one device."""
@@ -120,7 +121,7 @@ def why_it_drives(device: Device, part: DevicePart, groups: Groups = ALL_THAT_AS
     kind = part.part.service_type
     if _LOADS.get(kind) in groups:
         return f"its type is {kind}"
-    if kind in _RELAYS:
+    if kind in _RELAYS and (kind != "siren" or part.part.guessed):
         reason = _why_named(groups, *_names(device, part)) or _why_of_model(device, part, groups)
         return reason or (_why_garage(device, part) if "entry" in groups else "")
     return ""
@@ -132,6 +133,11 @@ def why_device_asks(device: Device) -> str:
         if reason := _why_declared(part.part) or _why_by_itself(device, part):
             return reason
     return ""
+
+
+def asks_by_itself(part: Part) -> bool:
+    """Return whether an announced *part* always asks by its type, a setting or its name, whatever its device."""
+    return bool(_why_declared(part) or matching_words(_own_name(part, part.id), ALL_THAT_ASK))
 
 
 def is_declared(part: DevicePart) -> bool:
@@ -154,7 +160,7 @@ def is_opener(device: Device) -> bool:
 
     Even its settings may open the door, also when they are turned off.
     """
-    return bool(matching_words(_model(device), OPENER, anywhere=True))
+    return any(matching_words(model, OPENER, anywhere=True) for model in _models(device))
 
 
 def waits_for_approval(device: Device) -> bool:
@@ -234,7 +240,7 @@ def _why_called(capability: Capability, device: Device, part: DevicePart) -> str
     if capability.name == "number" and capability.unit in _DEGREES:
         return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, told.name, anywhere=True)
     if capability.name in _PRESSED and _is_deed(told):
-        return _why_named(ALL_THAT_ASK, *_names(device, part), f"{device.name} {_own_name(part)}")
+        return _why_named(ALL_THAT_ASK, *_names(device, part), f"{device.name} {_own_name(told, part.id)}")
     names = (told.name,) if told.name else _names(device, part)
     if capability.name in _CHOSEN:
         if told.category:
@@ -264,11 +270,13 @@ def _why_garage(device: Device, part: DevicePart) -> str:
 
 def _why_of_model(device: Device, part: DevicePart, groups: Groups) -> str:
     """Return why a part always asks by its model: an opener with all its settings, or the load of a relay."""
-    model = _model(device)
-    words = matching_words(model, OPENER & groups, anywhere=True)
-    if not words and part.part.service_type in _RELAYS:
-        words = matching_words(model, BURNS_OR_FLOODS & groups, anywhere=True) or matching_words(model, groups)
-    return f"the model {model!r} says {words!r}" if words else ""
+    for model in _models(device):
+        words = matching_words(model, OPENER & groups, anywhere=True)
+        if not words and part.part.service_type in _RELAYS:
+            words = matching_words(model, BURNS_OR_FLOODS & groups, anywhere=True) or matching_words(model, groups)
+        if words:
+            return f"the model {model!r} says {words!r}"
+    return ""
 
 
 def _why_hot(device: Device, part: DevicePart) -> str:
@@ -284,16 +292,14 @@ def _is_hot(setpoint: Capability) -> bool:
 
 
 def _names(device: Device, part: DevicePart) -> tuple[str, ...]:
-    return device.name, *device.names, _own_name(part)
+    return device.name, *device.names, _own_name(part.part, part.id)
 
 
-def _own_name(part: DevicePart) -> str:
-    return part.part.name or _CAMEL_CASE.sub(" ", part.id)
+def _own_name(part: Part, part_id: str) -> str:
+    return part.name or _CAMEL_CASE.sub(" ", part_id)
 
 
-def _model(device: Device) -> str:
-    model = ""
-    for fact in device.metadata:  # a loop is cheaper than a generator for each announcement
-        if fact.key in _MAKE:
-            model = f"{model} {fact.value}" if model else fact.value
-    return model
+def _models(device: Device) -> Iterable[str]:
+    """Return all makers and models in announcements of *device*: a stranger may state the first."""
+    told = [one.value for one in device.metadata if one.key in _MAKE]
+    return dict.fromkeys((*told, *[one.value for one in device.facts if one.name in _MAKE]))

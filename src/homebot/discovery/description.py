@@ -71,7 +71,7 @@ def describe_device(
     main = main_part(parts)
     believed = ordered if len(ordered) == 1 else _believed(ordered, owner)
     area, outer_areas = next(filter(None, map(_AREA, believed)), ""), NO_AREAS
-    facts = _facts(ordered)
+    facts = _facts(believed)
     given = _given_in_hub(facts)
     if owner is not None:
         plan = owner.rooms.plan  # without a call, as this runs for every announcement
@@ -80,15 +80,16 @@ def describe_device(
         if area:
             floor = _floor_of(believed, area) if given["floor"] else ""
             area, outer_areas = plan.locate_on(area, floor)
+    name = next(filter(None, map(_NAME, believed)), "") or name_without(first)
     return DeviceDescription(
-        name=next(filter(None, map(_NAME, ordered)), "") or name_without(first),
-        names=tuple(dict.fromkeys(filter(None, (*map(_NAME, believed), *given["aliases"])))) or (name_without(first),),
+        name=name,
+        names=tuple(dict.fromkeys(filter(None, (*map(_NAME, believed), *given["aliases"])))) or (name,),
         service_type=first.service_type if main is None or first.is_plain_text else main.part.service_type,
         service_types=_service_types(believed, parts),
         area=area,
         outer_areas=outer_areas,
         identifiers=tuple(dict.fromkeys(chain.from_iterable(map(_IDENTIFIERS, ordered)))),
-        metadata=first.metadata if len(ordered) == 1 else _metadata(ordered),
+        metadata=first.metadata if len(ordered) == 1 else _metadata(believed),
         facts=facts,
         addresses=addresses(ordered, main),
         merged=merged,
@@ -109,7 +110,7 @@ _IDENTIFIERS: Final = attrgetter("sighting.identifiers")
 
 
 def _believed(sources: Sequence[SourceRecord], owner: OwnerFacts | None) -> Sequence[SourceRecord]:
-    """Return those of *sources* that name and place their device: nothing that joined an approved device does."""
+    """Return those of *sources* that say something of their device: nothing that joined an approved device does."""
     believed = tuple(filterfalse(_IS_CLAIMED, sources)) or sources
     return believed if owner is None else owner.approvals.approved(believed) or believed
 

@@ -1,8 +1,9 @@
 """The description of a part that several announcements describe. Pure."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TypeAlias
 
+from homebot.devices import Sighting
 from homebot.devices.device import EVERYTHING
 from homebot.devices.part import Capability, Part
 from homebot.discovery.merging.matching import SETTING
@@ -14,8 +15,8 @@ Origin: TypeAlias = tuple[bool, bool, str, str]
 """Whether it is claimed, whether it is not native, gateway, convention. Claimed origins sort last, so that they do not
 decide which parts of others are one."""
 
-Way: TypeAlias = tuple[PartPlace, Origin, Part]
-"""The place of a part, the origin of its announcement, and its description."""
+Way: TypeAlias = tuple[PartPlace, Origin, Part, Sighting]
+"""The place of a part, the origin of its announcement, its description, and the announcement."""
 
 
 def described_part(ways: Sequence[Way]) -> Part:
@@ -60,16 +61,21 @@ def _merge_capabilities(parts: Sequence[Part]) -> Part:
 def _heard(ways: Sequence[Way]) -> tuple[list[Part], list[Part]]:
     """Return the parts that decide on type and category, and the others.
 
-    A setting of a source that is not native, and has no command topic that another one has at its gateway, is not
-    heard: any program may announce it, and would make a harmless setting of a gate.
+    A setting decides if its source is authenticated, or owns the command topics of the loads that it may be, or has
+    them too. Otherwise any program could announce it, and would make a harmless setting of a gate.
     """
-    topics = {(gateway, topic) for (gateway, *_), _, one in ways if not _is_setting(one) for topic in one.writes}
-    gateways = {gateway for gateway, _ in topics}
+    loads = [(gateway, one) for (gateway, *_), _, one, _ in ways if not _is_setting(one) and _settable(one)]
     heard, others = list[Part](), list[Part]()
-    for (gateway, *_), (_, is_foreign, *_), one in ways:
-        is_alone = is_foreign and gateway in gateways and topics.isdisjoint((gateway, topic) for topic in one.writes)
-        (others if is_alone and _is_setting(one) else heard).append(one)
+    for (gateway, *_), _, one, source in ways:
+        known = frozenset((*one.writes, *source.owns))
+        is_known = source.authenticated or all(at == gateway and _is_below(load.writes, known) for at, load in loads)
+        (heard if is_known or not _is_setting(one) else others).append(one)
     return heard, others
+
+
+def _is_below(topics: Sequence[str], known: Collection[str]) -> bool:
+    """Return whether there are *topics*, and each is a *known* one or below one."""
+    return bool(topics) and all(any(f"{one}/".startswith(f"{above}/") for above in known) for one in topics)
 
 
 def _is_setting(part: Part) -> bool:

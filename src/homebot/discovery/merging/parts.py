@@ -6,6 +6,7 @@ from itertools import chain, starmap
 from typing import Final, NamedTuple, TypeAlias
 
 from homebot.devices import DevicePart, Route
+from homebot.devices.always_ask import asks_by_itself
 from homebot.devices.device import EVERYTHING
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Part
@@ -88,7 +89,7 @@ class _Merged:
         self.is_described = True
         conflict = topics.conflict(source, part)
         if not conflict:
-            self.ways.append((place, origin, part))
+            self.ways.append((place, origin, part, source.sighting))
         return conflict
 
 
@@ -310,7 +311,9 @@ def _named(merged: Sequence[_Merged], known: PartIds) -> tuple[DevicePart, ...]:
 
 
 def _device_part(part_id: str, one: _Merged) -> DevicePart:
-    part = described_part(sorted(one.ways, key=lambda way: way[1])) if len(one.ways) > 1 else one.part
+    part = one.ways[0][2] if one.ways else one.part
+    if len(one.ways) > 1:
+        part = described_part(sorted(one.ways, key=lambda way: (not asks_by_itself(way[2]), way[1])))
     routes = tuple(
         _route_of(
             gateway=gateway,
@@ -321,7 +324,7 @@ def _device_part(part_id: str, one: _Merged) -> DevicePart:
             approved="",
             topics=described.writes,
         )
-        for (gateway, key, name), origin, described in one.ways
+        for (gateway, key, name), origin, described, _ in one.ways
     )
     return _part_of(id=part_id, part=part, routes=routes)
 

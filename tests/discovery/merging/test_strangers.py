@@ -1,0 +1,96 @@
+"""A stranger's announcement with the identifiers of a dangerous device takes nothing from its dangers.
+
+Any program that a broker lets publish below a topic of its own can make one, in the convention of its choice.
+"""
+
+import pytest
+from tests.discovery.announcements import announce, part_of
+
+from homebot.devices import Device, Sighting
+from homebot.devices.always_ask import always_asks, waits_for_approval
+from homebot.devices.client_rights import read_scope
+from homebot.devices.part import Capability, Part
+from homebot.devices.query.parse import parse_query
+from homebot.discovery import DeviceIndex, OwnerFacts
+from homebot.places import NO_PLACES
+
+MAC = "mac:aabbccddeeff"
+CONVENTIONS = ("homie", "tasmota", "thing")
+
+
+def index_of(*sightings: Sighting) -> DeviceIndex:
+    index = DeviceIndex(forget_after=1000.0, owner=OwnerFacts("Home", NO_PLACES, 5.0))
+    for number, one in enumerate(sightings):
+        index.observe(one, float(number))
+    return index
+
+
+def only(index: DeviceIndex) -> Device:
+    (device,) = index.devices()
+    return device
+
+
+def relay(name: str = "", kind: str = "switch", *, at: str = "gate", advertised: str = "") -> Part:
+    return part_of(kind, "on_off", id="r", name=name, writes=(f"{at}/set",), advertised=advertised)
+
+
+def oven(hottest: float, at: str) -> Part:
+    heat = Capability(name="heating_setpoint", settable=True, unit="°C", bounds=(5.0, hottest))
+    return Part(id="r", service_type="thermostat", capabilities=(heat,), writes=(f"{at}/set",))
+
+
+DANGERS = {
+    "its model": (relay(), relay(at="evil"), "Box", {"model": "Garage door opener"}),
+    "its name, to one of a setting": (relay(), relay(kind="x_setting", at="evil"), "Garage door", {}),
+    "its name, to one of a siren": (relay(), part_of("x_sensor", "state"), "Garage door", {}),
+    "the name of its part": (relay("Garage door"), relay("Lamp", at="evil"), "Box", {}),
+    "what it calls itself": (relay(kind="x_unknown", advertised="oven"), relay("", "x_unknown", at="evil"), "Box", {}),
+    "how hot it gets": (oven(110.0, "gate"), oven(30.0, "evil"), "Box", {}),
+}
+
+
+@pytest.mark.parametrize("convention", CONVENTIONS)
+@pytest.mark.parametrize("is_first", [False, True])
+@pytest.mark.parametrize("danger", DANGERS, ids=lambda one: one)
+def test_what_joins_a_dangerous_device_does_not_hide(danger: str, is_first: bool, convention: str) -> None:  # noqa: FBT001
+    """Otherwise every program might command it, without an approval."""
+    part, other, name, facts = DANGERS[danger]
+    true = announce("gate", part, ids=(MAC,), name=name, facts=facts)
+    evil = announce("evil", other, convention=convention, ids=(MAC,), name="Siren", facts={"model": "Siren"})
+    device = only(index_of(*((evil, true) if is_first else (true, evil))))
+    ways = [part for part in device.parts if any(route.key == true.key for route in part.routes)]
+    assert ways
+    assert all(always_asks(device, part) for part in ways)
+    assert waits_for_approval(device)
+
+
+@pytest.mark.parametrize("convention", CONVENTIONS)
+def test_a_denied_way_to_a_gate_does_not_describe_it(convention: str) -> None:
+    """A lamp on the topic of the gate has no way there, so that only the gate's announcement says what that is."""
+    lamp = announce("evil", relay("Lamp", "x_setting"), convention=convention, ids=(MAC,), name="Box")
+    device = only(index_of(lamp, announce("gate", relay("Gate"), ids=(MAC,), name="Box")))
+    told = [part for part in device.parts if any(route.topics == ("gate/set",) for route in part.routes)]
+    assert told
+    assert all(always_asks(device, part) for part in told)
+
+
+@pytest.mark.parametrize("convention", ["homeassistant", *CONVENTIONS])
+def test_what_joins_an_approved_lock_gives_it_no_name_and_no_place_in_any_way(convention: str) -> None:
+    """A right to the lock in the shed, or called so, would be one to this lock."""
+    index = index_of(
+        announce("door", part_of("door_lock", "lock", id="l", writes=("door/set",)), ids=(MAC,), name="Door")
+    )
+    index.places.approve("door", 1.0)
+    facts = {"aliases": "Shed bolt", "tags": "mine", "position": "1,2"}
+    index.observe(
+        announce(
+            "evil", part_of("x_sensor"), convention=convention, ids=(MAC,), name="Shed lock", area="Shed", facts=facts
+        )
+    )
+    device = only(index)
+    assert (device.name, device.names, device.area, device.tags) == ("Door", ("Door",), "", ())
+    assert not [one for one in device.facts if one.name == "position"]
+    for query in ('name="Shed lock"', "name=shed", 'name="Shed bolt"', "in shed", "shed"):
+        assert not index.find(parse_query(query))
+    for right in ('act: name="Shed lock"', "act: name=Shed", "act: lock in shed"):
+        assert not read_scope((right,)).may_command(device, device.parts[0], asks=True)
