@@ -1,14 +1,17 @@
 """Topics through the door, over a real WebSocket."""
 
+from contextlib import AsyncExitStack
 from typing import Any
 
 import anyio
 import pytest
+from pydantic import SecretStr
 from structlog.testing import capture_logs
 from tests.bridges.conftest import House, Peer
 from tests.patience import PATIENCE
 
 from homebot.bridges.rosbridge import DoorSettings
+from homebot.bridges.rosbridge.settings import ClientToken
 from homebot.devices import RawMessage
 from homebot.devices.health import HealthRequest
 from homebot.devices.value import PlainValue, Reading, Value
@@ -158,6 +161,48 @@ async def test_a_topic_advertised_again_as_latched_becomes_latched(
     await peer.tell("advertise", id="b", topic="/t", type="std_msgs/String", **latched)
     (info,) = house.graph.get_endpoints(name="/t")
     assert info.qos == qos_profile_latched
+
+
+async def heard(peer: Peer, topic: str, **wishes: Any) -> list[str]:
+    """Return what a late subscription of *topic* receives."""
+    await peer.send("subscribe", topic=topic, **wishes)
+    await peer.send("call_service", id="end", service="/rosapi/get_time")
+    frames = []
+    while (frame := await peer.receive()).get("id") != "end":
+        frames.append(frame["msg"]["data"])
+    await peer.tell("unsubscribe", topic=topic)
+    return frames
+
+
+async def test_late_subscribers_receive_as_many_messages_as_both_sides_say(house: House, peer: Peer) -> None:
+    qos = {"durability": "transient_local", "depth": 3}
+    await peer.send("advertise", topic="/t", type="std_msgs/String", qos=qos)
+    for number in range(5):
+        await peer.send("publish", topic="/t", msg={"data": f"{number}"})
+    assert await heard(peer, "/t") == ["2", "3", "4"]
+    assert await heard(peer, "/t", qos={"depth": 2}) == ["3", "4"]
+    assert await heard(peer, "/t", qos={"durability": "volatile"}) == []
+
+
+async def test_late_subscribers_receive_every_static_transform(open_house: Any) -> None:
+    """Rclpy's broadcaster repeats all of its own in each message; clients in other languages send one at a time."""
+    tokens = {name: ClientToken(token=SecretStr(name), scope=("read", f"robot: {name}")) for name in "ab"}
+    async with open_house(DoorSettings(port=0, tokens=tokens)) as house, AsyncExitStack() as stack:
+        for name in tokens:
+            robot = await stack.enter_async_context(house.peer(Authorization=f"Bearer {name}"))
+            await robot.send("advertise", topic="/tf_static", type="tf2_msgs/TFMessage", latch=True)
+            for part in ("camera", "lidar"):
+                moved = {"header": {"frame_id": f"{name}/base"}, "child_frame_id": f"{name}/{part}"}
+                await robot.tell("publish", topic="/tf_static", msg={"transforms": [moved]})
+        late = await stack.enter_async_context(house.peer())
+        await late.send("subscribe", topic="/tf_static")
+        frames = [(await late.receive())["msg"]["transforms"][0]["child_frame_id"] for _ in range(4)]
+    assert frames == ["a/camera", "a/lidar", "b/camera", "b/lidar"]
+
+
+async def test_a_quality_of_service_that_is_none_is_refused(peer: Peer) -> None:
+    await peer.send("subscribe", id="1", topic="/t", type="std_msgs/String", qos={"depth": "many"})
+    assert "qos.depth" in (await peer.receive())["msg"]
 
 
 async def test_a_slow_client_loses_its_oldest_messages_and_delays_no_other(open_house: Any) -> None:

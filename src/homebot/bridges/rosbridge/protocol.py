@@ -12,7 +12,7 @@ import json
 from collections.abc import Generator, Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, ValidationError
 from pydantic_core import PydanticCustomError
 
 from homebot.bridges.rosbridge.json_pieces import MAX_NESTING, RefusedJsonError, parse_in_pieces
@@ -104,20 +104,31 @@ class TopicOperation(Operation, ops=("unadvertise", "unsubscribe")):
     topic: Name
 
 
-class _Publishing(TopicOperation):
-    """An operation of a client that publishes on ``topic``.
+class Qos(BaseModel):
+    """The quality of service that rosbridge_suite from 2.7 takes, as far as it has an effect here.
 
     Attributes:
-        qos: Newer programs say ``{"durability": "transient_local"}`` in place of ``latch``.
+        durability: ``transient_local`` for messages before the subscription; in ROS it is written in capitals too.
+        depth: Messages that are kept, or may wait; 0 for what other fields say.
     """
 
+    model_config = ConfigDict(frozen=True, extra="ignore", strict=True, defer_build=True)
+
+    durability: Annotated[str, AfterValidator(str.lower)] = ""
+    depth: Annotated[int, Field(ge=0)] = 0
+
+
+class _Publishing(TopicOperation):
+    """An operation of a client that publishes on ``topic``."""
+
     latch: bool = False
-    qos: dict[str, Any] = Field(default_factory=dict)
+    qos: Qos = Field(default_factory=Qos)
 
     @property
-    def is_latched(self) -> bool:
-        """Return whether late subscribers receive the last message."""
-        return self.latch or str(self.qos.get("durability")).lower() == "transient_local"
+    def kept(self) -> int:
+        """Return the number of messages that late subscribers receive; 0 for those of the last second."""
+        is_latched = self.latch or self.qos.durability == "transient_local"
+        return max(1, self.qos.depth) if is_latched else 0
 
 
 class Advertise(_Publishing, ops=("advertise",)):
@@ -138,7 +149,8 @@ class SubscribeOperation(TopicOperation, ops=("subscribe",)):
 
     Attributes:
         throttle_rate: Least milliseconds between two messages.
-        queue_length: Messages that may wait while throttled, the oldest dropped first; 0 drops all.
+        queue_length: Messages that may wait while throttled, the oldest dropped first; 0 drops all. The depth of
+            ``qos`` takes its place.
         compression: The form of messages: JSON, JSON as a PNG image, CBOR, or ROS 2's own encoding (``cbor-raw``).
         fragment_size: Characters of JSON above which a message is sent in fragments.
     """
@@ -146,6 +158,7 @@ class SubscribeOperation(TopicOperation, ops=("subscribe",)):
     type: str = ""
     throttle_rate: Milliseconds = 0
     queue_length: Annotated[int, Field(ge=0)] = 0
+    qos: Qos = Field(default_factory=Qos)
     compression: Compression = "none"
     fragment_size: int | None = None
 

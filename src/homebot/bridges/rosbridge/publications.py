@@ -4,7 +4,7 @@ import math
 import re
 from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
 from homebot.bridges.rosbridge.access import MissingRightError, right_to_publish
@@ -24,13 +24,17 @@ from homebot.bridges.rosbridge.types import (
 )
 from homebot.devices.client_rights import Right
 from homebot.errors import PeerError, TypeMismatchError
-from homebot.graph import DurabilityPolicy, Publisher, QoSProfile, qos_profile_latched
+from homebot.graph import DurabilityPolicy, Publisher, QoSProfile
 from homebot.messages.message import Message
 
 __all__ = ["Publications"]
 
 # As in the original bridge: compatible with every request, and late subscribers miss nothing.
 _QOS = QoSProfile(durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+_MOST_KEPT: Final = 100
+"""Most messages of a topic kept for late subscribers; as many as tf2's listeners ask for of ``/tf_static``, where their
+clients send one message after the other (geometry2, ``tf2_ros/qos.hpp``)."""
 
 _PUBLISH: Final = re.compile(r'\{"op": ?"publish", ?(?:"id": ?"[^"\\]*", ?)?"topic": ?"([^"\\]+)"')
 """The beginning of a message as most libraries write it, which has the topic before the frame is parsed."""
@@ -91,7 +95,7 @@ class Publications:
 
     def advertise(self, op: Advertise) -> None:
         """Add a topic; it may be added again under another id."""
-        self._open(op.topic, op.type, latched=op.is_latched).ids.add(op.id)
+        self._open(op.topic, op.type, op.kept).ids.add(op.id)
 
     def unadvertise(self, op: TopicOperation) -> None:
         """Remove a topic."""
@@ -111,7 +115,7 @@ class Publications:
         publication = self._topics.get(op.topic)
         if publication is None:
             self._message(message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), op.type), op)
-            publication = self._open(op.topic, op.type, latched=op.is_latched)
+            publication = self._open(op.topic, op.type, op.kept)
         if self._is_unread(publication):
             self._keep(op.topic, op, size)
             return ()
@@ -160,15 +164,17 @@ class Publications:
         is_read = publication.is_latched or publication.publisher.subscription_count
         return not is_read and publication.checked >= _CHECKED and self._now() < publication.second + 1.0
 
-    def _open(self, topic: str, ros_type: str, *, latched: bool) -> _Publication:
+    def _open(self, topic: str, ros_type: str, kept: int) -> _Publication:
         message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(topic), ros_type)
         present = self._topics.get(topic)
-        if present is not None and (present.is_latched or not latched):
+        if present is not None and (present.is_latched or not kept):
             return present
-        history = None if latched else _History(lambda: self._late_messages(topic, message_type))
-        qos = qos_profile_latched if latched else _QOS
+        history = None if kept else _History(lambda: self._late_messages(topic, message_type))
+        if kept:
+            kept = _MOST_KEPT if topic.endswith("tf_static") else min(kept, _MOST_KEPT)
+        qos = replace(_QOS, depth=kept) if kept else _QOS
         publisher = self._node.create_publisher(message_type, topic, qos, history=history)
-        opened = _Publication(publisher, message_type, latched, present.ids if present else set())
+        opened = _Publication(publisher, message_type, bool(kept), present.ids if present else set())
         if present is not None:
             present.publisher.close()
         self._topics[topic] = opened

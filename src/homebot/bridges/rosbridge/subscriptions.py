@@ -6,6 +6,7 @@ and delays no other client.
 
 import asyncio
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Literal
 
 from homebot.bridges.rosbridge import binary_frames
@@ -22,7 +23,7 @@ from homebot.bridges.rosbridge.protocol import (
 )
 from homebot.bridges.rosbridge.types import message_type_of_topic
 from homebot.errors import HomebotError, PeerError
-from homebot.graph import DurabilityPolicy, EntityKind, Graph, Node, QoSProfile, ReliabilityPolicy
+from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, ReliabilityPolicy
 from homebot.graph.subscription import key_of
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
@@ -135,11 +136,9 @@ class Feed:
         self._outbox = outbox
         self._reported_losses = 0
         self._rest: asyncio.TimerHandle | None = None
-        self._qos = _fitting_qos(node.graph, node.resolve_name(topic), depth)
+        self._qos = QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_EFFORT)  # no send() waits for a client
         self._queue = FeedQueue(depth, key_of(message_type), backlog, self._on_arrival)
-        lost = backlog.everybody.lost
         self._subscription = node.create_subscription(message_type, topic, qos_profile=self._qos, queue=self._queue)
-        self._queue.lost, backlog.everybody.lost = 0, lost  # requesting less history than is kept is not a loss
 
     @property
     def lost(self) -> int:
@@ -154,14 +153,19 @@ class Feed:
         return Packing(any(op.compression == "png" for op in requests), min(sizes, default=0))
 
     def add(self, op: SubscribeOperation) -> None:
-        """Add a request of the client, which gets the publishers' history for late joiners."""
-        is_first = not self.requests
+        """Add a request of the client, which gets the messages for late joiners, unless a publisher has none."""
         self.requests[op.id] = op
-        if not is_first and self._qos.durability is DurabilityPolicy.TRANSIENT_LOCAL:
-            late = self._node.create_subscription(self._message_type, self._topic, qos_profile=self._qos)
-            late.close()
-            while (kept := late.take()) is not None:
-                self._queue.append(kept)
+        node = self._node
+        publishers = node.graph.get_endpoints(kind=EntityKind.PUBLISHER, name=node.resolve_name(self._topic))
+        all_keep = all(one.qos and one.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL for one in publishers)
+        if not publishers or not all_keep or op.qos.durability == "volatile":
+            return
+        depth = min(op.qos.depth or self._qos.depth, self._qos.depth)
+        qos = replace(self._qos, depth=depth, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        late = node.create_subscription(self._message_type, self._topic, qos_profile=qos)
+        late.close()
+        while (message := late.take()) is not None:
+            self._queue.append(message)
 
     def next_frame(self) -> str | bytes | None:
         """Return the frame of the oldest waiting message, if any; the outbox asks again after other topics."""
@@ -201,23 +205,8 @@ class Feed:
     def _end_rest(self) -> None:
         """Drop messages received while throttled, except the newest ``queue_length``: as requested, not a loss."""
         self._rest = None
-        keep = max(op.queue_length for op in self.requests.values())
+        keep = max(op.qos.depth or op.queue_length for op in self.requests.values())
         while len(self._queue) > keep:
             self._queue.popleft()
         if len(self._queue):
             self._outbox.ready(self)
-
-
-def _fitting_qos(graph: Graph, topic: str, depth: int) -> QoSProfile:
-    """Return a QoS request that every publisher of *topic* can serve.
-
-    It asks for the messages of late joiners if all publishers keep some. It is never RELIABLE, as ``send()`` of a
-    publisher waits for reliable readers, and must not wait for an outside program.
-    """
-    publishers = graph.get_endpoints(kind=EntityKind.PUBLISHER, name=topic)
-    all_keep = all(info.qos and info.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL for info in publishers)
-    return QoSProfile(
-        depth=depth,
-        reliability=ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if publishers and all_keep else DurabilityPolicy.VOLATILE,
-    )
