@@ -156,7 +156,13 @@ async def test_of_pages_without_a_token_only_those_that_the_configuration_names_
         )
 
 
-async def test_a_program_that_sends_an_origin_as_websocket_client_does_is_no_page(open_house: Any) -> None:
+@pytest.mark.parametrize(
+    "of_a_browser",
+    [{}, {"User-Agent": ""}, {"Accept-Language": "en"}, {"Pragma": "no-cache"}, {"Sec-Fetch-Site": "same-origin"}],
+)
+async def test_a_program_that_sends_an_origin_as_websocket_client_does_is_no_page(
+    open_house: Any, of_a_browser: dict[str, str]
+) -> None:
     """Browsers say which they are; ros-mcp and other programs with that library do not."""
     async with open_house(settings("read", "manage")) as house:
         house.node("approve").create_service(
@@ -164,9 +170,14 @@ async def test_a_program_that_sends_an_origin_as_websocket_client_does_is_no_pag
         )
         address = f"127.0.0.1:{house.door.port}"
         async with connect(
-            f"ws://{address}", origin=Origin(f"http://{address}"), user_agent_header=None, compression=None, proxy=None
+            f"ws://{address}",
+            origin=Origin(f"http://{address}"),
+            additional_headers=of_a_browser,
+            user_agent_header=None,
+            compression=None,
+            proxy=None,
         ) as connection:
-            assert (await Peer(connection).call("/discovery/approve"))["result"] is True
+            assert (await Peer(connection).call("/discovery/approve"))["result"] is (not of_a_browser)
 
 
 async def test_the_right_raw_is_none_to_read_or_to_manage(open_house: Any) -> None:

@@ -33,8 +33,17 @@ LOG_IN: Final = Subprotocol("homebot.log_in")
 
 _API: Final = "/api/"
 _OWN_SITE: Final = frozenset({"same-origin", "none"})
-_OF_BROWSERS: Final = ("User-Agent", "Accept-Encoding")
-"""Headers of every browser; programs with the library websocket-client send an ``Origin`` without them."""
+_OF_BROWSERS: Final = (
+    "User-Agent",
+    "Accept-Encoding",
+    "Accept-Language",
+    "Cache-Control",
+    "Pragma",
+    "Sec-Fetch-Site",
+    "Sec-WebSocket-Extensions",
+)
+"""Headers that browsers send beside those of RFC 6455 (Fetch, section 4.6), and no page can leave out; programs of
+websocket-client send an ``Origin`` without any of them."""
 _PAGE: Final = ""  # the name of a page that has not sent its token yet
 
 Site: TypeAlias = "Callable[[str, str], Awaitable[tuple[HTTPStatus, Mapping[str, str], bytes] | None]]"
