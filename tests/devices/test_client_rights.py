@@ -238,6 +238,8 @@ PARTS: list[tuple[str, Device, bool]] = [
             ("Pilot wire heating module", "switch"),
             ("Gateway", "switch"),
             ("Thermostatic radiator valve", "thermostat"),
+            ("Thermostatic radiator valve", "switch"),  # Yandex YNDX-00518
+            ("Battery powered thermostat valve", "switch"),  # PushOk POK020
             ("Zigbee smart water valve", "x_setting"),
             ("1 gang touch panel switch with backlight and child lock", "switch"),
             ("Garage door opener", "light"),
@@ -386,6 +388,13 @@ def test_a_keypad_that_disarms_asks_with_all_that_it_has(service_type: str) -> N
     )
     assert [may(LOCAL_RIGHTS, keypad, number) for number in range(2)] == [False, False]
     assert not is_safe(keypad, keypad.parts[0], {"on_off": False})
+
+
+def test_what_only_tells_of_a_boiler_makes_no_thermostat_ask() -> None:
+    """As the Emma of Plugwise, which reports boiler_water_temperature beside its room's thermostat."""
+    water = part("temperature_sensor", part_id="boiler", capabilities=(Capability(name="temperature"),))
+    emma = device("emma", water.model_copy(update={"advertised": "boiler_water_temperature"}), part("thermostat"))
+    assert not why_device_asks(emma)
 
 
 def test_all_parts_of_a_garage_door_ask_but_for_its_lamp() -> None:

@@ -204,12 +204,16 @@ def _why_declared(part: Part) -> str:
         return f"its type is {part.service_type}"
     if part.tag == BREAKER:
         return "it is a circuit breaker"
-    if part.advertised and not part.category and matching_words(part.advertised, HEAT):
+    if part.advertised and matching_words(part.advertised, HEAT) and _does_something(part):
         return f"it calls itself {part.advertised}"
     for one in part.capabilities:  # a loop is cheaper than a generator for each announcement and command
         if one.settable and one.name in _TELLING and (reason := _why_settable(one, part)):
             return reason
     return ""
+
+
+def _does_something(part: Part) -> bool:
+    return not part.category and any(one.settable for one in part.capabilities)
 
 
 def _why_settable(capability: Capability, part: Part) -> str:
