@@ -16,7 +16,6 @@ from homebot.devices.action_messages import (
 )
 from homebot.devices.command_messages import Setting
 from homebot.devices.handles import Closure
-from homebot.devices.journal_messages import ReadJournalRequest
 from homebot.devices.lease_messages import EndLeases
 from homebot.devices.names import END_LEASES, HOLD_DEVICE, PERFORM_COMMANDS
 from homebot.errors import GoalAbortedError
@@ -100,7 +99,7 @@ async def test_a_cancelled_command_is_not_repeated_and_returns_what_was_known(ho
     assert (state, [one.device for one in result.results]) == (GoalState.CANCELED, ["lamp"])
     await anyio.sleep(60.0)
     assert sorted(one.key for one in home.commands) == ["lamp", "silent"]
-    entries = (await home.control.read_journal(ReadJournalRequest(device="silent"))).entries
+    entries = (await home.read(device="silent")).entries
     texts = [one.results[0].text for one in entries if one.kind == "outcome"]
     assert texts == ["no answer within 1 s"]
 

@@ -3,8 +3,15 @@
 import pytest
 from tests.control.conftest import Home, OpenHome, hold_request, refusal
 
-from homebot.devices.command_messages import CommandDevicesRequest, CommandRequest, CommandResult, Setting
+from homebot.devices.command_messages import (
+    CommandDevices,
+    CommandDevicesRequest,
+    CommandRequest,
+    CommandResult,
+    Setting,
+)
 from homebot.devices.handles import DoorLock, Light
+from homebot.devices.names import COMMAND_DEVICES
 from homebot.devices.outcomes import Confirmed
 from homebot.devices.value import Value
 
@@ -103,7 +110,7 @@ async def test_an_unreadable_scope_allows_nothing(home: Home) -> None:
 async def test_a_query_commands_what_the_client_may_and_says_what_not(home: Home) -> None:
     await put_house(home)
     request = CommandDevicesRequest(target="lights", command="on", issuer="client:robot", scope=("act: in hall",))
-    answer = await home.control.command_devices(request)
+    answer = await home.app.create_client(CommandDevices, COMMAND_DEVICES).call(request)
     assert (answer.success, answer.outcome) == (False, "refused")
     assert sorted((one.name, one.result.outcome) for one in answer.results) == [
         ("Lamp", "confirmed"),

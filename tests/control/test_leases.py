@@ -15,7 +15,7 @@ from homebot.control.leases import MOST_HOLDERS, MOST_OF_ISSUER, Lease, LeaseHol
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Closure, DoorLock, Thermostat
-from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
+from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.lease_messages import EndLeases, HeldPart, HolderRequest, HoldRequest, ReleaseLease, RenewLease
 from homebot.devices.names import END_LEASES, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE
 from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Refused
@@ -401,7 +401,7 @@ async def test_a_part_is_named_only_where_several_take_what_is_held_or_commanded
     result = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(command, timeout=600)
     assert (result.kind, result.text) == (held.result.outcome, held.result.text)
     assert [one.part for one in home.commands] == ["relay"] * 6 * held.held
-    journal = await home.control.read_journal(ReadJournalRequest(device="plug"))
+    journal = await home.read(device="plug")
     assert {one.part for one in journal.entries} == {"relay" if held.held else ""}
 
 

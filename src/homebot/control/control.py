@@ -32,12 +32,7 @@ if TYPE_CHECKING:
     from homebot.control.executor import Rehearsal
     from homebot.control.journal.store import JournalStore
     from homebot.control.settings import ControlSettings
-    from homebot.devices.command_messages import (
-        CommandDevicesRequest,
-        CommandDevicesResponse,
-        CommandRequest,
-    )
-    from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
+    from homebot.devices.command_messages import CommandRequest
     from homebot.devices.outcomes import Outcome
 
 __all__ = ["Control"]
@@ -130,7 +125,7 @@ class Control:
         create, qos = self._node.create_service, QoSProfile(depth=_REFUSALS)
         create(PerformCommand, names.PERFORM_COMMAND, self.perform, concurrent=True)
         create(SendText, names.SEND_TEXT, lambda request: self._layer.texts.send(request), concurrent=True)
-        create(CommandDevices, names.COMMAND_DEVICES, self.command_devices, concurrent=True)
+        create(CommandDevices, names.COMMAND_DEVICES, lambda request: self._layer.words.serve(request), concurrent=True)
         create(leases.HoldPart, names.HOLD_PART, lambda request: self._layer.leases.hold(request), concurrent=True)
         create(leases.RenewLease, names.RENEW_LEASE, lambda request: self._layer.leases.renew(request))
         create(leases.ReleaseLease, names.RELEASE_LEASE, lambda request: self._layer.leases.release(request))
@@ -139,7 +134,7 @@ class Control:
         create(GetUnapproved, names.GET_UNAPPROVED, lambda request: self._layer.policies.unapproved(request))
         create(TrustDevice, names.TRUST_DEVICE, lambda request: self._layer.executor.witnesses.trust(request))
         create(GetHealth, "~/health", self.health)
-        create(ReadJournal, names.READ_JOURNAL, self.read_journal, concurrent=True)
+        create(ReadJournal, names.READ_JOURNAL, lambda request: self._layer.journal.read(request), concurrent=True)
         create(
             ExplainDevice,
             names.EXPLAIN_DEVICE,
@@ -155,15 +150,13 @@ class Control:
         offer = self._node.offer_action
         offer("homebot/action/CommandDevices", names.PERFORM_COMMANDS, lambda: self._actions.serve_commands())
         offer("homebot/action/HoldDevice", names.HOLD_DEVICE, lambda: self._actions.serve_holds())
-        self._node.create_subscription(AccessRefused, names.ACCESS_REFUSALS, self._on_refusal, qos)
+        self._node.create_subscription(
+            AccessRefused, names.ACCESS_REFUSALS, lambda refused: self._layer.denied.record(refused), qos
+        )
 
     def perform(self, request: CommandRequest) -> Awaitable[Outcome]:
         """Carry out a command to one part, and return its outcome."""
         return self._layer.executor.perform(request)
-
-    async def command_devices(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
-        """Carry out a command in words, to one device or all devices that fit a query."""
-        return await self._layer.words.serve(request)
 
     def update_policies(self, settings: ControlSettings | None) -> bool:
         """Use the policies of *settings*; changes of its other keys wait for a restart.
@@ -187,13 +180,6 @@ class Control:
         health = await self._layer.health()
         problems = await self._names.problems() if self._has_names.is_set() else ()
         return health.model_copy(update={"troubles": health.troubles + problems}) if problems else health
-
-    async def read_journal(self, request: ReadJournalRequest) -> ReadJournalResponse:
-        """Return entries of the journal."""
-        return await self._layer.journal.read(request)
-
-    async def _on_refusal(self, refused: AccessRefused) -> None:
-        await self._layer.denied.record(refused)
 
     def _begin_check(self) -> None:
         """Start the check of names if the settings have any: few homes do."""

@@ -108,7 +108,6 @@ class CommandExecutor:
         self._learnt = learnt
         self._sending = Sending(node, settings, policies, journal, leases, feed)
         self._events = node.create_publisher(CommandEvent, COMMAND_EVENTS, 1000)
-        self._publishes_undoings = settings.settle > 0
         self._limits = TimeLimits()
         self._open: dict[str, OpenCommand] = {}
         timelines.on_news, timelines.on_undone = self._on_news, self._on_undone
@@ -316,8 +315,6 @@ class CommandExecutor:
         return Cause.UNKNOWN.value if cause is Cause.PERSON else cause.value
 
     def _on_undone(self, progress: CommandProgress, undoing: Undoing, cause: Cause) -> None:
-        if not self._publishes_undoings:
-            return
         order, by = progress.order, "device" if cause is Cause.DEVICE else "unknown"
         outcome = Reverted(undoing.after, by, command_id=order.id)
         device, part = order.place

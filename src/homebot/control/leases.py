@@ -1,7 +1,7 @@
 """Leases: held values of parts, their holders, and their end."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
@@ -261,7 +261,8 @@ class Leases:
 
     def next_time(self) -> float:
         """Return when the next lease ends, or a value is commanded again; inf for never."""
-        return min(self._times(), default=math.inf)
+        times = (min([one.again_at, *(holder.deadline for holder in one.holders.values())]) for one in self)
+        return min(times, default=math.inf)
 
     def _limit(self, issuer: str) -> str:
         """Return the limit that *issuer* has reached; empty if there is room for one more holder."""
@@ -270,9 +271,3 @@ class Leases:
         if sum(key[0] == issuer for key in self._of) >= MOST_OF_ISSUER:
             return f"{issuer} has {MOST_OF_ISSUER} leases already; release one first"
         return ""
-
-    def _times(self) -> Iterable[float]:
-        for lease in self:
-            yield lease.again_at
-            for holder in lease.holders.values():
-                yield holder.deadline

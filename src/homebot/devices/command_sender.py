@@ -175,7 +175,7 @@ class TextSender:
             if not endpoint.command_address:
                 continue
             try:
-                peer = self._output_to(endpoint)
+                peer = self._gateways.get(endpoint.gateway) or self._output_to(endpoint)
             except RefusedError as exc:
                 problem = exc
                 continue
@@ -192,8 +192,6 @@ class TextSender:
         raise problem or RefusedError(f"a command to {device.id}", "it takes no commands")
 
     def _output_to(self, endpoint: Endpoint) -> GatewayOutput:
-        if (known := self._gateways.get(endpoint.gateway)) is not None:
-            return known
         check_gateway(endpoint)
         output = self._gateways[endpoint.gateway] = GatewayOutput(self._node, endpoint.gateway)
         return output
