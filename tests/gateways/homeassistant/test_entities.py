@@ -159,6 +159,7 @@ def test_what_homebot_shows_to_home_assistant_does_not_come_back(device: dict[st
     [
         ("sensor.code", {"friendly_name": "Keypad code"}),
         ("scene.leave", {"entity_id": ["light.hall", "lock.door"]}),
+        ("scene.come", {"entity_id": ["light.garage_door", "switch.garage_door"]}),
         ("camera.door", {}),
         ("script.leave", {}),
         ("switch.all", {"entity_id": ["switch.lamp", "switch.garage_door"]}),
@@ -171,6 +172,12 @@ def test_secrets_groups_and_scenes_that_move_locks_are_left_out(entity_id: str, 
     entities = home()
     entities.put(entity_id, state("on", **attributes), is_new=True)
     assert entities.regroup() == {}
+
+
+def test_a_scene_of_lamps_and_plugs_is_read() -> None:
+    entities = home()
+    entities.put("scene.film", state("on", entity_id=["light.garage_door", "switch.projector"]), is_new=True)
+    assert entities.regroup()
 
 
 def test_a_group_of_sensors_is_read() -> None:

@@ -16,6 +16,7 @@ from homebot.conventions.secrets import names_secret
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Part, payload_digest
 from homebot.devices.value import PlainValue
+from homebot.devices.words import ALL_THAT_ASK, matching_words
 
 __all__ = ["HomeAssistantEntity", "ServiceCall"]
 
@@ -84,7 +85,7 @@ class HomeAssistantEntity:
         if kind is None or self.entry.is_disabled or (self.domain == "sensor" and names_secret(self.name)):
             return True
         if self.domain == "scene":
-            return any(one.partition(".")[0] in _CAN_HURT for one in self._members)
+            return any(map(_may_hurt, self._members))
         own = {registries.entity(one).device_id for one in self._members} == {self.entry.device_id or None}
         return any(row.write for row in kind.rows) and self.is_group and not own
 
@@ -191,6 +192,12 @@ class HomeAssistantEntity:
         except (ValueError, OverflowError):
             return False
         return abs(happened_at - self._changed_at) < _JUST_NOW
+
+
+def _may_hurt(member: str) -> bool:
+    """Return whether a scene must not move *member* past its own approval."""
+    domain, _, name = member.partition(".")
+    return domain in _CAN_HURT or (domain == "switch" and bool(matching_words(name, ALL_THAT_ASK)))
 
 
 _GROUP_MARKS: Final = ("is_hue_group", "is_deconz_group")
