@@ -63,10 +63,10 @@ def test_a_count_that_alone_makes_all_not_well_has_a_code_of_its_own(capsys: Tex
     assert [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()] == [
         "HB207 counted by gateway/mqtt since it started:",
         "announcements rejected 2",
-        "HB204 counted by gateway/mqtt since it started:",
+        "HB204 counted by gateway/mqtt in the last ten minutes:",
         "commands failed 1",
         "inbox dropped 7",
-        "→ homebot journal tells more about commands",
+        "→ the log and homebot journal tell more",
     ]
 
 

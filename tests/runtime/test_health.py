@@ -2,12 +2,14 @@
 
 import anyio
 import pytest
+from tests.graph.actions.fibonacci import Client, Feedback, Fibonacci, Goal, Result, Served
 
 from homebot import App
 from homebot.config import parse_config
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.errors import ServiceTimeoutError
 from homebot.graph import Node
+from homebot.graph.actions import ActionServer
 from homebot.messages import Trigger
 from homebot.messages.std_srvs import SuccessResponse, TriggerRequest
 from homebot.runtime import Runtime
@@ -46,6 +48,25 @@ async def test_a_handler_that_does_not_end_is_a_problem() -> None:
         assert (await health.call(HealthRequest())).troubles == (
             "a handler of /stuck has been running for 6 minutes: its caller gave up, and later calls may wait for it",
         )
+
+
+@pytest.mark.virtual_time
+async def test_feedback_that_came_faster_than_it_was_read_is_counted_also_after_its_goal() -> None:
+    async def hurry(goal: Served) -> Result:
+        for number in range(270):
+            goal.publish_feedback(Feedback(sequence=(number,)))
+        goal.succeed()
+        return Result(sequence=())
+
+    read: list[Feedback] = []
+    async with Runtime(parse_config({}, "test"), with_door=False) as runtime, Node(runtime.graph, "node") as node:
+        ActionServer(node, Fibonacci, "fib", hurry)
+        client = Client(node, Fibonacci, "fib")
+        await client.perform(Goal(order=1), read.append)
+        await anyio.sleep(1)
+        client.close()
+        health = await node.create_client(GetHealth, "/homebot/health").call(HealthRequest())
+        assert {one.name: one.count for one in health.counts}["messages_lost"] == 270 - len(read) > 0
 
 
 class Clumsy(App):

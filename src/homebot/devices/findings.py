@@ -62,7 +62,7 @@ class FindingKind(Enum):
     TROUBLE = "HB201", "problem of {}", ""
     GIVEN_UP = "HB202", "given up by {}", "fix the cause in the log, then: homebot app reload APP, or restart homebot"
     FAILURE = "HB203", "failures in {} since it started", "the log has each with its traceback: report or fix it"
-    LOSS = "HB204", "counted by {} since it started", "homebot journal tells more about commands"
+    LOSS = "HB204", "counted by {} in the last ten minutes", "the log and homebot journal tell more"
     QUARANTINE = "HB205", "quarantined by {}, which reads only some of their messages", "fix or remove the sender"
     NOTE = "HB206", "note on {}", "", False
     COUNT = "HB207", "counted by {} since it started", "", False

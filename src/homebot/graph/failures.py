@@ -44,11 +44,13 @@ class Failures:
     Attributes:
         late_answers: Number of responses and errors that were dropped because their caller had left, and of results of
             goals that were not requested in time.
+        messages_lost: Number of messages lost by subscriptions that are closed.
         refused_calls: Number of calls and goals refused because too many were waiting.
     """
 
     def __init__(self, clock: Clock) -> None:
         self.late_answers = 0
+        self.messages_lost = 0
         self.refused_calls = 0
         self._clock = clock
         self._limit = LogLimit(clock)

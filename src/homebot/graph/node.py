@@ -261,7 +261,8 @@ class Node:
 
     def remove_entity(self, entity: GraphEntity) -> None:
         """Remove a closed *entity* from the graph. Idempotent."""
-        self._entities.pop(id(entity), None)
+        if self._entities.pop(id(entity), None) is not None and isinstance(entity, Subscription):
+            self.graph.failures.messages_lost += entity.losses
         self.graph.remove_endpoint(entity)
 
     def resolve_name(self, name: str, kind: str = "topic name") -> str:

@@ -109,9 +109,9 @@ class Subscription(GraphEntity, Generic[MessageT]):
         return self.mailbox.lost
 
     @property
-    def wants_all(self) -> bool:
-        """True if every message matters, not only the newest one (of each key)."""
-        return self.qos.queue_depth > 1 and not self._is_keyed
+    def losses(self) -> int:
+        """Messages that were lost or expired in the queue; 0 if only the newest one (of each key) matters."""
+        return self.lost + self.expired if self.qos.queue_depth > 1 and not self._is_keyed else 0
 
     def take(self) -> MessageT | None:
         """Remove and return the oldest queued message, or None."""

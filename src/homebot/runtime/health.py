@@ -46,7 +46,7 @@ class RuntimeHealth:
             "loop_blocks": 0 if self._watch is None else self._watch.blocks,
             "task_exits": 0 if self._watch is None else self._watch.exits,
             "log_lines_lost": self._lost_lines(),
-            "messages_lost": sum(count for _, _, count in self._losses()),
+            "messages_lost": self._graph.failures.messages_lost + sum(self._losses()),
             "answers_late": self._graph.failures.late_answers,
             "calls_refused": self._graph.failures.refused_calls,
             **self._apps.counts(),
@@ -82,19 +82,14 @@ class RuntimeHealth:
             yield _failure("event loop", "was blocked", watch.blocks, at, why)
         if watch is not None and watch.exits:
             yield _failure("event loop", "called exit", watch.exits, now - watch.seconds_since_exit(), watch.exited)
-        for node, topic, count in self._losses():
-            yield _failure(
-                node.lstrip("/"), f"lost messages of {topic}", count, now, "its queue was full, or they expired in it"
-            )
 
-    def _losses(self) -> Iterator[tuple[str, str, int]]:
-        """Return the losses of subscriptions that want more than the newest message, without the door's clients."""
+    def _losses(self) -> Iterator[int]:
+        """Return the losses of the open subscriptions; those of the door's clients count their own."""
         for name in self._graph.get_node_names():
             node = self._graph.get_node(name)
-            if node is not None and not name.endswith("/rosbridge_websocket"):
-                for one in node.entities:
-                    if isinstance(one, Subscription) and one.wants_all and (lost := one.lost + one.expired):
-                        yield name, one.topic_name, lost
+            for one in () if node is None else node.entities:
+                if isinstance(one, Subscription):
+                    yield one.losses
 
 
 def _failure(part: str, what: str, count: int, at: float, why: str, outcome: str = "") -> PartFailure:

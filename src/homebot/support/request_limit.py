@@ -1,5 +1,6 @@
 """A limit on the requests that a server takes. Pure."""
 
+from collections.abc import Callable
 from typing import Final, final
 
 from homebot.clock import Clock
@@ -18,11 +19,15 @@ _MOST_HOSTS: Final = 1000
 
 @final
 class RequestLimit:
-    """The limit for each host, and for all of them: who sends it may be a lie."""
+    """The limit for each host, and for all of them: who sends it may be a lie.
 
-    def __init__(self, clock: Clock) -> None:
-        self._dropped = 0
+    Args:
+        on_drop: Called with the host of each request that is not let in.
+    """
+
+    def __init__(self, clock: Clock, on_drop: Callable[[str], None]) -> None:
         self._clock = clock
+        self._on_drop = on_drop
         self._hosts: BoundedMap[str, RateLimit] = BoundedMap(_MOST_HOSTS)
         self._all = RateLimit(*_OF_ALL)
 
@@ -32,10 +37,5 @@ class RequestLimit:
         limit = self._hosts[key] = self._hosts.get(key) or RateLimit(*_OF_HOST)
         if limit.admits(now) and self._all.admits(now):
             return True
-        self._dropped += 1
+        self._on_drop(host)
         return False
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """The number of requests that were not let in, in words; empty if there were none."""
-        return (f"{self._dropped:,} requests were dropped: more came than the server takes",) if self._dropped else ()

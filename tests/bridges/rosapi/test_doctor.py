@@ -5,7 +5,7 @@ import pytest
 
 from homebot.bridges.rosapi import doctor
 from homebot.devices import QUERY_DEVICES, GatewayState, QueryDevices
-from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
+from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import GatewayNames
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.graph import Graph, Node, qos_profile_latched
@@ -34,3 +34,29 @@ async def test_many_silent_parts_delay_the_answer_no_more_than_one_does() -> Non
         found = await asker.create_client(doctor.Examine, "/rosapi/doctor").call(doctor.ExamineRequest(), 4.5)
     assert [one.state for one in found.gateways] == ["silent"] * 8
     assert [one.code for one in found.findings] == ["HB301"] * 8 + ["HB201"] * 8
+
+
+async def test_a_failed_command_is_no_problem_any_more_after_ten_minutes() -> None:
+    failed = 0
+    graph = Graph()
+    async with Node(graph, "rosapi") as rosapi, Node(graph, "hub") as hub:
+        hub.create_service(QueryDevices, QUERY_DEVICES, no_devices)
+        hub.create_service(
+            GetHealth, "/hub/health", lambda _: HealthResponse(counts=Count.each({"commands_failed": failed}))
+        )
+        doctor.serve(rosapi)
+        client = hub.create_client(doctor.Examine, "/rosapi/doctor")
+
+        async def told() -> list[tuple[str, str]]:
+            found = await client.call(doctor.ExamineRequest())
+            return [(one.code, one.rows[0].why) for one in found.findings]
+
+        await anyio.sleep(86_400)
+        failed = 1
+        assert await told() == [("HB204", "1")]
+        await anyio.sleep(240)
+        assert await told() == [("HB204", "1")]
+        await anyio.sleep(420)
+        assert await told() == [("HB207", "1")]
+        failed = 3
+        assert await told() == [("HB204", "2")]

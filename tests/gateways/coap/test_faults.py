@@ -20,6 +20,7 @@ from tests.sizes import size
 
 from homebot.clock import ManualClock
 from homebot.conventions.coap.registry import MAX_PER_HOST
+from homebot.devices.health import Count
 from homebot.gateways.coap.aiocoap_client import CoapClient, GroupAnswer
 from homebot.gateways.coap.gateway import MAX_PER_HOST as MAX_PER_ADDRESS
 from homebot.house.coap_devices import CoapDevice
@@ -109,7 +110,7 @@ async def test_requests_beyond_the_limit_are_dropped() -> None:
                 assert await answer(client, aiocoap.Message(code=aiocoap.GET), number)
             for number in range(1000, 1003):
                 client.send(b"\x40\x01" + number.to_bytes(2))
-            while "3 requests were dropped" not in str((await watcher.health()).notes):  # noqa: ASYNC110 - no event
+            while Count(name="requests_dropped", count=3) not in (await watcher.health()).counts:  # noqa: ASYNC110 - no event
                 await anyio.sleep(0.01)
             with pytest.raises(BlockingIOError):
                 client.recv(1500)

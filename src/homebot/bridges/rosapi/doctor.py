@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Awaitable, Callable, Iterable, Iterator
+from collections import deque
+from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple, TypeVar
 
 import anyio
@@ -44,7 +45,10 @@ _FAULTS = (
 """How the names of counts begin or end that should be 0."""
 
 _ILLS = ("commands_failed", "failures", "dropped", "lost")
-"""Those of them that are no matter of outsiders: one is enough for not all to be well."""
+"""Those of them that homebot is to answer for: a new one is enough for not all to be well."""
+
+_LOOK_EVERY = 300.0
+"""Seconds between two looks at the counts: what they count since the look before the last is new."""
 
 _MOST, _FEW = 20, 5
 _WEAK_BATTERY = 20
@@ -107,6 +111,16 @@ class _Doctor:
 
     def __init__(self, node: Node) -> None:
         self._node = node
+        self._looks: deque[dict[str, HealthResponse]] = deque([{}], maxlen=2)
+        node.create_timer(_LOOK_EVERY, self._look)
+
+    async def _look(self) -> None:
+        self._looks.append(await self._all_health())
+
+    async def _all_health(self) -> dict[str, HealthResponse]:
+        """Return the health of each node."""
+        services = [one.name for one in self._node.graph.get_services_of_type(GetHealth.ros_type)]
+        return await _ask_all(self._health, services)
 
     async def examine(self, request: ExamineRequest) -> ExamineResponse:
         now = self._node.graph.clock.now()
@@ -114,10 +128,11 @@ class _Doctor:
         states = await _ask_all(self._state, self._gateways())
         findings = [one for name, state in states.items() for one in gateway_finding(name, state)]
         if not request.gateways_only:
-            services = [one.name for one in self._node.graph.get_services_of_type(GetHealth.ros_type)]
-            for service, health in (await _ask_all(self._health, services)).items():
+            for service, health in (await self._all_health()).items():
                 name = service.removesuffix("/health").strip("/")
-                findings += health_findings(name, health, now, everything=request.counts)
+                before = self._looks[0].get(service)
+                counted = () if before is None else before.counts
+                findings += health_findings(name, health, now, counted, everything=request.counts)
             lost = [name for name, state in states.items() if state is None or state.state != "active"]
             findings += await self._device_findings(now, lost)
         gateways = tuple(
@@ -206,14 +221,17 @@ def _gateway_line(name: str, state: GatewayState | None) -> str:
     return f"gateway {name} is {state.state}{acts if state.state == 'active' else ''}{reason}"
 
 
-def health_findings(name: str, health: HealthResponse, now: float, *, everything: bool) -> Iterator[Finding]:
+def health_findings(
+    name: str, health: HealthResponse, now: float, counted: Iterable[Count] = (), *, everything: bool
+) -> Iterator[Finding]:
     """Yield the findings about a node.
 
     Args:
+        counted: Its counts of about ten minutes ago.
         everything: Whether counts are told that are no fault.
     """
     found: dict[FindingKind, list[Row]] = {kind: [] for kind in _OF_A_NODE}
-    for kind, row in _health_rows(health, now, everything=everything):
+    for kind, row in _health_rows(health, now, counted, everything=everything):
         found[kind].append(row)
     for kind, rows in found.items():
         if rows:
@@ -232,12 +250,14 @@ _OF_A_NODE = (
 _CUT = {FindingKind.FAILURE, FindingKind.QUARANTINE}
 
 
-def _health_rows(health: HealthResponse, now: float, *, everything: bool) -> Iterator[tuple[FindingKind, Row]]:
+def _health_rows(
+    health: HealthResponse, now: float, counted: Iterable[Count], *, everything: bool
+) -> Iterator[tuple[FindingKind, Row]]:
     for text in health.troubles:
         yield FindingKind.TROUBLE, ("", text)
     for text in health.notes:
         yield FindingKind.NOTE, ("", text)
-    yield from _count_rows(health.counts, everything=everything)
+    yield from _count_rows(health.counts, {one.name: one.count for one in counted}, everything=everything)
     for failure in health.failures:
         yield FindingKind.GIVEN_UP if failure.outcome == "given up" else FindingKind.FAILURE, _failure(failure, now)
     for one in health.quarantined:
@@ -245,12 +265,16 @@ def _health_rows(health: HealthResponse, now: float, *, everything: bool) -> Ite
         yield FindingKind.QUARANTINE, (one.offender, text)
 
 
-def _count_rows(counts: Iterable[Count], *, everything: bool) -> Iterator[tuple[FindingKind, Row]]:
+def _count_rows(
+    counts: Iterable[Count], before: Mapping[str, int], *, everything: bool
+) -> Iterator[tuple[FindingKind, Row]]:
     for one in counts:
+        words, new = one.name.replace("_", " "), one.count - before.get(one.name, 0)
         is_listed = one.name == "callback_failures"  # each with its reason, as a failure
-        if everything or (one.count and not is_listed and _is_one_of(_FAULTS, one.name)):
-            kind = FindingKind.LOSS if one.count and _is_one_of(_ILLS, one.name) else FindingKind.COUNT
-            yield kind, (one.name.replace("_", " "), str(one.count))
+        if new > 0 and not is_listed and _is_one_of(_ILLS, one.name):
+            yield FindingKind.LOSS, (words, str(new))
+        elif everything or (one.count and not is_listed and _is_one_of(_FAULTS, one.name)):
+            yield FindingKind.COUNT, (words, str(one.count))
 
 
 def _failure(one: PartFailure, now: float) -> Row:

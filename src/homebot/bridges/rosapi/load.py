@@ -93,10 +93,9 @@ class LoadMeter:
                 published[one.topic_name] = published.get(one.topic_name, 0) + one.published
                 continue
             slowest, one.slowest = one.slowest or 0.0, 0.0
-            lost = one.lost + one.expired if one.wants_all else 0
             waiting = len(one.mailbox.queue)
             queues.append(
-                QueueLoad(node=one.info.node, topic=one.topic_name, waiting=waiting, lost=lost, slowest=slowest)
+                QueueLoad(node=one.info.node, topic=one.topic_name, waiting=waiting, lost=one.losses, slowest=slowest)
             )
         lag, self._lag = self._lag, 0.0
         topics = tuple(TopicLoad(topic=topic, published=count) for topic, count in published.items())

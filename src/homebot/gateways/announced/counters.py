@@ -24,6 +24,7 @@ class GatewayCounters:
         topics_reserved: Announced command addresses that are reserved.
         types_refused: Announced service types that were not browsed, because there were too many.
         addresses_refused: Network addresses dropped because their host announces too many.
+        requests_dropped: Requests not read because their host sent too many.
         readings_refused: Reported values that do not fit the described part.
         oversize: Messages too long to be read.
         failures: Unexpected exceptions of conventions.
@@ -49,6 +50,7 @@ class GatewayCounters:
     types_refused: int = 0
     addresses_refused: int = 0
     reports: int = 0
+    requests_dropped: int = 0
     readings_refused: int = 0
     oversize: int = 0
     failures: int = 0

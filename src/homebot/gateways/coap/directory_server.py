@@ -130,10 +130,8 @@ class DirectoryServer:
             self._reject(host, request.payload[:200], str(exc))
             return aiocoap.Message(code=Code.BAD_REQUEST, payload=str(exc)[:200].encode())
         except RefusedError as exc:
-            if exc.code != FORBIDDEN:
-                return aiocoap.Message(code=Code.SERVICE_UNAVAILABLE)
             self._reject(host, request.payload[:200], str(exc))
-            return aiocoap.Message(code=Code.FORBIDDEN)
+            return aiocoap.Message(code=Code.FORBIDDEN if exc.code == FORBIDDEN else Code.SERVICE_UNAVAILABLE)
         except KeyError:
             return aiocoap.Message(code=Code.NOT_FOUND)
 
@@ -164,7 +162,7 @@ class DirectoryServer:
             raise WireError("a simple registration has no links and no base")
         self.registry.check({"base": base, **query})
         if self._tasks is None or host in self._asked or len(self._asked) >= MAX_ASKED:
-            return aiocoap.Message(code=Code.SERVICE_UNAVAILABLE)
+            raise RefusedError("a simple registration", "too many are asked for their links")
         self._asked.add(host)
         self._tasks.start_soon(run_as, "a simple registration", partial(self._ask_links, query, host, base))
         return aiocoap.Message(code=Code.CHANGED)

@@ -63,9 +63,8 @@ class CoapGateway(Gateway):
             settings,
             max_devices=settings.max_devices,
             find_problems=lambda: problems_of(self._sessions.values()),
-            find_notes=lambda: self._requests.notes,
         )
-        self._requests = RequestLimit(node.graph.clock)
+        self._requests = RequestLimit(node.graph.clock, self.devices.engine.quarantine.record_drop)
         self._describing = anyio.CapacityLimiter(DESCRIBED_AT_ONCE)
         self._sessions: dict[str, EndpointSession] = {}
         self._ways: dict[str, str | None] = {}  # the problem of each; None before the first attempt
