@@ -255,6 +255,26 @@ async def test_a_thermometer_that_is_an_ibeacon_as_well_is_a_thermometer(radio_h
     assert list(radio_house.sightings) == [address]
 
 
+async def test_thermometers_that_are_heard_as_one_and_the_same_ibeacon_first_are_told_apart(
+    radio_house: RadioHouse,
+) -> None:
+    """Govee's H5074: the values are in its scan response, which comes after the advertisement."""
+    pytest.importorskip("govee_ble")
+    beacon = (0xFF, b"\x4c\x00\x02\x15INTELLI_ROCKS_HWPu\xf2\xff\xc2")
+    sent = {"A4:C1:38:00:5F:F4": ("00e609bc126402", 25.34), "A4:C1:38:00:5F:F5": ("00ce08b2126402", 22.54)}
+    async with radio_house.running(signal=False):
+        for _ in range(2):
+            for address in sent:
+                radio_house.radio.transmit(address, [(0x09, b"Govee_H5074"), beacon])
+            await anyio.sleep(2)
+            for address, (data, celsius) in sent.items():
+                values = (0xFF, b"\x88\xec" + bytes.fromhex(data))
+                radio_house.radio.transmit(address, [(0x09, b"Govee_H5074"), beacon, values])
+                await anyio.sleep(1)
+                assert radio_house.newest(address, "temperature", "temperature") == celsius
+            assert radio_house.sightings.keys() == sent.keys()
+
+
 async def test_a_beacon_is_known_by_its_identity_whatever_its_address(radio_house: RadioHouse) -> None:
     async with radio_house.running():
         for address in ("C0:00:00:00:00:01", "C0:00:00:00:00:02"):

@@ -194,7 +194,10 @@ class BleGateway(Gateway):
             await self._report_signal(device, now)
 
     def _sender_of(self, advertisement: Advertisement, found: Broadcast | None, now: float) -> KnownDevice | None:
-        key = (found.key if found is not None else "") or self._keys.get(advertisement.address, advertisement.address)
+        before = self._keys.get(advertisement.address, advertisement.address)
+        key = before if found is None else found.key or advertisement.address
+        if key == advertisement.address != before and self._known.pop(before, None) is not None:
+            self.devices.remove(before, "it is a sensor, whose beacon others send as well")
         device = self._known.get(key) or self._admit(key, advertisement, found, now)
         if device is not None and self._keys.get(device.address) == key:
             del self._keys[device.address]  # a beacon may have another address now
