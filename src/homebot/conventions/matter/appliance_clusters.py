@@ -5,16 +5,16 @@ Area), 4.2 (Pump), 6.10 (Media Playback), 7.2 to 7.4 (RVC), 8 (home appliances, 
 8.4, Dishwasher Alarm), 9.3 (Energy EVSE), 9.5 (Water Heater); Matter 1.5, Chime.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from itertools import islice
 from typing import Final
 
 from homebot.conventions.command_values import require_true
-from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, number, one_of
+from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, choice_row, number, one_of
 from homebot.conventions.matter.endpoint import (
     ACCEPTED_COMMANDS,
-    AttributeWrite,
     ClusterInvocation,
     MatterEndpoint,
     MatterOrder,
@@ -89,22 +89,15 @@ def _labels(cluster: int, endpoint: MatterEndpoint) -> dict[int, str]:
     return found
 
 
-def _mode_orders(cluster: int, endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
-    return {label: _change_to_mode(cluster, mode) for mode, label in _labels(cluster, endpoint).items()}
-
-
 def _change_to_mode(cluster: int, mode: int) -> ClusterInvocation:
     return ClusterInvocation(cluster, "ChangeToMode", {"newMode": mode})
 
 
 def _mode_row(cluster: int) -> ClusterRow:
-    return ClusterRow(
-        cluster,
-        _current_attribute(cluster),
-        "water_heater_mode" if cluster == HEATER_MODE else "option",
-        lambda one, raw: choice(_labels(cluster, one))(one, raw),
-        when=partial(_labels, cluster),
-        orders=partial(_mode_orders, cluster),
+    capability = "water_heater_mode" if cluster == HEATER_MODE else "option"
+    labels, order = partial(_labels, cluster), partial(_change_to_mode, cluster)
+    return replace(
+        choice_row(cluster, _current_attribute(cluster), labels, order, capability),
         accepts=_CHANGE_TO_MODE,
         part_suffix=MODE if cluster == MODE_SELECT else "",
         spare_suffix="energy_mode" if cluster == ENERGY_MODE else "",
@@ -120,38 +113,19 @@ def _to_temperature(target: str, value: int) -> ClusterInvocation:
     return ClusterInvocation(TEMPERATURE, "SetTemperature", {target: value})
 
 
-def _levels(endpoint: MatterEndpoint) -> tuple[str, ...]:
-    """Return the names of temperature levels; empty if the temperature is a number."""
-    return () if endpoint.features(TEMPERATURE) & _BY_NUMBER else _texts(endpoint.value(TEMPERATURE, _LEVELS))
+def _levels(endpoint: MatterEndpoint) -> dict[int, str]:
+    """Return the names of temperature levels; none if the temperature is a number."""
+    return {} if endpoint.features(TEMPERATURE) & _BY_NUMBER else _texts(endpoint.value(TEMPERATURE, _LEVELS))
 
 
-def _texts(listed: object) -> tuple[str, ...]:
-    return tuple(clean_text(one) for one in listed if isinstance(one, str)) if isinstance(listed, list) else ()
+def _texts(listed: object) -> dict[int, str]:
+    texts = (clean_text(one) for one in listed if isinstance(one, str)) if isinstance(listed, list) else ()
+    return dict(enumerate(texts))
 
 
-def _listed_row(
-    cluster: int,
-    current: int,
-    texts: Callable[[MatterEndpoint], tuple[str, ...]],
-    order: Callable[[int], MatterOrder],
-    spare_suffix: str,
-) -> ClusterRow:
-    """Return the row of a choice from a list of *texts*, of which each has the number of its place."""
-    return ClusterRow(
-        cluster,
-        None if cluster == TEMPERATURE else current,
-        "option",
-        lambda one, _raw: choice(dict(enumerate(texts(one))))(one, one.value(cluster, current)),
-        when=texts,
-        orders=lambda one: {text: order(number) for number, text in enumerate(texts(one))},
-        spare_suffix=spare_suffix,
-    )
-
-
-def _rinse_orders(endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
+def _rinses(endpoint: MatterEndpoint) -> dict[int, str]:
     listed = endpoint.value(WASHER, 3)
-    known = listed if isinstance(listed, list) else []
-    return {name: AttributeWrite(WASHER, _RINSE, raw) for raw, name in _RINSES.items() if raw in known}
+    return {raw: name for raw, name in _RINSES.items() if isinstance(listed, list) and raw in listed}
 
 
 def _button_row(number_: int, name: str, cluster: int = OPERATION, part_suffix: str = "") -> ClusterRow:
@@ -237,13 +211,12 @@ APPLIANCE_ROWS: Final = (
         bounds=_temperature_bounds,
         unit="°C",
     ),
-    _listed_row(TEMPERATURE, _LEVEL, _levels, partial(_to_temperature, "targetTemperatureLevel"), "temperature"),
-    _listed_row(
-        WASHER, _SPIN, lambda one: _texts(one.value(WASHER, 0)), partial(AttributeWrite, WASHER, _SPIN), "spin_speed"
+    replace(
+        choice_row(TEMPERATURE, _LEVEL, _levels, partial(_to_temperature, "targetTemperatureLevel")),
+        spare_suffix="temperature",
     ),
-    ClusterRow(
-        WASHER, _RINSE, "option", choice(_RINSES), when=_rinse_orders, orders=_rinse_orders, spare_suffix="rinses"
-    ),
+    replace(choice_row(WASHER, _SPIN, lambda one: _texts(one.value(WASHER, 0))), spare_suffix="spin_speed"),
+    replace(choice_row(WASHER, _RINSE, _rinses), spare_suffix="rinses"),
     ClusterRow(
         MICROWAVE,
         _COOK_TIME,
@@ -305,15 +278,6 @@ APPLIANCE_ROWS: Final = (
     ClusterRow(WATER_HEATER, 4, "measurement", number(1, 0, 100), unit="%"),  # how much of the water is hot
     ClusterRow(FRIDGE_ALARM, 2, "problem", one_of(_IS_OPEN)),
     ClusterRow(DISHWASHER_ALARM, 2, "problem", any_bit(), spare_suffix="alarm"),  # of water, heat or door
-    ClusterRow(
-        CHIME,
-        _SELECTED_SOUND,
-        "siren_tone",
-        lambda one, raw: choice(_sounds(one))(one, raw),
-        when=_sounds,
-        orders=lambda one: {
-            name: AttributeWrite(CHIME, _SELECTED_SOUND, number_) for number_, name in _sounds(one).items()
-        },
-    ),
+    choice_row(CHIME, _SELECTED_SOUND, _sounds, None, "siren_tone"),
     _button_row(0, "PlayChimeSound", CHIME, "play"),
 )

@@ -6,10 +6,11 @@ Source: Matter 1.4 Application Clusters, 4.3 (Thermostat; 4.3.9, presets), 4.4 (
 (Thermostat User Interface Configuration).
 """
 
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
-from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, number, number_writer
+from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, choice_row, number, number_writer
 from homebot.conventions.matter.endpoint import (
     AttributeWrite,
     ClusterInvocation,
@@ -88,27 +89,20 @@ def _read_action(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
 
 
 def _presets(endpoint: MatterEndpoint) -> dict[str, str]:
-    """Return the handles of the presets by name; the server has bytes in Base64."""
+    """Return the names of the presets by handle; the server has bytes in Base64."""
     found: dict[str, str] = {}
     for preset in endpoint.structs(THERMOSTAT, _PRESETS):
         handle = field_of(preset, 0, "presetHandle")
         scenario = whole_number(field_of(preset, 1, "presetScenario"))
         name = text_of(field_of(preset, 2, "name")) or _SCENARIOS.get(scenario or 0, "")
-        if name and isinstance(handle, str) and 0 < len(handle) <= _LONGEST_HANDLE and len(found) < _MOST_PRESETS:
-            found.setdefault(name, handle)
+        is_handle = isinstance(handle, str) and 0 < len(handle) <= _LONGEST_HANDLE
+        if is_handle and name not in {"", *found.values()} and len(found) < _MOST_PRESETS:
+            found[str(handle)] = name
     return found
 
 
-def _read_preset(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
-    active = endpoint.value(THERMOSTAT, _ACTIVE_PRESET)
-    return next((name for name, handle in _presets(endpoint).items() if handle == active), None)
-
-
-def _preset_orders(endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
-    return {
-        name: ClusterInvocation(THERMOSTAT, "SetActivePresetRequest", {"presetHandle": handle})
-        for name, handle in _presets(endpoint).items()
-    }
+def _activate(handle: str) -> MatterOrder:
+    return ClusterInvocation(THERMOSTAT, "SetActivePresetRequest", {"presetHandle": handle})
 
 
 def _write_fan_on(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
@@ -181,7 +175,7 @@ CLIMATE_ROWS: Final = (
     _setpoint_row("cooling_setpoint", _COOLING, _COOLS),
     ClusterRow(THERMOSTAT, _SYSTEM_MODE, "thermostat_mode", choice(_MODES), orders=_mode_orders),
     ClusterRow(THERMOSTAT, _RUNNING_STATE, "thermostat_action", _read_action),
-    ClusterRow(THERMOSTAT, None, "preset_mode", _read_preset, None, _HAS_PRESETS, _presets, _preset_orders),
+    replace(choice_row(THERMOSTAT, _ACTIVE_PRESET, _presets, _activate, "preset_mode"), feature=_HAS_PRESETS),
     ClusterRow(FAN, _FAN_MODE, "on_off", any_bit(), _write_fan_on, when=lambda one: not one.has(ON_OFF)),
     ClusterRow(FAN, _FAN_SETTING, "fan_speed", _read_speed, number_writer(FAN, _FAN_SETTING)),
     ClusterRow(FAN, _FAN_MODE, "fan_mode", choice(_FAN_MODES), orders=_fan_orders),

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from functools import partial
+from typing import TypeAlias, TypeVar
 
 from homebot.conventions.command_values import require_option
 from homebot.conventions.matter.endpoint import AttributeWrite, MatterEndpoint, MatterOrder, MatterOrders
@@ -11,11 +12,24 @@ from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number, whole_number
 
-__all__ = ["ClusterRow", "Reader", "Writer", "any_bit", "choice", "flag", "number", "number_writer", "one_of"]
+__all__ = [
+    "ClusterRow",
+    "Reader",
+    "Writer",
+    "any_bit",
+    "choice",
+    "choice_row",
+    "flag",
+    "number",
+    "number_writer",
+    "one_of",
+]
 
 Reader: TypeAlias = Callable[[MatterEndpoint, object], PlainValue]
 """Returns the value of a capability from an endpoint and the raw value of the row's attribute; None for unknown. Never
 raises."""
+
+RawT = TypeVar("RawT", int, str)
 
 Writer: TypeAlias = Callable[[MatterEndpoint, Command], MatterOrders]
 
@@ -109,6 +123,29 @@ def number(divisor: float = 1, least: float = -1e12, most: float = 1e12) -> Read
 def number_writer(cluster: int, attribute: int, factor: int = 1) -> Writer:
     """Return a writer of numbers into an attribute, in steps of one part of *factor*."""
     return lambda _at, command: (AttributeWrite(cluster, attribute, round(command.value.number * factor)),)
+
+
+def choice_row(
+    cluster: int,
+    attribute: int,
+    names: Callable[[MatterEndpoint], Mapping[RawT, str]],
+    order: Callable[[RawT], MatterOrder] | None = None,
+    capability: str = "option",
+) -> ClusterRow:
+    """Return the row of a choice: a value of an attribute, each with one of the *names* of an endpoint.
+
+    Args:
+        order: Returns the order of a value; by default it is written into the attribute.
+    """
+    tell = order or partial(AttributeWrite, cluster, attribute)
+    return ClusterRow(
+        cluster,
+        attribute,
+        capability,
+        lambda one, raw: next((name for known, name in names(one).items() if known == raw), None),
+        when=names,
+        orders=lambda one: {name: tell(known) for known, name in names(one).items()},
+    )
 
 
 def flag(*, means: bool = True) -> Reader:

@@ -5,12 +5,21 @@ Specification, 11.7 (Power Source).
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
-from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, flag, number, number_writer, one_of
+from homebot.conventions.matter.cluster_row import (
+    ClusterRow,
+    any_bit,
+    choice,
+    choice_row,
+    flag,
+    number,
+    number_writer,
+    one_of,
+)
 from homebot.conventions.matter.endpoint import (
-    AttributeWrite,
     ClusterInvocation,
     MatterEndpoint,
     MatterOrders,
@@ -121,8 +130,8 @@ def _hold_bounds(endpoint: MatterEndpoint) -> tuple[float, float]:
     return (least, most) if least is not None and most is not None and least < most else (0.0, 65_535.0)
 
 
-def _levels(endpoint: MatterEndpoint) -> tuple[str, ...]:
-    return tuple(str(level + 1) for level in range(min(endpoint.whole(SENSITIVITY, 1) or 0, _MOST_LEVELS)))
+def _levels(endpoint: MatterEndpoint) -> dict[int, str]:
+    return {level: str(level + 1) for level in range(min(endpoint.whole(SENSITIVITY, 1) or 0, _MOST_LEVELS))}
 
 
 def _unit_of(cluster: int, endpoint: MatterEndpoint) -> int:
@@ -234,15 +243,7 @@ SENSOR_ROWS: Final = (
         ClusterRow(BOOLEAN_STATE, 0, name, flag(means=name != "contact"), when=partial(_is_boolean_state, name))
         for name in (*_BOOLEAN_STATES.values(), "state")
     ),
-    ClusterRow(
-        SENSITIVITY,
-        0,
-        "option",
-        lambda one, raw: choice(dict(enumerate(_levels(one))))(one, raw),
-        when=_levels,
-        orders=lambda one: {level: AttributeWrite(SENSITIVITY, 0, raw) for raw, level in enumerate(_levels(one))},
-        part_suffix="sensitivity",
-    ),
+    replace(choice_row(SENSITIVITY, 0, _levels), part_suffix="sensitivity"),
     ClusterRow(OCCUPANCY, 0, "occupancy", any_bit(1)),
     ClusterRow(
         OCCUPANCY,
