@@ -9,7 +9,7 @@ from tests.discovery.announcements import announce, part_of
 from homebot.devices import Device, Sighting
 from homebot.devices.always_ask import always_asks, waits_for_approval
 from homebot.devices.client_rights import read_scope
-from homebot.devices.part import Capability, Part
+from homebot.devices.part import Capability, Category, Part
 from homebot.devices.query.parse import parse_query
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.places import NO_PLACES
@@ -39,7 +39,13 @@ def oven(hottest: float, at: str) -> Part:
     return Part(id="r", service_type="thermostat", capabilities=(heat,), writes=(f"{at}/set",))
 
 
+def button(name: str, at: str, category: Category = "") -> Part:
+    return part_of("x_setting", "push", id="r", name=name, writes=(f"{at}/set",), category=category)
+
+
 DANGERS = {
+    "the deed of its button": (button("Open gate", "gate"), button("Open gate", "evil", "config"), "Box", {}),
+    "the deed of its only button": (button("", "gate"), button("", "evil", "config"), "Open gate", {}),
     "its model": (relay(), relay(at="evil"), "Box", {"model": "Garage door opener"}),
     "its name, to one of a setting": (relay(), relay(kind="x_setting", at="evil"), "Garage door", {}),
     "its name, to one of a siren": (relay(), part_of("x_sensor", "state"), "Garage door", {}),

@@ -64,7 +64,7 @@ def _heard(ways: Sequence[Way]) -> tuple[list[Part], list[Part]]:
     A setting decides if its source is authenticated, or owns the command topics of the loads that it may be, or has
     them too. Otherwise any program could announce it, and would make a harmless setting of a gate.
     """
-    loads = [(gateway, one) for (gateway, *_), _, one, _ in ways if not _is_setting(one) and _settable(one)]
+    loads = [(gateway, one) for (gateway, *_), _, one, _ in ways if not one.category and _settable(one)]
     heard, others = list[Part](), list[Part]()
     for (gateway, *_), _, one, source in ways:
         known = frozenset((*one.writes, *source.owns))
