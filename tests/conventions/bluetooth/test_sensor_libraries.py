@@ -169,6 +169,15 @@ def test_an_error_is_an_unknown_value_and_ends() -> None:
         assert {one.id: one.service_type for one in found.parts}["temperature"] == "temperature_sensor"
 
 
+def test_the_limit_of_an_alarm_is_no_measurement() -> None:
+    """A Govee H5055, whose alarm is to ring at 177 °C: govee-ble, tests/test_parser.py."""
+    sent = {0xAF2F: bytes.fromhex("5500644c201a00ffffffff 20190014 00b1000000")}
+    meat = Advertisement("A4:C1:38:2F:AF:55", -63, manufacturer_data=sent, service_uuids=(full_uuid("5550"),))
+    found = read(SensorLibraryParser({}), meat)
+    assert values(found)["temperature_alarm_probe_4", "temperature"] == 177.0
+    assert [one.id for one in found.parts if not one.category] == ["temperature_probe_3", "temperature_probe_4"]
+
+
 def test_an_index_is_no_concentration() -> None:
     """Ruuvi Air, format E1 (docs.ruuvi.com, Bluetooth advertisements)."""
     data = bytes.fromhex("e1170c5668c79e0065007004bd11ca00c90a0213e0ac000000decdee110000000000cbb8334c884f")

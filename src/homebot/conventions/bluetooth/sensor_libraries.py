@@ -258,7 +258,8 @@ def _measured(
 ) -> Iterator[BroadcastValue]:
     unit = str(description.native_unit_of_measurement or "")
     quantity = _quantity(device_class, unit)
-    category: Category = "diagnostic" if device_class in {"battery", "voltage"} else ""
+    is_aside = device_class in {"battery", "voltage"} or "_alarm_" in part_id  # the limits of a Govee H5055, in °C
+    category: Category = "diagnostic" if is_aside else ""
     is_text = isinstance(value, str | date) and not unit  # a Govee reports "error" in °C
     if is_text:
         part = sensor_part(part_id, "value", category=category)
