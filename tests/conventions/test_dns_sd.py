@@ -165,6 +165,23 @@ def test_facts_have_the_names_of_the_directory_and_nothing_that_does_not_show() 
     assert facts_of(found("x", "_http._tcp", "x.local.", md="a\x1b[2J"))["model"] == "a\N{REPLACEMENT CHARACTER}[2J"
 
 
+@pytest.mark.parametrize(
+    ("properties", "expected"),
+    [
+        ({"brand": "Siemens", "type": "Oven", "vib": "HB678GBS6", "vers": "5.4"}, ("Siemens", "HB678GBS6", None)),
+        ({"vendor": "AirGradient", "fw_ver": "3.1.1", "model": "I-9PSL"}, ("AirGradient", "I-9PSL", "3.1.1")),
+        ({"model": "AudioAccessory5,1", "srcvers": "760.20.1", "osvers": "17.4"}, (None, "AudioAccessory5,1", "17.4")),
+        ({"version": "v0", "firmwareversion": "8.90.4", "mt": "2600"}, (None, None, "8.90.4")),
+    ],
+    ids=["Home Connect", "AirGradient", "HomePod", "devolo"],
+)
+def test_maker_model_and_firmware_are_found_where_devices_have_them(
+    properties: dict[str, str], expected: tuple[str | None, ...]
+) -> None:
+    facts = facts_of(found("x", "_x._tcp", "x.local.", **properties))
+    assert tuple(map(facts.get, ("manufacturer", "model", "sw_version"))) == expected
+
+
 def test_addresses_are_sorted_best_first() -> None:
     heard = ["fe80::1%3", "fd00::7", "192.168.1.20", "fe80::2", "224.0.0.1", "0.0.0.0", "no address", "169.254.3.4"]  # noqa: S104
     assert usable_addresses(heard, with_loopback=False) == ("192.168.1.20", "fd00::7", "169.254.3.4", "fe80::1%3")

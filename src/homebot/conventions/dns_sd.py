@@ -131,9 +131,12 @@ _PADDED = re.compile(r"^([0-9A-Fa-f]{12})0000$")
 _MOST_ADDRESSES = 8
 
 _FACTS = {
-    "manufacturer": ("manufacturer", "vendor", "mf", "usb_mfg", "mfg"),
-    "model": ("model", "md", "ty", "app", "board", "modelid", "product_name", "product", "usb_mdl", "am"),
-    "sw_version": ("sw_version", "fw_version", "version", "ver", "fv", "firmwareversion", "fwversion", "srcvers"),
+    "manufacturer": ("manufacturer", "vendor", "mf", "usb_mfg", "mfg", "brand"),
+    "model": ("model", "md", "ty", "app", "board", "modelid", "product_name", "product", "usb_mdl", "am", "vib"),
+    "sw_version": (
+        *("sw_version", "fw_version", "fw_ver", "firmwareversion", "fwversion", "fv", "osvers"),
+        *("version", "ver", "srcvers"),  # of devices with others as well, these are of a protocol
+    ),
 }
 """Facts by their names in the directory, and the keys of TXT records that say them."""
 
