@@ -151,5 +151,6 @@ CLIMATE_ROWS: Final = (
         bounds=lambda service: service.characteristics[_humidity_of(service)].bounds or (0.0, 100.0),
     ),
     ServiceRow(HUMIDIFIER, "humidity_setpoint", DRY_TO, DRY_TO),  # if it only dries
+    ServiceRow(HUMIDIFIER, "measurement", "B5", unit="%"),  # the level of its water
     ServiceRow(HUMIDIFIER, "number", _VOCOLINC_SPRAY, _VOCOLINC_SPRAY),
 )
