@@ -83,6 +83,9 @@ METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288"
         ({**VACUUM, "1/84/1": 7, "1/97/4": 1}, "robotic_vacuum_cleaner", {"vacuum": "cleaning"}),
         (PLAYER, "video_player", {"on_off": True, "playback": "playing"}),
         (SPEAKER, "speaker", {"muted": True, "volume": 50.0}),
+        # As Home Assistant takes lamps with the device type of a dimmer switch, or with none.
+        ({"1/29/0": [{"0": 0x0104}], "1/6/0": True, "1/8/0": 127}, "light", {"on_off": True, "level": 50.0}),
+        ({"1/6/0": True, "1/768/7": 250, "1/768/65532": 16}, "light", {"on_off": True, "color_temperature": 4000.0}),
         ({**VACUUM, "1/97/4": 64}, "robotic_vacuum_cleaner", {"vacuum": "returning"}),
         ({**VACUUM, "1/97/4": 65}, "robotic_vacuum_cleaner", {"vacuum": "docked"}),
         ({**VACUUM, "1/97/4": 3}, "robotic_vacuum_cleaner", {"vacuum": "error"}),

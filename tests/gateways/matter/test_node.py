@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import pytest
 from tests.gateways.checked_command import checked_command
 
-from homebot.conventions.matter.endpoint import MatterOrders
+from homebot.conventions.matter.endpoint import AttributeWrite, MatterOrders
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError, WrongCodeError
 from homebot.gateways.announced.gateway_device import can_report
@@ -206,6 +206,15 @@ def test_a_setpoint_is_written_in_hundredths_and_within_its_limits() -> None:
     assert orders(THERMOSTAT, "heating_setpoint", 21.5) == [{"node_id": 5, "attribute_path": "1/513/18", "value": 2150}]
     with pytest.raises(RefusedError, match="7"):
         orders(THERMOSTAT, "heating_setpoint", 5.0)
+
+
+def test_an_air_conditioner_dries_and_blows_although_no_feature_says_that_it_can() -> None:
+    """As Panasonic's, which Home Assistant knows by their numbers."""
+    cooler = {**THERMOSTAT, "1/29/0": [{"0": 0x0072}], "1/513/28": 7, "1/513/65532": 2}
+    assert readings(only_device(cooler))["thermostat_mode"] == "fan_only"
+    assert encoded(only_device(cooler), "thermostat_mode", "dry") == (AttributeWrite(513, 28, 8),)
+    with pytest.raises(RefusedError):
+        encoded(only_device({**cooler, "1/29/0": [{"0": 0x0301}]}), "thermostat_mode", "dry")
 
 
 def test_a_lock_that_requires_a_code_gets_it_in_a_timed_command_and_no_text_shows_it() -> None:

@@ -44,6 +44,9 @@ _MODE_NAMES: Final = ("off", "auto", "", "cool", "heat", "emergency_heat", "prec
 _MODES: Final = {number: name for number, name in enumerate(_MODE_NAMES) if name}
 _MODE_NUMBERS: Final = {name: number for number, name in _MODES.items()}
 _SETTABLE_MODES: Final = (("heat", _HEATS), ("cool", _COOLS), ("auto", _CHANGES_BY_ITSELF))
+_ROOM_AIR_CONDITIONER, _MORE_MODES = 0x0072, ("fan_only", "dry")
+"""No feature tells whether it has these modes, which Home Assistant lists by product; one without them refuses."""
+
 _ACTIONS: Final = ((0b0_1001, "heating"), (0b1_0010, "cooling"), (0b110_0100, "fan"))
 _SCENARIOS: Final = {1: "occupied", 2: "unoccupied", 3: "sleep", 4: "wake", 5: "vacation", 6: "going_to_sleep"}
 _MOST_PRESETS: Final = 50
@@ -77,6 +80,7 @@ def _mode_orders(endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
     sequence = endpoint.whole(THERMOSTAT, _CONTROL_SEQUENCE) or 0
     features = endpoint.features(THERMOSTAT) or _SEQUENCE_FEATURES.get(sequence, 0)
     modes = ("off", *(mode for mode, feature in _SETTABLE_MODES if features & feature))
+    modes += _MORE_MODES if _ROOM_AIR_CONDITIONER in endpoint.device_types else ()
     return {mode: AttributeWrite(THERMOSTAT, _SYSTEM_MODE, _MODE_NUMBERS[mode]) for mode in modes}
 
 

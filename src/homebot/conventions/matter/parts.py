@@ -32,6 +32,7 @@ _CAPABILITY_TYPES: Final = {
     "tilt": "closure",
     "number": "x_setting",
     "option": "x_setting",  # of an appliance too: a command to turn all switches off must not stop a freezer
+    **dict.fromkeys(("color", "color_temperature", "level"), "light"),  # some dimmers say that they are remote controls
     "on_off": "switch",
     "press": "generic_switch",
     "power": _METER,
