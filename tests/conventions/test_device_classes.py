@@ -49,6 +49,7 @@ from homebot.devices.device_types import DEVICE_TYPES
         ("", "mV", 2997.0, "voltage", 2.997),
         ("", "mA", 16.0, "current", 0.016),
         ("", "Hz", 50.0, "frequency", 50.0),
+        ("", "l/min", 10.0, "flow", 0.6),  # SYR's water softeners
         ("power", "kWh", 12.3, "energy", 12.3),  # HASS_DISCOVER_SENSOR_KWH of Tasmota 8
         ("power", "V", 230.0, "voltage", 230.0),
         ("power", "A", 0.4, "current", 0.4),

@@ -71,7 +71,7 @@ _CLASSES: Mapping[str, tuple[str, str]] = {
     "frequency": ("x_sensor", "frequency"),
     "moisture": ("soil_sensor", "soil_moisture"),
     "volatile_organic_compounds_parts": (_AIR, "volatile_organic_compounds"),
-    "volume_flow_rate": ("flow_sensor", "flow"),
+    **dict.fromkeys(("flow", "volume_flow_rate"), ("flow_sensor", "flow")),
 }
 """Class to service type and capability."""
 
