@@ -107,8 +107,9 @@ class Collector(HouseWatcher):
             self._record(change.device, reading.part, reading.capability, reading.value.plain(), at)
 
     def close(self) -> None:
-        """End all states now."""
+        """End all values now. Idempotent."""
         self.interrupt(self._now())
+        self._followed.clear()
 
     def interrupt(self, seen: int) -> None:
         """End all states at *seen*, in milliseconds since the Unix epoch, and restart all values now."""
