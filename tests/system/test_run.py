@@ -192,14 +192,16 @@ def test_a_service_without_a_configuration_runs_no_simulated_house(start: Start)
     ]
 
 
-def test_a_hangup_that_is_ignored_as_under_nohup_stops_nothing(start: Start) -> None:
+def test_a_hangup_that_is_ignored_as_under_nohup_reloads_and_stops_nothing(start: Start, tmp_path: Path) -> None:
+    (tmp_path / "homebot.toml").write_text('[gateways.mqtt]\nurl = "embedded"\n')
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # which a program hands on to those that it starts
     try:
-        run = start("--house", "thesis")
+        run = start()
     finally:
         signal.signal(signal.SIGHUP, before)
-    run.until("roomlights405 → off")
+    run.until("is running")
     run.process.send_signal(signal.SIGHUP)
+    run.until("reload")
     assert run.stop() == 0
     assert "SIGHUP" not in run.text
 

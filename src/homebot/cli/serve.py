@@ -145,7 +145,7 @@ def _at_stop_signals(
 ) -> Iterator[None]:
     """Call both at stop signals; must be entered in the main thread, within its event loop.
 
-    An ignored signal stays ignored: under ``nohup`` a hangup stops nothing.
+    An ignored signal stops nothing, such as a hangup under ``nohup``.
 
     Args:
         at_once: Called from any thread, perhaps twice per signal, even while the event loop is blocked.
@@ -154,9 +154,10 @@ def _at_stop_signals(
     """
     loop = asyncio.get_running_loop()
     had_terminal = _has_terminal()
+    ignored = {number for number in _STOP_SIGNALS if signal.getsignal(number) is signal.SIG_IGN}
 
     def handle(number: int, _frame: FrameType | None) -> None:
-        if number == _HANGUP and on_hangup is not None and had_terminal == _has_terminal():
+        if number == _HANGUP and on_hangup is not None and (number in ignored or had_terminal == _has_terminal()):
             loop.call_soon_threadsafe(on_hangup)
             return
         at_once()
@@ -164,7 +165,7 @@ def _at_stop_signals(
             loop.call_soon_threadsafe(_log_hangup)
         loop.call_soon_threadsafe(in_the_loop)
 
-    wanted = [number for number in _STOP_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    wanted = [one for one in _STOP_SIGNALS if one not in ignored or (one == _HANGUP and on_hangup is not None)]
     with _in_a_thread([one for one in wanted if one != _HANGUP], at_once):
         before = {number: signal.signal(number, handle) for number in wanted}
         try:
