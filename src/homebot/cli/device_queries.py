@@ -161,17 +161,19 @@ def why_none(door: DoorClient, query: str) -> str:
                 for part in parts:
                     yield from areas_of(part)
 
-    for area in areas_of(parse.parse_query(query)):
+    areas = tuple(areas_of(parse.parse_query(query)))
+    for area in areas:
         if not find_devices(door, f"in {quoted(area)}", 1).total:
-            areas = all_devices(door, lambda device: (device.area, *device.outer_areas))
-            known = sorted({one for some in areas for one in some if one})
+            all_areas = all_devices(door, lambda device: (device.area, *device.outer_areas))
+            known = sorted({one for some in all_areas for one in some if one})
             hint = (
                 f"areas are {', '.join(known[:_SOME])}"
                 if known
                 else "state the room of a device with `homebot place DEVICE ROOM`"
             )
             return f"no device is in {area!r}; {did_you_mean(area, known, hint)}"
-    return f"no device matches {query!r}; `homebot devices` lists all"
+    others = "find 'without area'` lists those without a room" if areas else "devices` lists all"
+    return f"no device matches {query!r}; `homebot {others}"
 
 
 def unapproved(door: DoorClient, device: str = "") -> frozenset[str]:

@@ -129,6 +129,9 @@ async def test_an_app_commands_what_is_granted(open_home: OpenHome) -> None:
         assert (await (await home.handle(Light, "lamp")).turn_on()).succeeded
         reason = await refusal((await home.handle(Light, "other")).turn_on())
         assert reason == "/app may not command other, only: act: light in hall"
+        home.put("new one", "light", "on_off")
+        reason = await refusal((await home.handle(Light, "new one")).turn_on())
+        assert reason.endswith("only: act: light in hall; it has no room: homebot place 'New One' ROOM")
 
 
 @pytest.mark.virtual_time

@@ -31,6 +31,8 @@ from homebot.errors import UsageError
 LIGHT = frozenset({"light"})
 ON_LIGHT = StateIs("on_off", "=", True, LIGHT)
 
+WEAK = Or((StateIs("battery", "<", 20.0), StateIs("battery_low", "=", True)))
+
 UNDERSTOOD: dict[str, Query] = {
     "": And(()),
     "all devices": And(()),
@@ -67,6 +69,8 @@ UNDERSTOOD: dict[str, Query] = {
     "freshness=unconfirmed": FreshnessIs("unconfirmed"),
     "offline": ReachableIs("no"),
     "not disputed": Not(IsDisputed()),
+    "low battery": WEAK,
+    "lights with low battery": And((type_is("lights"), WEAK)),
     "unapproved in hall": And((IsUnapproved(), InArea("hall"))),
     "category=Config": FactIs("category", "config"),
     "reachable=unknown": ReachableIs("unknown"),

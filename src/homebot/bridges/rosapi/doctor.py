@@ -51,8 +51,6 @@ _LOOK_EVERY = 300.0
 """Seconds between two looks at the counts: what they count since the look before the last is new."""
 
 _MOST, _FEW = 20, 5
-_WEAK_BATTERY = 20
-
 
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
@@ -324,7 +322,7 @@ _DEVICE_CHECKS = (
     _DeviceCheck(FindingKind.STALE, "stale", lambda one, now: f"last seen {ago(one.last_seen, now)}", _MOST),
     _DeviceCheck(FindingKind.UNREACHABLE, "offline not stale", lambda one, _now: one.reachable.why, _MOST),
     _DeviceCheck(FindingKind.DISPUTED, "disputed", _dispute, _MOST),
-    _DeviceCheck(FindingKind.BATTERY, f"battery < {_WEAK_BATTERY} or battery_low=yes", _charge, _FEW),
+    _DeviceCheck(FindingKind.BATTERY, "low battery", _charge, _FEW),
     _DeviceCheck(FindingKind.NO_GATEWAY, _UNUSED, _step, _MOST),
     _DeviceCheck(FindingKind.NO_ROOM, "without area", lambda one, _now: one.name, _FEW),
 )

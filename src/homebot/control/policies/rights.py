@@ -47,6 +47,7 @@ def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) ->
         return _GRANTED
     if not why:
         own = ", ".join(command.rights.act_scope) or "nothing"
+        own += _place_advice(command.device, own)
         return Verdict(GRANTS, allowed=False, reason=f"{command.issuer} may not command {command.label}, only: {own}")
     if _may_make_safe(command, command.rights):
         return Verdict(ALWAYS_ASK, allowed=True, reason="it makes the house safer")
@@ -87,6 +88,7 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
     scope = ", ".join(command.scope)
     has = f"the scope of the client is {scope}" if scope else "no token of the client is known"
     step = _approval_step(command) if asks and needs_approval else ""
+    has += _place_advice(device, scope)
     return f"{command.issuer} may not command {device.id}: {why}, and {has}; {step}{_client_advice(command, right)}"
 
 
@@ -112,6 +114,12 @@ def _may_make_safe(command: IssuedCommand, rights: ClientRights) -> bool:
     """
     is_lease = command.trigger.kind == "lease"
     return rights.acts_on_harmless and not is_lease and is_safe(command.device, command.part, command.settings)
+
+
+def _place_advice(device: Device, scope: str) -> str:
+    """Return that a device without a room is in none that *scope* names; empty if it is not that."""
+    is_nowhere = " in " in scope and not device.area
+    return f"; it has no room: homebot place {shlex.quote(device.name or device.id)} ROOM" if is_nowhere else ""
 
 
 def _grant_advice(command: IssuedCommand) -> str:

@@ -5,7 +5,7 @@ Grammar, the loosest binding first::
     query      = all {"or" all}
     all        = one {["and" | "," | "but"] one}, after "but" with "not" or "without"
     one        = "not" one | "(" query ")" | "in" AREA | near | with | comparison | word
-    with       = ("with" | "without") (CAPABILITY | comparison | "area")
+    with       = ("with" | "without") (CAPABILITY | condition | comparison | "area")
     near       = "near" ROBOT ["within" METRES] | "within" METRES "of" ROBOT
     comparison = NAME ("=" | "!=" | "<" | "below" | "<=" | ">" | "above" | ">=") VALUE
     word       = a type, a capability, an adjective such as ``on`` or ``stale``, or free text
@@ -41,6 +41,7 @@ from homebot.devices.query.terms import (
 from homebot.devices.query.tokens import Token, tokens_of
 from homebot.devices.query.vocabulary import (
     CAPABILITY_WORDS,
+    CONDITIONS,
     FILLERS,
     KEYWORDS,
     NOT_UNDERSTOOD,
@@ -278,10 +279,10 @@ class _Parser:
 
     def _ability(self, token: Token) -> Query:
         for length in range(_LONGEST_PHRASE, 0, -1):
-            name = CAPABILITY_WORDS.get(self._folded(length))
-            if name is not None:
+            phrase = self._folded(length)
+            if phrase in CAPABILITY_WORDS or phrase in CONDITIONS:
                 self._place += length
-                return CanDo(name)
+                return CanDo(CAPABILITY_WORDS[phrase]) if phrase in CAPABILITY_WORDS else CONDITIONS[phrase]
         following = self._peek()
         if following is None:
             raise _missing(token)

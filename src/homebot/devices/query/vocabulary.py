@@ -173,8 +173,12 @@ ADJECTIVES: Mapping[str, tuple[StateIs, ...]] = MappingProxyType(
 )
 """Adjectives for a state: any of these values."""
 
+_WEAK = Or((StateIs("battery", "<", 20.0), StateIs("battery_low", "=", True)))  # noqa: FBT003 - as above
+
 CONDITIONS: Mapping[str, Query] = MappingProxyType(
     {
+        "low battery": _WEAK,
+        "weak battery": _WEAK,
         "fresh": FreshnessIs("fresh"),
         "stale": FreshnessIs("stale"),
         "unconfirmed": FreshnessIs("unconfirmed"),
