@@ -56,6 +56,20 @@ async def test_a_message_on_a_topic_of_homebot_must_be_whole(open_house: Any) ->
         assert "field 'data' is missing" in (await peer.receive())["msg"]
 
 
+@pytest.mark.parametrize("topic", ["/gateway/g/received_data/lamp", "/app/inbox"])
+async def test_a_reader_with_a_wrong_type_keeps_homebot_from_none_of_its_topics(house: House, topic: str) -> None:
+    """Otherwise a client with the right to read alone could silence a gateway or an app."""
+    async with house.peer() as wrong, house.peer() as right:
+        await wrong.tell("subscribe", topic=topic, type="std_msgs/Int32")
+        await right.tell("subscribe", topic=topic, type="std_msgs/String")
+        publisher = house.node("owner").create_publisher(String, topic)
+        for peer in (wrong, right):
+            await peer.settle()
+        publisher.publish(String(data="hi"))
+        for peer in (wrong, right):
+            assert (await peer.receive())["msg"] == {"data": "hi"}
+
+
 async def test_a_latched_message_waits_for_a_late_client(house: House) -> None:
     async with house.peer() as early, house.peer() as late:
         await early.send("advertise", topic="/state", type="std_msgs/String", latch=True)

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Literal
 
 from homebot.bridges.rosbridge import binary_frames
+from homebot.bridges.rosbridge.access import right_to_publish
 from homebot.bridges.rosbridge.backlog import Backlog, FeedQueue
 from homebot.bridges.rosbridge.client import OutsideClient
 from homebot.bridges.rosbridge.outbox import Outbox
@@ -22,6 +23,7 @@ from homebot.bridges.rosbridge.protocol import (
     publish_frame,
 )
 from homebot.bridges.rosbridge.types import message_type_of_topic
+from homebot.devices.client_rights import Right
 from homebot.errors import HomebotError, PeerError
 from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, ReliabilityPolicy
 from homebot.graph.subscription import key_of
@@ -67,6 +69,8 @@ class Subscriptions:
         """
         full_name = self._node.resolve_name(op.topic)
         is_absent = self._node.graph.get_message_type(full_name) is None
+        if is_absent and right_to_publish(full_name) is Right.RAW:
+            op = op.model_copy(update={"type": ""})  # homebot could not use its topic if a reader had typed it first
         try:
             self._serve(op)
         except PeerError as exc:
