@@ -55,6 +55,36 @@ def test_an_executor_runs_the_callbacks_of_several_nodes_on_one_thread(node: rcl
     assert sorted(heard) == ["node: a", "other: a"]
 
 
+def test_a_program_waits_for_one_message(node: rclpy.Node) -> None:
+    publisher = node.create_publisher(String, "chatter", 10)
+    node.create_timer(0.05, lambda: publisher.publish(String(data="a")))
+    is_there, message = rclpy.wait_for_message(String, node, "chatter", time_to_wait=PATIENCE)
+    assert (is_there, message.data) == (True, "a")
+    assert rclpy.wait_for_message(String, node, "silence", time_to_wait=0.1) == (False, None)
+    assert node.count_subscribers("chatter") == node.count_subscribers("silence") == 0
+
+
+def test_a_guard_condition_runs_its_callback_when_it_is_triggered(node: rclpy.Node) -> None:
+    called = rclpy.Future()
+    condition = node.create_guard_condition(lambda: called.set_result("called"))
+    condition.trigger()
+    rclpy.spin_until_future_complete(node, called, timeout_sec=PATIENCE)
+    assert called.result() == "called"
+    condition.destroy()
+
+
+def test_the_arguments_rename_a_node_and_its_ends_and_set_its_parameters() -> None:
+    words = "--ros-args -r __node:=speaker -r __ns:=/demo -r chatter:=/heard -r go:=went -p voice.rate:=2.5"
+    with rclpy.init(args=words.split()):
+        node = rclpy.create_node("talker")
+        node.declare_parameters("voice", [("rate", 1.0), ("name", "x")])
+        assert node.get_fully_qualified_name() == "/demo/speaker"
+        assert node.create_publisher(String, "chatter", 10).topic_name == "/heard"
+        assert node.create_client(SetBool, "go").srv_name == "/demo/went"
+        found = node.get_parameters_by_prefix("voice")
+        assert {name: one.value for name, one in found.items()} == {"rate": 2.5, "name": "x"}
+
+
 def test_a_node_knows_the_time_its_name_and_its_neighbours(node: rclpy.Node) -> None:
     before = node.get_clock().now()
     stamp = program_type(Header)(stamp=before.to_msg()).stamp

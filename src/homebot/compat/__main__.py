@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from types import ModuleType
 
-from homebot.compat import rclpy
+from homebot.compat import rclpy, tf2_ros
 from homebot.compat.messages import program_type
 from homebot.compat.remote import CONTEXT
 from homebot.errors import UsageError
@@ -19,10 +19,12 @@ from homebot.messages.interfaces.interface_text import Interface
 __all__ = ["main"]
 
 _MODULES = (
-    " .action .callback_groups .client .clock .duration .exceptions .executors .logging .node .parameter .publisher"
-    " .service .subscription .task .time .timer"
+    " .action .callback_groups .client .clock .duration .exceptions .executors .guard_condition .logging .node"
+    " .parameter .publisher .service .subscription .task .time .timer .utilities .wait_for_message"
 )
 """The submodules of rclpy, which are all mapped to ours."""
+
+_TF2_MODULES = " .buffer .static_transform_broadcaster .transform_broadcaster .transform_listener"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -64,6 +66,8 @@ def _install_modules(interfaces: Interfaces) -> None:
     for name in _MODULES.split(" "):
         sys.modules[f"rclpy{name}"] = rclpy
     sys.modules["rclpy.qos"] = rclpy.qos
+    for name in _TF2_MODULES.split(" "):
+        sys.modules[f"tf2_ros{name}"] = tf2_ros
     finders: dict[str, Callable[[str], Interface]] = {
         "msg": interfaces.find_message,
         "srv": interfaces.find_service,

@@ -6,14 +6,15 @@ run on the graph's event loop, so that these are answered while another callback
 rclpy, a call of a service without a server fails at once, and ``spin`` returns when another thread calls ``shutdown``.
 
 Each executor has one thread, so callback groups have no effect: a blocking service call runs other callbacks meanwhile.
-Not supported: lifecycle nodes, ``tf2_ros``, ``parameter_event_handler``, callbacks before and after a parameter is set,
-and callbacks that wait for another one of their node by other means.
+Not supported: lifecycle nodes, ``parameter_event_handler``, callbacks before and after a parameter is set, and those
+that wait for another one of their node by other means.
 """
 
 from __future__ import annotations
 
 import math
 import sys
+import threading
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
@@ -24,6 +25,7 @@ from typing import Any, Final, Self
 
 from homebot import graph
 from homebot.compat.actions import ActionClient, ActionServer, CancelResponse, GoalResponse
+from homebot.compat.arguments import node_rules, remove_ros_args
 from homebot.compat.clock import RclpyClock, RclpyDuration, RclpyRate, RclpyTime
 from homebot.compat.logger import LoggingSeverity, get_logger
 from homebot.compat.messages import to_program
@@ -42,6 +44,8 @@ __all__ = [
     "ExternalShutdownException",
     "Future",
     "GoalResponse",
+    "InvalidParameterTypeException",
+    "InvalidParameterValueException",
     "LoggingSeverity",
     "MultiThreadedExecutor",
     "MutuallyExclusiveCallbackGroup",
@@ -58,15 +62,18 @@ __all__ = [
     "init",
     "ok",
     "qos",
+    "remove_ros_args",
     "shutdown",
     "spin",
     "spin_once",
     "spin_until_future_complete",
     "try_shutdown",
+    "wait_for_message",
 ]
 
 ExternalShutdownException = KeyboardInterrupt  # programs catch it in their last line; here a spin returns instead
 ParameterAlreadyDeclaredException = ParameterNotDeclaredException = ParameterError
+InvalidParameterTypeException = InvalidParameterValueException = ParameterError
 MutuallyExclusiveCallbackGroup = ReentrantCallbackGroup = object
 ClockType = IntEnum("ClockType", ("ROS_TIME", "SYSTEM_TIME", "STEADY_TIME"))
 
@@ -100,16 +107,19 @@ _PRESETS = {
     name.removeprefix("qos_profile_").upper(): one for name, one in vars(qos).items() if name.startswith("qos_")
 }
 vars(qos).update(QoSPresetProfiles=Enum("QoSPresetProfiles", _PRESETS))
+_THREAD = threading.local()
 Clock, Duration, Rate, Time = RclpyClock, RclpyDuration, RclpyRate, RclpyTime
 ok = CONTEXT.ok
 shutdown = try_shutdown = CONTEXT.shutdown
 
 
-def init(**_: object) -> ExitStack:
+def init(*, args: Sequence[str] | None = None, **_: object) -> ExitStack:
     """Start the graph of the process unless it is running; the end of a ``with`` block shuts it down.
 
-    Arguments are accepted but ignored: homebot's settings are in its file.
+    Args:
+        args: The command line of the nodes that this thread creates, with ``--ros-args``; by default the program's.
     """
+    _THREAD.words = args
     CONTEXT.init()
     block = ExitStack()
     block.callback(shutdown)
@@ -132,6 +142,22 @@ def spin_until_future_complete(
 ) -> None:
     """Run the callbacks of *node* like :func:`spin` until *future* is done or *timeout_sec* seconds have passed."""
     _executor_of(node, executor).spin_until_future_complete(future, timeout_sec)
+
+
+def wait_for_message(
+    msg_type: Any, node: RclpyNode, topic: str, *, qos_profile: Any = 1, time_to_wait: float = -1
+) -> tuple[bool, Any]:
+    """Return whether a message came on *topic* within *time_to_wait* seconds (-1: ever), and the message."""
+    first = Future(node.executor)
+
+    def hear(message: object) -> None:
+        if not first.done():
+            first.set_result(message)
+
+    subscription = node.create_subscription(msg_type, topic, hear, qos_profile)
+    node.executor.spin_until_future_complete(first, None if time_to_wait < 0 else time_to_wait)
+    node.destroy_subscription(subscription)
+    return first.done(), first.result()
 
 
 class RclpyParameter(graph.Parameter):
@@ -175,12 +201,14 @@ class RclpyNode(Remote):
         automatically_declare_parameters_from_overrides: bool = False,
         **_: object,
     ) -> None:
-        executor = SpinExecutor()
-        super().__init__(CONTEXT.add_node(node_name, namespace or "/", executor), executor)
+        executor, words = SpinExecutor(), getattr(_THREAD, "words", None)
+        names, values = node_rules(sys.argv if words is None else words, node_name)
+        name, namespace = names.pop("__node", node_name), names.pop("__ns", namespace or "/")
+        super().__init__(CONTEXT.add_node(name, namespace, names, executor), executor)
         self._logger = get_logger(self.graph_object.full_name)
-        self._overrides = {one.name: one.value for one in parameter_overrides or ()}
-        for one in parameter_overrides if automatically_declare_parameters_from_overrides else ():
-            self.declare_parameter(one.name, one.value)
+        self._overrides = {one.name: one.value for one in parameter_overrides or ()} | values
+        for one in self._overrides if automatically_declare_parameters_from_overrides else ():
+            self.declare_parameter(one)
 
     def get_logger(self) -> get_logger:
         """Return the logger of the node."""
@@ -226,6 +254,10 @@ class RclpyNode(Remote):
             timer.cancel()
         return timer
 
+    def create_guard_condition(self, callback: Callable[[], object], **_: object) -> Any:
+        """Return an object whose ``trigger()`` runs *callback*."""
+        return SimpleNamespace(trigger=partial(self.executor.submit, callback), destroy=bool)
+
     def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], object], **_: object) -> Any:
         """Serve *srv_name*: *callback* takes a request and an empty response, and returns the response."""
         create = self.graph_object.create_service
@@ -258,6 +290,12 @@ class RclpyNode(Remote):
         """Declare *parameters*, each with its name below *namespace*, its default, and perhaps a descriptor."""
         prefix = f"{namespace}." if namespace else ""
         return [self.declare_parameter(f"{prefix}{name}", *given) for name, *given in parameters]
+
+    def get_parameters_by_prefix(self, prefix: str) -> dict[str, RclpyParameter]:
+        """Return the parameters below *prefix*, by the rest of their names."""
+        names = self.graph_object.parameters.names()
+        found = {one.removeprefix(f"{prefix}."): one for one in names if not prefix or one.startswith(f"{prefix}.")}
+        return {rest: self.get_parameter(name) for rest, name in found.items()}
 
     def has_parameter(self, name: str) -> bool:
         """Return whether a parameter is declared."""
@@ -332,4 +370,4 @@ SingleThreadedExecutor = MultiThreadedExecutor = SpinExecutor
 Parameter = RclpyParameter
 Client = Publisher = Service = Subscription = Timer = Remote
 action = callback_groups = clock = duration = exceptions = executors = sys.modules[__name__]
-logging = node = parameter = task = utilities = sys.modules[__name__]
+logging = node = parameter = task = time = utilities = sys.modules[__name__]

@@ -10,10 +10,11 @@ import concurrent.futures
 import queue
 import threading
 import time
-from collections.abc import Awaitable, Callable, Generator
+from collections.abc import Awaitable, Callable, Generator, Mapping
 from contextlib import ExitStack
 from functools import partial
 from inspect import iscoroutine
+from types import MappingProxyType
 from typing import Any, Final
 
 import structlog
@@ -35,7 +36,7 @@ _GETTERS: Final = {
     "is_canceled": "is_canceled",
 }
 _NAMES: Final = {"destroy": "close", "srv_name": "service_name", "timeout_sec": "timeout"}
-_UNUSED: Final = "callback_group"
+_UNUSED: Final = frozenset({"callback_group", "qos_overriding_options"})
 """The callbacks of a node run one after the other, as in one group."""
 
 
@@ -79,9 +80,10 @@ class _Context:
         self._portal, self._thread = None, 0
         self._exits.pop_all().close()  # only effective in the first of several threads
 
-    def add_node(self, name: str, namespace: str, executor: SpinExecutor) -> Node:
-        """Return a new running node; a shutdown ends a wait of its *executor*."""
-        node: Node = self.call(lambda: Node(self.graph, name, namespace=namespace))
+    def add_node(self, name: str, namespace: str, names: Mapping[str, str], executor: SpinExecutor) -> Node:
+        """Return a new running node with other *names* of its ends; a shutdown ends a wait of its *executor*."""
+        node: Node = self.call(lambda: _RenamingNode(self.graph, name, namespace=namespace))
+        vars(node).update(names={node.resolve_name(old): node.resolve_name(new) for old, new in names.items()})
         self._exits.enter_context(self.portal.wrap_async_context_manager(node))
         self._exits.callback(partial(executor.submit, int))
         return node
@@ -98,6 +100,14 @@ class _Context:
             return self.portal.call(partial(function, *args, **kwargs))
         except concurrent.futures.CancelledError:
             raise UsageError("rclpy was shut down meanwhile") from None
+
+
+class _RenamingNode(Node):
+    names: Mapping[str, str] = MappingProxyType({})
+
+    def resolve_name(self, name: str, kind: str = "topic name") -> str:
+        full = super().resolve_name(name, kind)
+        return self.names.get(full, full)
 
 
 CONTEXT: Final = _Context()
@@ -238,7 +248,7 @@ class Remote:
 
     def invoke(self, method: Callable[..., Any], *args: object, **kwargs: object) -> Any:
         """Return the result of *method* on the event loop."""
-        given = {_NAMES.get(name, name): self._given(value) for name, value in kwargs.items() if name != _UNUSED}
+        given = {_NAMES.get(name, name): self._given(value) for name, value in kwargs.items() if name not in _UNUSED}
         return self.shown(CONTEXT.call(method, *map(self._given, args), **given))
 
     def begin(self, method: Callable[..., Awaitable[object]], *args: object) -> Future:
