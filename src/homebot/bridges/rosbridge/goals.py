@@ -161,7 +161,7 @@ class ProvidedActions:
         name = self._node.resolve_name(op.action, "action name")
         action_type = action_type_of(self._node.graph, name, op.type)
         create = partial(ActionServer[Any, Any, Any], on_goal=self._has_room, on_cancel=self._cancel)
-        execute = partial(self._execute, op.action)
+        execute = partial(self._execute, op.action, op.type)
         self._provisions.add(_key(name), lambda: create(self._node, action_type, name, execute))
 
     def unadvertise(self, op: ActionOperation) -> None:
@@ -218,12 +218,12 @@ class ProvidedActions:
             raise PeerError(f"this client executes no goal of {op.action} with the id {op.id!r}")
         return self._running.get(str(op.id))
 
-    async def _execute(self, name: str, goal: ServerGoal[Any, Any, Any]) -> Message | None:
+    async def _execute(self, name: str, ros_type: str, goal: ServerGoal[Any, Any, Any]) -> Message | None:
         self._goals += 1
         identifier = f"{_GOAL}{name}:{self._goals}"
         running = self._running[identifier] = _Running(goal, asyncio.get_running_loop().create_future())
         try:
-            fields: JsonObject = {"action": name, "action_type": goal.action_type.ros_type, "feedback": True}
+            fields: JsonObject = {"action": name, "action_type": ros_type, "feedback": True}
             args = message_to_text(goal.request)
             self._outbox.answer(frame_text("send_action_goal", identifier, fields, args=args))
             if goal.is_cancel_requested:
