@@ -166,6 +166,16 @@ async def test_advertising_twice_needs_unadvertising_twice(house: House, peer: P
     assert house.entities() == set()
 
 
+async def test_a_client_publishes_on_a_new_connection_as_it_advertised_on_the_last(house: House) -> None:
+    """ros-mcp 3.1 closes its connection if no error comes within a second of each frame."""
+    async with house.peer() as first:
+        await first.tell("advertise", topic="/t", type="std_msgs/String")
+    async with house.peer() as second, house.peer() as reader:
+        await second.tell("publish", topic="/t", msg={"data": "a"})
+        await reader.send("subscribe", topic="/t")
+        assert (await reader.receive())["msg"] == {"data": "a"}
+
+
 @pytest.mark.parametrize("latched", [{"latch": True}, {"qos": {"durability": "transient_local", "depth": 1}}])
 async def test_a_topic_advertised_again_as_latched_becomes_latched(
     house: House, peer: Peer, latched: dict[str, Any]

@@ -81,6 +81,7 @@ class Publications:
 
     def __init__(self, client: OutsideClient, on_unfit: Callable[[str, str, str, Identifier], None]) -> None:
         self._node, self._access, self._on_unfit = client.shared.node, client.access, on_unfit
+        self._advertised = client.shared.advertised
         self._now = self._node.graph.clock.monotonic
         self._recent: deque[_KeptMessage] = deque()
         self._recent_size = 0
@@ -96,6 +97,7 @@ class Publications:
     def advertise(self, op: Advertise) -> None:
         """Add a topic; it may be added again under another id."""
         self._open(op.topic, op.type, op.kept).ids.add(op.id)
+        self._advertised[op.topic] = op.type
 
     def unadvertise(self, op: TopicOperation) -> None:
         """Remove a topic."""
@@ -114,8 +116,11 @@ class Publications:
         """
         publication = self._topics.get(op.topic)
         if publication is None:
-            self._message(message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), op.type), op)
-            publication = self._open(op.topic, op.type, op.kept)
+            name = self._node.resolve_name(op.topic)
+            is_absent = self._node.graph.get_message_type(name) is None
+            ros_type = op.type or (self._advertised.get(op.topic, "") if is_absent else "")
+            self._message(message_type_of_topic(self._node.graph, name, ros_type), op)
+            publication = self._open(op.topic, ros_type, op.kept)
         if self._is_unread(publication):
             self._keep(op.topic, op, size)
             return ()

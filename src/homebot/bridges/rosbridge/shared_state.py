@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
 
 import anyio
 from anyio.abc import TaskStatus
@@ -16,6 +16,7 @@ from homebot.bridges.rosbridge.heartbeat import OwnedLeases
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.turns import ServerTurns
 from homebot.graph import EntityKind, Graph, Node, Publisher
+from homebot.support.bounded_map import BoundedMap
 
 if TYPE_CHECKING:
     from homebot.devices.access_messages import AccessRefused
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ["DoorCounters", "ExpectedTopics", "Provisions", "SharedState"]
 
+_MOST_ADVERTISED: Final = 1000
 _Server: TypeAlias = "Service[Any, Any] | ActionServer[Any, Any, Any]"
 
 
@@ -136,6 +138,8 @@ class SharedState:
     """The state shared by all clients of a door.
 
     Attributes:
+        advertised: The types of the topics that clients advertised last, for publishing on a new connection: in the
+            original server, the publisher of the last one remains for ten seconds.
         providers: The connection that provides each service or action, by full name.
         refusals: The publisher of refusals for lack of a right; None before the first one.
     """
@@ -149,6 +153,7 @@ class SharedState:
         self.expected = ExpectedTopics(node.graph)
         self.counters = DoorCounters()
         self.error_log = ClientErrorLog(node)
+        self.advertised: BoundedMap[str, str] = BoundedMap(_MOST_ADVERTISED)
         self.providers: dict[str, Provisions] = {}
         self.refusals: Publisher[AccessRefused] | None = None
 
