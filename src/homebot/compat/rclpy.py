@@ -53,6 +53,7 @@ __all__ = [
     "Parameter",
     "ParameterAlreadyDeclaredException",
     "ParameterNotDeclaredException",
+    "ROSInterruptException",
     "Rate",
     "ReentrantCallbackGroup",
     "SingleThreadedExecutor",
@@ -71,7 +72,9 @@ __all__ = [
     "wait_for_message",
 ]
 
-ExternalShutdownException = KeyboardInterrupt  # programs catch it in their last line; here a spin returns instead
+ExternalShutdownException = ROSInterruptException = (
+    KeyboardInterrupt  # programs catch it in their last line; here a spin returns instead
+)
 ParameterAlreadyDeclaredException = ParameterNotDeclaredException = ParameterError
 InvalidParameterTypeException = InvalidParameterValueException = ParameterError
 MutuallyExclusiveCallbackGroup = ReentrantCallbackGroup = object
