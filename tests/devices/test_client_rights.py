@@ -220,6 +220,7 @@ PARTS: list[tuple[str, Device, bool]] = [
         (f"number {name}", device("heat pump", part("x_setting", name=name, capabilities=(HOT_WATER,))), asks)
         for names, asks in (
             (("DHW setpoint", "dhw1 target", "Hot water target", "Water heater limit", "Boiler setpoint"), True),
+            (("DomesticHotWaterTemperatureSetpoint", "HwcTempDesired tempv"), True),  # of open3e and ebusd
             (("Extruder 1 temperature", "Bed temperature", "Nozzle target temperature"), True),  # OctoPrint, Bambu Lab
             (("Flow target", "Water pressure", "Hot day limit", "Bedroom temperature"), False),
         )

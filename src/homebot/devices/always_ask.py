@@ -242,7 +242,7 @@ def _why_called(capability: Capability, device: Device, part: DevicePart) -> str
     """Return the same as :func:`_why_named_setting`; None if names say nothing about such a capability."""
     told = part.part
     if capability.name == "number" and capability.unit in _DEGREES:
-        return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, told.name, anywhere=True)
+        return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, _own_name(told, ""), anywhere=True)
     if capability.name in _PRESSED and _is_deed(told):
         return _why_named(ALL_THAT_ASK, *_names(device, part), f"{device.name} {_own_name(told, part.id)}")
     names = (told.name,) if told.name else _names(device, part)
@@ -300,7 +300,7 @@ def _names(device: Device, part: DevicePart) -> tuple[str, ...]:
 
 
 def _own_name(part: Part, part_id: str) -> str:
-    return part.name or _CAMEL_CASE.sub(" ", part_id)
+    return _CAMEL_CASE.sub(" ", part.name or part_id)
 
 
 def _models(device: Device) -> Iterable[str]:
