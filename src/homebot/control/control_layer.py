@@ -108,9 +108,8 @@ class ControlLayer:
         """Return the health of the journal, with notes for the owner."""
         notes = await self.policies.approval_notes() + self.executor.witnesses.notes() + self.policies.notes()
         executor = self.executor
-        own = {"leases_refused": executor.leases.refused, "codes_refused": executor.codes.refused}
-        counts = {**own, **executor.witnesses.counts, **self.policies.counts}
-        return self.journal.health(counts, notes)
+        counts = {"leases_refused": executor.leases.refused, "codes_refused": executor.codes.refused}
+        return self.journal.health(counts | executor.witnesses.counts | self.policies.counts, notes)
 
 
 def _with_approvals(settings: ControlSettings | None, *, approves_all: bool) -> ControlSettings:

@@ -96,13 +96,15 @@ def is_same(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
     This is stricter than :func:`fits`: half a degree more is a new setpoint, although a device may round to it. For the
     white of a lamp, and for a motor, which stops a little off its goal, both are the same.
     """
-    is_close = True
     if isinstance(wanted, float) and isinstance(seen, float):
         fineness = _obedience(capability).fineness
         is_close = abs(wanted - seen) <= (_ROUNDING * abs(wanted) if fineness is None else fineness)
-    elif capability == "color" and isinstance(wanted, tuple) and isinstance(seen, tuple):
-        is_close = _is_same_color(wanted, seen)
-    return is_close and fits(capability, wanted, seen)
+        return is_close and fits(capability, wanted, seen)
+    if not fits(capability, wanted, seen):
+        return False
+    if capability == "color" and isinstance(wanted, tuple) and isinstance(seen, tuple):
+        return _is_same_color(wanted, seen)
+    return True
 
 
 def is_intermediate(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections import deque
+from contextlib import suppress
 from functools import partial
 from typing import Final, TypeAlias, final
 
@@ -89,11 +90,10 @@ class CommandLog:
             self._node.create_task(partial(self._log_change, change, before, cause, more_like_this(held_back)))
 
     async def _log_change(self, change: ChangedSetting, before: PlainValue, cause: str, end: str) -> None:
-        try:
+        device = None
+        with suppress(ServiceError):
             device = await self._lookup.device(change.device)
-        except ServiceError:
-            device = None
-        label = change.device if device is None else label_of(device, change.part)
+        label = _label(change, device)
         values = " → ".join(value_text(change.capability, one) for one in (before, change.value.plain()))
         what = values if isinstance(before, bool) else f"{change.capability.replace('_', ' ')} {values}"
         why = _CAUSES.get(cause, "by hand or by itself")
@@ -126,5 +126,5 @@ class CommandLog:
             self._node.log.warning(FIGHT, message=f"{fight.text}; see homebot why {fight.device}", device=note.device)
 
 
-def _label(note: JournalNote, device: Device | None) -> str:
-    return note.device if device is None else label_of(device, note.part)
+def _label(place: JournalNote | ChangedSetting, device: Device | None) -> str:
+    return place.device if device is None else label_of(device, place.part)

@@ -163,8 +163,13 @@ class CommandPublisher:
             raise LinkError(f"no client subscribes to {publications[0].topic[:100]}")
 
     async def _publish(self, command: Command, publications: Iterable[Publication]) -> bool:
-        """Publish the messages of *command*; return whether a client may receive one of them."""
-        properties = _expiring(command)
+        """Publish the messages of *command*; return whether a client may receive one of them.
+
+        They expire with the command, or before it is repeated. Brokers count whole seconds, and may still deliver a
+        message in the last one.
+        """
+        seconds = command.kept_for or command.expires_after
+        properties = Properties(message_expiry_interval=max(1, math.floor(seconds))) if seconds else NO_PROPERTIES
         if self._responses is not None:
             properties = self._responses.request(command, properties)
         is_unkept = command.repeated and not self._connection.expires_messages
@@ -198,12 +203,3 @@ class CommandPublisher:
                     f"a command to {command.key[:100]}", f"it did not announce {one.topic} as a command topic"
                 )
         return publications
-
-
-def _expiring(command: Command) -> Properties:
-    """Return properties for a message that expires with *command*, or before it is repeated.
-
-    Brokers count whole seconds, and may still deliver it in the last one.
-    """
-    seconds = command.kept_for or command.expires_after
-    return Properties(message_expiry_interval=max(1, math.floor(seconds))) if seconds else NO_PROPERTIES
