@@ -484,15 +484,20 @@ def test_a_garage_door_without_pulse_has_a_movement() -> None:
     assert told(opener, "movement", "closed") == {"trigger": False}
 
 
-def test_a_gas_valve_is_a_valve_and_no_setting() -> None:
-    """The model SiHAS GCM-300Z (zigbee-herdsman-converters)."""
+@pytest.mark.parametrize(
+    ("name", "opened", "closed"),
+    [("gas_valve_state", "OPEN", "CLOSE"), ("valve_1", "ON", "OFF"), ("valve_2", "ON", "OFF")],
+)
+def test_a_valve_of_its_own_name_is_a_valve_and_no_setting(name: str, opened: str, closed: str) -> None:
+    """The models SiHAS GCM-300Z and GIEX GX03 (zigbee-herdsman-converters)."""
     valve, timeout = built(
-        feature("binary", "gas_valve_state", value_on="OPEN", value_off="CLOSE"),
+        feature("binary", name, value_on=opened, value_off=closed),
         feature("numeric", "close_timeout", value_min=1, value_max=540),
     )
     assert (valve.part.service_type, valve.part.category, timeout.part.service_type) == ("water_valve", "", "x_setting")
-    assert [said(valve, gas_valve_state=one) for one in ("OPEN", "CLOSE")] == [{"valve": "open"}, {"valve": "closed"}]
-    assert told(valve, "valve", "closed") == {"gas_valve_state": "CLOSE"}
+    messages: list[dict[str, Any]] = [{name: opened}, {name: closed}]
+    assert [said(valve, **one) for one in messages] == [{"valve": "open"}, {"valve": "closed"}]
+    assert told(valve, "valve", "closed") == {name: closed}
 
 
 @pytest.mark.parametrize(

@@ -48,8 +48,8 @@ _MAIN = frozenset({"climate", "cover", "fan", "lock"})
 _THERMOMETERS = ("temperature", "local_temperature")
 _KEY_LOCKS = ("child_lock", "keypad_lockout")
 _DOOR = "garage_door_contact"
-_VALVE = "gas_valve_state"
-"""Name of the binary of a valve that is no switch: SiHAS GCM-300Z."""
+_OWN_VALVES = frozenset({"gas_valve_state", "valve_1", "valve_2"})
+"""Names of the binaries of valves that are no switches: SiHAS GCM-300Z, Giex GX03."""
 
 _VALVES = re.compile(r"\b(valves?|walve|irrigation|sprinkler|water(ing)? timer)\b", re.IGNORECASE)
 """Words of models whose switch is a valve, which is on while it is open: Sonoff SWV, Giex QT06, Parkside PSBZS A1."""
@@ -195,7 +195,7 @@ class _PartsBuilder:
 def _binaries_of_valves(device: BridgeDevice, exposes: tuple[Expose, ...]) -> frozenset[str]:
     types = {expose.type for expose in exposes} & SPECIFIC_TYPES.keys()
     is_valve = types <= {"switch"} and _VALVES.search(device.facts.get("model", ""))
-    return frozenset({_VALVE, "state"} if is_valve else {_VALVE})
+    return _OWN_VALVES | {"state"} if is_valve else _OWN_VALVES
 
 
 def _key_lock_as_setting(expose: Expose) -> Expose:
