@@ -52,11 +52,12 @@ class FolderGateway(Gateway):
             await self._look()
 
     async def _look(self) -> None:
-        if not await self._folder.is_dir():
+        try:
+            files = {path.stem: path async for path in self._folder.iterdir() if path.suffix == ".json"}
+        except FileNotFoundError:
             self.publish_state("unavailable", self._problem)
             return  # its devices stay: it may come back
         self.publish_state("active")
-        files = {path.stem: path async for path in self._folder.glob("*.json")}
         for key in self._lamps.keys() - files.keys():
             del self._lamps[key]
             self._devices.remove(key, "its file is gone")

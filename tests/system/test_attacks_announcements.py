@@ -253,14 +253,14 @@ def many_parts(number: int) -> tuple[str, bytes]:
     return f"homeassistant/device/d{number}/config", json.dumps(told).encode()
 
 
-def wide_device() -> Iterator[tuple[str, bytes]]:
+def wide_device(settings: int = 600) -> Iterator[tuple[str, bytes]]:
     """A lamp of as many settings as are read, and a device of as many properties, each in a node of its own."""
-    features = [{"type": "numeric", "name": f"n{one}", "property": f"n{one}", "access": 7} for one in range(600)]
+    features = [{"type": "numeric", "name": f"n{one}", "property": f"n{one}", "access": 7} for one in range(settings)]
     exposes = [{"type": "light", "features": features}]
     definition = {"model": "m", "vendor": "v", "exposes": exposes}
     entry = {"ieee_address": f"0x{1:016x}", "friendly_name": "wide", "type": "EndDevice", "definition": definition}
     yield TOPIC, json.dumps([entry | {"supported": True}]).encode()
-    nodes = {f"n{one}": {"properties": {"p": {"datatype": "integer", "settable": True}}} for one in range(600)}
+    nodes = {f"n{one}": {"properties": {"p": {"datatype": "integer", "settable": True}}} for one in range(settings)}
     yield "homie/5/wide/$description", json.dumps({"homie": "5.0", "version": 1, "name": "W", "nodes": nodes}).encode()
     yield "homie/5/wide/$state", b"ready"
 
@@ -278,6 +278,9 @@ def test_large_announcements_leave_turns_to_others(tmp_path: Path) -> None:
     if not NIGHTLY:
         del floods["renamed"]
     with attacked(tmp_path) as homebot, closing(Hostile(homebot.broker)) as hostile:
+        for topic, payload in (*wide_device(1), config("lock", "first")):  # loads what reads them: decision 23
+            hostile.publish(topic, payload)
+        until(lambda: finds(begun(homebot), "first") or None, PATIENCE)
         for number, (name, flood) in enumerate(floods.items()):
             homebot.toll()
             for topic, payload in flood:

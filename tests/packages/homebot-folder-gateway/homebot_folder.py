@@ -71,11 +71,12 @@ class FolderGateway(Gateway):
             await self._read_folder()
 
     async def _read_folder(self) -> None:
-        if not await self._folder.is_dir():
+        try:  # one look: the folder may go missing between two
+            found = {path.stem: path async for path in self._folder.iterdir() if path.suffix == ".lamp"}
+        except FileNotFoundError:
             self.publish_state("unavailable", f"{self._folder} does not exist")
             return
         self.publish_state("active")
-        found = {path.stem: path async for path in self._folder.glob("*.lamp")}
         for name in self._lamps.keys() - found.keys():
             del self._lamps[name]
             self._devices.remove(name, "its file was deleted")
