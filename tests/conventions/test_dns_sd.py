@@ -119,6 +119,8 @@ def test_the_pairing_id_of_homekit_is_no_hardware_address() -> None:
         ("office [a8:03:2a:be:54:dc]", "_workstation._tcp", {}, "office"),
         ("Bosch SHC [a8-03-2a-be-54-dc]", "_http._tcp", {}, "Bosch SHC"),
         ("DD200C20D25AE5F7", "_matterc._udp", {"dn": "Plug"}, "Plug"),
+        ("amzn.dmgr:0BAECE33521E1296:IWtzu2uork:904801", "_amzn-wplay._tcp", {"n": "Bedroom TV"}, "Bedroom TV"),
+        ("Lamp", "_http._tcp", {"n": "x"}, "Lamp"),
         ("Lamp", "_http._tcp", {"dn": "x", "fn": ""}, "Lamp"),
     ],
 )

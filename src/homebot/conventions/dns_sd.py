@@ -120,7 +120,10 @@ reset."""
 _NAMES = ("friendly_name", "friendlyname", "fn")
 """Keys that say the name that people gave, of ESPHome and of Google Cast."""
 
-_COMMISSIONABLE, _OPERATIONAL = "_matterc._udp.local.", "_matter._tcp.local."
+_NAME_OF = {"_matterc._udp.local.": "dn", "_amzn-wplay._tcp.local.": "n"}
+"""Further ones by type: of Matter, and of the Fire TVs of Amazon, which are called ``amzn.dmgr:`` and an id."""
+
+_OPERATIONAL = "_matter._tcp.local."
 _ID = re.compile(r"[0-9A-Za-z]+[_-][0-9A-Fa-f]{12,}|[0-9A-Fa-f]{12,}")
 _ADDRESS_BEHIND = re.compile(r"\s*\[((?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2})\]$")
 """Of computers, ``office [00:0e:c6:12:34:56]``, and of Bosch's controller, with hyphens."""
@@ -209,9 +212,9 @@ def host_identifiers(service: FoundService) -> tuple[str, ...]:
 def name_of(service: FoundService) -> str:
     """Return the name of a service for people: its instance name without the address that some put into it.
 
-    A name in the TXT record comes first: there the instance name is made of an id (Google Cast, Matter).
+    A name in the TXT record comes first: there the instance name is made of an id (Google Cast, Matter, Amazon).
     """
-    for key in (*_NAMES, *(("dn",) if service.service_type == _COMMISSIONABLE else ())):
+    for key in (*_NAMES, _NAME_OF.get(service.service_type, "")):
         if name := printable(service.properties.get(key, "")).strip():
             return name
     before, _, after = service.name.partition("@")
