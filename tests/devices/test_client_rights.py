@@ -226,6 +226,15 @@ PARTS: list[tuple[str, Device, bool]] = [
         )
         for name in names
     ),
+    *(
+        (f"text {name}", device("BSB-LAN", part("x_setting", "text", name=name)), asks)
+        for name, asks in (
+            ("00-09 Trinkwasser - 1610 - Nennsollwert (°C)", True),
+            ("00-08 Kessel - 2210 - Sollwert Minimum (°C)", True),
+            ("00-05 Heizkreis 1 - 710 - Komfortsollwert (°C)", False),
+            ("00-09 Trinkwasser - 1640 - Legionellenfunktion", False),
+        )
+    ),
     # Only relays and covers ask by their name.
     *(
         (f"{service_type} {name}", device(name, part(service_type, "on_off")), False)

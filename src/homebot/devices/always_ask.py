@@ -241,7 +241,8 @@ def _why_named_setting(device: Device, part: DevicePart) -> str:
 def _why_called(capability: Capability, device: Device, part: DevicePart) -> str | None:
     """Return the same as :func:`_why_named_setting`; None if names say nothing about such a capability."""
     told = part.part
-    if capability.name == "number" and capability.unit in _DEGREES:
+    unit = {"number": capability.unit, "text": told.name.strip("()")[-2:]}.get(capability.name)  # BSB-LAN's texts
+    if unit in _DEGREES:
         return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, _own_name(told, ""), anywhere=True)
     if capability.name in _PRESSED and _is_deed(told):
         return _why_named(ALL_THAT_ASK, *_names(device, part), f"{device.name} {_own_name(told, part.id)}")
