@@ -11,12 +11,14 @@ from tests.history.conftest import MIDNIGHT, MakeHouse
 
 from homebot.clock import LoopClock
 from homebot.devices.health import HealthRequest
+from homebot.devices.history_messages import ReadEnergyRequest, ReadHistoryRequest
 from homebot.graph import Graph, Node
 from homebot.history.batch import Batch, Series
 from homebot.history.collector import MOST_WAITING, Collector
 from homebot.history.history import HistoryKeeper
 from homebot.history.history_file import HistoryFile, HistoryStore
 from homebot.history.settings import HistorySettings, KeepSettings
+from homebot.messages import Time
 
 HOUR = 3_600_000
 START = round(MIDNIGHT * 1000)
@@ -114,6 +116,23 @@ async def test_the_loop_goes_on_while_a_hundred_thousand_values_are_written(tmp_
         assert turns > 5
         assert longest < LONGEST_TURN
         await store.kept.close()
+
+
+@pytest.mark.virtual_time
+async def test_a_question_about_all_time_reads_no_more_than_what_is_stored(kept: MakeHouse) -> None:
+    """A client that may only read could otherwise keep the file busy for hours, and values would be lost meanwhile."""
+    async with kept() as house:
+        for hour in range(30):
+            await house.report("meter", energy=float(hour), power=float(hour))
+            await anyio.sleep(3600)
+        statements: list[str] = []
+        house.history._store.file.connection.set_trace_callback(statements.append)
+        always = Time.from_seconds(-(2.0**31)), Time.from_seconds(2.0**31 - 1)
+        energy = await house.history._service.energy(ReadEnergyRequest(since=always[0], until=always[1]))
+        power = await house.history._service.read(ReadHistoryRequest(device="meter", since=always[0], until=always[1]))
+    assert sum(day.used for day in energy.days) == 29.0
+    assert [len(one.times) for one in power.series] == [1, 1]
+    assert len(statements) < 500
 
 
 async def test_devices_that_are_gone_leave_room_for_new_ones() -> None:

@@ -181,12 +181,12 @@ def _energy(
     reader: HistoryReader, counters: Iterable[Series], names: Mapping[str, str], span: Span, zone: tzinfo | None
 ) -> list[EnergyOfDay]:
     found: dict[tuple[str, str, str], dict[str, float]] = {}
-    for one in counters:
-        device, part, capability = one.place
-        for at, rise in reader.rises(one.number, span, zone):
-            key = datetime.fromtimestamp(at / 1000, zone).date().isoformat(), device, part
-            sums = found.setdefault(key, {})
-            sums[capability] = sums.get(capability, 0.0) + rise
+    places = {one.number: one.place for one in counters}
+    for number, at, rise in reader.rises(places, span, zone):
+        device, part, capability = places[number]
+        key = datetime.fromtimestamp(at / 1000, zone).date().isoformat(), device, part
+        sums = found.setdefault(key, {})
+        sums[capability] = sums.get(capability, 0.0) + rise
     return [
         EnergyOfDay(
             day=day,

@@ -94,7 +94,7 @@ class HistoryReader:
 
     def _values(self, series: int, span: Span, unsealed: Points | None) -> tuple[list[int], list[float]]:
         pairs: list[tuple[int, float]] = []
-        for hour in range(span.since // HOUR, span.until // HOUR + 1):
+        for hour in self._kept("raw", HOUR, span):
             if data := read_blob(self.connection, "raw", key_of(hour, series)):
                 pairs += zip(*decode_values(hour * HOUR, data), strict=True)
         if unsealed is not None:
@@ -104,7 +104,7 @@ class HistoryReader:
 
     def _fives(self, series: int, span: Span, unsealed: Points | None) -> dict[int, Bucket]:
         found: dict[int, Bucket] = {}
-        for hour in range(span.since // HOUR, span.until // HOUR + 1):
+        for hour in self._kept("five", HOUR, span):
             if data := read_blob(self.connection, "five", key_of(hour, series)):
                 found.update(decode_buckets(hour * FIVES, data))
         if unsealed is not None:
@@ -115,7 +115,8 @@ class HistoryReader:
     def _hours(self, series: int, span: Span, unsealed: Points | None) -> dict[int, Bucket]:
         """Return the hourly buckets, oldest first; those of unfinished days are combined from smaller ones."""
         found: dict[int, Bucket] = {}
-        for day in range(span.since // _DAY, span.until // _DAY + 1):
+        recent = {hour // HOURS for hour in self._kept("five", HOUR, span)}
+        for day in sorted(recent.union(self._kept("day", _DAY, span))):
             if data := read_blob(self.connection, "day", key_of(day, series)):
                 found.update(decode_buckets(day * HOURS, data))
             elif (day + 1) * _DAY > self.now - self.keep.five_minutes * 1000:
@@ -126,19 +127,28 @@ class HistoryReader:
                 found[number] = combined(found.get(number), bucket)
         return dict(sorted(found.items()))
 
-    def rises(self, series: int, span: Span, zone: tzinfo | None) -> Iterator[tuple[int, float]]:
-        """Yield the start of each bucket in which a counter rose, and the rise.
+    def _kept(self, table: str, width: int, span: Span) -> range:
+        """Return the numbers in *span* that rows of *table* may have, each of which is of *width* milliseconds."""
+        query = f"SELECT (SELECT min(k) FROM {table}), (SELECT max(k) FROM {table})"  # noqa: S608 - our own names
+        first, last = self.connection.execute(query).fetchone()
+        if first is None:
+            return range(0)
+        return range(max(span.since // width, first >> BITS), min(span.until // width, last >> BITS) + 1)
+
+    def rises(self, counters: Collection[int], span: Span, zone: tzinfo | None) -> Iterator[tuple[int, int, float]]:
+        """Yield each counter with the start of each bucket in which it rose, and the rise.
 
         These are hours, or five minutes if a zone is off by half an hour and these buckets are kept.
         """
-        unsealed = self._unsealed({series}).get(series)
+        unsealed = self._unsealed(counters)
         is_whole = all(_offset(at, zone) % _HOUR_SECONDS == 0 for at in (span.since, span.until))
         is_fine = not is_whole and span.since >= self.now - self.keep.five_minutes * 1000
         read, width = (self._fives, FIVE_MINUTES) if is_fine else (self._hours, HOUR)
-        for number, bucket in read(series, span, unsealed).items():
-            at = number * width
-            if bucket.rise and span.since <= at <= span.until:
-                yield at, bucket.rise
+        for series in counters:
+            for number, bucket in read(series, span, unsealed.get(series)).items():
+                at = number * width
+                if bucket.rise and span.since <= at <= span.until:
+                    yield series, at, bucket.rise
 
     def states(self, series: int, span: Span) -> StoredStates:
         """Return the states in *span*, including the one at its start; only the newest if there are too many."""
