@@ -39,6 +39,12 @@ def test_a_command_of_the_guide_runs(door: str, command: str) -> None:
     assert done.stdout
 
 
+def test_a_young_history_has_more_than_one_row(door: str) -> None:
+    """Rows were cut for the whole time asked for: of the first evening there was one, with the mean."""
+    done = run("homebot history Washer --since 30d", door=door)
+    assert "VALUE" in done.stdout
+
+
 def test_a_plot_shows_the_largest_value_on_top_and_a_pause_blank() -> None:
     lines = plot_lines([0.0, 10.0, 90.0], [1.0, 5.0, 1.0], 0.0, 100.0, 31, 4)
     assert lines[0] == "        5 │  █"

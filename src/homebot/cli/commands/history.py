@@ -81,11 +81,21 @@ def _history(door: DoorClient, options: argparse.Namespace) -> int:
         return _print_energy(_ask(door, READ_ENERGY, request), options)
     points = _WIDEST if options.plot else _MOST if options.csv or options.json else _ROWS
     request |= {"capability": options.capability, "points": min(options.points or points, _MOST)}
-    found = cast("ReadHistoryResponse", _ask(door, READ_HISTORY, request))
+    found, since = _series(door, request, since)
     if not found.series and (name := options.capability) and name not in CAPABILITIES:
         raise PeerError(f"nothing has a value {name!r}; {did_you_mean(name, CAPABILITIES, _SEE_VALUES)}")
     _print_history(found, options, since, until)
     return 0 if found.series else 1
+
+
+def _series(door: DoorClient, request: Mapping[str, object], since: float) -> tuple[ReadHistoryResponse, float]:
+    """Return the series, and when they begin: of a young history, rows for the whole time would be few."""
+    while True:
+        found = cast("ReadHistoryResponse", _ask(door, READ_HISTORY, {**request, "since": from_seconds(since)}))
+        begins = min((one.times[0] for one in found.series if one.times), default=since)
+        if begins <= since:
+            return found, since
+        since = begins
 
 
 def _print_history(found: ReadHistoryResponse, options: argparse.Namespace, since: float, until: float) -> None:
