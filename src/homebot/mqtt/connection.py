@@ -96,7 +96,6 @@ class MqttConnection:
         ack: Acknowledges messages to the broker; see `Receiver.ack`.
         publish: Publishes; see `MqttClient.publish`. Raises LinkError at once while the link is down.
         url: The broker's address, without user and password.
-        limits: Limits of the client, as text; see `MqttClient`.
     """
 
     def __init__(
@@ -119,7 +118,7 @@ class MqttConnection:
         self.status_topic = status_topic
         self._client = make_client(options)
         self.ack, self.publish = self._client.ack, self._client.publish
-        self.counters, self.limits = self._client.counters, self._client.limits
+        self.counters = self._client.counters
         self._clock = LoopClock() if clock is None else clock
         self._retries = BackoffCounter(self._clock, random or Random())  # noqa: S311 - jitter is no secret
         self._link_backoff = link_backoff

@@ -365,7 +365,7 @@ class StillHouse:
             counts=counts + more,
             quarantined=() if self.is_well else (offender,),
             failures=tuple(self.failures),
-            notes=("aiomqtt publishes QoS 2 as QoS 1",),
+            notes=("a device waits to be paired",),
         )
 
     def _directory_health(self, request: HealthRequest) -> HealthResponse:

@@ -300,11 +300,7 @@ class AnnouncedDevices:
         troubled = (one for one in self._conventions if isinstance(one, ProblemReportingConvention))
         troubles = tuple(trouble for one in troubled for trouble in one.problems())
         rivals = (self._lease.trouble,) if self._lease.trouble else ()
-        return HealthResponse(
-            counts=Count.each(counts),
-            troubles=(*rivals, *troubles),
-            notes=self._connection.limits,
-        )
+        return HealthResponse(counts=Count.each(counts), troubles=(*rivals, *troubles))
 
 
 def _filters(conventions: Iterable[Convention], *, of_texts: bool) -> tuple[str, ...]:

@@ -50,9 +50,7 @@ T = TypeVar("T")
 
 @final
 class AiomqttClient(MqttClient):
-    """The client on aiomqtt 2."""
-
-    limits = ('aiomqtt publishes QoS 2 as QoS 1, so a message may arrive twice; client = "native" keeps QoS 2',)
+    """The client on aiomqtt 2, which publishes QoS 2 as QoS 1."""
 
     async def _open(self, options: MqttOptions, version: MqttVersion, receiver: Receiver) -> ClientLink:
         tls = await make_tls_context(options) if options.tls else None  # each time: certificates are renewed

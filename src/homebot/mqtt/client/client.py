@@ -39,12 +39,9 @@ class MqttClient(ABC):
     One task receives; any number may publish. Errors of the link do not name the broker: the caller does.
 
     Attributes:
-        limits: Promises of this contract that the client does not keep, in words for people.
         receive: Returns all received messages in order, and waits for the first; see `Inbox.receive`.
         ack: Acknowledges messages to the broker; see `Receiver.ack`.
     """
-
-    limits: tuple[str, ...] = ()
 
     def __init__(self, options: MqttOptions, clock: Clock | None = None) -> None:
         self._options = options
