@@ -32,11 +32,12 @@ def test_a_file_that_is_there_is_replaced_only_by_force(tmp_path: Path) -> None:
     path = tmp_path / "day.jsonl"
     path.write_text("precious")
     path.chmod(0o644)
-    with pytest.raises(UsageError, match="exists already; --force replaces it"):
+    with pytest.raises(UsageError, match="exists already; delete it, or choose another name"):
         RecordingFile(path)
     assert path.read_text() == "precious"
-    RecordingFile(path, force=True).close()
-    assert path.read_text() == ""
+    with RecordingFile(path, force=True) as file:
+        file.write([HEADER])
+    assert path.read_text() == f"{HEADER}\n"
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
 
 
@@ -44,9 +45,16 @@ def test_force_replaces_a_link_and_not_what_it_points_at(tmp_path: Path) -> None
     other, path = tmp_path / "other", tmp_path / "day.jsonl"
     other.write_text("precious")
     path.symlink_to(other)
-    RecordingFile(path, force=True).close()
+    with RecordingFile(path, force=True) as file:
+        file.write([HEADER])
     assert other.read_text() == "precious"
     assert not path.is_symlink()
+
+
+def test_a_run_that_did_not_begin_leaves_no_file(tmp_path: Path) -> None:
+    """After a mistake in the configuration was mended, the next run refused the empty file of the one before."""
+    RecordingFile(tmp_path / "day.jsonl").close()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:

@@ -67,7 +67,7 @@ class RecordingFile:
         self._file.flush()
 
     def close(self) -> None:
-        """Write the end if the file is full, and close it.
+        """Write the end if the file is full, and close it; remove a file of a run that did not begin.
 
         Raises:
             OSError: The disk is full or missing.
@@ -76,6 +76,8 @@ class RecordingFile:
             if self._is_full:
                 ends = (LostLines(count=self.dropped), RecordingEnd(reason="the file is full"))
                 self._file.write("".join(f"{line_text(RecordingLine(0.0, one))}\n" for one in ends).encode())
+        if not self.lines:
+            self.path.unlink(missing_ok=True)
 
     def __enter__(self) -> Self:
         return self
@@ -122,7 +124,7 @@ def _created(path: Path, *, force: bool) -> IO[bytes]:
             path.unlink(missing_ok=True)  # a new file: the old one may be readable by others, or be a link
         descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _FOR_ITS_OWNER)
     except FileExistsError:
-        raise UsageError(f"{path} exists already; --force replaces it") from None
+        raise UsageError(f"{path} exists already; delete it, or choose another name") from None
     except OSError as exc:
         raise UsageError(f"{path} cannot be written: {exc.strerror}") from exc
     file = os.fdopen(descriptor, "wb")
