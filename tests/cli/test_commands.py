@@ -209,6 +209,16 @@ def test_help_teaches_by_examples(capsys: Text) -> None:
     assert "homebot topic pub --once /hello std_msgs/String '{data: hi}'" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("command", ["devices", "doctor", "replay", "run"])
+def test_help_fits_a_terminal_of_80_columns(capsys: Text, monkeypatch: pytest.MonkeyPatch, command: str) -> None:
+    """The terminal broke the sentences below the examples within words; a long command stays whole, to be copied."""
+    monkeypatch.setenv("COLUMNS", "80")
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    shown = capsys.readouterr().out.splitlines()
+    assert [one for one in shown if len(one) > 80 and not one.startswith("  homebot ")] == []
+
+
 @pytest.mark.parametrize("command", ["replay", "top", "why"])
 def test_the_sentences_below_the_examples_are_not_indented(capsys: Text, command: str) -> None:
     with pytest.raises(SystemExit):

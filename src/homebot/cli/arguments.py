@@ -17,6 +17,7 @@ __all__ = [
     "DEFAULT_DOOR",
     "Command",
     "Commands",
+    "HelpFormatter",
     "add_broker_option",
     "add_door_options",
     "add_verb",
@@ -51,6 +52,20 @@ _HOST = re.compile(r"[\w.-]+")
 _NUMBER = re.compile(r"-?[0-9]+([.][0-9]*)?")
 
 
+class HelpFormatter(argparse.RawDescriptionHelpFormatter):
+    """Formatter that wraps paragraphs at the width of the terminal, and long examples before their explanations."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        del indent
+        from textwrap import fill  # noqa: PLC0415 - for help alone
+
+        lines = re.sub(r"(?<=\S)\n(?=\S)", " ", text).splitlines()
+        for place, line in enumerate(lines):
+            if len(line) > width:
+                lines[place] = re.sub(r"(?<=\S)  +", "\n      ", line) if line[0] == " " else fill(line, width)
+        return "\n".join(lines)
+
+
 def set_command(
     parser: argparse.ArgumentParser, command: Command, examples: str, global_options: Collection[str] = ()
 ) -> None:
@@ -78,7 +93,7 @@ def add_verb(verbs: Commands, name: str, summary: str) -> argparse.ArgumentParse
         name,
         help=summary,
         description=f"{summary[0].upper()}{summary[1:]}.",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpFormatter,
     )
 
 

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from io import TextIOWrapper
 from typing import Final
 
-from homebot.cli.arguments import add_door_options, add_verb, unused_option
+from homebot.cli.arguments import HelpFormatter, add_door_options, add_verb, unused_option
 from homebot.cli.parser import SHELLS, CommandParser, PrintCompletion
 from homebot.errors import HomebotError
 from homebot.support.output import clean_output
@@ -81,10 +81,10 @@ _WRONG_COMMAND_LINE: Final = 2
 
 _EPILOG = """\
 examples:
-  homebot run                                    try it: a simulated family's house
+  homebot run                                    try it in a simulated house
   homebot devices                                the devices in the house
   homebot find 'light and dimmable in kitchen'   the devices that match
-  homebot do 'Kitchen lamp' on                   command a device, and show whether it obeyed
+  homebot do 'Kitchen lamp' on                   command a device, and see its outcome
   homebot why 'Kitchen lamp'                     why it is in its state
   homebot show 'Kitchen lamp'                    everything about one device
   homebot doctor                                 problems and their remedies
@@ -125,7 +125,7 @@ def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
         prog="homebot",
         description="The home runtime for robots: find every device in the house, and control it.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"homebot {__version__}")
     parser.add_argument(
