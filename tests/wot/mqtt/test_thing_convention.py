@@ -1,6 +1,8 @@
 """Thing Descriptions as a convention: what is heard of them, and how their parts speak and listen."""
 
 import json
+import re
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -37,6 +39,13 @@ def prop(topic: str, kind: str = "boolean", **more: Any) -> dict[str, Any]:
 def take(description: object) -> DeviceAnnounced:
     payload = json.dumps(description).encode()
     return device_in(ThingDescriptions(ThingSettings()).read_message(TOPIC, payload, retained=True))
+
+
+def test_the_description_in_the_guide_is_a_thermometer() -> None:
+    guide = (Path(__file__).parents[3] / "docs" / "devices.md").read_text("utf-8")
+    (shown,) = re.findall(r"```json\n(.*?)```", guide, re.DOTALL)
+    (part,) = take(json.loads(shown)).parts
+    assert (part.part.service_type, part.part.reads) == ("temperature_sensor", ("garage/temperature",))
 
 
 def test_a_description_is_a_device() -> None:
