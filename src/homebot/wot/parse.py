@@ -116,7 +116,7 @@ def _security(fields: Fields) -> tuple[dict[str, SecurityScheme], tuple[str, ...
 def _security_scheme(fields: Fields) -> SecurityScheme:
     scheme = fields.text("scheme", required=True)
     where, name = (fields.text(one) if isinstance(fields.plain(one), str) else "" for one in ("in", "name"))
-    return SecurityScheme(scheme, where, name)
+    return SecurityScheme("bearer" if scheme == "oauth2" else scheme, where, name)  # its token is sent as one: RFC 6750
 
 
 def _check_known(fields: Fields, required: tuple[str, ...], schemes: Collection[str]) -> None:

@@ -93,11 +93,13 @@ async def test_without_its_password_the_thing_refuses_and_the_error_says_so() ->
         ({"scheme": "apikey", "in": "query", "name": "key"}, "query"),
         ({"scheme": "apikey", "name": "key"}, "query"),
         ({"scheme": "apikey", "in": "cookie", "name": "key"}, "cookie"),
+        ({"scheme": "oauth2", "flow": "code", "token": "http://hall.local/oauth/token"}, "bearer"),
     ],
 )
 async def test_a_key_is_sent_where_the_description_says(
     scheme: dict[str, str], sent: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """WebThings Gateway asks for OAuth 2, and gives a token for it to its owner: w3c/wot-testing, WebThings."""
     monkeypatch.setenv("KETTLE_KEY", "a b&c")
     seen: list[str] = []
 
@@ -108,6 +110,7 @@ async def test_a_key_is_sent_where_the_description_says(
             "header": request.headers.get("X-Key"),
             "query": request.query.get("key"),
             "cookie": request.headers.get("Cookie", "").removeprefix("key="),
+            "bearer": request.headers.get("Authorization", "").removeprefix("Bearer "),
         }
         seen.append(str(where[sent]))
         return web.json_response(True)
