@@ -108,10 +108,10 @@ class RawDelivery:
         if not publishers or (message.retained and self._delivered.get(message.address) == content):
             return
         self._delivered[message.address] = content
+        now, ends = self._node.graph.clock.monotonic, self._no_wait_until
         for publisher in tuple(publishers):
             try:
-                until = self._no_wait_until.get(publisher.topic_name, 0.0)
-                if wait_if_full and publisher.is_full and self._node.graph.clock.monotonic() >= until:
+                if wait_if_full and publisher.is_full and now() >= ends.get(publisher.topic_name, 0.0):
                     with anyio.move_on_after(FULL_INBOX_WAIT):
                         await publisher.send(message)
                         continue

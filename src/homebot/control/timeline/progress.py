@@ -53,6 +53,7 @@ class CommandProgress:
         refusal: The reason why the device refuses it; empty if it does not.
         must_answer: Whether the device answers commands but reports no values, so its answer is awaited.
         is_unacknowledged: Whether the network did not acknowledge the last sending in time.
+        is_open: Whether its outcome is not decided yet, and no newer command replaced it.
         ended_at: When its outcome was decided, or it was superseded; inf before.
         learns_late: Whether an answer after its failure shows the device's response time.
         has_echo: Whether a bridge may report the wanted values before the device obeyed.
@@ -86,7 +87,7 @@ class CommandProgress:
         self.stopped_at = self.told_otherwise_at = -math.inf
         self.superseded_by = self.refusal = ""
         self.is_unacknowledged = self.must_answer = self.learns_late = self.is_learnt = False
-        self.ended_at = math.inf
+        self.is_open, self.ended_at = True, math.inf
         self.outcome: Outcome | None = None
         self.settling: Settling | None = None
         self.suspected, self.usual_returns = _NONE, {}
@@ -130,11 +131,6 @@ class CommandProgress:
         if times.count(None) == len(times) or not all(map(_IS_CERTAIN, self.wanted.values())):
             return math.inf
         return max(self.met_times) + durations.LEVEL_FOLLOWS
-
-    @property
-    def is_open(self) -> bool:
-        """True if its outcome is not decided yet."""
-        return self.outcome is None and not self.superseded_by
 
     @property
     def is_accepted(self) -> bool:
@@ -220,13 +216,15 @@ class CommandProgress:
 
     def decide(self, outcome: Outcome, now: float, settle: float) -> None:
         """Record the outcome; a confirmed value has to last for *settle* seconds."""
-        self.outcome, self.ended_at = outcome, min(self.ended_at, now)
+        self.outcome, self.is_open, self.ended_at = outcome, False, min(self.ended_at, now)
         if isinstance(outcome, Confirmed):
             self.settling = Settling(self.order, self.wanted, self.known, self.last, self.roles, now, settle)
 
     def supersede(self, newer: Order, now: float) -> None:
         """End the command, or the watch of some of its values, because of a *newer* command to the same part."""
         self.learns_late = False
+        if self.settling is None and not self.is_open:
+            return
         touched = {
             own
             for own, held in self.order.settings.items()
@@ -237,8 +235,8 @@ class CommandProgress:
             return
         if self.settling is not None:
             self.settling.release(touched, now)
-        elif self.outcome is None and not self.superseded_by:
-            self.superseded_by, self.ended_at = newer.id, now
+        else:
+            self.superseded_by, self.is_open, self.ended_at = newer.id, False, now
 
     def report(self, fact: Reported) -> None:
         """Record a live report, and its role."""
