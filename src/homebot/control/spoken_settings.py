@@ -8,7 +8,7 @@ from typing import Final
 
 from homebot.control.values import changes, related
 from homebot.devices import KeyValue
-from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
 from homebot.devices.part import Capability, Part, accepted_values, check_setting
 from homebot.devices.text.commands import decode_command
 from homebot.devices.text.states import FRACTION_CAPABILITIES
@@ -33,7 +33,7 @@ _PRESSED: Final = frozenset({"locate", "push", "scene"})
 _SAME_WORDS: Final[Mapping[str, str]] = MappingProxyType(
     {"on": "on", "turn_on": "on", "turn on": "on", "turn_off": "off", "turn off": "off", SET: SET}
 )
-_WITH_STATES: Final = frozenset({"alarm", "mower", "vacuum"})
+_WITH_STATES: Final = frozenset({"alarm", "lock", "mower", "vacuum"})
 _STATES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "start": ("cleaning", "mowing"),
@@ -125,11 +125,15 @@ def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
 
 
 def _state_for(word: str, part: Part) -> tuple[str, PlainValue] | None:
-    """Return the setting of a robot or alarm for a word; None if *part* is neither, or does not take it."""
-    for state in _STATES.get(word.replace("_", " "), ()):
-        for one in part.capabilities:
-            if one.settable and state in one.options and one.name in _WITH_STATES:
+    """Return the setting of a robot, alarm or lock for a word, or a press of the button of that name; None for none."""
+    states = (*_STATES.get(word.replace("_", " "), ()), word.replace(" ", "_"))
+    for one in part.capabilities:
+        if one.settable and one.name in _WITH_STATES:
+            options = settable_options(one.name, one.options or CAPABILITIES[one.name].options)
+            if (state := next((state for state in states if state in options), None)) is not None:
                 return one.name, state
+        elif one.settable and one.name == "push" and word == part.name.casefold():
+            return one.name, True
     return None
 
 

@@ -155,6 +155,20 @@ def test_attributes_become_readings(
     assert readings(device).items() >= values.items()
 
 
+@pytest.mark.parametrize(
+    ("types", "name"),
+    [
+        ((0x0075, 0x0011), "dishwasher"),
+        ((0x0078,), "cooktop"),
+        ((0x010A, 0x0011), ""),  # a plug, as its type says
+        ((0xFFF10001,), "0xFFF10001"),
+    ],
+)
+def test_a_device_of_a_type_without_a_word_has_the_name_that_people_use(types: tuple[int, ...], name: str) -> None:
+    device = only_device({"1/29/0": [{"0": one, "1": 1} for one in types], "1/6/0": True})
+    assert [one.advertised for one in device.device.parts] == [name]
+
+
 def test_a_filter_is_a_part_beside_its_purifier() -> None:
     device = only_device({"1/29/0": [{"0": 0x002D}], "1/514/0": 0, "1/113/0": 12, "1/113/2": 1, "1/114/2": 0})
     assert [(one.id, one.name, one.service_type) for one in device.device.parts] == [

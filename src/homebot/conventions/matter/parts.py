@@ -2,7 +2,8 @@
 
 The tables of device types are the vocabulary's.
 
-Source: Matter 1.4 Core Specification, 9.5.5 (TagList), 9.8 (Fixed Label), 9.9 (User Label); Standard Namespaces.
+Source: Matter 1.5 Device Library; Matter 1.4 Core Specification, 9.5.5 (TagList), 9.8 (Fixed Label), 9.9 (User Label);
+Standard Namespaces.
 """
 
 from collections.abc import Iterator, Mapping
@@ -42,8 +43,26 @@ _CAPABILITY_TYPES: Final = {
 }
 """By capability: the type of an endpoint with unknown device types."""
 
-_COOKERS: Final = {0x0077: "cooktop", 0x0078: "cooktop", 0x0079: "microwave oven", 0x007B: "oven"}
-"""By device type: hot devices without a type in the vocabulary, under the names of people and policies."""
+_NAMES: Final = {
+    0x0017: "solar power",
+    0x0018: "battery storage",
+    0x0027: "mode select",
+    0x0040: "irrigation system",
+    0x0070: "refrigerator",
+    0x0071: "cabinet",
+    0x0073: "laundry washer",
+    0x0075: "dishwasher",
+    0x0077: "cooktop",
+    0x0078: "cooktop",
+    0x0079: "microwave oven",
+    0x007B: "oven",
+    0x007C: "laundry dryer",
+    0x050C: "car charger",
+}
+"""By device type: the name that people and policies use for a device without a type in the vocabulary."""
+
+_UTILITIES: Final = frozenset({0x000E, 0x0011, 0x0012, 0x0013, 0x0014, 0x0016, 0x050D})
+"""Device types of aggregators, power sources, updates, bridged and root nodes, and energy management."""
 
 USER_LABEL, FIXED_LABEL = 65, 64
 _NAMING: Final = frozenset({"name", "label", "button"})
@@ -111,11 +130,11 @@ def _extra_part(endpoint: MatterEndpoint, suffix: str, capabilities: tuple[Capab
 
 
 def _advertised(endpoint: MatterEndpoint) -> str:
-    """Return the device types, with the word for a hot device: the cabinet of an oven is known by its clusters."""
-    types = endpoint.device_types[:5]
-    text = ", ".join(f"0x{one:04X}" for one in types)
-    hot = next((_COOKERS[one] for one in types if one in _COOKERS), "oven" if is_oven_cabinet(endpoint) else "")
-    return f"{text} ({hot})" if hot else text
+    """Return the device types that the vocabulary lacks; the cabinet of an oven is known by its clusters."""
+    if is_oven_cabinet(endpoint):
+        return "oven"
+    unlisted = [one for one in endpoint.device_types[:5] if one not in _UTILITIES and one not in _SERVICE_TYPES]
+    return ", ".join(_NAMES.get(one, f"0x{one:04X}") for one in unlisted)
 
 
 def _service_type(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...]) -> tuple[str, bool]:
