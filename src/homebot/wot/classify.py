@@ -121,7 +121,7 @@ def _find_meaning(one: _Candidate, main: str) -> None:
         one.capability, one.service_type = declared["capability"], declared["serviceType"]
         one.part_id = declared.get("part", "")
     elif one.affordance.kind != "property":
-        one.capability = "push" if one.affordance.kind == "action" else "press"
+        one.capability = _invoked(one) if one.affordance.kind == "action" else "press"
     elif capability := _by_type(one.affordance, main):
         one.capability = capability
     elif capability := _by_options(one):
@@ -131,6 +131,12 @@ def _find_meaning(one: _Candidate, main: str) -> None:
         one.capability, one.doubt = _by_name(one, main), 1
         if one.capability not in CAPABILITIES or not _suits(one.capability, one.affordance.schema):
             one.capability, one.doubt = _measured(one) or _general(one), 2
+
+
+def _invoked(one: _Candidate) -> str:
+    """Return the capability of an action: a setting if it takes a number or a text, such as the time of ``fade``."""
+    takes = _KINDS.get(one.affordance.schema.type)
+    return _general(one) if one.is_written and takes in {"number", "text"} else "push"
 
 
 def _by_type(affordance: Affordance, main: str) -> str:

@@ -223,6 +223,16 @@ async def test_a_command_is_spelt_and_what_is_polled_is_read_again_at_once() -> 
     assert rig.host.values["", "level"] == 100.0
 
 
+async def test_an_action_that_takes_a_value_is_a_setting() -> None:
+    """A push without its value ends with an error of the server: eclipse-thingweb/node-wot 0.9 answers 500."""
+    seconds, form = {"type": "integer", "minimum": 1, "maximum": 10}, [{"href": "blink"}]
+    rig = Rig(lamp(actions={"blink": {"input": {"type": "object", "properties": {"for": seconds}}, "forms": form}}))
+    await rig.thing.perform(command("number", 5.0, "blink"))
+    assert rig.port.written == [(BLINK, b'{"for": 5}')]
+    with pytest.raises(RefusedError):
+        await rig.thing.perform(command("number", 11.0, "blink"))
+
+
 async def test_a_brightness_of_zero_turns_a_lamp_off_that_has_a_switch() -> None:
     rig = Rig()
     await rig.thing.perform(command("level", 0.0))

@@ -106,7 +106,7 @@ class _RequestCodec(ShowingCodec):
 def _encode(
     binding: Binding, one: ClassifiedAffordance, form: Form, value: PlainValue, in_unit: Affordance | None = None
 ) -> bytes:
-    if one.affordance.kind == "action":
+    if one.affordance.kind == "action" and one.capability.name == "push":
         require_true(one.capability.name, value)
         return b""
     format_ = binding.formats(form.content_type)

@@ -157,7 +157,7 @@ def _write(
 def _spell(one: ClassifiedAffordance, value: PlainValue) -> Publication:
     by, form, value = one.request(value)
     payload = b""
-    if by.affordance.kind == "action":
+    if by.affordance.kind == "action" and by.capability.name == "push":
         require_true(by.capability.name, value)
     elif (format_ := basic_formats(form.content_type)) is not None:
         payload = format_.encode(encode_document(by.capability, by.affordance, value))
