@@ -85,6 +85,31 @@ def test_the_arguments_rename_a_node_and_its_ends_and_set_its_parameters() -> No
         assert {name: one.value for name, one in found.items()} == {"rate": 2.5, "name": "x"}
 
 
+def test_callbacks_before_and_after_a_change_add_parameters_and_hear_of_all(node: rclpy.Node) -> None:
+    """Also where a client of the node's service sets them."""
+    heard: list[list[tuple[str, Any]]] = []
+    node.declare_parameters("", [("speed", 1.0), ("limit", 1.0)])
+    limit = rclpy.Parameter("limit", value=4.0)
+    node.add_pre_set_parameters_callback(lambda given: [*given, limit])
+    node.add_post_set_parameters_callback(lambda given: heard.append([(one.name, one.value) for one in given]))
+    (result,) = node.set_parameters([rclpy.Parameter("speed", value=2.0)])
+    assert result.successful
+    assert node.get_parameter("limit").value == 4.0
+    assert heard == [[("speed", 2.0), ("limit", 4.0)]]
+
+
+def test_events_of_quality_of_service_call_back_while_the_node_spins(node: rclpy.Node) -> None:
+    heard = list[int]()
+    matched = rclpy.PublisherEventCallbacks(matched=lambda event: heard.append(event.current_count))
+    missed = rclpy.SubscriptionEventCallbacks(deadline=lambda _: rclpy.shutdown())
+    profile = rclpy.qos.QoSProfile(depth=1, deadline=rclpy.Duration(seconds=0.1))
+    publisher = node.create_publisher(String, "chatter", profile, event_callbacks=matched)
+    node.create_subscription(String, "chatter", print, profile, event_callbacks=missed)
+    publisher.publish(String(data="a"))
+    rclpy.spin(node)
+    assert heard == [1]
+
+
 def test_a_node_knows_the_time_its_name_and_its_neighbours(node: rclpy.Node) -> None:
     before = node.get_clock().now()
     stamp = program_type(Header)(stamp=before.to_msg()).stamp

@@ -19,8 +19,8 @@ from homebot.messages.interfaces.interface_text import Interface
 __all__ = ["main"]
 
 _MODULES = (
-    " .action .callback_groups .client .clock .duration .exceptions .executors .guard_condition .logging .node"
-    " .parameter .publisher .service .subscription .task .time .timer .utilities .wait_for_message"
+    " .action .callback_groups .client .clock .duration .event_handler .exceptions .executors .guard_condition"
+    " .logging .node .parameter .publisher .service .subscription .task .time .timer .utilities .wait_for_message"
 )
 """The submodules of rclpy, which are all mapped to ours."""
 

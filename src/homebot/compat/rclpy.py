@@ -1,13 +1,13 @@
 """The rclpy API on homebot's graph: a node is subclassed, created, and spun, without ``async``.
 
 The programs of a process share one graph; each may spin in its own thread. Callbacks run on the thread that spins their
-node, and everything may be called from any thread. Callbacks that check parameters and accept goals and cancellations
+node, and everything may be called from any thread. Callbacks that concern parameters and accept goals and cancellations
 run on the graph's event loop, so that these are answered while another callback blocks; they must not wait. Unlike in
 rclpy, a call of a service without a server fails at once, and ``spin`` returns when another thread calls ``shutdown``.
 
 Each executor has one thread, so callback groups have no effect: a blocking service call runs other callbacks meanwhile.
-Not supported: lifecycle nodes, ``parameter_event_handler``, callbacks before and after a parameter is set, and those
-that wait for another one of their node by other means.
+Not supported: lifecycle nodes, ``parameter_event_handler``, and callbacks that wait for another one of their node by
+other means.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
 from enum import Enum, IntEnum
@@ -27,12 +27,14 @@ from homebot import graph
 from homebot.compat.actions import ActionClient, ActionServer, CancelResponse, GoalResponse
 from homebot.compat.arguments import node_rules, remove_ros_args
 from homebot.compat.clock import RclpyClock, RclpyDuration, RclpyRate, RclpyTime
+from homebot.compat.events import PublisherEventCallbacks, SubscriptionEventCallbacks
 from homebot.compat.logger import LoggingSeverity, get_logger
 from homebot.compat.messages import to_program
 from homebot.compat.remote import CONTEXT, Future, Remote, SpinExecutor
 from homebot.errors import ParameterError
 from homebot.graph import qos as graph_qos
 from homebot.graph.parameter_services import set_parameters
+from homebot.graph.parameters import value_of
 
 __all__ = [
     "ActionClient",
@@ -53,10 +55,12 @@ __all__ = [
     "Parameter",
     "ParameterAlreadyDeclaredException",
     "ParameterNotDeclaredException",
+    "PublisherEventCallbacks",
     "ROSInterruptException",
     "Rate",
     "ReentrantCallbackGroup",
     "SingleThreadedExecutor",
+    "SubscriptionEventCallbacks",
     "Time",
     "create_node",
     "get_logger",
@@ -335,6 +339,26 @@ class RclpyNode(Remote):
 
         CONTEXT.call(self.graph_object.parameters.add_on_set_callback, check)
 
+    def add_pre_set_parameters_callback(self, callback: Callable[[list[RclpyParameter]], Any]) -> None:
+        """Set the parameters that *callback* returns in place of those of each change."""
+        known = self.graph_object.parameters
+        before = known.prepare
+        known.prepare = lambda values: {
+            one.name: value_of(one.to_message().value) for one in callback(_parameters(before(values)))
+        }
+
+    def add_post_set_parameters_callback(self, callback: Callable[[list[RclpyParameter]], object]) -> None:
+        """Call *callback* after each change."""
+        known = self.graph_object.parameters
+        before = known.on_event
+
+        def after(kind: str, parameters: Sequence[graph.Parameter]) -> None:
+            before(kind, parameters)
+            if kind == "changed":
+                callback(_parameters(dict(parameters)))
+
+        known.on_event = after
+
     def destroy_publisher(self, end: Remote) -> bool:
         """Close *end*, which the node created."""
         CONTEXT.call(end.graph_object.close)
@@ -361,6 +385,10 @@ def _executor_of(node: RclpyNode, executor: SpinExecutor | None) -> SpinExecutor
     if executor is not None:
         executor.add_node(node)
     return executor or node.executor
+
+
+def _parameters(values: Mapping[str, Any]) -> list[RclpyParameter]:
+    return [RclpyParameter(name, value=value) for name, value in values.items()]
 
 
 def _with_lists(types: dict[str, str]) -> list[tuple[str, list[str]]]:

@@ -246,10 +246,13 @@ class Remote:
         value = getattr(self.graph_object, _NAMES.get(name, name))
         return partial(self.invoke, value) if callable(value) else self.shown(value)
 
-    def invoke(self, method: Callable[..., Any], *args: object, **kwargs: object) -> Any:
-        """Return the result of *method* on the event loop."""
+    def invoke(self, method: Callable[..., Any], *args: object, event_callbacks: Any = None, **kwargs: object) -> Any:
+        """Return the result of *method* on the event loop, with *event_callbacks* if it is the end of a topic."""
         given = {_NAMES.get(name, name): self._given(value) for name, value in kwargs.items() if name not in _UNUSED}
-        return self.shown(CONTEXT.call(method, *map(self._given, args), **given))
+        result = self.shown(CONTEXT.call(method, *map(self._given, args), **given))
+        if event_callbacks is not None:
+            event_callbacks.watch(result)
+        return result
 
     def begin(self, method: Callable[..., Awaitable[object]], *args: object) -> Future:
         """Return a future of the result of the coroutine function *method* on the event loop."""

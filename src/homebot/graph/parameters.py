@@ -70,6 +70,10 @@ class ParameterSet:
         on_event: Called with the parameters that are declared or set together.
         on_failure: Called with the name of a parameter and the exception of its check.
         on_use: Called once, before the first declaration.
+
+    Attributes:
+        on_event: As above.
+        prepare: Returns the values to set in place of those that are given.
     """
 
     def __init__(
@@ -82,7 +86,8 @@ class ParameterSet:
     ) -> None:
         self._node = node
         self._overrides = dict(overrides)
-        self._on_event = on_event
+        self.on_event = on_event
+        self.prepare: Callable[[Mapping[str, Value]], Mapping[str, Value]] = lambda values: values
         self._on_failure = on_failure
         self._on_use: Callable[[], None] | None = on_use
         self._known: dict[str, _Declared] = {}
@@ -108,7 +113,7 @@ class ParameterSet:
         declared.value = parameter.value
         self._use()
         self._declared[name] = declared
-        self._on_event("new", (parameter,))
+        self.on_event("new", (parameter,))
         return parameter
 
     def has(self, name: str) -> bool:
@@ -139,11 +144,11 @@ class ParameterSet:
 
     def set_atomically(self, values: Mapping[str, Value]) -> tuple[Parameter, ...]:
         """Set all of *values*, or none of them; otherwise as :meth:`set`."""
-        parameters = tuple(self._settable(name, value) for name, value in values.items())
+        parameters = tuple(self._settable(name, value) for name, value in self.prepare(values).items())
         if changed := [one for one in parameters if one.value != self._declared[one.name].value]:
             for parameter in changed:
                 self._declared[parameter.name].value = parameter.value
-            self._on_event("changed", changed)
+            self.on_event("changed", changed)
         return parameters
 
     def names(self) -> tuple[str, ...]:
