@@ -117,6 +117,8 @@ def test_a_node_knows_the_time_its_name_and_its_neighbours(node: rclpy.Node) -> 
     assert stamp.sec * 10**9 + stamp.nanosec == before.nanoseconds
     assert 0 <= (node.get_clock().now() - before).nanoseconds < PATIENCE * 1e9
     assert node.get_fully_qualified_name() == "/node"
+    assert "node" in node.get_node_names()
+    assert node.resolve_topic_name("chatter") == "/chatter"
     subscription = node.create_subscription(String, "chatter", print, 10)
     assert (node.count_publishers("chatter"), node.count_subscribers("/chatter")) == (0, 1)
     assert node.destroy_subscription(subscription)

@@ -237,6 +237,10 @@ class RclpyNode(Remote):
         """Return the number of subscriptions to *topic_name*."""
         return self._count(graph.EntityKind.SUBSCRIPTION, topic_name)
 
+    def get_node_names(self) -> list[str]:
+        """Return the names of all nodes, without their namespaces."""
+        return [name.rpartition("/")[2] for name in CONTEXT.call(self.graph_object.graph.get_node_names)]
+
     def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
         """Return each topic of the graph with its type."""
         return _with_lists(CONTEXT.call(self.graph_object.graph.get_topic_names_and_types))

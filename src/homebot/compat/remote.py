@@ -35,7 +35,13 @@ _GETTERS: Final = {
     "get_subscription_count": "subscription_count",
     "is_canceled": "is_canceled",
 }
-_NAMES: Final = {"destroy": "close", "srv_name": "service_name", "timeout_sec": "timeout"}
+_NAMES: Final = {
+    "destroy": "close",
+    "resolve_service_name": "resolve_name",
+    "resolve_topic_name": "resolve_name",
+    "srv_name": "service_name",
+    "timeout_sec": "timeout",
+}
 _UNUSED: Final = frozenset({"callback_group", "qos_overriding_options"})
 """The callbacks of a node run one after the other, as in one group."""
 
