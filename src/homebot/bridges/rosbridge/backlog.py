@@ -12,10 +12,10 @@ from __future__ import annotations
 import sys
 import weakref
 from collections import OrderedDict, deque
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterator
 from typing import TypeAlias, final
 
-from homebot.graph.mailbox import Queue, keyed_queue
+from homebot.graph.mailbox import KeyedQueue, keyed_queue
 from homebot.graph.subscription import Expiring
 from homebot.messages.message import Message
 from homebot.messages.numeric_array import NumericArray
@@ -119,7 +119,7 @@ class _Waiting:
 
 @final
 class FeedQueue:
-    """The messages of one topic waiting for one client.
+    """The messages of one topic waiting for one client, or kept for it for late subscribers.
 
     Args:
         depth: Most waiting messages; on a keyed topic, of each key.
@@ -137,7 +137,7 @@ class FeedQueue:
         self._depth = depth if key is None else sys.maxsize
         self._backlog = backlog
         self._on_arrival: Callable[[], None] | None = on_arrival
-        self._queue: Queue[_Waiting] = deque()
+        self._queue: deque[_Waiting] | KeyedQueue[_Waiting] = deque()
         if key is not None:
             self._queue = keyed_queue(depth, lambda waiting: key(waiting.item), self._record_loss)
 
@@ -173,6 +173,9 @@ class FeedQueue:
         while self._queue:
             self._backlog.remove(self._queue.popleft())
         self._queue = deque()  # a keyed one holds us
+
+    def __iter__(self) -> Iterator[Item]:
+        return iter([waiting.item for waiting in self._queue])
 
     def __len__(self) -> int:
         return len(self._queue)

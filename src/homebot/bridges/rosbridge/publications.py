@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
 from homebot.bridges.rosbridge.access import MissingRightError, right_to_publish
+from homebot.bridges.rosbridge.backlog import Backlog, FeedQueue
 from homebot.bridges.rosbridge.client import OutsideClient
 from homebot.bridges.rosbridge.protocol import (
     Advertise,
@@ -25,6 +26,7 @@ from homebot.bridges.rosbridge.types import (
 from homebot.devices.client_rights import Right
 from homebot.errors import PeerError, TypeMismatchError
 from homebot.graph import DurabilityPolicy, Publisher, QoSProfile
+from homebot.graph.subscription import key_of
 from homebot.messages.message import Message
 
 __all__ = ["Publications"]
@@ -66,7 +68,7 @@ class _KeptMessage(NamedTuple):
 class _Publication:
     publisher: Publisher[Message]
     message_type: type[Message]
-    is_latched: bool
+    kept: FeedQueue | None
     ids: set[Identifier] = field(default_factory=set)
     second: float = -math.inf
     checked: int = 0
@@ -82,6 +84,7 @@ class Publications:
     def __init__(self, client: OutsideClient, on_unfit: Callable[[str, str, str, Identifier], None]) -> None:
         self._node, self._access, self._on_unfit = client.shared.node, client.access, on_unfit
         self._advertised = client.shared.advertised
+        self._kept = Backlog(client.shared.settings.max_kept_bytes_of_all, client.shared.kept)
         self._now = self._node.graph.clock.monotonic
         self._recent: deque[_KeptMessage] = deque()
         self._recent_size = 0
@@ -128,7 +131,7 @@ class Publications:
             publication.second, publication.checked = self._now(), 0
         publication.checked += 1
         message, missing = self._message(publication.message_type, op)
-        if not publication.is_latched:
+        if publication.kept is None:
             self._keep(op.topic, op, size)
         publication.publisher.publish(message)
         return missing
@@ -145,6 +148,7 @@ class Publications:
     def close_one(self) -> bool:
         """Remove one topic; return whether there was one."""
         if not self._topics:
+            self._kept.close()
             return False
         self._close(next(reversed(self._topics)))
         return True
@@ -162,24 +166,28 @@ class Publications:
         return message, missing
 
     def _close(self, topic: str) -> None:
-        self._topics.pop(topic).publisher.close()
+        publication = self._topics.pop(topic)
+        publication.publisher.close()
+        if publication.kept is not None:
+            publication.kept.close()
 
     def _is_unread(self, publication: _Publication) -> bool:
         """Return whether *publication* has no readers, and enough messages were checked within this second."""
-        is_read = publication.is_latched or publication.publisher.subscription_count
+        is_read = publication.kept is not None or publication.publisher.subscription_count
         return not is_read and publication.checked >= _CHECKED and self._now() < publication.second + 1.0
 
     def _open(self, topic: str, ros_type: str, kept: int) -> _Publication:
         message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(topic), ros_type)
         present = self._topics.get(topic)
-        if present is not None and (present.is_latched or not kept):
+        if present is not None and (present.kept is not None or not kept):
             return present
-        history = None if kept else _History(lambda: self._late_messages(topic, message_type))
+        queue, qos = None, _QOS
         if kept:
-            kept = _MOST_KEPT if topic.endswith("tf_static") else min(kept, _MOST_KEPT)
-        qos = replace(_QOS, depth=kept) if kept else _QOS
+            qos = replace(_QOS, depth=_MOST_KEPT if topic.endswith("tf_static") else min(kept, _MOST_KEPT))
+            queue = FeedQueue(qos.depth, key_of(message_type), self._kept, lambda: None)
+        history = _History(lambda: self._late_messages(topic, message_type)) if queue is None else queue
         publisher = self._node.create_publisher(message_type, topic, qos, history=history)
-        opened = _Publication(publisher, message_type, bool(kept), present.ids if present else set())
+        opened = _Publication(publisher, message_type, queue, present.ids if present else set())
         if present is not None:
             present.publisher.close()
         self._topics[topic] = opened

@@ -126,6 +126,7 @@ class Door:
             **asdict(self._shared.counters),
             "wrong_tokens": self._entrance.tokens.wrong,
             "messages_lost": self._shared.backlog.lost,
+            "latched_displaced": self._shared.kept.lost,
             "clients_now": self.client_count,
         }
         return HealthResponse(counts=Count.each(counts), troubles=self._entrance.tokens.problems())

@@ -78,6 +78,8 @@ class DoorSettings(AccessSettings):
             a new one is dropped and counted.
         max_waiting_bytes_of_all: Most bytes of messages waiting for all clients together; then the client with the most
             loses its oldest.
+        max_kept_bytes_of_all: Most bytes of latched messages of all clients together; then the client with the most
+            loses its oldest.
         max_entities: Most topics and services of one client at a time; each id of a request counts.
         max_entities_of_all: Most topics and services of all clients together.
         max_frames_per_second: Average rate of frames per client; one that sends more is read more slowly.
@@ -95,6 +97,7 @@ class DoorSettings(AccessSettings):
     queue_depth: Count = 1000
     max_waiting_bytes: Count = 8_388_608
     max_waiting_bytes_of_all: Count = 33_554_432
+    max_kept_bytes_of_all: Count = 67_108_864
     max_entities: Count = 1000
     max_entities_of_all: Count = 10_000
     max_frames_per_second: Count = 1000

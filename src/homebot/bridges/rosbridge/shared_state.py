@@ -140,6 +140,7 @@ class SharedState:
     Attributes:
         advertised: The types of the topics that clients advertised last, for publishing on a new connection: in the
             original server, the publisher of the last one remains for ten seconds.
+        kept: The latched messages of all clients.
         providers: The connection that provides each service or action, by full name.
         refusals: The publisher of refusals for lack of a right; None before the first one.
     """
@@ -150,6 +151,7 @@ class SharedState:
         self.owners = owners
         self.turns = ServerTurns()
         self.backlog = DoorBacklog(settings.max_waiting_bytes_of_all)
+        self.kept = DoorBacklog(settings.max_kept_bytes_of_all)
         self.expected = ExpectedTopics(node.graph)
         self.counters = DoorCounters()
         self.error_log = ClientErrorLog(node)
