@@ -51,13 +51,13 @@ def build_scene(config: DiscoveryConfig) -> DescribedPart:
 def build_switch(config: DiscoveryConfig) -> DescribedPart:
     """Describe a switch: a plug if its class is ``outlet``.
 
-    One that toggles, as tydom2mqtt's gates and garage doors do, is a button: what was not confirmed would be repeated.
+    One that toggles is a gate or garage door of tydom2mqtt, with a button: what was not confirmed would be repeated.
     """
     command, payloads = config.required_command(), config.on_off_payloads()
     if payloads[True] == payloads[False]:
-        button = Entity(config, "x_setting")
-        button.add_push("push", command, payloads[True])
-        return button.build()
+        gate = Entity(config, "closure")
+        gate.add_push("push", command, payloads[True])
+        return gate.build()
     entity = Entity(config, "plug" if config.text("device_class") == "outlet" else "switch")
     entity.add_flag("on_off", config.source("state_topic"), command, payloads, config.on_off_states())
     return entity.build()
