@@ -1,8 +1,10 @@
 """Reloading of the configuration: tokens, rights, policies and places change at once, other keys at the next start."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from anyio import to_thread
 
@@ -16,6 +18,9 @@ from homebot.errors import UsageError
 from homebot.runtime.grants import ACT
 from homebot.runtime.plan import Plan
 from homebot.support.logger import get_logger
+
+if TYPE_CHECKING:
+    from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge
 
 __all__ = ["RunningParts", "keys_for_restart", "reload_configuration"]
 
@@ -42,11 +47,13 @@ class RunningParts(NamedTuple):
         door: Returns the door; None before it listens.
         control: None before it runs.
         directory: None before it runs.
+        things: None before it runs.
     """
 
     door: Callable[[], Door | None]
     control: Control | None
     directory: Directory | None
+    things: ThingDirectoryBridge | None
 
 
 def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
@@ -91,6 +98,8 @@ async def reload_configuration(
         return plan
     if (server := parts.door()) is not None:
         server.update_tokens(new.door)
+    if parts.things is not None and new.thing_directory is not None:
+        parts.things.update_token(new.thing_directory)
     plan.grants.clear()  # in place: other components refer to it
     plan.grants.update(new.grants)
     needs_approval = parts.control is None or parts.control.update_policies(new.control)
@@ -101,4 +110,5 @@ async def reload_configuration(
     waiting = ", ".join(keys_for_restart(running, config))
     rest = f"; restart homebot for the changes of {waiting}" if waiting else ""
     _log.info(RELOADED, message=f"tokens, rights, policies and places were reloaded{rest}")
-    return replace(plan, door=new.door, control=new.control, places=new.places)
+    things = new.thing_directory or plan.thing_directory
+    return replace(plan, door=new.door, control=new.control, places=new.places, thing_directory=things)

@@ -44,6 +44,7 @@ from homebot.support.production_loop import LoopWatch
 
 if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
+    from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge
     from homebot.control.executor import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.house import World
@@ -143,6 +144,7 @@ class Runtime:
         self._owner: OwnerFacts
         self._controller: Control | None = None
         self._index: Directory | None = None
+        self._things: ThingDirectoryBridge | None = None
         self._stack = AsyncExitStack()
         self._clock = self.clock or LoopClock()
         self.graph = Graph(self._clock)
@@ -196,7 +198,7 @@ class Runtime:
         """Apply the configuration that *read* returns, called in a thread; ignore it if it has a mistake."""
         from homebot.runtime.reload import RunningParts, reload_configuration  # noqa: PLC0415 - few runs are reloaded
 
-        parts = RunningParts(lambda: self.door, self._controller, self._index)
+        parts = RunningParts(lambda: self.door, self._controller, self._index, self._things)
         self._plan = await reload_configuration(self.config, self._plan, parts, read, self._make_plan)
 
     def cut_start_short(self) -> None:
@@ -376,7 +378,8 @@ class Runtime:
         async with Node(self.graph, "thing_directory") as node:
             owner = await to_thread.run_sync(self._installation.id_of, node.full_name)
             announce = self._network_services.publish
-            things = ThingDirectoryBridge(node, settings, self._plan.home, owner, announce)
+            settings = self._plan.thing_directory or settings  # after a crash with its newest token
+            self._things = things = ThingDirectoryBridge(node, settings, self._plan.home, owner, announce)
             node.create_service(GetHealth, "~/health", things.health)
             await run_as(node.full_name, partial(things.run, task_status=task_status))
 

@@ -72,7 +72,8 @@ class ThingDirectoryBridge:
         self._settings = settings
         self._announce = announce
         self._error_log = ClientErrorLog(node)
-        self._tokens = TokenCheck({} if settings.token is None else {"token": settings.token}, node.graph.clock)
+        self._token = {} if settings.token is None else {"token": settings.token}
+        self._tokens = TokenCheck(self._token, node.graph.clock)
         self._turns = ServerTurns()
         self._server = BoundedServer(settings, self._handle, node.graph.clock, self._error_log)
         version = token_hex(4)
@@ -109,6 +110,13 @@ class ThingDirectoryBridge:
             "clients_now": len(self._server.connections),
         }
         return HealthResponse(counts=Count.each(counts), troubles=self._tokens.problems())
+
+    def update_token(self, settings: DirectoryBridgeSettings) -> None:
+        """Use the token of *settings* in place of another, and end the streams of clients with that."""
+        token = {} if settings.token is None else {"token": settings.token}
+        if token != self._token and token.keys() == self._token.keys():
+            self._token.update(token)
+            self._feed.close()
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Serve until cancelled, ``started()`` once it listens; raise UsageError if it cannot listen."""

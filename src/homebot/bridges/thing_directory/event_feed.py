@@ -47,7 +47,7 @@ class EventFeed:
         self._catalog = catalog
         self._version = version
         self._changed = anyio.Event()
-        self._is_closed = False
+        self._ended = 0
 
     def notify(self) -> None:
         """Wake all clients: the catalog changed."""
@@ -55,8 +55,8 @@ class EventFeed:
         self._changed = anyio.Event()
 
     def close(self) -> None:
-        """End all streams."""
-        self._is_closed = True
+        """End all streams that are open now."""
+        self._ended += 1
         self.notify()
 
     async def run(self, stream: ByteStream, names: Collection[str], last_id: str = "", base: str = "") -> None:
@@ -70,11 +70,11 @@ class EventFeed:
         Raises:
             ConnectionError: The client has left, or takes no bytes.
         """
-        place = self._place_of(last_id)
+        place, ended = self._place_of(last_id), self._ended
         self.clients += 1
         try:
             await stream.send(b"retry: 2000\n\n")
-            while not self._is_closed:
+            while self._ended == ended:
                 changes = self._catalog.changes_after(place)
                 if changes is None:
                     self.overtaken += 1
@@ -83,7 +83,7 @@ class EventFeed:
                     place = change.number
                     if change.name in names:
                         await stream.send(self._event(change, base))
-                if place == self._catalog.version and not self._is_closed:
+                if place == self._catalog.version and self._ended == ended:
                     await self._wait(stream)
         finally:
             self.clients -= 1
