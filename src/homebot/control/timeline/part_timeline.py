@@ -77,7 +77,7 @@ class PartTimeline:
         """
         for older in self._active:
             older.supersede(order, at)
-            if older.superseded_by:
+            if older.superseded_by == order.id:
                 self.on_news(older, None)
         progress = CommandProgress(order, at, known, last, self.profile, is_raw=is_raw)
         if is_raw:
