@@ -6,7 +6,7 @@ from tests.devices.handles.conftest import device, part
 from homebot.control.policies.rights import is_safe
 from homebot.devices.always_ask import always_asks, why_device_asks, why_it_asks, why_it_drives
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, Right, read_scope
-from homebot.devices.device import Device, Fact, KeyValue
+from homebot.devices.device import Device, DevicePart, Fact, KeyValue, Route
 from homebot.devices.part import Capability
 from homebot.devices.words import ALL_THAT_ASK, FIRE, WATER, Groups
 from homebot.errors import UsageError
@@ -38,6 +38,11 @@ def of_model(model: str, service_type: str, capability: str) -> Device:
     """Return a device that nobody gave a name."""
     one = device("0x00158d0001", part(service_type, capability))
     return one.model_copy(update={"metadata": (KeyValue(key="model", value=model),)})
+
+
+def routed(one: DevicePart, convention: str) -> DevicePart:
+    route = Route(gateway="mqtt", key=f"{convention}:{one.id}", part=one.id, convention=convention)
+    return one.model_copy(update={"routes": (route,)})
 
 
 def of_maker(maker: str, model: str, service_type: str) -> Device:
@@ -106,7 +111,7 @@ NAMES_THAT_ASK = (
     "Induktionskochfeld, Four vapeur, Four micro-ondes, Table de cuisson à induction, Piano cottura, Piano induzione, "
     "Placa de cocción, Placa de inducción, Stoomoven, Inductiekookplaat, Locked, Momentarily unlocked, Lock rule, "
     "Valve opened, Water supply, Lower oven cook mode, Homelink, Microwave, Mikrowelle Küche, Micro-ondes, Microonde, "
-    "Microondas, Magnetron"
+    "Microondas, Magnetron, CookTop, HausTür, WarmWasser"
 )
 
 
@@ -416,10 +421,27 @@ def test_the_blinds_of_a_hub_with_a_garage_door_do_not_ask() -> None:
     """ESPSomfy-RTS announces all covers of a house as one device (SomfyShade::publishDisco)."""
     hub = device(
         "espsomfyrts",
-        part("window_covering", "movement", part_id="shade1", name="Salon", tag="shutter"),
-        part("closure", "movement", part_id="shade2", name="Garage", tag="garage_door"),
+        routed(part("window_covering", "movement", part_id="shade1", name="Salon", tag="shutter"), "homeassistant"),
+        routed(part("closure", "movement", part_id="shade2", name="Garage", tag="garage_door"), "homeassistant"),
     )
     assert [may(LOCAL_RIGHTS, hub, number) for number in range(2)] == [True, False]
+
+
+def test_a_garage_door_that_another_program_takes_for_a_blind_asks_in_both_ways() -> None:
+    """As a Shelly, of which only Home Assistant was told what its cover is."""
+    shelly = device(
+        "shelly",
+        routed(part("window_covering", "movement", part_id="cover:0"), "shelly"),
+        routed(part("closure", "movement", part_id="cover", tag="garage"), "homeassistant"),
+    )
+    assert [may(LOCAL_RIGHTS, shelly, number) for number in range(2)] == [False, False]
+
+
+@pytest.mark.parametrize("capability", ["push", "number", "text"])
+def test_an_action_asks_by_its_name_also_if_it_takes_a_value(capability: str) -> None:
+    """As openGate of a Web Thing, which takes the seconds after which the gate closes."""
+    thing = device("entrance", part("generic_switch", capability, part_id="openGate"))
+    assert not may(LOCAL_RIGHTS, thing)
 
 
 def test_a_client_may_command_by_type_and_room() -> None:

@@ -210,7 +210,7 @@ def test_semantic_types_come_first_then_names_then_types_of_values() -> None:
         "": ("light", ["on_off", "level"]),
         "powerOn": ("x_binary_sensor", ["state"]),
         "roomTemperature": ("x_sensor", ["measurement"]),
-        "blink": ("x_setting", ["number"]),
+        "blink": ("generic_switch", ["number"]),
         "overheated": ("generic_switch", ["press"]),
     }
     main = parts[0].part

@@ -8,7 +8,6 @@ names, texts and flags by names of things that open, temperatures by names of ho
 such as its program. See :mod:`homebot.devices.words`.
 """
 
-import re
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import Final
@@ -34,6 +33,8 @@ __all__ = [
     "APPROVED",
     "BREAKER",
     "CHANGED",
+    "CLAIMED_MODEL",
+    "MAKE",
     "always_asks",
     "asks_by_itself",
     "is_approved",
@@ -76,12 +77,13 @@ _HOTTER_THAN_A_ROOM = 45.0
 _DEGREES = frozenset({"°C", "°F", "K"})
 _RELAYS = frozenset({"plug", "siren", "switch", "window_covering", "x_unknown"})
 _AT_WINDOWS = frozenset({"awning", "blind", "curtain", "shade"})
-_HARMLESS = frozenset({"light", "window_covering"})
-"""What also stands beside a garage door: ESPSomfy-RTS announces all covers of a house as one device."""
+CLAIMED_MODEL: Final = "claimed_model"
+"""The name of the fact that an announcement that joined an approved device states this maker or model."""
 
-_MAKE = frozenset({"manufacturer", "model"})
+MAKE: Final = frozenset({"manufacturer", "model"})
 """Rachio and RainMachine make nothing but irrigation, of which the switches have the names of places in the garden."""
 
+_MODELS = MAKE | {CLAIMED_MODEL}
 _BUTTONS = frozenset({"generic_switch", "x_scene", "x_setting"})
 _PRESSED = frozenset({"push", "scene"})
 _CHOSEN = frozenset({"option", "state"})
@@ -89,7 +91,6 @@ _OPENING = frozenset({"on_off", "text"})
 """Settings that open something if their name says so: ``unlock_door`` of a lock takes its password."""
 
 _NO_DEED = frozenset({"identify", "restart", "update"})
-_CAMEL_CASE = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _TAG = fold("always_ask")
 
 
@@ -101,8 +102,8 @@ def always_asks(device: Device, part: DevicePart) -> bool:
 def why_it_asks(device: Device, part: DevicePart) -> str:
     """Return why *part* of *device* always asks, for people; empty if it does not.
 
-    All other parts of such a device always ask too, except lights and blinds with topics of their own: a garage door
-    often has a button beside its cover, and a lamp. So does a part with announced payloads on the topic of such a
+    All other parts of such a device always ask too, except lights and other blinds with topics of their own: a garage
+    door often has a button beside its cover, and a lamp. So does a part with announced payloads on the topic of such a
     relay.
     """
     if reason := _why_declared(part.part) or _why_by_itself(device, part):
@@ -137,7 +138,7 @@ def why_device_asks(device: Device) -> str:
 
 def asks_by_itself(part: Part) -> bool:
     """Return whether an announced *part* always asks by its type, a setting or its name, whatever its device."""
-    return bool(_why_declared(part) or matching_words(_own_name(part, part.id), ALL_THAT_ASK))
+    return bool(_why_declared(part) or matching_words(part.name or part.id, ALL_THAT_ASK))
 
 
 def is_declared(part: DevicePart) -> bool:
@@ -177,12 +178,22 @@ def _waits(device: Device, part: DevicePart) -> bool:
 def _why_beside(device: Device, part: DevicePart, other: DevicePart) -> str:
     """Return why *part* always asks because of *other*; a command on the topic of a lock may unlock it."""
     shares_topic = not frozenset(part.part.writes).isdisjoint(other.part.writes)
-    if part.part.service_type in _HARMLESS and not shares_topic:
+    kind = part.part.service_type
+    if not shares_topic and (kind == "light" or (kind == "window_covering" and _has_its_program(part, other))):
         return ""
     reason = _why_declared(other.part)
     if not reason and shares_topic and part.part.payloads and other.part.service_type in _RELAYS:
         reason = _why_by_itself(device, other)
     return f"beside another part: {reason}" if reason else ""
+
+
+def _has_its_program(part: DevicePart, other: DevicePart) -> bool:
+    """Return whether one program announces both, and so tells a blind from a garage door, which others may not.
+
+    ESPSomfy-RTS announces all covers of a house as one device; only Home Assistant may know what a Shelly moves.
+    """
+    programs = {(one.gateway, one.convention) for one in other.routes}
+    return any((one.gateway, one.convention) in programs for one in part.routes)
 
 
 def _why_by_itself(device: Device, part: DevicePart) -> str:
@@ -243,9 +254,9 @@ def _why_called(capability: Capability, device: Device, part: DevicePart) -> str
     told = part.part
     unit = {"number": capability.unit, "text": told.name.strip("()")[-2:]}.get(capability.name)  # BSB-LAN's texts
     if unit in _DEGREES:
-        return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, _own_name(told, ""), anywhere=True)
-    if capability.name in _PRESSED and _is_deed(told):
-        return _why_named(ALL_THAT_ASK, *_names(device, part), f"{device.name} {_own_name(told, part.id)}")
+        return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, told.name, anywhere=True)
+    if (capability.name in _PRESSED or told.service_type == "generic_switch") and _is_deed(told):
+        return _why_named(ALL_THAT_ASK, *_names(device, part), f"{device.name} {told.name or part.id}")
     names = (told.name,) if told.name else _names(device, part)
     if capability.name in _CHOSEN:
         if told.category:
@@ -297,14 +308,10 @@ def _is_hot(setpoint: Capability) -> bool:
 
 
 def _names(device: Device, part: DevicePart) -> tuple[str, ...]:
-    return device.name, *device.names, _own_name(part.part, part.id)
-
-
-def _own_name(part: Part, part_id: str) -> str:
-    return _CAMEL_CASE.sub(" ", part.name or part_id)
+    return device.name, *device.names, part.part.name or part.id
 
 
 def _models(device: Device) -> Iterable[str]:
     """Return all makers and models in announcements of *device*: a stranger may state the first."""
-    told = [one.value for one in device.metadata if one.key in _MAKE]
-    return dict.fromkeys((*told, *[one.value for one in device.facts if one.name in _MAKE]))
+    told = [one.value for one in device.metadata if one.key in MAKE]
+    return dict.fromkeys((*told, *[one.value for one in device.facts if one.name in _MODELS]))

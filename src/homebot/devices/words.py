@@ -19,6 +19,7 @@ An entry is a phrase of one or more words in any order, or the end of a word: ``
 """
 
 import json
+import re
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -57,6 +58,7 @@ NO_LOCK: Final = BURNS_OR_FLOODS | {"entry", "opener", "open"}
 ALL_THAT_ASK: Final = NO_LOCK | {"lock"}
 
 _DIGITS: Final = "0123456789"
+_CAMEL_CASE: Final = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 
 class _Phrase(NamedTuple):
@@ -80,9 +82,16 @@ class _Language(NamedTuple):
 def matching_words(text: str, groups: Groups, *, anywhere: bool = False) -> str:
     """Return the words in *text* that indicate something of *groups*; empty if there are none.
 
+    A name with capitals is read as one word, ``WarmWasser``, and as several, ``OpenGate``.
+
     Args:
         anywhere: Whether the position of the words in *text* does not matter.
     """
+    found = _matching_words(text, groups, anywhere=anywhere)
+    return found or _matching_words(_CAMEL_CASE.sub(" ", text), groups, anywhere=anywhere)
+
+
+def _matching_words(text: str, groups: Groups, *, anywhere: bool) -> str:
     words = tuple(word.rstrip(_DIGITS) for word in words_of(text) if not word.isdigit())
     if _VOCABULARY.isdisjoint(words) and not any(word.endswith(_ENDINGS) for word in words):
         return ""  # the usual case

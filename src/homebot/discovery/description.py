@@ -8,7 +8,7 @@ from typing import Final
 
 import homebot.places
 from homebot.devices import DevicePart, Fact, KeyValue, Sighting
-from homebot.devices.always_ask import APPROVED, CHANGED
+from homebot.devices.always_ask import APPROVED, CHANGED, CLAIMED_MODEL, MAKE
 from homebot.devices.device_types import wanted_types
 from homebot.devices.names import OWNER, PREFER, TAG
 from homebot.devices.words import SIREN, matching_words
@@ -72,6 +72,9 @@ def describe_device(
     believed = ordered if len(ordered) == 1 else _believed(ordered, owner)
     area, outer_areas = next(filter(None, map(_AREA, believed)), ""), NO_AREAS
     facts = _facts(believed)
+    if believed is not ordered:
+        others = _facts(tuple(filterfalse(believed.__contains__, ordered)))
+        facts += tuple(one.model_copy(update={"name": CLAIMED_MODEL}) for one in others if one.name in MAKE)
     given = _given_in_hub(facts)
     if owner is not None:
         plan = owner.rooms.plan  # without a call, as this runs for every announcement

@@ -363,6 +363,8 @@ def _payloads(found: tuple[ClassifiedAffordance, ...]) -> str:
 
 def _lone(one: _Candidate) -> str:
     own = LONE_TYPES.get(one.capability) or CAPABILITIES[one.capability].sensor
+    if not own and one.affordance.kind == "action":
+        return LONE_TYPES["push"]  # it takes a value
     return own or ("x_setting" if one.is_settable else "x_sensor")
 
 

@@ -100,3 +100,14 @@ def test_what_joins_an_approved_lock_gives_it_no_name_and_no_place_in_any_way(co
         assert not index.find(parse_query(query))
     for right in ('act: name="Shed lock"', "act: name=Shed", "act: lock in shed"):
         assert not read_scope((right,)).may_command(device, device.parts[0], asks=True)
+
+
+def test_what_joins_an_approved_device_asks_by_its_own_model() -> None:
+    """Only its names and places are not believed: the danger that it states is its own."""
+    index = index_of(announce("gate", relay("Gate"), ids=(MAC,), name="Box"))
+    index.places.approve(only(index).id, 1.0)
+    other = part_of("switch", "on_off", id="relay_2", writes=("esp/set",))
+    index.observe(announce("esp", other, ids=(MAC,), name="Box", facts={"model": "Garage door opener"}), 2.0)
+    device = only(index)
+    assert all(always_asks(device, part) for part in device.parts)
+    assert not index.find(parse_query('model="Garage door opener"'))

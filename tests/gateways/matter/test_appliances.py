@@ -160,6 +160,7 @@ def test_attributes_become_readings(
     [
         ((0x0075, 0x0011), "dishwasher"),
         ((0x0078,), "cooktop"),
+        ((0x0078, 0xFFF10001), "0xFFF10001, cooktop"),  # as a policy reads the last word
         ((0x010A, 0x0011), ""),  # a plug, as its type says
         ((0xFFF10001,), "0xFFF10001"),
     ],

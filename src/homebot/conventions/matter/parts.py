@@ -134,7 +134,7 @@ def _advertised(endpoint: MatterEndpoint) -> str:
     if is_oven_cabinet(endpoint):
         return "oven"
     unlisted = [one for one in endpoint.device_types[:5] if one not in _UTILITIES and one not in _SERVICE_TYPES]
-    return ", ".join(_NAMES.get(one, f"0x{one:04X}") for one in unlisted)
+    return ", ".join(sorted(_NAMES.get(one, f"0x{one:04X}") for one in unlisted))  # what ends it counts
 
 
 def _service_type(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...]) -> tuple[str, bool]:
