@@ -77,17 +77,17 @@ class HomeAssistantEntity:
         self._rows: dict[str, EntityRow] = {}
 
     def is_left_out(self, registries: Registries) -> bool:
-        """Return whether homebot does not use it: no type of its domain, a secret, a group, a scene that could hurt.
-
-        A group of lights of its own device is none, as WLED's main light, without which all segments are dark.
-        """
+        """Return whether homebot does not use it: no type of its domain, a secret, a group, a scene that could hurt."""
         kind = DOMAINS.get(self.domain)
         if kind is None or self.entry.is_disabled or (self.domain == "sensor" and names_secret(self.name)):
             return True
         if self.domain == "scene":
             return any(map(_may_hurt, self._members))
-        own = {registries.entity(one).device_id for one in self._members} == {self.entry.device_id or None}
-        return any(row.write for row in kind.rows) and self.is_group and not own
+        return any(row.write for row in kind.rows) and self.is_group and not self._is_whole(registries)
+
+    def _is_whole(self, registries: Registries) -> bool:
+        """Return whether it stands for its own device, as WLED's main light, without which all segments are dark."""
+        return {registries.entity(one).device_id for one in self._members} == {self.entry.device_id or None}
 
     @property
     def is_group(self) -> bool:
