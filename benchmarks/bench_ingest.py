@@ -98,7 +98,7 @@ async def ingest(port: int, count: int, *, with_directory: bool) -> tuple[int, f
         started, spent = time.perf_counter(), time.process_time()
         gateway = MqttGateway(gateway_node, settings)
         await tasks.start(gateway.serve)
-        known: Sized = gateway._described._registry
+        known: Sized = gateway._described._registry.by_key
         if with_directory:
             directory = Directory(directory_node, DirectorySettings())
             await tasks.start(directory.serve)

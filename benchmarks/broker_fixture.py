@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable
+from functools import partial
 
 from fixture_clients import ANSWER, CLIENTS, PAYLOAD, TOPIC, TestSteps
-from homebot.testing.mqtt import BrokerThread, broker_thread, serve_broker
+from homebot.testing.mqtt import BrokerThread, TestBroker, broker_thread, serve_broker
 from mosquitto import mosquitto
 from plan import Plan
 from report import Aim, Comparison, Report, compare, milliseconds
@@ -30,8 +31,7 @@ def run(plan: Plan) -> Report:
     comparisons: list[Comparison] = []
     with broker_thread() as thread:
         contenders: dict[str, Measure] = {
-            name: lambda steps=steps: repeated(tests, lambda: fresh_broker(thread, steps))
-            for name, steps in CLIENTS.items()
+            name: partial(repeated, tests, partial(fresh_broker, thread, steps)) for name, steps in CLIENTS.items()
         }
         contenders[ECHO] = lambda: repeated(tests, lambda: asyncio.run(echo()))
         samples = measure_interleaved(contenders, rounds)
@@ -48,10 +48,10 @@ def run(plan: Plan) -> Report:
 def beside_mosquitto(thread: BrokerThread, program: str, rounds: int, tests: int) -> list[Comparison]:
     """The same steps with brokers that are there already, so that Mosquitto's start is left out."""
     comparisons: list[Comparison] = []
-    with serve_broker(thread) as broker, mosquitto(program) as peer:
+    with serve_broker(thread, TestBroker) as broker, mosquitto(program) as peer:
         for name, steps in CLIENTS.items():
             contenders: dict[str, Measure] = {
-                title: lambda port=port, steps=steps: repeated(tests, lambda: asyncio.run(steps(port, nothing)))
+                title: partial(repeated, tests, partial(meet, port, steps))
                 for title, port in ((OURS, broker.port), (PEER, peer))
             }
             samples = measure_interleaved(contenders, rounds)
@@ -70,12 +70,16 @@ def repeated(tests: int, test: Callable[[], None]) -> float:
 
 
 def fresh_broker(thread: BrokerThread, steps: TestSteps) -> None:
-    with serve_broker(thread) as broker:
+    with serve_broker(thread, TestBroker) as broker:
 
         async def check() -> None:
             await broker.expect(TOPIC, PAYLOAD)
 
         asyncio.run(steps(broker.port, check))
+
+
+def meet(port: int, steps: TestSteps) -> None:
+    asyncio.run(steps(port, nothing))
 
 
 async def nothing() -> None:

@@ -112,8 +112,8 @@ def fan_out(port: int, subscribers: int, count: int, qos: int) -> dict[str, Any]
                 if events & selectors.EVENT_READ:
                     key.data()
         elapsed = time.perf_counter() - started
-    for each in (*readers, publisher):
-        each.sock.close()
+    for sock in (*(reader.sock for reader in readers), publisher.sock):
+        sock.close()
     return {"elapsed": elapsed, "missing": sum(count - reader.received for reader in readers)}
 
 

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 
 from mosquitto import mosquitto
 from plan import Plan
@@ -36,9 +37,7 @@ def run(plan: Plan) -> Report:
         for subscribers, qos, normal in CASES:
             count = plan.count(normal)
             contenders: dict[str, Measure] = {
-                name: lambda name=name, port=port, load=(subscribers, count, qos): deliver(
-                    generator, name, port, load, missing
-                )
+                name: partial(deliver, generator, name, port, (subscribers, count, qos), missing)
                 for name, port in ((OURS, ours), (PEER, peer))
             }
             samples = measure_interleaved(contenders, plan.rounds(7))

@@ -16,6 +16,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 
 from websockets.sync.client import ClientConnection, connect
 
@@ -63,10 +64,10 @@ def run(plan: Plan) -> Report:
             contenders: dict[str, Measure] = {}
             for name in WANTED:
                 command = [sys.executable, "-m", "homebot", "--door", door, *name.split()[1:]]
-                contenders[name] = lambda command=command: _timed(command, environment)
+                contenders[name] = partial(_timed, command, environment)
             for name, code in PEERS.items():
                 command = [sys.executable, "-c", code, url]
-                contenders[name] = lambda command=command: _timed(command, environment)
+                contenders[name] = partial(_timed, command, environment)
             samples = measure_interleaved(contenders, plan.rounds(9))
             with _waiting(url, stalls):
                 _timed([sys.executable, "-m", "homebot", "--door", door, *LIST.split()[1:]], environment)

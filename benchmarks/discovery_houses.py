@@ -152,7 +152,7 @@ class _MqttHouse(House):
             will=None if will is None else Will(will.topic, will.payload, will.qos, will.retain),
         )
         connection = MqttConnection(options, NativeClient, status_topic=None, clock=clock)
-        device = MqttDevice(info, dialect, connection, lambda _command: None, HouseCounters(), LogLimit(clock))
+        device = MqttDevice(info, dialect, connection, lambda _command, _id: None, HouseCounters(), LogLimit(clock))
         return self.live(device, name)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
 
 import aiomqtt
 import paho.mqtt.client as paho
@@ -25,7 +25,7 @@ CONNECT = bytes.fromhex("100d 0004 4d515454 04 02 003c 0001 61")
 SUBSCRIBE = bytes.fromhex("8209 0001 0004 6c616d70 00")
 ANSWER = bytes.fromhex("3008 0004 6c616d70 6f6e")
 
-TestSteps = Callable[[int, Callable[[], Awaitable[None]]], Awaitable[None]]
+TestSteps = Callable[[int, Callable[[], Awaitable[None]]], Coroutine[None, None, None]]
 """Port, and what the test itself does once its message has come back."""
 
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from functools import partial
 
 import aiomqtt
 
@@ -45,9 +46,9 @@ def run(plan: Plan) -> Report:
         for qos in (0, 1):
             load = Load(generator, port, count, qos, losses)
             contenders: dict[str, Measure] = {
-                OURS: lambda load=load: asyncio.run(homebot_gateway(load)),
-                AIOMQTT: lambda load=load: asyncio.run(aiomqtt_loop(load)),
-                DRAIN: lambda load=load: drain(load),
+                OURS: partial(in_a_loop, homebot_gateway, load),
+                AIOMQTT: partial(in_a_loop, aiomqtt_loop, load),
+                DRAIN: partial(drain, load),
             }
             samples = measure_interleaved(contenders, plan.rounds(5))
             samples[THESIS] = [THESIS_RATE] * len(samples[OURS])
@@ -102,6 +103,10 @@ class Load:
             self._losses.get(f"{contender}, QoS {self.qos}", 0) + self.count - arrived
         )
         return arrived / (ended - started)
+
+
+def in_a_loop(measure: Callable[[Load], Coroutine[None, None, float]], load: Load) -> float:
+    return asyncio.run(measure(load))
 
 
 async def homebot_gateway(load: Load) -> float:

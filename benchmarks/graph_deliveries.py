@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import AsyncIterable, Awaitable, Callable, Iterator
 from contextlib import AsyncExitStack
 from itertools import repeat
 from typing import TypeAlias
@@ -121,7 +121,7 @@ async def _through_the_graph(
                 continue
             subscription = listener.create_subscription(Reading, TOPIC, qos_profile=burst)
 
-            async def iterate(subscription: object = subscription) -> None:
+            async def iterate(subscription: AsyncIterable[Reading] = subscription) -> None:
                 async for _message in subscription:
                     counter.count += 1
 

@@ -11,7 +11,7 @@ import json
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -37,20 +37,24 @@ TITLE = "A large Home Assistant: processor time"
 
 def run(plan: Plan) -> Report:
     entities, changes = plan.count(ENTITIES), plan.count(CHANGES)
-    comparisons = []
+    comparisons, share = [], 0.0
     with served(entities, changes) as (port, go):
         for case, index in ((f"{entities} entities", 0), ("each change", 1)):
             samples = measure_interleaved(
                 {
-                    OURS: lambda index=index: asyncio.run(homebot_gateway(port, go, entities, changes))[index],
-                    BARE: lambda index=index: asyncio.run(bare_client(port, go, changes))[index],
+                    OURS: partial(figure, index, lambda: homebot_gateway(port, go, entities, changes)),
+                    BARE: partial(figure, index, lambda: bare_client(port, go, changes)),
                 },
                 plan.rounds(3),
             )
             comparisons += compare(case, samples, [(OURS, BARE, None)], lambda one: f"{one * 1000:.3g} ms")
-        share = max(samples[OURS]) * RATE
+            share = max(samples[OURS]) * RATE
     verdict = Aim("at most", 0.2).verdict(share)
     return Report(TITLE, comparisons, (f"At {RATE} changes a second: {share:.1%} of a processor, {verdict}.",))
+
+
+def figure(index: int, measure: Callable[[], Coroutine[None, None, tuple[float, float]]]) -> float:
+    return asyncio.run(measure())[index]
 
 
 @contextmanager

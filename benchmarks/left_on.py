@@ -23,7 +23,7 @@ def run(plan: Plan) -> Report:
     if not PYTHON.exists():
         return Report(title, (), (f"Not measured: no {PYTHON}; `make .venv/.dev` sets it up.",))
     options = ["--days", "1", "--defaults"] if plan.quick else ["--days", str(DAYS)]
-    command = [PYTHON, "-m", "tests.days.left_on", *options]
+    command = [str(PYTHON), "-m", "tests.days.left_on", *options]
     done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True)
     lines = [line for line in done.stdout.splitlines() if line.startswith("|") and not line.startswith("|--")]
     return Report(title, (), (), [tuple(cell.strip() for cell in line.strip("|").split("|")) for line in lines])

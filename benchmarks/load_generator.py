@@ -9,6 +9,7 @@ import json
 import select
 import sys
 import time
+from collections.abc import Callable
 from typing import Any
 
 from raw_mqtt import PUBACK, PUBLISH, PacketStream, connect, publish_packet, subscribe
@@ -77,7 +78,7 @@ def pace(port: int, out: str, back: str, rate: int, count: int) -> dict[str, Any
 
 def main() -> None:
     print(json.dumps({}), flush=True)
-    jobs = {"flood": flood, "pace": pace}
+    jobs: dict[str, Callable[..., dict[str, Any]]] = {"flood": flood, "pace": pace}
     for line in sys.stdin:
         facts = json.loads(line)
         print(json.dumps(jobs[facts.pop("job")](**facts)), flush=True)

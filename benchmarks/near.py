@@ -56,7 +56,7 @@ OFTEN = 5
 def run(plan: Plan) -> Report:
     gc.set_threshold(*COLLECT_AFTER)
     devices = plan.count(DEVICES)
-    rows = [HEADINGS]
+    rows: list[tuple[str, ...]] = [HEADINGS]
     for size in SIZES:
         rows += asyncio.run(_rows(size, devices, plan.count(QUESTIONS)))
     return Report(f"Near: milliseconds of the processor for the best {LIMIT} of {devices:,} devices", (), (), rows)
@@ -73,7 +73,7 @@ async def _rows(size: int, devices: int, questions: int) -> list[tuple[str, ...]
         client = app.create_client(QueryDevices, QUERY_DEVICES)
         await client.wait_for_service()
         longest = await _longest_turn(_asked(house, client, QUERIES[0], 1))
-        rows = []
+        rows: list[tuple[str, ...]] = []
         for text in QUERIES:
             times = await _asked(house, client, text, questions)
             middle = median(times)
@@ -179,7 +179,7 @@ def _places(size: int, devices: int, random: Random) -> Places:
                 contact = f"contact {number}" if number % CONTACT == 0 else ""
                 doors.append(HouseDoor(f"Door {number}", (f"Room {index}", f"Room {other}"), (point,), contact=contact))
     positions = ("{:.2f},{:.2f} ±0.1".format(*_point(size, random)) for _ in range(devices))
-    facts = {
+    facts: dict[tuple[str, ...], tuple[OwnerFact, ...]] = {
         (f"eui64:{number:016x}",): (OwnerFact("position", position, "configuration", 0.0),)
         for number, position in enumerate(positions)
     }
@@ -198,6 +198,11 @@ def _point(size: int, random: Random) -> tuple[float, float]:
 
 def _contact(name: str) -> Sighting:
     part = Part(id="main", service_type="contact_sensor", capabilities=(Capability(name="contact"),), reads=(name,))
-    change = {"key": name, "name": name, "service_type": "contact_sensor", "identifiers": (f"id:{name}",)}
+    change: dict[str, object] = {
+        "key": name,
+        "name": name,
+        "service_type": "contact_sensor",
+        "identifiers": (f"id:{name}",),
+    }
     change |= {"parts": (part,), "area": "", "announced_on": f"x/{name}"}
     return sighting(0, 0.0, confirmed=True).model_copy(update=change)

@@ -8,7 +8,9 @@ from __future__ import annotations
 import argparse
 import importlib
 import shutil
+import sys
 import time
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -69,9 +71,21 @@ def main() -> None:
             mosquitto=mosquitto,
             home_assistant_python=options.home_assistant if peer else None,
         )
-        for name in options.names or BENCHMARKS:
-            print_report(importlib.import_module(FILES.get(name, name)).run(plan))
+        failed = [name for name in options.names or BENCHMARKS if not _measured(name, plan)]
     print(f"\n{time.perf_counter() - started:.0f} s{', --quick: a look, not a measurement' if options.quick else ''}")
+    if failed:
+        sys.exit(f"failed, with the error above: {', '.join(failed)}")
+
+
+def _measured(name: str, plan: Plan) -> bool:
+    """Run one benchmark; a failure is printed, and the next one runs."""
+    try:
+        print_report(importlib.import_module(FILES.get(name, name)).run(plan))
+    except Exception:  # noqa: BLE001  # whatever it is, the next one runs
+        print(f"\n## {name} failed\n", file=sys.stderr)
+        traceback.print_exc()
+        return False
+    return True
 
 
 @contextmanager

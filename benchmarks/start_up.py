@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 from plan import Plan
@@ -52,7 +53,7 @@ def run(plan: Plan) -> Report:
         environment = {**os.environ, "PYTHONPYCACHEPREFIX": compiled}
         environment.pop("PYTHONDONTWRITEBYTECODE", None)
         contenders: dict[str, Measure] = {
-            name: lambda name=name, command=command: _start(command, environment, memory.setdefault(name, []))
+            name: partial(_start, command, environment, memory.setdefault(name, []))
             for name, command in commands.items()
         }
         samples = measure_interleaved(contenders, plan.rounds(9))

@@ -20,7 +20,7 @@ from homebot.clock import LoopClock
 from homebot.config import parse_config
 from homebot.devices import Devices, RawMessage
 from homebot.devices.handles import Light
-from homebot.errors import LinkError
+from homebot.errors import LinkError, RefusedError
 from homebot.graph import Node
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
@@ -232,7 +232,7 @@ class Wire:
     def drained(self) -> None:
         pass
 
-    def link_ended(self, reason: LinkError) -> None:
+    def link_ended(self, reason: LinkError | RefusedError) -> None:
         pass
 
 

@@ -36,7 +36,7 @@ class Worker:
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         if not line:
-            raise RuntimeError(f"{self._process.args} ended; its error is above")
+            raise RuntimeError(f"{self._process.args!r} ended; its error is above")
         answer: dict[str, Any] = json.loads(line)
         return answer
 

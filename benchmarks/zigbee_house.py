@@ -46,7 +46,7 @@ def run(plan: Plan) -> Report:
     command = [node, str(HERE / "zigbee_house.js"), str(PACKAGES), str(each)]
     made = subprocess.run(command, stdout=subprocess.PIPE, check=True)
     messages = [tuple(json.loads(line)) for line in made.stdout.splitlines()]
-    rows = [HEADINGS]
+    rows: list[tuple[str, ...]] = [HEADINGS]
     for name, levels, aim in CASES:
         retained = [message for message in messages if message[0].startswith(levels)]
         with mosquitto(plan.mosquitto) as port:

@@ -3,13 +3,14 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from functools import cache
 from pathlib import Path
 
 import pytest
-from tests.sizes import NIGHTLY
+from tests.sizes import NIGHTLY, nightly
 
 pytestmark = pytest.mark.slow
 
@@ -19,10 +20,10 @@ BENCHMARKS = Path(__file__).parent.parent / "docs/benchmarks.md"
 PAGE = Path(__file__).parent.parent / "docs/how-a-message-travels.md"
 
 
-def run(name: str) -> str:
+def run(name: str, patience: float = 120) -> str:
     """What the benchmark prints where Home Assistant is not installed."""
     command = [sys.executable, str(PROGRAM), "--quick", "--home-assistant", "/no/such/python", name]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=patience)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -33,6 +34,26 @@ def test_a_benchmark_runs_and_says_which_peer_is_missing() -> None:
 
     assert "Services: calls per second" in printed
     assert "Home Assistant is not measured: no /no/such/python" in printed
+
+
+def test_a_failing_benchmark_does_not_stop_the_next(tmp_path: Path) -> None:
+    """The program ends with an error that names it."""
+    copied = shutil.copytree(PROGRAM.parent, tmp_path / "benchmarks")
+    (copied / "places.py").write_text("def run(plan):\n    raise RuntimeError('no more')\n")
+    command = [sys.executable, str(copied / "run.py"), "--quick", "--home-assistant", "/no", "places", "service_calls"]
+
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+
+    assert "Services: calls per second" in done.stdout
+    assert "RuntimeError: no more" in done.stderr
+    assert done.stderr.endswith("failed, with the error above: places\n")
+    assert done.returncode == 1
+
+
+@nightly
+@pytest.mark.parametrize("name", re.findall(r'^    "(\w+)",$', PROGRAM.read_text(), re.MULTILINE))
+def test_every_benchmark_runs(name: str) -> None:
+    assert re.search(r"^## ", run(name, patience=900), re.MULTILINE)
 
 
 def test_the_room_of_a_position_is_found_in_each_size_of_house() -> None:
