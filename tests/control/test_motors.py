@@ -72,7 +72,7 @@ async def test_a_blind_that_tells_nothing_new_until_it_is_closed_is_no_false_ala
     closed: Step = (25.0, {"movement": "closed", "position": 0.0})
     outcome, sendings = await commanded(open_home, ("movement", "closed"), *old, closed)
     assert isinstance(outcome, Confirmed)
-    assert (round(outcome.latency), sendings) == (25, 3)
+    assert (round(outcome.latency), sendings) == (25, 1)
 
 
 async def test_a_blind_that_gets_stuck_on_its_way_is_contradicted(open_home: OpenHome) -> None:
@@ -114,7 +114,7 @@ async def test_a_blind_that_tells_where_it_stopped_later_is_waited_for(open_home
 async def test_a_blind_that_never_reports_has_a_minute(open_home: OpenHome) -> None:
     outcome, sendings = await commanded(open_home, ("movement", "closed"))
     assert isinstance(outcome, NoAnswer)
-    assert (round(outcome.waited), sendings) == (60, 3)
+    assert (round(outcome.waited), sendings) == (60, 1)
 
 
 async def test_a_blind_that_is_known_to_be_away_has_ten_seconds(home: Home) -> None:

@@ -13,7 +13,7 @@ from homebot.control.timeline.facts import Order
 from homebot.control.values import COLORS, END_POSITIONS, POWERS, STOPPED, fits
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.always_ask import why_it_asks
-from homebot.devices.capabilities import CAPABILITIES, EVENTS, MOMENTARY, OWN
+from homebot.devices.capabilities import EVENTS, MOMENTARY, is_told_once
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import is_commanded, target_of
@@ -109,12 +109,9 @@ class IssuedCommand:
         return label_of(self.device, self.part.id)
 
     @property
-    def is_always_sent(self) -> bool:
-        """True for a stop, a press, or the latch of an unlocked door: no report can show that it is unnecessary."""
-        return any(
-            name in MOMENTARY or value in CAPABILITIES.get(name, OWN).obedience.always_sent
-            for name, value in self.settings.items()
-        )
+    def is_told_once(self) -> bool:
+        """True if a second sending might undo it, or count as a second attempt with its code."""
+        return bool(self.code or self.why_it_asks) or is_told_once(self.part.part.service_type, self.settings)
 
 
 def _ordered(settings: Mapping[str, PlainValue], values: Mapping[str, PlainValue]) -> Mapping[str, PlainValue]:
@@ -155,7 +152,7 @@ def order_of(command: IssuedCommand) -> Order:
         _expected(settings, readable),
         command.transition,
         moves=not _MOTIONS.isdisjoint(settings) and any(settings[one] != STOPPED for one in _MOTIONS & settings.keys()),
-        is_momentary=not MOMENTARY.isdisjoint(settings),
+        is_told_once=command.is_told_once,
         opens_further=settings.get("movement") == "open" and _is_half_open(command.values.get("position")),
         turns_on="on_off" not in settings and _turns_on(command),
         has_ramp=has_ramp,

@@ -251,7 +251,7 @@ class CommandExecutor:
         progress.must_answer = not progress.wanted and self._feed.is_answering(command.part.routes)
         opened = self._open[command.id] = OpenCommand(command, timeline, progress, self._limits)
         is_so = is_recent and is_at_rest and progress.was_so
-        return opened, is_so and not (progress.has_echo or command.is_always_sent)
+        return opened, is_so and not (progress.has_echo or order.is_always_sent)
 
     async def _rehearsed(self, opened: OpenCommand, assumed: Outcome) -> Outcome:
         await asyncio.sleep(durations.REHEARSED)

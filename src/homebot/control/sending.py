@@ -107,7 +107,7 @@ class Sending:
     def _plan(self, sent: OpenCommand) -> SendingPlan:
         command, order, profile = sent.command, sent.progress.order, sent.timeline.profile
         timeout = self._settings.timeout
-        tries = 1 if order.is_momentary or profile.is_told_once else 1 + self._settings.retries
+        tries = 1 if order.is_told_once or profile.is_told_once else 1 + self._settings.retries
         limit, longest = profile.answer_time(command.settings, timeout)
         interval = max((limit + command.transition) / tries, longest + command.transition + durations.BETWEEN_SENDINGS)
         if order.moves and command.device.reachable.state != "no":

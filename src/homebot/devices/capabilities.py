@@ -23,6 +23,7 @@ __all__ = [
     "Obedience",
     "ValueKind",
     "implied_settings",
+    "is_told_once",
     "settable_options",
 ]
 
@@ -74,7 +75,9 @@ class CapabilityType(NamedTuple):
         options: The allowed texts; empty if each device names its own.
         is_event: Whether a value is an event, which is over at once, rather than a lasting state: each is reported
             exactly once, even if it equals the previous one.
-        is_momentary: Whether setting it twice acts twice, so commands are never repeated.
+        is_momentary: Whether setting it twice acts twice.
+        is_told_once: Whether a command is sent once and by one route: the usual pulse relay of a garage door stops, and
+            then opens, at a second "close" (Shelly knowledge base, "Garage door opener"); a siren starts anew.
         only_reported: Texts that no command sets.
         obedience: How reports show that a command was obeyed.
         sensor: The device type of a sensor for it; empty if there is none.
@@ -89,6 +92,7 @@ class CapabilityType(NamedTuple):
     options: tuple[str, ...] = ()
     is_event: bool = False
     is_momentary: bool = False
+    is_told_once: bool = False
     only_reported: frozenset[str] = frozenset()
     obedience: Obedience = _OBEDIENCE
     sensor: str = ""
@@ -142,7 +146,9 @@ def _opening(name: str, meaning: str, cluster: int) -> CapabilityType:
     options = ("open", "closed", "opening", "closing", "stopped")
     passing = frozenset({"opening", "closing"})
     settable = f"{meaning}; can be set to open, closed, stopped"
-    return CapabilityType(name, "text", settable, cluster, options=options, only_reported=passing, obedience=_OPENING)
+    return CapabilityType(
+        name, "text", settable, cluster, options=options, is_told_once=True, only_reported=passing, obedience=_OPENING
+    )
 
 
 _CONTROLS = (
@@ -155,8 +161,19 @@ _CONTROLS = (
     ),
     CapabilityType("color", "numbers", "hue in degrees, 0 to 360, and saturation in percent", 0x0300),
     CapabilityType("effect", "text", "light effect"),
-    CapabilityType("position", "number", "how far open it is; 0 is closed", 0x0102, "%", _PERCENT, obedience=_MOTOR),
-    CapabilityType("tilt", "number", "angle of the slats; 0 is closed", 0x0102, "%", _PERCENT, obedience=_MOTOR),
+    CapabilityType(
+        "position",
+        "number",
+        "how far open it is; 0 is closed",
+        0x0102,
+        "%",
+        _PERCENT,
+        is_told_once=True,
+        obedience=_MOTOR,
+    ),
+    CapabilityType(
+        "tilt", "number", "angle of the slats; 0 is closed", 0x0102, "%", _PERCENT, is_told_once=True, obedience=_MOTOR
+    ),
     _opening("movement", "state of movement", 0x0102),
     CapabilityType(
         "lock",
@@ -164,6 +181,7 @@ _CONTROLS = (
         "state of the lock; can be set to locked, unlocked, or open, which also opens the latch",
         0x0101,
         options=("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed"),
+        is_told_once=True,
         only_reported=frozenset({"locking", "unlocking", "opening", "jammed"}),
         obedience=_LOCK,
     ),
@@ -189,6 +207,7 @@ _CONTROLS = (
         "activity; can be set to cleaning, paused, idle (stop), returning, spot",
         0x0061,
         options=("cleaning", "docked", "returning", "paused", "idle", "error", "spot"),
+        is_told_once=True,
         obedience=_VACUUM,
     ),
     CapabilityType(
@@ -196,16 +215,18 @@ _CONTROLS = (
         "text",
         "activity; can be set to mowing, paused, docked",
         options=("mowing", "paused", "docked", "returning", "error"),
+        is_told_once=True,
         obedience=_MOWER,
     ),
     CapabilityType(
         "alarm",
         "text",
         "state of the alarm; can be set to disarmed, armed_home, armed_away, …",
+        is_told_once=True,
         only_reported=frozenset({"pending", "arming", "disarming"}),
         obedience=_ALARM,
     ),
-    CapabilityType("siren_tone", "text", "tone of the siren"),
+    CapabilityType("siren_tone", "text", "tone of the siren", is_told_once=True),
     CapabilityType(
         "playback",
         "text",
@@ -313,7 +334,9 @@ EVENTS: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if 
 """Names of capabilities whose values are events."""
 
 MOMENTARY: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_momentary)
-"""Names of capabilities whose commands are never repeated."""
+"""Names of capabilities for which each command acts, and which have no lasting value."""
+
+_TOLD_ONCE: frozenset[str] = MOMENTARY | {one.name for one in CAPABILITIES.values() if one.is_told_once}
 
 SETTABLE: frozenset[str] = frozenset(
     {
@@ -325,6 +348,11 @@ SETTABLE: frozenset[str] = frozenset(
 
 LIGHTS_UP: Final = frozenset({"level", "color", "color_temperature", "effect"})
 """Capabilities that turn a light on."""
+
+
+def is_told_once(service_type: str, capabilities: Iterable[str]) -> bool:
+    """Return whether a second sending of *capabilities* to a part of *service_type* might undo the first."""
+    return service_type == "siren" or not _TOLD_ONCE.isdisjoint(capabilities)
 
 
 def settable_options(capability: str, options: Iterable[str]) -> tuple[str, ...]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from typing import Final, NamedTuple
 
-from homebot.devices.capabilities import MOMENTARY
+from homebot.devices.always_ask import why_it_asks
+from homebot.devices.capabilities import is_told_once
 from homebot.devices.device import Device, DevicePart, Endpoint, Route, check_gateway
 from homebot.devices.gateway_messages import Command, GatewayState, RawCommand, SendCommand, SendCommandResponse
 from homebot.devices.names import ONLY_OBSERVES, OWNER, PREFER, GatewayNames
@@ -43,8 +44,8 @@ class CommandSender:
         """Send *command*; return the route that accepted it, which fills in its key, part and approval.
 
         The next route is tried if one is unable to send the command, or cannot reach the device; a command that a
-        gateway refuses is not sent by another route. A button is not pressed by a second route if the first may have
-        pressed it. A repeated command begins with the second route, because the first accepted it before.
+        gateway refuses is not sent by another route, nor one that is told once, if the first route may have sent it.
+        A repeated command begins with the second route, because the first accepted it before.
 
         Args:
             ineffective: Names of routes to try last, unless the owner prefers their gateway.
@@ -70,13 +71,18 @@ class CommandSender:
             if response.success:
                 return route
             failures.append(response)
-            if not response.unable and (response.problem == "refused" or capability in MOMENTARY):
+            if not response.unable and (response.problem == "refused" or _is_told_once(device, part, command)):
                 break
         raise _error(capability, device.id, failures, _approval_hint(device.id, routes[0], part.routes))
 
     def _client(self, gateway: str) -> Client[Command, SendCommandResponse]:
         client = self._clients[gateway] = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)
         return client
+
+
+def _is_told_once(device: Device, part: DevicePart, command: Command) -> bool:
+    is_undone = is_told_once(part.part.service_type, (command.capability,))
+    return is_undone or bool(command.code or why_it_asks(device, part))
 
 
 def _approval_hint(device: str, first: Route, routes: Iterable[Route]) -> str:

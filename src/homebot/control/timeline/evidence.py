@@ -114,7 +114,7 @@ def _silent_outcome(progress: CommandProgress, waited: float) -> Outcome:
         return Confirmed(at - progress.given_at, Evidence.ACKNOWLEDGED, command_id=name)
     if not progress.was_so:
         return _no_answer(progress, waited)
-    if progress.has_echo:  # the previous report may have been an echo
+    if progress.has_echo or progress.order.is_always_sent:  # the previous report may be an echo, or of before
         return Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
     return AlreadySo(command_id=name)
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TypeAlias
 
+from homebot.devices.capabilities import CAPABILITIES, MOMENTARY, OWN
 from homebot.devices.value import PlainValue
 
 __all__ = ["Order", "PartRef", "ReportRole", "Reported"]
@@ -40,7 +41,7 @@ class Order:
     Attributes:
         wanted: The values that the part should report; empty if it reports none of them.
         transition: Seconds that the change takes.
-        is_momentary: Whether a second sending would act twice.
+        is_told_once: Whether it is sent once: a second sending might undo it.
         opens_further: Whether it opens a part that is already open, but not fully.
         turns_on: Whether it turns on a part that reports "off", without a setting that says so.
         has_ramp: Whether the part has a level that can be set.
@@ -51,7 +52,7 @@ class Order:
     wanted: Mapping[str, PlainValue]
     transition: float = 0.0
     moves: bool = False
-    is_momentary: bool = False
+    is_told_once: bool = False
     opens_further: bool = False
     turns_on: bool = False
     has_ramp: bool = False
@@ -59,6 +60,14 @@ class Order:
     place: PartRef = ("", "")
     issuer: str = ""
     label: str = ""
+
+    @property
+    def is_always_sent(self) -> bool:
+        """True for a stop, a press, or the latch of an unlocked door: no report can show that it is unnecessary."""
+        return any(
+            name in MOMENTARY or value in CAPABILITIES.get(name, OWN).obedience.always_sent
+            for name, value in self.settings.items()
+        )
 
 
 @dataclass(slots=True, eq=False)

@@ -34,7 +34,7 @@ def learn_failure(progress: CommandProgress, profile: DeviceProfile) -> None:
         _learn_echoes(progress, profile)
     progress.learns_late = _may_answer_late(progress, outcome)
     was_told_once = profile.is_told_once
-    if isinstance(outcome, NoAnswer) or was_told_once or progress.order.is_momentary:
+    if isinstance(outcome, NoAnswer) or was_told_once or progress.order.is_told_once:
         is_silent = isinstance(outcome, NoAnswer) and progress.sendings > 1 and progress.order.has_ramp
         _set_told_once(profile, is_told_once=is_silent)
 
@@ -89,7 +89,7 @@ def _learn_echoes(progress: CommandProgress, profile: DeviceProfile) -> None:
 def _may_answer_late(progress: CommandProgress, outcome: Outcome) -> bool:
     """Return whether an answer may still come; a device that keeps reporting its old state will not answer."""
     was_sent = not (isinstance(outcome, NoAnswer) and outcome.reason)
-    if not was_sent or progress.over_at < math.inf or not progress.wanted or progress.order.is_momentary:
+    if not was_sent or progress.over_at < math.inf or not progress.wanted:
         return False
     last = progress.last
     return not all(name in last and fits(name, one.value, last[name]) for name, one in progress.wanted.items())
