@@ -143,6 +143,15 @@ def test_a_change_without_a_reason_waits_for_the_journal_and_no_longer() -> None
     assert list(lines.pop(20.0)) == []  # the same value is no change
 
 
+def test_each_press_is_a_line_also_one_equal_to_the_one_before() -> None:
+    lines = HouseLines({})
+    for number, press in enumerate(("single", "single", "double", "single", "single")):
+        reading = {"part": "", "capability": "press", "value": press}
+        fields = {"device": "button", "readings": [reading], "told_at": {"sec": number, "nanosec": 0}}
+        lines.add_change(cast("Any", JsonMessage(fields)), float(number))
+    assert [line.value for line in lines.pop(20.0)] == ["single", "single", "double", "single", "single"]
+
+
 def test_top_prints_one_table_into_a_pipe_and_a_line_a_sample_as_json(door: str) -> None:
     top = [*HOMEBOT, "top"]
     table = subprocess.run(top, env=_environment(door), capture_output=True, text=True, timeout=60, check=True).stdout

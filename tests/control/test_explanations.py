@@ -13,7 +13,7 @@ from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door, DoorSettings
 from homebot.control.explanations import Explanations
 from homebot.devices import Device
-from homebot.devices.handles import ContactSensor, Light
+from homebot.devices.handles import ContactSensor, Handle, Light
 from homebot.devices.journal_messages import (
     ExplainDevice,
     ExplainDeviceRequest,
@@ -26,6 +26,7 @@ from homebot.devices.journal_messages import (
 )
 from homebot.devices.names import EXPLAIN_DEVICE
 from homebot.devices.outcomes import Contradicted, NoAnswer
+from homebot.devices.wording.journal_words import finding_text
 from homebot.graph import Node
 
 virtual_time = pytest.mark.virtual_time
@@ -157,6 +158,35 @@ async def test_a_sensor_changed_when_it_reported_that(home: Home) -> None:
     found = await explain(home, window.device.id)
     assert (found.finding, found.entries) == ("change", ())
     assert found.changed_at.to_seconds() == pytest.approx(changed_at, abs=0.5)
+
+
+@virtual_time
+async def test_a_press_explains_a_button_also_one_equal_to_the_one_before(home: Home) -> None:
+    """It was said to have reported no change."""
+    home.put("button", "generic_switch", readable=("press",))
+    for _ in range(2):
+        await anyio.sleep(20)
+        pressed_at = home.graph.clock.now()
+        await home.report("button", "press", "single")
+        found = await explain(home, (await home.devices.find(Handle))[0].device.id)
+        assert found.finding == "event"
+        assert found.changed_at.to_seconds() == pytest.approx(pressed_at, abs=0.5)
+        assert finding_text(found, {}, pressed_at).startswith("It reported press single just now")
+
+
+@virtual_time
+@pytest.mark.parametrize(("seconds", "finding"), [(0.2, "change"), (30.0, "event")])
+async def test_a_press_explains_a_relay_only_if_the_relay_did_not_follow(
+    home: Home, seconds: float, finding: str
+) -> None:
+    home.put("relay", "switch", "on_off", readable=("press",))
+    await home.report("relay", "on_off", False)
+    await anyio.sleep(20)
+    await home.report("relay", "on_off", True)
+    await anyio.sleep(seconds)
+    await home.report("relay", "press", "single")
+    found = await explain(home, (await home.devices.find(Handle))[0].device.id)
+    assert found.finding == finding
 
 
 async def missing(device: Device, state: str) -> ExplainMissingStateResponse:

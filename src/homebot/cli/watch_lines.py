@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias, final
 
+from homebot.devices.capabilities import EVENTS
 from homebot.devices.outcomes import has_succeeded
 from homebot.devices.wording.journal_words import entry_text, issuer_text, name_text, settings_text, trigger_text
 from homebot.devices.wording.values import plain_value
@@ -95,11 +96,11 @@ class HouseLines:
             self._values[device, one.part, one.capability] = str(plain_value(one.value))
 
     def add_change(self, change: StateChange, now: float) -> None:
-        """Add a line for the values of *change* that differ from the known ones."""
+        """Add a line for the values of *change* that differ from the known ones, and for each event."""
         changed = []
         for one in change.readings:
             place, text = (change.device, one.part, one.capability), str(plain_value(one.value))
-            if self._values.get(place) != text:
+            if one.capability in EVENTS or self._values.get(place) != text:
                 self._values[place] = text
                 changed.append(one)
         if not changed:

@@ -6,6 +6,8 @@ from typing import Final, TypeAlias, final
 from homebot.control.values import value_text
 from homebot.devices import Device, KeyValue, State
 from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.command_messages import Setting
+from homebot.devices.device import is_commanded
 from homebot.devices.journal_messages import (
     DeviceFight,
     ExplainDeviceRequest,
@@ -149,6 +151,8 @@ class Explanations:
             finding, changed_at = _finding_of_state(device, newest), newest.since
         elif (sent := next((one for one in reversed(known) if one.kind == "sent"), None)) is not None:
             entries = await reader.chain(sent, 1)
+        if (event := _last_event(device, changed_at)) is not None:
+            finding, changed_at, entries = "event", event.at, (event,)
         names = tuple(reader.names.values())
         fights = self._find_fights(device.id)
         ineffective = self._find_ineffective(device)
@@ -179,6 +183,15 @@ def _last_change(device: Device, entries: Sequence[JournalEntry]) -> JournalEntr
     until = last.at.to_seconds() + _LATE
     newer = [one for one in _main_states(device) if _since(one) > until]
     return last if not newer or _knows(entries, newer, last) else None
+
+
+def _last_event(device: Device, changed_at: Time) -> JournalEntry | None:
+    """Return the newest event of *device*; None if it changed since, or at the same time because of the event."""
+    event = max(device.events, key=_since, default=None)
+    if event is None or _since(event) < changed_at.to_seconds() + (_SAME_TIME if _takes_commands(device) else 0.0):
+        return None
+    settings = (Setting(capability=event.capability, value=event.value),)
+    return JournalEntry(kind="reported", at=event.since, device=device.id, part=event.part, settings=settings)
 
 
 def _is_change(entry: JournalEntry, entries: Iterable[JournalEntry]) -> bool:
@@ -228,8 +241,12 @@ def _main_states(device: Device) -> list[State]:
         if not part.part.category
         for one in part.part.capabilities
     }
-    takes_commands = any(main.values())
+    takes_commands = _takes_commands(device)
     return [one for one in device.states if main.get((one.part, one.capability)) is takes_commands]
+
+
+def _takes_commands(device: Device) -> bool:
+    return any(is_commanded(one.part) for one in device.parts)
 
 
 def _is_trigger(entry: JournalEntry, trigger: Trigger) -> bool:

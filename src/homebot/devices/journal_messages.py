@@ -50,7 +50,7 @@ EntryKind: TypeAlias = Literal[
     "would",
 ]
 
-Finding: TypeAlias = Literal["command", "change", "heard", "retained", "first", "none"]
+Finding: TypeAlias = Literal["command", "change", "event", "heard", "retained", "first", "none"]
 
 MOST_ENTRIES = 1000
 """The largest number of entries in one answer."""
@@ -188,9 +188,10 @@ class ExplainDeviceResponse(Message):
 
     Attributes:
         success: Whether the device is known and the journal could be read.
-        finding: ``command``: a command explains the change; ``change``: none does; ``heard``: the state is unchanged
-            since the device was first heard; ``retained``: a retained value, of unknown age; ``first``: the state is
-            that of the first report; ``none``: it reported no change.
+        finding: ``command``: a command explains the change; ``change``: none does; ``event``: an event is newer, such
+            as a press, which is the only entry; ``heard``: the state is unchanged since the device was first heard;
+            ``retained``: a retained value, of unknown age; ``first``: the state is that of the first report; ``none``:
+            it reported no change.
         changed_at: The time of the change, or of the report; 0 if there is none.
         entries: The entries of the commands that led to the change, then those of the change itself, each oldest first;
             for ``none``, those of the newest command. Entries with the same ``command`` are adjacent.

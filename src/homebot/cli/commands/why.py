@@ -89,7 +89,7 @@ def _print(device: Device, found: ExplainDeviceResponse, client: JournalClient, 
     _print_state(device)
     print(finding_text(found, client.names, now))
     chains = chains_of(found.entries)
-    if chains and found.finding != "change":
+    if chains and found.finding not in {"change", "event"}:
         print()
         print_rows([*chain_lines(chains, client.names, now)])
     for fight in found.fights:
@@ -162,7 +162,8 @@ def _unasked(device: Device, options: argparse.Namespace, found: ExplainMissingS
 def _print_state(device: Device) -> None:
     state = state_text(device)
     end = "" if state.endswith("…") else "."
-    print_line(f"{_name(device)} is {state}{end}" if state else f"{_name(device)} does not report its state.", "bold")
+    reports = "reports events, and no state" if device.events else "does not report its state"
+    print_line(f"{_name(device)} is {state}{end}" if state else f"{_name(device)} {reports}.", "bold")
 
 
 def _name(device: Device) -> str:

@@ -48,6 +48,7 @@ _UNEXPLAINED = "no command explains it: somebody did it by hand, or it did so by
 _FINDINGS = {
     "command": "It changed {ago}: {reason}.",
     "change": "It changed {ago}: {reason}.",
+    "event": "It reported {reason} {ago}.",
     "heard": "It has been so since homebot first heard of it, {ago}.",
     "retained": "It was so already {ago}; the age of a retained value is unknown.",
     "first": "It was so already {ago}, when it first reported its state.",
@@ -238,6 +239,9 @@ def finding_text(found: ExplainDeviceResponse, names: Mapping[str, str], now: fl
         no_change = "It reported no change after the newest command."
         return no_change if chains else "Nobody commanded it, and it reported no change."
     reason = reason_text(chains[-1], names) if chains else _UNEXPLAINED
+    if found.finding == "event":
+        event = chains[-1][-1].settings
+        reason = f"{event[0].capability.replace('_', ' ')} {settings_text(event)}"
     return _FINDINGS[found.finding].format(ago=ago_text(found.changed_at, now), reason=reason)
 
 
