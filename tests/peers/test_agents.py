@@ -61,7 +61,8 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
             assert len(found.content[0].text) < FOUR_LAMPS
             assert (await call(session, "command", device="lamp1", do="on"))["outcome"] == "confirmed"
             assert "lamp1 reported on" in str(await call(session, "why", device="lamp1"))
-            assert (await call(session, "why", device="../nosuch"))["outcome"] == "not_found"
+            nosuch = await session.call_tool("why", {"device": "../nosuch"})
+            assert (nosuch.is_error, json.loads(nosuch.content[0].text)["outcome"]) == (True, "not_found")
             too_long = await session.call_tool("why", {"device": "x" * 501})
             assert "at most 500 characters" in too_long.content[0].text
 
@@ -113,14 +114,62 @@ async def test_nothing_is_sent_to_a_device_that_cannot_be_looked_up() -> None:
 
     class NoDirectory:
         async def read(self, *_: str) -> str:
-            return json.dumps(problem)
+            raise server._MistakeError(json.dumps(problem))
 
         async def post(self, path: str, _body: object) -> str:
             raise AssertionError(path)
 
     async with mcp.Client(server.house_server(NoDirectory())) as session:
         result = await session.call_tool("command", {"device": "front_door", "do": "unlock"})
-    assert json.loads(result.content[0].text) == problem
+    assert (result.is_error, json.loads(result.content[0].text)) == (True, problem)
+
+
+async def test_an_unknown_argument_is_refused_with_the_nearest_one() -> None:
+    """Ignored, a misspelt query would list everything, and a misspelt room command every lamp."""
+    mcp: Any = pytest.importorskip("mcp.client.client")
+    server: Any = pytest.importorskip("homebot.cli.mcp_server")
+
+    class Unasked:
+        async def read(self, *asked: str) -> str:
+            raise AssertionError(asked)
+
+        post = read
+
+    async with mcp.Client(server.house_server(Unasked())) as session:
+        misspelt = await session.call_tool("find_devices", {"querry": "lamp"})
+        strange = await session.call_tool("home", {"x" * 500: 1})
+    assert (misspelt.is_error, strange.is_error) == (True, True)
+    assert json.loads(misspelt.content[0].text) == {
+        "outcome": "invalid",
+        "reason": "find_devices has no argument 'querry'; did you mean query?",
+    }
+    assert json.loads(strange.content[0].text)["reason"].endswith("it takes none")
+    assert len(strange.content[0].text) < 200
+
+
+async def test_one_command_is_for_several_devices_of_which_a_person_is_asked_about_those_that_always_ask() -> None:
+    mcp: Any = pytest.importorskip("mcp.client.client")
+    server: Any = pytest.importorskip("homebot.cli.mcp_server")
+    types: Any = pytest.importorskip("mcp.types")
+    asked: list[str] = []
+
+    class Devices:
+        async def read(self, _: str, name: str) -> str:
+            return json.dumps({"id": f"id-{name}", **({"always_asks": "it is a lock"} if "door" in name else {})})
+
+        async def post(self, _: str, body: dict[str, object]) -> str:
+            return json.dumps(body)
+
+    async def person(_: object, question: Any) -> Any:
+        asked.append(question.message)
+        return types.ElicitResult(action="accept", content={"confirm": True})
+
+    async with mcp.Client(server.house_server(Devices()), elicitation_callback=person) as session:
+        lamps = await session.call_tool("command", {"device": ["lamp1", "lamp2#left"], "do": "off"})
+        assert json.loads(lamps.content[0].text) == {"device": ["id-lamp1", "id-lamp2#left"], "do": "off"}
+        assert not asked
+        await session.call_tool("command", {"device": ["lamp1", "door"], "do": "lock"})
+    assert set(asked) == {"id-door: lock? It always asks: it is a lock."}
 
 
 async def test_raw_json_rpc_is_refused_what_its_token_has_no_right_to_and_hears_why(tmp_path: Path) -> None:

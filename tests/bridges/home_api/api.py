@@ -40,7 +40,7 @@ class Api:
     async def get(self, path: str, **headers: str) -> Answer:
         return await self._ask("GET", path, headers)
 
-    async def command(self, device: str, do: str, **headers: str) -> Answer:
+    async def command(self, device: str | list[str], do: str, **headers: str) -> Answer:
         return await self._ask("POST", "/api/command", headers, json={"device": device, "do": do})
 
     async def until(self, path: str, is_so: Callable[[Any], bool]) -> None:

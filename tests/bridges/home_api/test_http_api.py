@@ -62,6 +62,23 @@ async def test_a_session_that_may_not_unlock_cannot_and_hears_why(tmp_path: Path
         assert (unlocked.status, unlocked.values["outcome"]) == (200, "confirmed")
 
 
+async def test_several_devices_are_commanded_at_once_and_nothing_is_sent_if_one_is_unknown(tmp_path: Path) -> None:
+    async with running_api(tmp_path) as api:
+        unknown = await api.command(["lamp1", "lamp9"], "on")
+        assert (unknown.status, (await api.get("/api/devices/lamp1")).values["on"]) == (404, False)
+        done = await api.command(["lamp1", "lamp2", "lamp2"], "on")
+        assert (done.values["outcome"], [one["outcome"] for one in done.values["devices"]]) == (
+            "confirmed",
+            ["confirmed"] * 2,
+        )
+        mixed = await api.command(["lamp1", "front_door"], "unlock", Authorization=bearer("agent"))
+        assert (mixed.status, mixed.values["outcome"], len(mixed.values["devices"])) == (200, "refused", 2)
+        assert all(one["outcome"] == "refused" for one in mixed.values["devices"])
+        nothing = await api.command([], "on")
+        many = await api.command(["lamp1"] * 51, "on")
+        assert (nothing.status, many.status) == (400, 400)
+
+
 async def test_a_mistake_is_told_with_its_remedy(tmp_path: Path) -> None:
     async with running_api(tmp_path) as api:
         asked = [

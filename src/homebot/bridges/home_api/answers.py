@@ -8,13 +8,15 @@ from datetime import UTC, datetime
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Final, cast
 
+import anyio
+
 from homebot.bridges.home_api import shapes
 from homebot.bridges.home_api.device_search import HomeCalls, all_listed, listed, meant_device
 from homebot.bridges.home_api.shapes import ProblemError
 from homebot.devices import names
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.client_rights import CLIENT_RIGHTS
-from homebot.devices.outcomes import Evidence
+from homebot.devices.outcomes import OUTCOMES, Evidence
 from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.journal_words import (
     chain_lines,
@@ -47,6 +49,7 @@ _MOST_STEPS: Final = 12
 _MOST_NAMED: Final = 20
 _WIDEST: Final = 100
 _FLAGS: Final = {"true": True, "false": False}
+_BEST_FIRST: Final = tuple(OUTCOMES)
 
 
 async def home_in_short(home: HomeCalls, _: shapes.NoQuestion) -> shapes.HomeAnswer:
@@ -95,9 +98,30 @@ async def device_details(home: HomeCalls, asked: shapes.DeviceQuestion) -> shape
 
 
 async def command(home: HomeCalls, asked: shapes.CommandQuestion) -> shapes.OutcomeAnswer:
-    """Command one device, and return the outcome."""
-    device, target = await meant_device(home, asked.device)
-    found = await home.call(names.COMMAND_DEVICES, {"target": target, "command": asked.do})
+    """Command one device or several at once, and return the outcome; nothing is sent if one of them is unknown."""
+    wanted = (asked.device,) if isinstance(asked.device, str) else asked.device
+    meant = {one.target: one.device for one in [await meant_device(home, text) for text in wanted]}
+    answers: list[shapes.OutcomeAnswer] = []
+    problems: list[ProblemError] = []
+
+    async def send(device: Device, target: str) -> None:
+        try:
+            answers.append(await _commanded(home, device, target, asked.do))
+        except ProblemError as exc:
+            problems.append(exc)
+            answers.append(shapes.OutcomeAnswer(id=device.id, outcome="refused", text=str(exc), reason=str(exc)))
+
+    async with anyio.create_task_group() as tasks:
+        for target, device in meant.items():
+            tasks.start_soon(send, device, target)
+    if len(problems) == len(answers):
+        raise problems[0]
+    worst = max(answers, key=lambda one: _BEST_FIRST.index(one.outcome))
+    return worst if len(answers) == 1 else worst.model_copy(update={"devices": tuple(answers)})
+
+
+async def _commanded(home: HomeCalls, device: Device, target: str, words: str) -> shapes.OutcomeAnswer:
+    found = await home.call(names.COMMAND_DEVICES, {"target": target, "command": words})
     answer = cast("CommandDevicesResponse", found)
     if not answer.results:
         raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)

@@ -2,19 +2,23 @@
 
 from collections.abc import Mapping
 from http import HTTPStatus
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Final, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from homebot.devices.command_messages import OutcomeKind
 from homebot.devices.services import MOST_LISTED
 from homebot.devices.value import ShortText
 from homebot.errors import HomebotError
+from homebot.support.printable import printable
 
 ShortValue: TypeAlias = bool | int | float | str | list[float]
 """A value; numbers have two decimal places."""
 
 ProblemOutcome: TypeAlias = Literal["refused", "not_found", "several", "invalid", "failed"]
+
+_Told: TypeAlias = Annotated[str, AfterValidator(lambda text: printable(text, 1000))]
+"""A text in which devices may have words of their own: bounded, and in one line."""
 
 PROBLEMS: Mapping[HTTPStatus, ProblemOutcome] = {
     HTTPStatus.BAD_REQUEST: "invalid",
@@ -29,7 +33,11 @@ PROBLEMS: Mapping[HTTPStatus, ProblemOutcome] = {
 }
 """The word for each status."""
 
+MOST_COMMANDED: Final = 50
+"""Devices of one command."""
+
 _Name: TypeAlias = Annotated[ShortText, Field(min_length=1)]
+_Names: TypeAlias = Annotated[tuple[_Name, ...], Field(min_length=1, max_length=MOST_COMMANDED)]
 
 
 class ProblemError(HomebotError):
@@ -86,9 +94,9 @@ class HistoryQuestion(_Question):
 
 
 class CommandQuestion(_Question):
-    """A command in words to one device: `on`, `40 %`, `level 40`, `unlock`."""
+    """A command in words to one device, or to each of several: `on`, `40 %`, `level 40`, `unlock`."""
 
-    device: _Name
+    device: _Name | _Names
     do: Annotated[str, Field(min_length=1, max_length=300)]
 
 
@@ -117,9 +125,9 @@ class DeviceList(_Answer):
 class DeviceDetails(DeviceLine):
     """A device, with what it takes, and why it always asks a person."""
 
-    state: str = ""
-    takes: dict[str, str] = {}
-    always_asks: str = ""
+    state: _Told = ""
+    takes: dict[str, _Told] = {}
+    always_asks: _Told = ""
     last_seen: str = ""
 
 
@@ -134,27 +142,28 @@ class HomeAnswer(_Answer):
 
 
 class OutcomeAnswer(_Answer):
-    """The outcome of a command, the worst of all parts, with its evidence or reason."""
+    """The outcome of a command, the worst of all parts, with its evidence or reason; of several devices the worst."""
 
     id: str
     outcome: OutcomeKind
-    text: str
+    text: _Told
     evidence: str = ""
     policy: str = ""
-    reason: str = ""
+    reason: _Told = ""
     command_id: str = ""
-    parts: dict[str, str] = {}
+    parts: dict[str, _Told] = {}
+    devices: "tuple[OutcomeAnswer, ...]" = ()
 
 
 class WhyAnswer(_Answer):
     """The reason for a state and the newest steps that led to it; where a state was named, the commands for that."""
 
     id: str
-    state: str
+    state: _Told
     since: str = ""
-    why: str
+    why: _Told
     is_so: bool | None = None
-    steps: tuple[str, ...] = ()
+    steps: tuple[_Told, ...] = ()
     more: int = 0
 
 
