@@ -4,6 +4,8 @@ import pytest
 from structlog.testing import capture_logs
 from tests.apps.houses import flat, lamp, motion
 
+from homebot.apps import App
+from homebot.devices.handles import Light
 from homebot.devices.health import GetHealth
 from homebot.devices.misspelt_names import UNKNOWN_NAME
 from homebot.devices.names import PLACE_DEVICE
@@ -48,6 +50,27 @@ async def test_a_room_that_a_device_comes_to_later_is_no_problem_any_more() -> N
         place = PlaceDevice.Request(device="hall_lamp", room="Halll", is_new=True)
         assert (await node.create_client(PlaceDevice, PLACE_DEVICE).call(place)).success
         assert await troubles(node, "follow_me") == ()
+
+
+async def test_an_app_serves_a_room_that_gets_its_first_device_later() -> None:
+    """There is a similar one: the app crashed five times within a minute, and was given up."""
+    config = {"apps": {"halle": {"class": f"{__name__}:Halle"}}}
+    problem = "halle: follow(Light, area='Halle', on=True): no device is in 'halle'; did you mean hall? Until"
+    async with virtual_house_of(world=world(), config=config) as house, Node(house.runtime.graph, "doctor") as node:
+        await house.run_for("2m")
+        assert [one.startswith(problem) for one in await troubles(node, "homebot")] == [True]
+        assert house.crashed == ()
+        place = PlaceDevice.Request(device="hall_lamp", room="Halle", is_new=True)
+        assert (await node.create_client(PlaceDevice, PLACE_DEVICE).call(place)).success
+        await house.settle()
+        assert await troubles(node, "homebot") == ()
+        await house.press("hall_lamp", "on")
+        await house.becomes("hall_lamp", on=False, within="5s")
+
+
+class Halle(App):
+    async def run(self) -> None:
+        self.on(self.devices.follow(Light, area="Halle", on=True).only("appeared"), lambda one: one.handle.turn_off())
 
 
 async def test_a_room_that_the_owner_states_may_be_empty() -> None:

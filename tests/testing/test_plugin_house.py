@@ -343,6 +343,32 @@ async def test_that_it_crashes(house):
     )
 
 
+def test_a_misspelt_name_in_a_query_of_an_app_fails_its_test(tried: Tried) -> None:
+    """The query waits for a device that has the name, so that a short test sees nothing of it."""
+    tests = """
+from homebot import App, Light
+
+class Misspelt(App):
+    async def run(self):
+        self.on(self.devices.follow(Light, name="dsek"), print)
+        await self.devices.find(Light, name="desck")
+
+WORLD = {"world": lambda: World.of(SimulatedLamp("desk"))}
+
+@pytest.mark.house(Misspelt, **WORLD)
+async def test_it(house):
+    await house.run_for("1s")
+
+@pytest.mark.house(Misspelt, allow_crashes=True, **WORLD)
+async def test_that_it_waits(house):
+    await house.run_for("1m")
+    assert house.crashed == ()
+"""
+    find = "misspelt: find(Light, name='desck'): nothing is called 'desck'; did you mean desk?"
+    follow = "misspelt: follow(Light, name='dsek'): nothing is called 'dsek'; did you mean desk?"
+    tried(START + tests, passed=2, errors=1, lines=[f"{find}; {follow}; where that is meant, *allow_crashes=True)"])
+
+
 def test_a_house_of_ones_own_is_left_alone(pytester: pytest.Pytester, tried: Tried) -> None:
     """Others may have fixtures of these names, in tests without any loop."""
     tests = """

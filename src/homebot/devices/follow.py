@@ -3,7 +3,6 @@
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Iterable
-from functools import partial
 from typing import TYPE_CHECKING, Final, Generic, Self, TypeVar
 
 import anyio
@@ -13,8 +12,8 @@ from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
-from homebot.devices.query.terms import And, AreaIs, FactIs, NameIs, Query, StateIs, TypeIs, leaves, split_near, type_is
-from homebot.errors import ClosedError, UsageError
+from homebot.devices.query.terms import And, Query, StateIs, TypeIs, leaves, split_near, type_is
+from homebot.errors import ClosedError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 
@@ -28,11 +27,7 @@ ItemT = TypeVar("ItemT")
 _TURN: Final = 100
 """Changes to yield before other tasks get their turn, in case the reader never waits."""
 
-_CHECKED_AFTER: Final = (10.0, 290.0)
-"""Seconds until the names in a query are checked, and then until the second check."""
-
 _ANY: Final = And(())
-NOTHING_FITS: Final = "devices.nothing_fits"
 NO_LONGER: Final = "it no longer matches the query"
 
 
@@ -50,7 +45,6 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
         self._text = text
         self._asked_near = near
         self._near: NearWatch | None = None
-        self._problem = ""
         self._view: HouseView | None = None
         self._changed: dict[str, DeviceChange | StateChange] = {}
         self._ready: deque[ItemT] = deque()
@@ -67,16 +61,12 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
 
         Raises:
             StopAsyncIteration: The query or its node was closed.
-            UsageError: Nothing in the house has a name in the query, but there is a similar one.
         """
         view = self._view or self._begin()
         self._turns += 1
         if self._turns % _TURN == 0:
             await anyio.lowlevel.checkpoint()
         while not self._ready:
-            if self._problem:
-                self.close()
-                raise UsageError(self._problem)
             if (cause := self._next_change()) is not None:
                 self._cause = cause
                 self._process(view, cause)
@@ -96,28 +86,9 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
         self._news.set()
         if self._view is not None:
             self._view.remove(self)
+            self._view.names.remove(self._text)
         if self._near is not None:
             self._near.close()
-
-    async def _check_names(self, view: HouseView) -> None:
-        """End the query if it has a misspelt name; checks soon, and after devices had time to be announced."""
-        is_found = True
-        for wait in _CHECKED_AFTER:
-            await anyio.sleep(wait)
-            try:
-                is_found = await view.check(self._names, self._text)
-            except UsageError as exc:
-                self._refuse(str(exc))
-        if not is_found and not self._problem and _is_of_names(self._names):
-            message = (
-                f"{self._text}: nothing in the house has this name or type, {sum(_CHECKED_AFTER) / 60:g} minutes on"
-            )
-            self._node.log.warning(NOTHING_FITS, message=message)
-
-    def _refuse(self, problem: str) -> None:
-        """End the query with an error that names its *problem*."""
-        self._problem = problem
-        self._news.set()
 
     def on_device(self, change: DeviceChange) -> None:
         """Store the newest change of a device for the reader."""
@@ -139,10 +110,11 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
             if self._asked_near is not None:
                 from homebot.devices.near_watch import NearWatch  # noqa: PLC0415 - few queries ask for it
 
-                self._near = NearWatch(self._node, view, self._asked_near, self._compare_near, self._refuse)
+                self._near = NearWatch(self._node, view, self._asked_near, self._compare_near)
             view.add(self)
-            if self._names != _ANY:
-                self._node.create_task(partial(self._check_names, view))
+            names = self._names if self._asked_near is None else And((self._names, self._asked_near))
+            if names != _ANY:
+                view.names.add(names, self._text)
         except ClosedError:
             self.close()
             raise StopAsyncIteration from None
@@ -226,12 +198,6 @@ class Follow(LiveQuery[DeviceChange]):
 
     def _wants(self, device: Device) -> bool:
         return self._is_near(device.id) and (self._query == _ANY or fits(self._query, facets_of(device)))
-
-
-def _is_of_names(query: Query) -> bool:
-    """Return whether the query has only types, rooms, tags and names, which do not come and go."""
-    terms = query.terms if isinstance(query, And) else (query,)
-    return all(isinstance(one, TypeIs | AreaIs | FactIs | NameIs) for one in terms)
 
 
 def _kind(kind: ChangeKind, *, did_match: bool, does_match: bool) -> ChangeKind:

@@ -11,6 +11,7 @@ import anyio
 
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.device_view import DeviceView
+from homebot.devices.name_checks import NameChecks
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES, QUERY_DEVICES
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.query.terms import Query
@@ -22,7 +23,7 @@ from homebot.devices.services import (
     QueryDevicesRequest,
     QueryDevicesResponse,
 )
-from homebot.errors import ClosedError, RefusedError, ServiceError, UsageError
+from homebot.errors import ClosedError, RefusedError, ServiceError
 from homebot.graph import Client, Node
 from homebot.log import LogLimit
 
@@ -106,33 +107,21 @@ class HouseView:
     async def find_near(self, query: Query) -> FindDevicesResponse:
         """Return the devices that match *query*, which has a condition to be near a robot, best first.
 
+        There are none if a name in it is misspelt, such as that of the robot; :attr:`names` reports it.
+
         Raises:
-            UsageError: There is no such robot, or another name in it is misspelt.
             RefusedError: The position of the robot is unknown now.
             ServiceError: The directory does not answer.
         """
         answer = await self._query.call(QueryDevicesRequest(query=query_terms(query)))
-        if answer.is_mistake:
-            raise UsageError(answer.message)
-        if not answer.success:
+        if not answer.success and not answer.is_mistake:
             raise RefusedError("the search", answer.message)
         return FindDevicesResponse(devices=tuple(one.device for one in answer.results), sequence=answer.sequence)
 
-    async def check(self, query: Query, text: str) -> bool:
-        """Check the rooms, types and names in *query*, from the call *text* of an app; passes without an answer.
-
-        Returns:
-            False if nothing in the house fits it.
-
-        Raises:
-            UsageError: Nothing in the house has one of them; suggests the one that was probably meant.
-        """
-        with suppress(ServiceError):
-            answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
-            if answer.is_mistake:
-                raise UsageError(f"{text}: {answer.message}")
-            return answer.success and answer.total > 0
-        return True
+    @cached_property
+    def names(self) -> NameChecks:
+        """The checks of the names in the queries of the node."""
+        return NameChecks(self._node)
 
     @cached_property
     def _query(self) -> Client[QueryDevicesRequest, QueryDevicesResponse]:

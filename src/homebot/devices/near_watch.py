@@ -10,7 +10,7 @@ from homebot.devices.house_view import HouseView
 from homebot.devices.names import ROBOT_POSES, ROBOTS_NODE
 from homebot.devices.query.terms import Query
 from homebot.devices.robot_messages import RobotPose
-from homebot.errors import RefusedError, ServiceError, UsageError
+from homebot.errors import RefusedError, ServiceError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.log import LogLimit
 
@@ -31,24 +31,15 @@ class NearWatch:
 
     Args:
         changed: Called with the ids of the devices that came near or left.
-        refuse: Called with the mistake in the query, such as an unknown robot.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        view: HouseView,
-        query: Query,
-        changed: Callable[[Iterable[str]], None],
-        refuse: Callable[[str], None],
-    ) -> None:
+    def __init__(self, node: Node, view: HouseView, query: Query, changed: Callable[[Iterable[str]], None]) -> None:
         self.ids: frozenset[str] = frozenset()
         self._node = node
         self._clock = node.graph.clock
         self._view = view
         self._query = query
         self._changed = changed
-        self._refuse = refuse
         self._due, self._urgent = anyio.Event(), anyio.Event()
         self._scope = anyio.CancelScope()
         self._limit = LogLimit(node.graph.clock)
@@ -87,8 +78,6 @@ class NearWatch:
         before, self.ids = self.ids, frozenset()
         try:
             self.ids = frozenset([device.id for device in (await self._view.find_near(self._query)).devices])
-        except UsageError as exc:
-            self._refuse(str(exc))
         except (RefusedError, ServiceError) as exc:
             if self._limit.allows(NOT_KNOWN) is not None:
                 self._node.log.warning(NOT_KNOWN, message=f"nothing counts as near: {exc}")

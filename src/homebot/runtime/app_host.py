@@ -11,12 +11,13 @@ from anyio.abc import TaskStatus
 
 from homebot.apps import App, AppContext
 from homebot.clock import Clock, LoopClock
+from homebot.devices.house_view import HouseView
 from homebot.graph import Graph, Node
 from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import AsyncIterator, Iterator
 
     from homebot.apps.notifier import Notifier
     from homebot.apps.stores import AppStores
@@ -101,6 +102,12 @@ class AppHost:
             yield f"the last notification was not sent: {self._notifier.trouble}"
         if self._stores is not None and self._stores.trouble:
             yield self._stores.trouble
+
+    async def unknown_names(self) -> AsyncIterator[str]:
+        """Yield the queries of apps whose names nothing in the house has."""
+        for app in tuple(self.running.values()):
+            for problem in await HouseView.of(app.node).names.problems():
+                yield f"{app.node.name}: {problem}"
 
     def given_up(self) -> set[tuple[str, str]]:
         """Return the node and the callback of each job that was given up."""

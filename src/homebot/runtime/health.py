@@ -36,7 +36,7 @@ class RuntimeHealth:
         self._apps = apps
         node.create_service(GetHealth, RUNTIME_HEALTH, self._answer)
 
-    def _answer(self, _request: HealthRequest) -> HealthResponse:
+    async def _answer(self, _request: HealthRequest) -> HealthResponse:
         crashes = self._supervisor.crashes.values()
         counts = {
             "components_crashed": len(crashes),
@@ -53,7 +53,7 @@ class RuntimeHealth:
         }
         return HealthResponse(
             counts=Count.each(counts),
-            troubles=tuple(self._problems()),
+            troubles=(*self._problems(), *[one async for one in self._apps.unknown_names()]),
             failures=tuple(self._failures()),
             home=self._home,
         )

@@ -240,6 +240,11 @@ class TestHouse:
         __tracebackhide__ = True
         await self.runtime.app_manager.reload(app)
 
+    async def misspelt_names(self) -> tuple[str, ...]:
+        """Return the queries of apps in which a name is misspelt, with the name that was probably meant."""
+        apps = tuple(self.runtime.app_host.running.items())
+        return tuple([f"{name}: {one}" for name, app in apps for one in await HouseView.of(app.node).names.mistakes()])
+
     async def listen(self) -> None:
         """Receive homebot's messages until cancelled."""
         while True:

@@ -121,10 +121,14 @@ def _house_of_test(
 
     test = request.node
     reports = test.stash.setdefault(_REPORTS, [])
-    with open_house(test, loop_of(request, fixture), *config) as house:
+    loop = loop_of(request, fixture)
+    with open_house(test, loop, *config) as house:
         reports.append(lambda: (f"what happened in `{fixture}`", house_report(house)))
         yield house
-        if house.crashed and not allows_crashes(test, fixture) and not test.stash.get(_FAILED, False):
-            mark = f"@pytest.mark.{fixture}(allow_crashes=True)"  # it was restarted, which the test may not notice
-            pytest.fail(f"{', '.join(house.crashed)} crashed; where that is meant, {mark}", pytrace=False)
+        if not allows_crashes(test, fixture) and not test.stash.get(_FAILED, False):
+            problems = [f"{one} crashed" for one in house.crashed]  # it was restarted, which the test may not notice
+            problems += loop.run_until_complete(house.misspelt_names())
+            if problems:
+                mark = f"@pytest.mark.{fixture}(allow_crashes=True)"
+                pytest.fail(f"{'; '.join(problems)}; where that is meant, {mark}", pytrace=False)
     reports.clear()
