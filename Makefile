@@ -5,13 +5,14 @@ BIN = $(VENV)/bin
 ARGS ?=
 BENCH = .venv-bench
 PAGE = .venv-page
+AUDIT = .venv-audit
 
 SEED := $(or $(SEED),$(shell date +%s))
 CASES ?= 100000
 HOUSES ?= 100
 DAYS ?= 1000
 
-.PHONY: help run test coverage test-fast test-peers page fuzz houses days nightly check format docs wheel bench lock test-lowest clean
+.PHONY: help run test coverage test-fast test-peers page fuzz houses days nightly check format docs wheel bench lock audit test-lowest clean
 
 ## Prints this list.
 help:
@@ -68,7 +69,7 @@ days: $(VENV)/.dev
 # NIGHTLY: floods, kills and generated cases in full number, and other ones in each run; see tests/sizes.py.
 ## Runs the long sets: generated cases, random days, all tests in full size, lowest versions. Takes hours.
 nightly: fuzz days test-lowest
-	@NIGHTLY=1 $(MAKE) coverage test-peers
+	@NIGHTLY=1 $(MAKE) --keep-going coverage test-peers audit
 
 ## Checks format, lint, types, and which package may import which.
 check: $(VENV)/.dev
@@ -83,12 +84,12 @@ format: $(VENV)/.dev
 	$(BIN)/ruff check --fix .
 
 ## Builds the documentation as a site, in site/; a broken link or cross reference is an error.
-docs: $(VENV)/.docs
+docs: $(VENV)/.dev
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict $(ARGS)
 	@echo "open site/index.html, or: $(BIN)/mkdocs serve"
 
 ## Builds the wheel into dist/ and checks it for a package index.
-wheel: $(VENV)/.docs
+wheel: $(VENV)/.dev
 	@rm -rf dist
 	@$(BIN)/pip wheel --quiet --disable-pip-version-check --no-deps -w dist .
 	@$(BIN)/twine check --strict dist/*
@@ -97,13 +98,20 @@ wheel: $(VENV)/.docs
 bench: $(BENCH)/.ready $(BENCH)-ha/.tried $(BENCH)-zigbee/.tried
 	@$(BENCH)/bin/python benchmarks/run.py --home-assistant $(BENCH)-ha/bin/python $(ARGS)
 
-# Run it with the Python of Debian 12, 3.11.2: some packages refuse that by now, and a newer Python would lock them.
 ## Updates the versions that CI installs to the newest.
 lock:
 	rm -rf .venv-lock && $(PYTHON) -m venv .venv-lock
-	.venv-lock/bin/pip install --quiet --disable-pip-version-check -e ".[dev,all,docs,peers]"
-	.venv-lock/bin/pip freeze --exclude-editable > constraints.txt
+	.venv-lock/bin/pip install --quiet --disable-pip-version-check uv
+	.venv-lock/bin/python requirements/lock.py
 	rm -rf .venv-lock
+
+# The names of packages are sent to PyPI, which answers with their advisories.
+## Looks up advisories on every locked package, and writes the bill of materials dist/homebot.cdx.json.
+audit:
+	@test -d $(AUDIT) || { $(PYTHON) -m venv $(AUDIT) && $(AUDIT)/bin/pip install --quiet --disable-pip-version-check pip-audit==2.10.1 cyclonedx-bom==7.5.0; }
+	@mkdir -p dist && cat requirements/run.txt requirements/all.txt > dist/locked.txt
+	$(AUDIT)/bin/cyclonedx-py requirements --pyproject pyproject.toml --output-reproducible -o dist/homebot.cdx.json dist/locked.txt
+	$(AUDIT)/bin/pip-audit --strict --require-hashes --disable-pip $(call LOCKED,run all dev peers)
 
 ## Runs all tests with the lower bounds of pyproject.toml.
 test-lowest:
@@ -113,36 +121,37 @@ test-lowest:
 
 ## Removes everything that these targets created.
 clean:
-	rm -rf dist $(VENV) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha $(BENCH)-zigbee site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	rm -rf dist $(VENV) $(AUDIT) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha $(BENCH)-zigbee site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/.run: pyproject.toml constraints.txt | $(VENV)/bin/python
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
+# Every file that is installed has a hash in requirements/, and homebot is built by what is installed already.
+PIP = -m pip install --quiet --disable-pip-version-check
+LOCKED = $(patsubst %,-r requirements/%.txt,$(1))
+OWN = --no-deps --no-build-isolation -e .
+
+$(VENV)/.run: pyproject.toml $(wildcard requirements/*.txt) | $(VENV)/bin/python
+	@$(BIN)/python $(PIP) --no-deps --require-hashes $(call LOCKED,run)
+	@$(BIN)/python $(PIP) $(OWN)
 	@touch $@
 
-$(VENV)/.dev: pyproject.toml constraints.txt | $(VENV)/bin/python
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dev,all]"
+$(VENV)/.dev: pyproject.toml $(wildcard requirements/*.txt) | $(VENV)/bin/python
+	@$(BIN)/python $(PIP) --no-deps --require-hashes $(call LOCKED,run all dev)
+	@$(BIN)/python $(PIP) $(OWN)
 	@touch $@ $(VENV)/.run
 
-$(VENV)/.peers: $(VENV)/.dev
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[peers]"
-	@touch $@
-
-# One installation for all targets of .ci/run; most modules of the packages are never imported, so none is compiled.
-$(VENV)/.all: pyproject.toml constraints.txt | $(VENV)/bin/python
-	@$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -c constraints.txt -e ".[dev,all,docs,peers]"
-	@touch $(VENV)/.run $(VENV)/.dev $(VENV)/.docs $(VENV)/.peers $@
-
-$(VENV)/.docs: $(VENV)/.dev
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[docs]"
-	@touch $@
+# Most modules of the packages are never imported, so none is compiled.
+$(VENV)/.peers: pyproject.toml $(wildcard requirements/*.txt) | $(VENV)/bin/python
+	@$(BIN)/python $(PIP) --no-deps --no-compile --require-hashes $(call LOCKED,run all dev peers)
+	@$(BIN)/python $(PIP) $(OWN)
+	@touch $@ $(VENV)/.run $(VENV)/.dev
 
 # Only what users install, so that start-up and memory are those of a user's installation.
-$(BENCH)/.ready: pyproject.toml constraints.txt
+$(BENCH)/.ready: pyproject.toml requirements/run.txt
 	@$(PYTHON) -m venv $(BENCH)
-	@$(BENCH)/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
+	@$(BENCH)/bin/python $(PIP) --no-deps --require-hashes $(call LOCKED,run)
+	@$(BENCH)/bin/python $(PIP) $(OWN)
 	@touch $@
 
 # A peer, in a venv of its own because it pins its packages: the newest that this Python can install. Takes minutes, once.

@@ -21,8 +21,20 @@ def test_help_has_a_line_for_every_target() -> None:
 
 
 def test_each_locked_package_can_be_installed_with_the_python_of_debian_12() -> None:
-    locked = dict(line.split("==") for line in (ROOT / "constraints.txt").read_text().splitlines())
-    needs = {(one.name, one.version): one.metadata["Requires-Python"] or "" for one in distributions()}
+    texts = [one.read_text() for one in (ROOT / "requirements").glob("*.txt")]
+    locked = dict(re.findall(r"^(\S+)==(\S+) \\$", "".join(texts), re.MULTILINE))
+    needs = {
+        (re.sub(r"[-_.]+", "-", one.name).lower(), one.version): one.metadata["Requires-Python"] or ""
+        for one in distributions()
+    }
     found = {package: needs[package] for package in locked.items() if package in needs}
     assert len(found) > len(locked) / 2
     assert [package for package, need in found.items() if not SpecifierSet(need).contains(_DEBIAN_12)] == []
+
+
+def test_every_locked_package_has_the_hashes_of_its_files() -> None:
+    for file in (ROOT / "requirements").glob("*.txt"):
+        blocks = re.split(r"^(?=\S)", file.read_text(), flags=re.MULTILINE)[1:]
+        assert [
+            one for one in blocks if not re.fullmatch(r"\S+==\S+( ; .+)?( \\\n    --hash=sha256:[0-9a-f]{64})+\n", one)
+        ] == []

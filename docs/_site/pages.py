@@ -1,8 +1,8 @@
 """Pages of the site that are not below ``docs``: the files of the repository that the guides link to.
 
-On the site README.md, CONTRIBUTING.md and CHANGELOG.md are pages as the guides are, and a link to any other file or
-folder of the repository leads to a page that shows it. A link to a file that does not exist stays as it is, and fails
-the strict build.
+On the site README.md, CONTRIBUTING.md, SECURITY.md and CHANGELOG.md are pages as the guides are, and a link to any
+other file or folder of the repository leads to a page that shows it. A link to a file that does not exist stays as it
+is, and fails the strict build.
 """
 
 from __future__ import annotations
@@ -18,7 +18,12 @@ from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).parent.parent.parent
 
-_NAMED = {"README.md": "index.md", "CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md"}
+_NAMED = {
+    "README.md": "index.md",
+    "CONTRIBUTING.md": "contributing.md",
+    "SECURITY.md": "security.md",
+    "CHANGELOG.md": "changelog.md",
+}
 _LANGUAGES = {".py": "python", ".toml": "toml", ".ini": "ini", ".json": "json", "": "make"}
 _HIDDEN = "---\nsearch:\n  exclude: true\nhide: [toc, navigation]\n---"
 _LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#|/)([^)#\s]+)(#[^)\s]*)?(?=\))")

@@ -1,7 +1,8 @@
 """Seeded fuzzing: ``make test`` tries 250 generated cases of each target, ``make fuzz`` 100,000.
 
-A case is made from the seed, its target and its number alone, so ``make fuzz SEED=…`` repeats a failure. Only what a
-function's contract names may come out of it.
+A case is made from the seed, its target and its number alone, so ``make fuzz SEED=…`` repeats a failure. Those that
+failed in ``make fuzz`` are kept in ``crashes.txt``, and tried in each run. Only what a function's contract names may
+come out of a case.
 """
 
 import json
@@ -23,6 +24,7 @@ from homebot.errors import RefusedError, WireError
 
 SEED = int(os.environ.get("FUZZ_SEED", "1"))
 CASES = int(os.environ.get("FUZZ_CASES", "250"))
+CRASHES = Path(__file__).with_name("crashes.txt")
 PARTS = 4
 FIXTURES = Path(__file__).parents[1] / "gateways" / "mqtt" / "fixtures"
 KINDS = {"bool": bool, "number": float, "text": str, "numbers": tuple}
@@ -118,20 +120,28 @@ Fuzz = Callable[..., Iterator[tuple[Mutator, random.Random]]]
 
 @pytest.fixture(params=range(PARTS))
 def fuzz(request: pytest.FixtureRequest) -> Iterator[Fuzz]:
-    """The cases of one part of a test; where one fails, an error beside it tells how to repeat it."""
+    """The cases of one part of a test; where one fails, an error beside it tells how to repeat it, and it is kept."""
     running = ""
 
     def cases(target: str, words: Sequence[str] = ()) -> Iterator[tuple[Mutator, random.Random]]:
         nonlocal running
-        for number in range(request.param, CASES, PARTS):
-            running = f"{target}, seed {SEED}, case {number}"
-            rng = random.Random(f"{SEED}/{target}/{number}")  # noqa: S311 - nobody guesses at it
+        kept = [] if request.param else crashes_of(target)
+        for running in (*kept, *(f"{SEED}/{target}/{number}" for number in range(request.param, CASES, PARTS))):
+            rng = random.Random(running)  # noqa: S311 - nobody guesses at it
             yield Mutator(rng, words), rng
         running = ""
 
     yield cases
     if running:
-        pytest.fail(running, pytrace=False)
+        if "FUZZ_CASES" in os.environ:
+            with CRASHES.open("a") as file:
+                file.write(f"{running}\n")
+        pytest.fail("seed {}, target {}, case {}".format(*running.split("/")), pytrace=False)
+
+
+def crashes_of(target: str) -> list[str]:
+    """Return the kept cases of *target*: seed, target and number."""
+    return [line for line in CRASHES.read_text().splitlines() if line.split("/")[1:2] == [target]]
 
 
 def fuzz_convention(fuzz: Fuzz, name: str, make: Callable[[], Convention], rows: Sequence[Mapping[str, Any]]) -> None:
