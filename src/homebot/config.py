@@ -161,17 +161,17 @@ class Config(BaseModel):
     folder: Path = Field(default=_HERE, exclude=True)
 
 
-def load_config(path: Path) -> Config:
-    """Read the TOML file *path*.
+def load_config(path: Path, *, may_be_cut: bool = False) -> Config:
+    """Read the TOML file *path*, which may be half saved if it *may_be_cut*.
 
     Raises:
         ConfigError: It cannot be read, is invalid TOML, may be changed by other users, or has an unknown key or an
             invalid value; the message names file, key and reason.
     """
-    return parse_config(load_tables(path), str(path), path.parent)
+    return parse_config(load_tables(path, may_be_cut=may_be_cut), str(path), path.parent)
 
 
-def load_tables(path: Path) -> dict[str, object]:
+def load_tables(path: Path, *, may_be_cut: bool = False) -> dict[str, object]:
     """Read the TOML file *path* without checking the keys in its tables.
 
     Raises:
@@ -180,7 +180,7 @@ def load_tables(path: Path) -> dict[str, object]:
     source = str(path)
     from homebot.support.toml_file import read_toml  # noqa: PLC0415 - a start without a file needs none
 
-    tables = read_toml(path)
+    tables = read_toml(path, may_be_cut=may_be_cut)
     if problem := why_not_trusted(path):
         raise ConfigError(source, "", f"names the code that runs, so others must not be able to change it: {problem}")
     for name in ("source", "folder"):

@@ -26,12 +26,12 @@ class Home:
     house: VirtualHouse
     node: Node
 
-    async def reload(self, tables: Mapping[str, object]) -> str:
+    async def reload(self, tables: Mapping[str, object], *, may_lose: bool = False) -> str:
         """Return the line of the log."""
         before = self.house.runtime.config
         new = {**before.model_dump(), **tables}
         with capture_logs() as lines:
-            await self.house.runtime.reload(lambda: parse_config(new, "homebot.toml"))
+            await self.house.runtime.reload(lambda: parse_config(new, "homebot.toml"), may_lose=may_lose)
         await self.house.run_for("1s")  # the change comes to those who follow
         (line,) = [one["message"] for one in lines if one["event"] == "runtime.reloaded"]
         return str(line)
@@ -61,7 +61,7 @@ async def troubles(here: Home) -> tuple[str, ...]:
 async def test_misspelt_names_are_those_of_the_newest_configuration(first: dict[str, object]) -> None:
     async with home(control=first) as here:
         await here.house.run_for("10m")
-        await here.reload({"control": {"witnesses": {"light": "hall_moton"}}})
+        await here.reload({"control": {"witnesses": {"light": "hall_moton"}}}, may_lose=True)
         await here.house.run_for("5m")
         (problem,) = await troubles(here)
         assert problem.startswith(
@@ -78,7 +78,9 @@ async def test_policies_take_effect_and_go_again() -> None:
         refused = await here.turn_off()
         assert isinstance(refused, Refused)
         assert refused.policy == "quiet_hours"
-        await here.reload({"control": {}})
+        assert (await here.reload({"control": {}})).startswith("nothing was reloaded: homebot.toml lacks what it had")
+        assert isinstance(await here.turn_off(), Refused)
+        await here.reload({"control": {}}, may_lose=True)
         assert (await here.turn_off()).succeeded  # type: ignore[attr-defined]
 
 

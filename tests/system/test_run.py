@@ -156,6 +156,16 @@ def test_a_hangup_reloads_the_tokens_and_says_what_waits_for_a_restart(start: St
     run.process.send_signal(signal.SIGHUP)
     run.until("were reloaded")
     assert "a valid token is needed" in _cli(tmp_path, *nodes).stderr
+
+    file.write_text("")  # as a program that saves it does for a moment
+    run.process.send_signal(signal.SIGHUP)
+    assert "homebot.toml lacks what it had before: [gateways], [door.tokens]; " in run.until("nothing was reloaded: ")
+    refused = _cli(tmp_path, "--door", door, "reload")
+    assert (refused.returncode, "lacks what it had before" in refused.stderr) == (1, True)
+    meant = _cli(tmp_path, "--door", door, "reload", "--allow-removal")
+    assert meant.stdout == (
+        "tokens, rights, policies and places were reloaded; restart homebot for the changes of gateways.mqtt\n"
+    )
     assert run.stop() == 0
 
 

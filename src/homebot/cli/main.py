@@ -54,6 +54,7 @@ COMMANDS: Final = {
     "replay": "replay a recorded day, and show which commands differ",
     "tag": "tag devices with words; read and write NFC tags",
     "mcp": "serve an agent over the Model Context Protocol",
+    "reload": "apply changes in the configuration of a running homebot",
     "token": "create a token for a program, with the rights that it needs",
     "topic": "list, inspect, read and publish topics",
     "service": "list and call services; install homebot as a systemd service",
@@ -71,6 +72,7 @@ _OWNER: Final = ("alias", "approve", "forget", "merge", "pair", "place", "split"
 _MODULES: Final = {
     "import": "import_thing",
     "release": "leases",
+    "reload": "app",
     "restore": "backup",
     "why-not": "why",
     **dict.fromkeys(_OWNER, "owner"),

@@ -64,7 +64,7 @@ async def serve(
     service: AbstractAsyncContextManager[object],
     seconds: float | None,
     cut_start_short: Callable[[], None] | None = None,
-    reload: Callable[[], Awaitable[None]] | None = None,
+    reload: Callable[[], Awaitable[object]] | None = None,
     until: Callable[[], Awaitable[None]] | None = None,
 ) -> None:
     """Enter *service*, wait for SIGINT, SIGTERM or the end of *seconds*, and leave it.

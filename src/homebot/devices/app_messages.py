@@ -1,4 +1,4 @@
-"""Services of the runtime that list, load, unload and reload apps."""
+"""Services of the runtime that list, load, unload and reload apps, and reload the configuration."""
 
 from homebot.devices.value import ShortText
 from homebot.messages.builtin_interfaces import Time
@@ -13,7 +13,9 @@ __all__ = [
     "ChangeAppResponse",
     "ListApps",
     "LoadApp",
+    "Reload",
     "ReloadApp",
+    "ReloadRequest",
     "UnloadApp",
 ]
 
@@ -90,7 +92,18 @@ class ChangeAppResponse(Message):
     message: str = ""
 
 
+class ReloadRequest(Message):
+    """Request to reload the configuration.
+
+    Attributes:
+        allow_removal: Whether tables, tokens, rights, policies and places may be missing that are in force.
+    """
+
+    allow_removal: bool = False
+
+
 LoadApp = ServiceType("homebot/srv/LoadApp", ChangeAppRequest, ChangeAppResponse)
 UnloadApp = ServiceType("homebot/srv/UnloadApp", ChangeAppRequest, ChangeAppResponse)
 ReloadApp = ServiceType("homebot/srv/ReloadApp", ChangeAppRequest, ChangeAppResponse)
 ListApps = ServiceType("homebot/srv/ListApps", AppsRequest, AppsResponse)
+Reload = ServiceType("homebot/srv/Reload", ReloadRequest, ChangeAppResponse)

@@ -52,6 +52,7 @@ UNLOAD_APP = "/apps/unload"
 RELOAD_APP = "/apps/reload"
 START_RECORDER = "/homebot/start_recorder"
 COPY_FILES = "/homebot/copy_files"
+RELOAD = "/homebot/reload"
 READ_RECORDING = "/homebot/recorder/read"
 ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
 OWN_NAMESPACES = frozenset(

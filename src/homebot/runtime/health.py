@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 
+from homebot.devices.app_messages import ChangeAppResponse
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
 from homebot.devices.names import RUNTIME_HEALTH
 from homebot.graph import Graph, Node, Subscription
@@ -27,6 +28,7 @@ class RuntimeHealth:
         watch: LoopWatch | None,
         lost_lines: Callable[[], int],
         apps: AppHost,
+        reloaded: Callable[[], ChangeAppResponse],
     ) -> None:
         self._graph: Graph = node.graph
         self._home = home
@@ -34,6 +36,7 @@ class RuntimeHealth:
         self._watch = watch
         self._lost_lines = lost_lines
         self._apps = apps
+        self._reloaded = reloaded
         node.create_service(GetHealth, RUNTIME_HEALTH, self._answer)
 
     async def _answer(self, _request: HealthRequest) -> HealthResponse:
@@ -62,6 +65,8 @@ class RuntimeHealth:
         for name, crash in sorted(self._supervisor.crashes.items()):
             if crash.state == "restarting":
                 yield f"{name} crashed ({crash.last}) and will be restarted"
+        if not self._reloaded().success:
+            yield f"the last reload was refused: {self._reloaded().message}"
         yield from self._apps.problems()
         for service, seconds in self._graph.handlers_without_caller():
             if seconds >= _LONG:

@@ -8,13 +8,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
 
-from pydantic import BaseModel
+from pydantic import BaseModel, SecretStr
 
 import homebot.control
 import homebot.places
 from homebot.apps import App
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.config import Config, HomeSettings, Table, parse_settings
+from homebot.config import UNNAMED, Config, HomeSettings, Table, parse_settings
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
@@ -89,6 +89,7 @@ class Plan:
     """A validated configuration.
 
     Attributes:
+        config: The configuration as it was read.
         control: The control layer's settings; None for the defaults.
         grants: The scope of each app, and of the directory of things, that may not command everything, by the full name
             of its node; updated by a reload.
@@ -99,6 +100,7 @@ class Plan:
         notify: The settings of notifications of apps; None to only log them.
     """
 
+    config: Config
     home: str
     home_settings: HomeSettings
     gateways: tuple[PlannedComponent[Gateway], ...]
@@ -114,9 +116,25 @@ class Plan:
     history: HistorySettings | None = None
     notify: NotifySettings | None = None
 
+    @property
+    def tokens(self) -> Mapping[str, SecretStr]:
+        """The tokens of clients by name."""
+        things = self.thing_directory and self.thing_directory.token
+        return {**self.door.all_tokens(), **({"of [thing_directory]": things} if things else {})}
+
     def robot_owners(self) -> RobotOwners:
         """Return the robots named in a table or in the right of a token, with their topics and frames."""
         return self.door.robot_owners({name: one.frames for name, one in self.robots.items()})
+
+    def greeting(self, page: str | None, *, is_dry_run: bool) -> str:
+        """Return the first line of the log, with the address of the *page*, if there is a door."""
+        home = "homebot" if self.home == UNNAMED else self.home
+        if page is None:
+            return f"{home} is running"
+        note = " (a dry run: nothing is sent to any device)" if is_dry_run else ""
+        door = page.replace("http", "ws", 1)
+        lack = "" if self.gateways else "; no device is found without a table such as [gateways.mqtt]"
+        return f"{home} is running{note}; listening for rosbridge clients on {door}; its page is {page}{lack}"
 
     @property
     def names_robots(self) -> bool:
@@ -138,6 +156,7 @@ def make_plan(config: Config) -> Plan:
             the reason.
     """
     return Plan(
+        config=config,
         home=config.home.name,
         home_settings=config.home,
         gateways=tuple(_gateway(name, table, config) for name, table in config.gateways.items()),

@@ -1,4 +1,7 @@
-"""Reloading of the configuration: tokens, rights, policies and places change at once, other keys at the next start."""
+"""Reloading of the configuration: tokens, rights, policies and places change at once, other keys at the next start.
+
+A file that is half saved lacks limits, so a reload may lose none, nor a whole table, unless the user means it.
+"""
 
 from __future__ import annotations
 
@@ -7,14 +10,16 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from anyio import to_thread
+from pydantic import SecretStr
 
 from homebot.bridges.rosbridge import Door
 from homebot.config import Config
 from homebot.control import Control
 from homebot.control.settings import PolicySettings
+from homebot.devices.app_messages import ChangeAppResponse
 from homebot.devices.client_rights import ALL_ROBOTS, read_scope
 from homebot.discovery import Directory
-from homebot.errors import UsageError
+from homebot.errors import ConfigError, UsageError
 from homebot.runtime.grants import ACT
 from homebot.runtime.plan import Plan
 from homebot.support.logger import get_logger
@@ -22,7 +27,7 @@ from homebot.support.logger import get_logger
 if TYPE_CHECKING:
     from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge
 
-__all__ = ["RunningParts", "keys_for_restart", "reload_configuration"]
+__all__ = ["RunningParts", "keys_for_restart", "lost_keys", "reload_configuration"]
 
 RELOADED = "runtime.reloaded"
 
@@ -31,13 +36,22 @@ _log = get_logger(node="/homebot")
 _SECTIONS: Final = ("gateways", "apps", "robots")
 """The keys that contain tables by name."""
 
+_TOKEN: Final = frozenset({"token", "token_file"})
 _LIVE: Final[Mapping[str, frozenset[str]]] = {
-    "door": frozenset({"token", "token_file", "tokens", "scope"}),
+    "door": _TOKEN | {"tokens", "scope"},
     "control": frozenset(PolicySettings.model_fields),
     "apps": frozenset({ACT}),
-    "thing_directory": frozenset({ACT}),
+    "thing_directory": _TOKEN | {ACT},
 }
 """The keys that take effect without a restart; so do all of ``[places]``."""
+
+_BY_KEY: Final = frozenset({"control", "door"})
+"""Tables of which only live keys are missed."""
+
+_LOST: Final = "save it whole, or if you mean it: homebot reload --allow-removal, or restart homebot"
+
+_LONG: Final = 16
+"""Characters of a token too long to guess."""
 
 
 class RunningParts(NamedTuple):
@@ -80,22 +94,78 @@ def _changed(table: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iter
             yield f"{table}.{key}"
 
 
+def lost_keys(before: Config, after: Config) -> tuple[str, ...]:
+    """Return the tables of *before* that *after* lacks, and the keys that limit what somebody may do.
+
+    A token may go while others stay, as it is revoked so; a key of a place, unless half a file might end there.
+    """
+    return tuple(_lost(before.model_dump(), after.model_dump()))
+
+
+def _lost(old: Mapping[str, Any], new: Mapping[str, Any], *path: str, is_last: bool = True) -> Iterator[str]:
+    for key, value in old.items():
+        here, other, others = (*path, key), new.get(key), new.keys() & _TOKEN
+        tables, left = _tables_in(value), _tables_in(other)
+        is_token = here[:2] == ("door", "tokens") and (len(here) == 3 or bool(others))
+        if _is_empty(value) or (is_token and not other):
+            continue
+        is_gone = other in (None, {}) or 0 < len(left) < len(tables)
+        if tables and is_gone and (here[0] not in _BY_KEY or _is_limit(here)):
+            yield f"[{'.'.join(here)}]"
+        elif tables:
+            for one, its_new in zip(tables, left, strict=False):
+                yield from _lost(one, its_new, *here, is_last=key == [*new][-1])
+        elif other is None and _is_limit(here) and not (key in _TOKEN and others) and (is_last or here[0] != "places"):
+            yield ".".join(here)
+
+
+def _is_empty(value: object) -> bool:
+    return value is None or value is False or (isinstance(value, Mapping) and all(map(_is_empty, value.values())))
+
+
+def _tables_in(value: object) -> list[Mapping[str, Any]]:
+    """Return *value* if it is a table, or the tables of an array."""
+    return [one for one in (value if isinstance(value, list) else [value]) if isinstance(one, Mapping)]
+
+
+def _is_limit(path: tuple[str, ...]) -> bool:
+    return path[0] == "places" or not _LIVE.get(path[0], frozenset()).isdisjoint(path)
+
+
+def _cut_tokens(before: Mapping[str, SecretStr], after: Mapping[str, SecretStr]) -> Iterator[str]:
+    """Yield the tokens whose files may be half written."""
+    for name, token in after.items():
+        old, new = before.get(name, token).get_secret_value(), token.get_secret_value()
+        if new != old and (old.startswith(new) or len(new) < min(len(old), _LONG)):
+            yield f"the end of the token {name}"
+
+
 async def reload_configuration(
-    running: Config, plan: Plan, parts: RunningParts, read: Callable[[], Config], make_plan: Callable[[Config], Plan]
-) -> Plan:
+    running: Config,
+    plan: Plan,
+    parts: RunningParts,
+    read: Callable[[], Config],
+    make_plan: Callable[[Config], Plan],
+    *,
+    may_lose: bool,
+) -> tuple[Plan, ChangeAppResponse]:
     """Apply the changes in the configuration from *read* that need no restart; if it has a mistake, change nothing.
 
     Args:
         read: Called in a worker thread.
         make_plan: Called in a worker thread, with the result of *read*.
+        may_lose: Whether it may lack tables, tokens, rights, policies and places of *plan*.
     """
     try:
         config = await to_thread.run_sync(read)
         new = await to_thread.run_sync(make_plan, config)
+        lost = () if may_lose else (*lost_keys(plan.config, new.config), *_cut_tokens(plan.tokens, new.tokens))
+        if lost:
+            raise ConfigError(config.source, "", f"lacks what it had before: {', '.join(lost)}; {_LOST}")
         rooms = None if parts.directory is None else parts.directory.index.owner.rooms.reconfigured(new.places)
     except UsageError as exc:
         _log.error(RELOADED, message=f"nothing was reloaded: {exc}")
-        return plan
+        return plan, ChangeAppResponse(success=False, message=str(exc))
     if (server := parts.door()) is not None:
         server.update_tokens(new.door)
     if parts.things is not None and new.thing_directory is not None:
@@ -109,6 +179,8 @@ async def reload_configuration(
             await parts.directory.reconfigure(new.places, rooms)
     waiting = ", ".join(keys_for_restart(running, config))
     rest = f"; restart homebot for the changes of {waiting}" if waiting else ""
-    _log.info(RELOADED, message=f"tokens, rights, policies and places were reloaded{rest}")
+    message = f"tokens, rights, policies and places were reloaded{rest}"
+    _log.info(RELOADED, message=message)
     things = new.thing_directory or plan.thing_directory
-    return replace(plan, door=new.door, control=new.control, places=new.places, thing_directory=things)
+    done = replace(plan, config=new.config, door=new.door, control=new.control, places=new.places)
+    return replace(done, thing_directory=things), ChangeAppResponse(success=True, message=message)

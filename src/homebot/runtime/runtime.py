@@ -21,12 +21,13 @@ from anyio.abc import TaskStatus
 
 from homebot.bridges.rosbridge import Door
 from homebot.clock import Clock, LoopClock, read_zone
-from homebot.config import UNNAMED, Config
+from homebot.config import Config
 from homebot.control import Control
+from homebot.devices.app_messages import ChangeAppResponse, Reload
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.devices.health import GetHealth
-from homebot.devices.names import COPY_FILES, START_RECORDER
+from homebot.devices.names import COPY_FILES, RELOAD, START_RECORDER
 from homebot.discovery import Directory, OwnerFacts
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import Graph, Node, RosoutFeed
@@ -155,9 +156,12 @@ class Runtime:
         self.app_manager = AppManager(self.supervisor, self.app_host, self._planner)
         self.door: Door | None = None
         self._start_is_cut = False
+        self._read = self.read_config or (lambda: self.config)
+        self._reloading = anyio.Lock()
+        self._reloaded = ChangeAppResponse()
 
     def _planner(self) -> AppPlanner:
-        return AppPlanner(self.read_config or (lambda: self.config), self._plan.grants)
+        return AppPlanner(self._read, self._plan.grants)
 
     def _make_plan(self, config: Config) -> Plan:
         if self._house is not None:
@@ -194,12 +198,16 @@ class Runtime:
         """Return the service of the class *kind* that runs for the gateways; None if there is none."""
         return self._context.service(kind)
 
-    async def reload(self, read: Callable[[], Config]) -> None:
-        """Apply the configuration that *read* returns, called in a thread; ignore it if it has a mistake."""
+    async def reload(self, read: Callable[[], Config], *, may_lose: bool = False) -> ChangeAppResponse:
+        """Apply the configuration that *read* returns, called in a thread, unless it has a mistake or lacks limits."""
         from homebot.runtime.reload import RunningParts, reload_configuration  # noqa: PLC0415 - few runs are reloaded
 
         parts = RunningParts(lambda: self.door, self._controller, self._index, self._things)
-        self._plan = await reload_configuration(self.config, self._plan, parts, read, self._make_plan)
+        async with self._reloading:
+            self._plan, self._reloaded = await reload_configuration(
+                self.config, self._plan, parts, read, self._make_plan, may_lose=may_lose
+            )
+            return self._reloaded
 
     def cut_start_short(self) -> None:
         """Abort the start: entering returns at once, and nothing more is started."""
@@ -224,9 +232,11 @@ class Runtime:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         self.app_manager.offer_services(main)
-        RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines, self.app_host)
+        home, reloaded = self._plan.home, lambda: self._reloaded
+        RuntimeHealth(main, home, self.supervisor, self.loop_watch, self.lost_lines, self.app_host, reloaded)
         main.offer_service("std_srvs/srv/Trigger", START_RECORDER, partial(self._serve_recorder, main))
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
+        main.create_service(Reload, RELOAD, lambda asked: self.reload(self._read, may_lose=asked.allow_removal))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(
@@ -240,7 +250,8 @@ class Runtime:
                 return
             await stack.enter_async_context(component)
         if not self._start_is_cut:
-            _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
+            greeting = self._plan.greeting(None if self.door is None else self.door.page, is_dry_run=self.is_dry_run)
+            _log.info(RUNNING, message=greeting, gateways=len(gateways), apps=len(self._plan.apps))
             text = self.app_manager.running_text(self._plan.apps)
             _log.info(APPS, message=text, names=[app.name for app in self._plan.apps])
             # Loaded last: it takes longer than other parts of the start, and clients need a handshake first.
@@ -268,15 +279,6 @@ class Runtime:
             yield running("thing_directory", partial(self._serve_things, self._plan.thing_directory))
         if self._house is not None:
             yield running("house", partial(self._house.serve, self._context, self.graph))
-
-    def _greeting(self) -> str:
-        home = "homebot" if self._plan.home == UNNAMED else self._plan.home
-        if self.door is None:
-            return f"{home} is running"
-        page, note = self.door.page, " (a dry run: nothing is sent to any device)" if self.is_dry_run else ""
-        door = page.replace("http", "ws", 1)
-        lack = "" if self._plan.gateways else "; no device is found without a table such as [gateways.mqtt]"
-        return f"{home} is running{note}; listening for rosbridge clients on {door}; its page is {page}{lack}"
 
     async def _start_services(self, stack: AsyncExitStack) -> None:
         """Start each in-process peer that gateways need, once, unless it was passed in."""

@@ -5,10 +5,12 @@ permissions, as on Windows, nothing is refused.
 """
 
 import os
+import select
 import stat
 import sys
 from contextlib import suppress
 from functools import lru_cache
+from io import BufferedReader
 from pathlib import Path
 
 from homebot.errors import UsageError
@@ -17,11 +19,12 @@ if sys.platform != "win32":
     import grp
     import pwd
 
-__all__ = ["check_secret_file", "read_secret", "readable_by_others", "why_not_private", "why_not_trusted"]
+__all__ = ["check_secret_file", "open_now", "read_secret", "readable_by_others", "why_not_private", "why_not_trusted"]
 
 READABLE = "config.secret_readable"
 
 _LONGEST_SECRET = 65_536
+_LONGEST_WAIT = 1.0  # in seconds, for a program to write a secret into a pipe
 _GROUP_WRITES, _OTHERS_WRITE = stat.S_IWGRP, stat.S_IWOTH
 _GROUP, _OTHERS = stat.S_IRWXG, stat.S_IRWXO
 
@@ -67,6 +70,11 @@ def readable_by_others(path: Path, found: os.stat_result) -> str:
     return f"{path} can be read by others; keep it to yourself: chmod 600 '{path}'" if is_seen else ""
 
 
+def open_now(path: Path) -> BufferedReader:
+    """Open *path* for reading; neither this nor reading waits for the other end of a pipe."""
+    return open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0)))
+
+
 def read_secret(path: Path) -> str:
     """Return the first line of the file *path*, without its line ending.
 
@@ -76,9 +84,11 @@ def read_secret(path: Path) -> str:
         UsageError: The file cannot be read, others can write it, or its first line is empty; never shows the secret.
     """
     try:
-        with path.open(encoding="utf-8") as file:
+        with open_now(path) as file:
             check_secret_file(path, os.fstat(file.fileno()))
-            secret = file.readline(_LONGEST_SECRET).partition("\n")[0].removesuffix("\r")
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                select.select([file], [], [], _LONGEST_WAIT)
+            secret = file.readline(_LONGEST_SECRET).decode().rstrip("\r\n")
     except (OSError, ValueError) as exc:
         raise UsageError(f"{path} cannot be read: {_unreadable(path, exc)}") from exc
     if not secret:

@@ -1,34 +1,44 @@
 """The reader for all TOML files, which reports invalid values with their key."""
 
+import os
+import stat
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TypeAlias
 
 from homebot.errors import ConfigError
+from homebot.support.file_access import open_now
 
 __all__ = ["TomlTable", "parse_toml", "read_toml"]
 
 TomlTable: TypeAlias = dict[str, object]
 
 _MOST = 2**63
-_MAX_BYTES = 64 * 1024 * 1024
+_MAX_BYTES = 4 * 1024 * 1024
 
 
-def read_toml(path: Path, *, any_text: bool = False) -> TomlTable:
+def read_toml(path: Path, *, any_text: bool = False, may_be_cut: bool = False) -> TomlTable:
     """Return the tables of the file *path*.
 
     Args:
         any_text: As for :func:`parse_toml`.
+        may_be_cut: Whether it may be half saved, so that digits may be missing at its end.
 
     Raises:
         ConfigError: It cannot be read, or as :func:`parse_toml`.
     """
     source = str(path)
     try:
-        if path.stat().st_size > _MAX_BYTES:
+        with open_now(path) as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                raise ConfigError(source, "", "is no regular file")
+            data = file.read(_MAX_BYTES + 1)
+        if len(data) > _MAX_BYTES:
             raise ConfigError(source, "", f"is larger than {_MAX_BYTES // 1024**2} MiB")
-        text = path.read_text(encoding="utf-8-sig")
+        if may_be_cut and data[-1:].isdigit():
+            raise ConfigError(source, "", "ends within a number; end its last line with a line break")
+        text = data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as exc:
         raise ConfigError(source, "", "cannot be read: it is not UTF-8 text") from exc
     except FileNotFoundError as exc:

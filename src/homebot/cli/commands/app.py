@@ -1,4 +1,4 @@
-"""``homebot app``."""
+"""``homebot app`` and ``homebot reload``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import print_table
 from homebot.clock import read_zone
-from homebot.devices.names import LIST_APPS, LOAD_APP, RELOAD_APP, UNLOAD_APP
+from homebot.devices.names import LIST_APPS, LOAD_APP, RELOAD, RELOAD_APP, UNLOAD_APP
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import age, iso, to_seconds
 from homebot.errors import PeerError, UsageError
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from homebot.devices.app_messages import AppInfo, AppJob, AppsResponse
     from homebot.messages import Time
 
-__all__ = ["add_arguments"]
+__all__ = ["add_arguments", "add_reload_arguments"]
 
 _EXAMPLES = """\
   homebot app list                the apps, with the next calls of their jobs
@@ -56,8 +56,21 @@ def _add(verbs: Commands, name: str, service: str, summary: str) -> None:
     parser.add_argument("app", metavar="APP", help=what)
 
 
+def add_reload_arguments(parser: argparse.ArgumentParser) -> None:
+    examples = """\
+  homebot reload                    apply the changed tokens, rights, policies and places of the configuration
+  homebot reload --allow-removal    also if some of them are missing, which may mean that the file is half saved
+
+It needs the right `manage`. SIGHUP (`systemctl [--user] reload homebot`) does the former.
+"""
+    set_door_command(parser, partial(_change, RELOAD), examples)
+    parser.add_argument("--allow-removal", action="store_true", help="drop what the file lacks, as after a restart")
+
+
 def _change(service: str, door: DoorClient, options: argparse.Namespace) -> int:
-    answer = door.call(service, {"app": _absolute(options.app)}, timeout=_LONGEST)
+    is_all = service == RELOAD
+    request = {"allow_removal": options.allow_removal} if is_all else {"app": _absolute(options.app)}
+    answer = door.call(service, request, timeout=_LONGEST)
     text = printable(str(answer["message"]), 2000)
     if not answer["success"]:
         raise PeerError(text)

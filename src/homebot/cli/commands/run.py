@@ -227,7 +227,7 @@ def run_configured(options: argparse.Namespace) -> int:
 
 
 def _config(options: argparse.Namespace) -> Config:
-    return configuration(options)[0]
+    return configuration(options, may_be_cut=True)[0]
 
 
 @contextmanager
@@ -255,13 +255,13 @@ def _recording(path: str | None) -> Iterator[LineSink | None]:
         yield FileSink(file)
 
 
-def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
-    """Return the configuration for *options*, and its simulated house, if any.
+def configuration(options: argparse.Namespace, *, may_be_cut: bool = False) -> tuple[Config, World | None]:
+    """Return the configuration for *options*, whose file may be half saved, and its simulated house, if any.
 
     Raises:
         ConfigError: The file cannot be used, or a value is wrong.
     """
-    base, house = _base(options)
+    base, house = _base(options, may_be_cut=may_be_cut)
     if options.house:
         house = _house(options.house)
     tables = base.model_dump()
@@ -293,9 +293,9 @@ def _with_token(table: Table, variable: str) -> Table:
     return table if not token or table.keys() & {"token", "token_file", "tokens"} else {**table, "token": token}
 
 
-def _base(options: argparse.Namespace) -> tuple[Config, World | None]:
+def _base(options: argparse.Namespace, *, may_be_cut: bool) -> tuple[Config, World | None]:
     if options.config or DEFAULT_CONFIG.exists():
-        return load_config(Path(options.config or DEFAULT_CONFIG)), None
+        return load_config(Path(options.config or DEFAULT_CONFIG), may_be_cut=may_be_cut), None
     if options.mqtt:
         home = {"name": options.root} if options.root else {}
         return parse_config({"home": home, "gateways": {"mqtt": {}}}, COMMAND_LINE), None
