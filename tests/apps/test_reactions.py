@@ -123,6 +123,29 @@ async def test_the_runs_of_one_key_do_not_touch_those_of_another(open_home: Open
     assert len(ended) == 2
 
 
+async def test_a_handler_that_is_given_up_is_known_with_its_key(open_home: OpenHome) -> None:
+    """The lamps of the other key go on; nothing named the one that is not served any more."""
+    seen: list[str] = []
+    async with open_home() as home, Node(home.graph, "mine") as node:
+        for key in ("good", "bad"):
+            home.put(key, "light", "on_off")
+
+        def count(change: HandleChange[Light]) -> None:
+            seen.append(change.handle.name)
+            if change.handle.name == "Bad":
+                raise ValueError("odd")
+
+        app = await started(home, node, lambda app: app.on(app.devices.follow(Light), count, key=per_handle))
+        for number in range(8):
+            for key in ("good", "bad"):
+                await home.report(key, "on_off", number % 2 == 0)
+            await anyio.sleep(1)
+        (runs,) = app.given_up
+    assert runs.title == "handler count for 'Bad'"
+    assert runs.trouble == "failed 5 times in a row and is not called any more (ValueError: odd)"
+    assert (seen.count("Bad"), seen.count("Good")) == (5, 9)
+
+
 async def test_a_press_is_the_wish_of_a_person_also_while_an_earlier_one_is_at_work(open_home: OpenHome) -> None:
     """The presence guard lets what it leads to through, and refuses the same without a press."""
     outcomes: list[str] = []

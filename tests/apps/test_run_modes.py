@@ -109,6 +109,24 @@ async def test_a_handler_that_fails_five_times_in_a_row_is_given_up() -> None:
     assert results == [None]
 
 
+async def test_the_fifth_failure_is_logged_and_the_traceback_of_one_wrong_line_once() -> None:
+    """Within ten seconds: the log said that the handler continues, and then nothing."""
+
+    def work() -> None:
+        raise ValueError("odd")
+
+    async with runs_of("single") as runs:
+        with capture_logs() as lines:
+            for _ in range(6):
+                runs.start(work)
+                await anyio.sleep(0.1)
+    first, last = lines
+    begin = "the handler of the test failed (ValueError: odd); it"
+    assert first["message"] == f"{begin} is called again, up to 5 failures in a row"
+    assert last["message"] == f"{begin} was the 5th time in a row, and it is not called until the app is restarted"
+    assert ("exc_info" in first, "exc_info" in last) == (True, False)
+
+
 @pytest.mark.parametrize("error", [SystemExit(1), GeneratorExit(), asyncio.CancelledError()])
 async def test_an_error_that_would_end_a_task_costs_one_run(error: BaseException) -> None:
     done: list[str] = []

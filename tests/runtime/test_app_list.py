@@ -2,9 +2,11 @@
 
 import asyncio
 import json
+from typing import Self
 
 import anyio
 import pytest
+from structlog.testing import capture_logs
 from tests.patience import PATIENCE
 
 from homebot import App
@@ -44,6 +46,68 @@ def home() -> Runtime:
     }
     tables["home"] = {"zone": ZONE}
     return Runtime(parse_config(tables, "test"))
+
+
+class Numbers:
+    """A live query of numbers."""
+
+    def __init__(self) -> None:
+        self._last = 0
+
+    def __aiter__(self) -> Self:
+        return self
+
+    async def __anext__(self) -> int:
+        await anyio.sleep(0.001)
+        self._last += 1
+        return self._last
+
+
+class Odd(App):
+    async def run(self) -> None:
+        self.on(Numbers(), self.fail)
+
+    def fail(self, number: int) -> None:
+        raise ValueError(f"no lamp {number}")
+
+
+async def test_a_handler_that_was_given_up_is_listed_and_in_the_health() -> None:
+    tables = {"apps": {"odd": {"class": f"{__name__}:Odd"}}, "discovery": {"persist": False}}
+    async with Runtime(parse_config(tables, "test"), with_door=False) as runtime, Node(runtime.graph, "client") as node:
+        client, health = node.create_client(ListApps, LIST_APPS), node.create_client(GetHealth, RUNTIME_HEALTH)
+        with anyio.fail_after(PATIENCE):
+            while True:
+                if found := (await client.call(AppsRequest())).apps[0].jobs:
+                    break
+                await anyio.sleep(0.01)
+        assert [(one.name, one.note) for one in found] == [
+            ("handler fail", "failed 5 times in a row and is not called any more (ValueError: no lamp 5)")
+        ]
+        failures = (await health.call(HealthRequest())).failures
+        assert [(one.part, one.what, one.outcome) for one in failures] == [
+            ("odd", "the handler fail failed", "given up")
+        ]
+
+
+class Fragile(App):
+    async def run(self) -> None:
+        self.start_task(self.fail)
+
+    async def fail(self) -> None:
+        raise ValueError("no lamp")
+
+
+async def test_the_log_shows_the_error_of_a_task_once() -> None:
+    """It showed three tracebacks: the error in its group, the group, and the error."""
+    tables = {"apps": {"fragile": {"class": f"{__name__}:Fragile"}}, "discovery": {"persist": False}}
+    with capture_logs() as lines, anyio.fail_after(PATIENCE):
+        async with Runtime(parse_config(tables, "test"), with_door=False):
+            while True:
+                if crashes := [one for one in lines if one["event"] == "runtime.crashed"]:
+                    break
+                await anyio.sleep(0.01)
+    error = crashes[0]["exc_info"]
+    assert (str(error), error.__context__, error.__cause__) == ("no lamp", None, None)
 
 
 async def test_apps_are_listed_with_their_jobs_by_a_service_and_by_the_command_line(

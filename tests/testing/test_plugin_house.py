@@ -313,9 +313,34 @@ async def test_it(house):
         lines=[
             "*what happened in `house`*",
             "it is 2026-01-01 00:01:00 UTC in the house; crashed: broken",
+            "broken: it crashed: RuntimeError: broken",
             "00:00:00.000  desk                on",
         ],
     )
+
+
+def test_a_failed_test_says_what_was_commanded_before_its_first_line(tried: Tried) -> None:
+    """It said that nothing was, although the app had turned on the lamps as it began."""
+    tests = """
+from homebot import App, Light
+
+class Bright(App):
+    async def run(self):
+        self.on(self.devices.follow(Light).only("appeared"), self.light)
+
+    async def light(self, change):
+        await change.handle.turn_on()
+        raise ValueError("odd")
+
+@pytest.mark.house(Bright, world=lambda: World.of(SimulatedLamp("desk")))
+async def test_it(house):
+    assert False
+"""
+    lines = [
+        "bright: the handler light failed: ValueError: odd",
+        "00:00:00.000  lights/desk *→ on * bright",
+    ]
+    tried(START + tests, failed=1, lines=lines)
 
 
 def test_an_app_that_crashed_fails_its_test_unless_that_is_meant(tried: Tried) -> None:

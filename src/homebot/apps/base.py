@@ -7,6 +7,7 @@ from collections.abc import AsyncIterable, Callable, Coroutine, Hashable, Iterab
 from datetime import datetime
 from functools import partial
 from inspect import isasyncgenfunction, iscoroutinefunction
+from itertools import chain
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeAlias, get_args, get_origin, overload
 from weakref import WeakSet
 
@@ -17,7 +18,7 @@ from typing_extensions import TypeVar
 
 from homebot.apps.context import AppContext
 from homebot.apps.reactions import ItemHandler, Reaction
-from homebot.apps.run_modes import RunHandler, RunMode, check_handler
+from homebot.apps.run_modes import HandlerRuns, RunHandler, RunMode, check_handler
 from homebot.devices import Devices
 from homebot.devices.handles.handle import Handle
 from homebot.errors import RefusedError, UsageError
@@ -123,6 +124,11 @@ class App(ABC, Generic[SettingsT]):
         """The handlers that will be called if a device stays as it is, with its name and the remaining seconds."""
         for one in self._reactions:
             yield from ((one.name, device, seconds) for device, seconds in one.waiting)
+
+    @property
+    def given_up(self) -> Iterator[HandlerRuns]:
+        """The runs of :meth:`on` that are not called any more because they failed too often."""
+        return chain.from_iterable(one.given_up for one in self._reactions)
 
     def after(
         self,

@@ -53,29 +53,17 @@ class Reaction(Generic[ItemT]):
         self._handler = handler
         self._key = key
         self._runs: dict[Hashable, HandlerRuns] = {}
-        self._new_runs = partial(
-            HandlerRuns, node, start_task, f"handler {self.name}", mode, most, is_quiet=mode == "single"
-        )
-        self._runs[None] = self._new_runs()
+        self._new_runs = partial(HandlerRuns, node, start_task, mode=mode, most=most, is_quiet=mode == "single")
+        self._runs[None] = self._new_runs(f"handler {self.name}")
         self._scope = anyio.CancelScope()
         self._queries = queries
         self._readers = len(queries)
         start_task(partial(self._read_all, queries))
 
     @property
-    def running_since(self) -> float | None:
-        """Start of the oldest running call, in seconds since the Unix epoch; None if none runs."""
-        return min((one.running_since for one in self._runs.values() if one.running_since is not None), default=None)
-
-    @property
-    def dropped(self) -> int:
-        """Number of calls that were dropped."""
-        return sum(one.dropped for one in self._runs.values())
-
-    @property
-    def trouble(self) -> str:
-        """The reason why the handler is not called any more, at least for one key; empty while it is called."""
-        return next((one.trouble for one in self._runs.values() if one.trouble), "")
+    def given_up(self) -> Iterator[HandlerRuns]:
+        """The runs that are not called any more because they failed too often, of some or all keys."""
+        return (one for one in tuple(self._runs.values()) if one.trouble)
 
     @property
     def waiting(self) -> Iterator[tuple[str, float]]:
@@ -101,7 +89,7 @@ class Reaction(Generic[ItemT]):
             key = None if self._key is None else self._key(item)
             if key not in self._runs:
                 key = key if len(self._runs) < _MOST_KEYS else None
-                self._runs.setdefault(key, self._new_runs())
+                self._runs.setdefault(key, self._new_runs(f"handler {self.name} for {getattr(key, 'name', key)!r:.60}"))
             self._runs[key].start(partial(self._call, item), CURRENT_CAUSE.get())
 
     async def _call(self, item: ItemT) -> None:

@@ -60,6 +60,7 @@ class HandlerRuns:
         is_quiet: Whether dropped calls are normal, and logged only at level debug.
 
     Attributes:
+        title: As above.
         trouble: Why the handler is not called any more; empty while it is called.
 
     Raises:
@@ -85,7 +86,7 @@ class HandlerRuns:
         self.trouble = ""
         self._node = node
         self._start_task = start_task
-        self._title = title
+        self.title = title
         self._mode = mode
         self._is_quiet = is_quiet
         self._most = most if mode in ("queued", "parallel") else 1
@@ -155,12 +156,12 @@ class HandlerRuns:
             uncancel()
         crash = crash_of(self._node.full_name, error)
         self.failures += 1
-        cost = "it continues"
+        cost = f"it is called again, up to {FAILURES_IN_A_ROW} failures in a row"
         if self.failures >= FAILURES_IN_A_ROW:
             self._waiting.clear()
             cost = f"it was the {self.failures}th time in a row, and it is not called until the app is restarted"
             self.trouble = f"failed {self.failures} times in a row and is not called any more ({error_text(crash)})"
-        self._node.graph.failures.record(self._node.full_name, self._title, crash, cost)
+        self._node.graph.failures.record(self._node.full_name, self.title, crash, cost)
 
     def _drop(self) -> None:
         self.dropped += 1
@@ -169,7 +170,7 @@ class HandlerRuns:
             log = self._node.log.debug if self._is_quiet else self._node.log.warning
             log(
                 CALL_DROPPED,
-                message=f"the {self._title} was not called: {why}{more_like_this(held_back)}",
+                message=f"the {self.title} was not called: {why}{more_like_this(held_back)}",
                 mode=self._mode,
                 dropped=self.dropped,
             )

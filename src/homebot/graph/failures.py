@@ -7,7 +7,7 @@ from typing import final
 from homebot.clock import Clock
 from homebot.errors import HomebotError
 from homebot.log import LogLimit, more_like_this
-from homebot.support.isolation import error_text
+from homebot.support.isolation import Place, error_text, place_of
 from homebot.support.logger import get_logger
 
 __all__ = ["CallbackFailure", "Failures"]
@@ -26,6 +26,7 @@ class CallbackFailure:
 
     Attributes:
         at: Time of the last error, in seconds since the Unix epoch.
+        shown: The place of the error whose traceback was last logged.
     """
 
     node: str
@@ -33,6 +34,7 @@ class CallbackFailure:
     count: int = 0
     last: str = ""
     at: float = 0.0
+    shown: Place | None = None
 
 
 @final
@@ -60,20 +62,25 @@ class Failures:
         return iter(self._failures.values())
 
     def record(self, node: str, callback: str, error: Exception, cost: str) -> None:
-        """Count an *error* of *callback* and log it with its *cost*, at most one line in 10 s for each callback."""
+        """Count an *error* of *callback* and log it with its *cost*, at most one line in 10 s for both.
+
+        The traceback is logged if the last one came from another place.
+        """
         failure = self._failure(node, callback)
         failure.count += 1
         failure.last = error_text(error)
         failure.at = self._clock.now()
-        held_back = self._limit.allows(f"{node} {callback}")
+        held_back = self._limit.allows(f"{node} {callback} {cost}")
         if held_back is None:
             return
+        trace = {} if failure.shown == place_of(error) else {"exc_info": error}
+        failure.shown = place_of(error)
         get_logger(node=node).error(
             CALLBACK_FAILED,
             message=f"the {callback} failed ({failure.last}); {cost}{more_like_this(held_back)}",
             callback=callback,
             failures=failure.count,
-            exc_info=error,
+            **trace,
         )
 
     def _failure(self, node: str, callback: str) -> CallbackFailure:

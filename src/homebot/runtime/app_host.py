@@ -110,9 +110,10 @@ class AppHost:
                 yield f"{app.node.name}: {problem}"
 
     def given_up(self) -> set[tuple[str, str]]:
-        """Return the node and the callback of each job that was given up."""
+        """Return the node and the callback of each job and handler that was given up."""
         apps = self.running.values()
-        return {(app.node.full_name, f"job {job.name}") for app in apps for job in app.jobs if job.runs.trouble}
+        runs = ((app, one) for app in apps for one in (*(job.runs for job in app.jobs), *app.given_up))
+        return {(app.node.full_name, one.title) for app, one in runs if one.trouble}
 
     async def _notify(self, message: str, title: str, app: str) -> bool:
         return await self.notifier.send(message, title, app, self.context.zone)

@@ -51,8 +51,8 @@ LOADED = "app.loaded"
 UNLOADED = "app.unloaded"
 RELOADED = "app.reloaded"
 NOT_RELOADED = "app.not_reloaded"
-_MOST_WAITS = 20
-"""The limit of listed devices that an app waits for to stay as they are."""
+_MOST_LISTED = 20
+"""The limit of listed handlers of an app that were given up, and of devices that it waits for to stay as they are."""
 
 _TRIAL = 1.0
 """Seconds after the start in which a crash of the new code restores the old."""
@@ -291,8 +291,9 @@ def _ended(planned: PlannedApp) -> _RunningApp:
 def _info(name: str, app: App | None, crashes: ComponentCrashes | None) -> AppInfo:
     jobs: tuple[AppJob, ...] = ()
     if app is not None:
-        waits = (_wait(app.clock.now(), *one) for one in islice(app.waits, _MOST_WAITS))
-        jobs = (*map(_job, app.jobs), *waits)
+        given_up = (AppJob(name=one.title, text="", note=one.trouble) for one in islice(app.given_up, _MOST_LISTED))
+        waits = (_wait(app.clock.now(), *one) for one in islice(app.waits, _MOST_LISTED))
+        jobs = (*given_up, *map(_job, app.jobs), *waits)
     if crashes is None:
         return AppInfo(name=name, state="running" if app is not None else "ended", jobs=jobs)
     state = crashes.state if app is None else "running"

@@ -12,15 +12,14 @@ from collections import deque
 from collections.abc import AsyncIterator, Awaitable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from traceback import walk_tb
-from typing import Literal, Protocol, TypeAlias
+from typing import Literal, Protocol
 
 import anyio
 from anyio.abc import TaskStatus
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
-from homebot.support.isolation import error_text, first_cause, is_cancelled, run_as
+from homebot.support.isolation import Place, error_text, first_cause, is_cancelled, place_of, run_as
 from homebot.support.logger import get_logger
 
 __all__ = ["ComponentCrashes", "Supervisor", "Work"]
@@ -68,7 +67,7 @@ class Supervisor:
         self.given_up: list[str] = []
         self._clock = clock
         self._titles: dict[str, str] = {}
-        self._shown: dict[str, _Place] = {}  # where the crash was whose traceback was last shown
+        self._shown: dict[str, Place] = {}  # where the crash was whose traceback was last shown
         self._awaited: set[_Start] = set()
         self._is_hurried = False
 
@@ -181,6 +180,8 @@ class Supervisor:
             self.crashes[name].state = state
 
     def _report(self, name: str, cause: BaseException, delay: float | None, *, is_stopping: bool = False) -> None:
+        if isinstance(cause.__context__, BaseExceptionGroup) and first_cause(cause.__context__) is cause:
+            cause.__context__ = None  # its own group: the log would show it twice
         crashes = self.crashes.setdefault(name, ComponentCrashes())
         crashes.count += 1
         crashes.last = error_text(cause)
@@ -188,7 +189,7 @@ class Supervisor:
         crashes.state = "stopped" if is_stopping else "restarting" if delay is not None else "given up"
         title = self._titles[name]
         text = f"{title} crashed ({error_text(cause)})"
-        place = _place(cause)
+        place = place_of(cause)
         facts = {"component": name} if self._shown.get(name) == place else {"component": name, "exc_info": cause}
         self._shown[name] = place
         if is_stopping:
@@ -203,15 +204,6 @@ class Supervisor:
                 f"{error_text(cause)}",
                 **facts,
             )
-
-
-_Place: TypeAlias = "tuple[type[BaseException], tuple[tuple[str, int], ...]]"
-"""An error's class, and the file and line of each call in its traceback."""
-
-
-def _place(error: BaseException) -> _Place:
-    calls = ((frame.f_code.co_filename, line) for frame, line in walk_tb(error.__traceback__))
-    return type(error), tuple(calls)
 
 
 class _Start(TaskStatus[None]):

@@ -10,12 +10,15 @@ import asyncio
 import math
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
+from traceback import walk_tb
+from typing import TypeAlias
 
 import anyio
 
 from homebot.errors import AbortError, ExitError, LinkError, PeerError
 
 __all__ = [
+    "Place",
     "crash_of",
     "error_text",
     "first_cause",
@@ -23,6 +26,7 @@ __all__ = [
     "is_end_of",
     "isolated",
     "only_cause",
+    "place_of",
     "run_as",
     "uncancel",
     "ungrouped",
@@ -145,3 +149,13 @@ def error_text(error: BaseException) -> str:
     cause = first_cause(error)
     text = str(cause)
     return f"{type(cause).__name__}: {text}" if text else type(cause).__name__
+
+
+Place: TypeAlias = tuple[type[BaseException], tuple[tuple[str, int], ...]]
+"""An error's class, and the file and line of each call in its traceback."""
+
+
+def place_of(error: BaseException) -> Place:
+    """Return the place of *error*."""
+    calls = ((frame.f_code.co_filename, line) for frame, line in walk_tb(error.__traceback__))
+    return type(error), tuple(calls)

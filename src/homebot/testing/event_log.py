@@ -6,20 +6,21 @@ import json
 import math
 from collections import deque
 from collections.abc import AsyncIterator, Iterable, Iterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from typing import Literal, cast
 
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted, line_cells
 from homebot.clock import Clock
 from homebot.devices.capabilities import CAPABILITIES, OWN, SETTABLE
 from homebot.devices.device import DeviceChange, StateChange, part_names
-from homebot.devices.journal_messages import JournalEntry
-from homebot.devices.names import JOURNAL_ENTRIES
+from homebot.devices.journal_messages import JournalEntry, ReadJournal
+from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import to_seconds
-from homebot.errors import ClosedError
+from homebot.errors import ClosedError, ServiceError
 from homebot.graph import EntityKind, GraphChange, Node, QoSProfile, qos_profile_rosout
 from homebot.messages import Message
 from homebot.messages.json import message_to_json
@@ -89,18 +90,32 @@ class EventLog:
     async def of(cls, house: TestHouse) -> AsyncIterator[EventLog]:
         """Log *house* during the block: all messages on MQTT and the graph, and all nodes that come and go.
 
-        It runs a node ``/event_log`` and an ordinary client of the broker. The pytest fixtures already keep one:
-        ``house.log``.
+        It begins with the journal of the time before, such as the first commands of apps. It runs a node ``/event_log``
+        and an ordinary client of the broker. The pytest fixtures already keep one: ``house.log``.
         """
         log = cls(house.runtime.graph.clock)
         async with Node(house.runtime.graph, NODE) as node, house.client(NODE) as connection:
             await connection.subscribe(MqttSubscription("#"))
             await connection.wait_connected()
-            async with in_background(lambda: _read_mqtt(connection, log), lambda: _read_graph(node, log)):
+            works = (
+                partial(_read_mqtt, connection, log),
+                partial(_read_graph, node, log),
+                partial(_read_journal, node, log),
+            )
+            async with in_background(*works):
                 house.log = log
                 if isinstance(house, VirtualHouse):
                     await house.settle()
                 yield log
+
+
+async def _read_journal(node: Node, log: EventLog) -> None:
+    """Put the journal of the time before the log first."""
+    with suppress(ServiceError):
+        answer = await node.create_client(ReadJournal, READ_JOURNAL).call(ReadJournal.Request())
+        known = [event.said for event in log.events]
+        before = (HouseEvent(one.at.to_seconds(), "topic", JOURNAL_ENTRIES, one) for one in answer.entries)
+        log.events.extendleft(reversed([event for event in before if event.said not in known]))
 
 
 async def _read_mqtt(connection: MqttConnection, log: EventLog) -> None:
@@ -167,6 +182,7 @@ def house_report(house: TestHouse) -> str:
     return "\n".join(
         [
             f"it is {now:%Y-%m-%d %H:%M:%S} UTC in the house; crashed: {', '.join(house.crashed) or 'nothing'}",
+            *(f"{name}: {why}" for name, why in house.failures.items()),
             *([f"({older} older or measured changes are left out; print(house.log) has all)"] if older > 0 else []),
             *(happened[-LINES:] or ["no device was commanded or changed; print(house.log) shows every message"]),
         ]

@@ -154,8 +154,13 @@ class TestHouse:
     @property
     def crashed(self) -> tuple[str, ...]:
         """The parts of the runtime that crashed or had a failing callback, each once, sorted."""
-        failed = {failure.node.lstrip("/") for failure in self.runtime.graph.failures}
-        return tuple(sorted({*self.runtime.supervisor.crashes, *failed}))
+        return tuple(sorted(self.failures))
+
+    @property
+    def failures(self) -> Mapping[str, str]:
+        """The last failure of each part of the runtime that crashed or had a failing callback."""
+        failed = {one.node.lstrip("/"): f"the {one.callback} failed: {one.last}" for one in self.runtime.graph.failures}
+        return failed | {name: f"it crashed: {one.last}" for name, one in self.runtime.supervisor.crashes.items()}
 
     @property
     def notifications(self) -> tuple[Notification, ...]:
