@@ -1,7 +1,7 @@
 """Prints how well apps turn off lamps that burn for nobody: ``python -m tests.days.left_on --days 3``.
 
-The family home, whose people leave every lamp on. One of the two families moves all the time, the other sits still: it
-moves for 20 s when it comes in and every 20 minutes. Only rooms with a motion sensor count, as no app knows of others.
+The family home, whose people leave every lamp on. They move all the time, or sit still: then they move for 20 s when
+they come in, and again after so many seconds. Only rooms with a sensor count, as no app knows of others.
 """
 
 from __future__ import annotations
@@ -28,11 +28,14 @@ from homebot.house.sensors import MotionSensor
 from homebot.log import configure_logging
 from homebot.testing import VirtualTimeLoop, virtual_house_of
 
-__all__ = ["DEFAULTS", "PEOPLE", "Score", "Trial", "scored"]
+__all__ = ["DEFAULTS", "FAMILIES", "STILL", "Family", "Score", "Trial", "scored"]
 
 HOUSE: Final = Path(__file__).parents[2] / "examples" / "houses" / "family.toml"
-PEOPLE: Final = {"forgetful": 0.0, "forgetful, sit still": 1200.0}
+STILL: Final = (0.0, 1200.0, 1500.0, 3000.0)
 """Seconds for which the people of each family sit still."""
+
+SEATS: Final = ("bath", "kitchen", "living")
+"""The rooms in which people sit; some families have radars there."""
 
 LONG: Final = 1800.0
 """Seconds without anybody awake after which a lamp should have been turned off."""
@@ -157,14 +160,31 @@ class LampWatch(WorldLog):
         self._was_on[name] = is_on
 
 
-def family(still: float, seed: int) -> dict[str, Any]:
-    """Return the tables of the family home with forgetful people who sit still for so many seconds."""
+class Family(NamedTuple):
+    """A family of forgetful people.
+
+    Attributes:
+        still: Seconds for which they sit still.
+        has_radars: Whether presence sensors are in the rooms where they sit, in place of motion sensors.
+    """
+
+    still: float
+    has_radars: bool = False
+
+    def __str__(self) -> str:
+        return f"still {self.still:,.0f} s{', radars' if self.has_radars else ''}"
+
+
+def house_of(people: Family, seed: int) -> dict[str, Any]:
+    """Return the tables of the home of *people*."""
     tables = tomllib.loads(HOUSE.read_text("utf-8"))
     tables["house"] |= {"seed": seed, "forgetful": True, "dialect": "homeassistant"}  # it announces rooms
     del tables["devices"]["robot"]  # it announces no room
     tables["errands"] = [errand for errand in tables["errands"] if errand["device"] != "robot"]
     for person in tables["people"].values():
-        person["day"] = [habit | ({} if habit.get("asleep") else {"still": still}) for habit in person["day"]]
+        person["day"] = [habit | ({} if habit.get("asleep") else {"still": people.still}) for habit in person["day"]]
+    for room in SEATS if people.has_radars else ():
+        tables["devices"][f"{room}_motion"] = {"kind": "presence", "room": room}
     return tables
 
 
@@ -206,7 +226,7 @@ class Trial(NamedTuple):
         return f"lights_out {self.quiet_after / 60:g} min, {guard}"
 
 
-DEFAULTS: Final = Trial(LightsOutSettings().quiet_after, PresenceGuardSettings().absent_after)
+DEFAULTS: Final = Trial(LightsOutSettings().quiet_after, PresenceGuardSettings().absent_after.motion)
 
 TRIALS: Final = (
     *(Trial(quiet_after, 0.0) for quiet_after in (300.0, 600.0, 900.0, 1200.0, 1800.0)),
@@ -216,21 +236,26 @@ TRIALS: Final = (
 """The app by itself, the guard by an app that would turn lamps off after a minute, and the defaults of both."""
 
 
-def scored(days: int, trials: tuple[Trial, ...] = TRIALS) -> Iterator[tuple[str, Trial, Score]]:
+FAMILIES: Final = tuple(Family(still, has_radars) for has_radars in (False, True) for still in STILL)
+
+
+def scored(
+    days: int, trials: tuple[Trial, ...] = TRIALS, families: tuple[Family, ...] = FAMILIES
+) -> Iterator[tuple[Family, Trial, Score]]:
     """Yield the score of each family and trial, over so many days with different random numbers."""
-    for people, still in PEOPLE.items():
+    for people in families:
         for trial in trials:
             score = Score()
             for seed in range(1, days + 1):
-                score.add(lived(family(still, seed), trial.config))
+                score.add(lived(house_of(people, seed), trial.config))
             yield people, trial, score
 
 
-def row(people: str, trial: Trial, score: Score) -> tuple[str, ...]:
+def row(people: Family, trial: Trial, score: Score) -> tuple[str, ...]:
     """Return a row of the table."""
     delay = f"{median(score.delays) / 60:.0f} min" if score.delays else "-"
     return (
-        people,
+        str(people),
         str(trial),
         f"{score.right + score.wrong:,}",
         f"{score.precision:.1%}",

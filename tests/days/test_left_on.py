@@ -1,24 +1,35 @@
 """The defaults of the app that turns lamps off and of the presence guard: they do turn off, and not over people."""
 
-from tests.days.left_on import DEFAULTS, LONG, Score, Trial, scored
+import pytest
+from tests.days.left_on import DEFAULTS, LONG, Family, Score, Trial, scored
 from tests.sizes import nightly
 
+MOVES, SITS, READS, READS_WITH_RADARS = Family(0.0), Family(1200.0), Family(3000.0), Family(3000.0, has_radars=True)
 
-def scores(trial: Trial) -> dict[str, Score]:
-    return {people: score for people, _, score in scored(1, (trial,))}
+
+def score_of(people: Family, trial: Trial = DEFAULTS) -> Score:
+    ((_, _, score),) = scored(1, (trial,), (people,))
+    return score
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("people", [READS_WITH_RADARS, *(pytest.param(one, marks=nightly) for one in (MOVES, SITS))])
+def test_by_default_lamps_left_on_are_turned_off_and_those_of_people_who_sit_still_are_not(people: Family) -> None:
+    """With radars also those of people who sit still for fifty minutes."""
+    score = score_of(people)
+    assert score.right > 10
+    assert score.precision == 1.0
+    assert score.recall == 1.0
+    assert max(score.delays) < LONG
 
 
 @nightly
-def test_by_default_lamps_left_on_are_turned_off_and_those_of_people_who_sit_still_are_not() -> None:
-    for score in scores(DEFAULTS).values():
-        assert score.right > 10
-        assert score.precision == 1.0
-        assert score.recall == 1.0
-        assert max(score.delays) < LONG
+def test_without_radars_lamps_are_turned_off_over_people_who_sit_still_for_fifty_minutes() -> None:
+    assert score_of(READS).precision < 0.7
 
 
 @nightly
 def test_half_the_time_turns_lamps_off_over_people_who_sit_still() -> None:
-    found = scores(Trial(DEFAULTS.quiet_after / 2, DEFAULTS.absent_after / 2))
-    assert found["forgetful"].precision == 1.0
-    assert found["forgetful, sit still"].precision < 0.7
+    half = Trial(DEFAULTS.quiet_after / 2, DEFAULTS.absent_after / 2)
+    assert score_of(MOVES, half).precision == 1.0
+    assert score_of(SITS, half).precision < 0.7

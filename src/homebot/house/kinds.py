@@ -14,7 +14,7 @@ from homebot.house import faults
 from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
 from homebot.house.robot import Robot
 from homebot.house.rooms import Rooms
-from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, PresenceSensor, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.tag import SimulatedTag
 from homebot.units import DURATION, Seconds
@@ -100,6 +100,7 @@ KINDS: Final[dict[str, type[KindSettings]]] = {
     "lock": _kind(SimulatedDoorLock, is_locked=bool, travel_time=Seconds, jams=Fraction),
     "contact": _kind(SimulatedContactSensor),
     "motion": _kind(MotionSensor, hold=_Since),
+    "presence": _kind(PresenceSensor, hold=_Since),
     "lux": _kind(LuxSensor, share=Fraction),
     "power_meter": _kind(PowerMeter, step=Positive, of=str),
     "thermostat": _kind(

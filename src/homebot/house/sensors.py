@@ -6,7 +6,7 @@ from typing import ClassVar, Final
 from homebot.house.simulated_device import SimulatedDevice, number_text
 from homebot.support.numbers import to_number
 
-__all__ = ["LuxSensor", "MotionSensor", "PowerMeter", "SimulatedContactSensor"]
+__all__ = ["LuxSensor", "MotionSensor", "PowerMeter", "PresenceSensor", "SimulatedContactSensor"]
 
 _MEASURE: Final = "measure"
 _STAYS: Final = "motion stays"
@@ -98,6 +98,14 @@ class MotionSensor(SimulatedDevice):
     def _on_timer(self) -> tuple[str, ...]:
         self._clear_at, self._sees_motion = None, False
         return ("clear",)
+
+
+@dataclass(eq=False)
+class PresenceSensor(MotionSensor):
+    """A radar: it senses everybody in its room, also who sits still or sleeps."""
+
+    kind: ClassVar[str] = "presence"
+    hold: float = 15.0
 
 
 @dataclass(eq=False)

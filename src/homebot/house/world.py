@@ -17,7 +17,7 @@ from homebot.house.event_log import Event, Verb, WorldLog
 from homebot.house.faults import unwrap
 from homebot.house.household import Household, Person
 from homebot.house.rooms import DAY, OUTSIDE, REAL_TIME, Room, Rooms, WorldTime, daylight, weather
-from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, PresenceSensor, SimulatedContactSensor
 from homebot.house.simulated_device import Drive, Placed, ScheduledCommand, SimulatedDevice
 from homebot.support.timer_queue import TimerQueue
 
@@ -343,7 +343,9 @@ class World:
     def _show_motion(self, room: str) -> None:
         drives = sum(entry.real.drive == Drive(room, drives=True) for entry in self._entries.values())
         for entry in self._devices_in(room):
-            if isinstance(entry.real, MotionSensor):
+            if isinstance(entry.real, PresenceSensor):
+                self._feel(entry, float(len(self._household.people_in(room)) + drives))
+            elif isinstance(entry.real, MotionSensor):
                 self._feel(entry, float(self._household.moving_in(room) + drives))
 
     def _show_light(self, room: str) -> None:

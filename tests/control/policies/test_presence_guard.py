@@ -103,6 +103,42 @@ async def test_somebody_who_sits_still_is_there_for_a_while(home: Home, lamp: Li
     assert (await lamp.turn_off()).succeeded
 
 
+def put_radar(home: Home, tag: str) -> None:
+    part = simple_part("occupancy_sensor", readable=("occupancy",)).model_copy(update={"tag": tag})
+    home.gateway.devices.put(GatewayDevice("motion", "Motion", (part,), area="Hall"), "the test says so")
+
+
+@pytest.mark.parametrize(("tag", "seconds"), [("presence", 60), ("occupancy", 1200), ("motion", 1200), ("", 1200)])
+async def test_a_presence_sensor_sees_sooner_that_nobody_is_there(
+    open_home: OpenHome, tag: str, seconds: float
+) -> None:
+    async with open_home(presence_guard=True) as home:
+        home.put("lamp", "light", "on_off", area="Hall")
+        put_radar(home, tag)
+        lamp = await home.handle(Light, "lamp")
+        await detect(home)
+        await home.report("motion", "occupancy", False)
+        await anyio.sleep(1200)
+        await detect(home)
+        await home.report("motion", "occupancy", False)
+        await anyio.sleep(seconds - 2)
+        assert "somebody was in Hall" in await refusal(lamp.turn_off())
+        await anyio.sleep(3)
+        assert (await lamp.turn_off()).succeeded
+
+
+@pytest.mark.parametrize(
+    ("written", "motion", "presence"),
+    [(1200, 1200, 60), (30, 30, 30), ({"presence": 120}, 1200, 120), ({"motion": 600}, 600, 60)],
+)
+def test_the_time_is_given_by_kind_or_as_that_of_motion_sensors(
+    written: object, motion: float, presence: float
+) -> None:
+    settings = ControlSettings.model_validate({"presence_guard": {"absent_after": written}}).presence_guard
+    assert settings is not None
+    assert (settings.absent_after.motion, settings.absent_after.presence) == (motion, presence)
+
+
 @pytest.mark.parametrize("by", [-1e9, -400.0, 400.0, 1e9])
 async def test_a_computer_whose_clock_is_set_forgets_nobody(open_home: OpenHome, by: float) -> None:
     clock = SetClock(1.8e9)

@@ -14,10 +14,13 @@ from homebot.errors import WireError
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
 
-__all__ = ["DETECTION", "OCCUPANCY", "Detections", "House", "SensorReading"]
+__all__ = ["DETECTION", "OCCUPANCY", "PRESENCE", "Detections", "House", "SensorReading"]
 
 OCCUPANCY: Final = "occupancy"
 """The capability of motion sensors."""
+
+PRESENCE: Final = "presence"
+"""The kind of sensors that also detect people who sit still: Home Assistant's device class, or the owner's tag."""
 
 DETECTION: Final = "detection"
 """The kind of the saved rows."""
@@ -36,12 +39,14 @@ class SensorReading(NamedTuple):
         value: The value; None if the sensor reported nothing live, or has been silent for too long.
         since: When it took that value, in seconds since the Unix epoch; 0 if unknown.
         heard_since: When the sensor's last silence ended, during which its value may have differed; 0 for none.
+        is_presence: Whether it also detects people who sit still.
     """
 
     sensor: str
     value: PlainValue
     since: float = 0.0
     heard_since: float = 0.0
+    is_presence: bool = False
 
 
 @final
@@ -123,19 +128,20 @@ class House:
 
     def _readings(self, views: Iterable[DeviceView], capability: str) -> list[SensorReading]:
         return [
-            self._reading(view, part.id, capability)
+            self._reading(view, part, capability)
             for view in views
             for part in view.device.parts
             if _reports(part, capability)
         ]
 
-    def _reading(self, view: DeviceView, part: str, capability: str) -> SensorReading:
-        device = view.device
-        name = target_of(device.id, part)
-        state = view.state(part, capability)
-        if state is None or not state.live or not _is_heard(device) or part in device.offline_parts:
-            return SensorReading(name, None)
-        return SensorReading(name, state.value.plain(), state.since.to_seconds(), self._heard_since.get(device.id, 0.0))
+    def _reading(self, view: DeviceView, part: DevicePart, capability: str) -> SensorReading:
+        device, is_presence = view.device, PRESENCE in (part.part.tag, *view.device.tags)
+        name = target_of(device.id, part.id)
+        state = view.state(part.id, capability)
+        if state is None or not state.live or not _is_heard(device) or part.id in device.offline_parts:
+            return SensorReading(name, None, is_presence=is_presence)
+        since, heard_since = state.since.to_seconds(), self._heard_since.get(device.id, 0.0)
+        return SensorReading(name, state.value.plain(), since, heard_since, is_presence)
 
     def _record_detections(self, device_id: str, states: Iterable[State]) -> None:
         for state in states:

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Final, Literal, TypeAlias
 
-from pydantic import BeforeValidator, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.command_pattern import CommandPattern, Patterns, pattern_of_type
@@ -12,7 +12,7 @@ from homebot.devices.query.terms import CanDo, Or, Query
 from homebot.support.folding import fold
 from homebot.units import Seconds
 
-__all__ = ["Presence", "PresenceGuardSettings", "presence_in", "remaining_person"]
+__all__ = ["AbsentAfter", "Presence", "PresenceGuardSettings", "presence_in", "remaining_person"]
 
 Presence: TypeAlias = Literal["present", "absent", "unknown"]
 
@@ -38,18 +38,44 @@ _Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=100)]
 _Contacts: TypeAlias = Annotated[tuple[_Name, ...], BeforeValidator(_as_tuple), Field(min_length=1, max_length=50)]
 
 
+class AbsentAfter(BaseModel):
+    """Seconds without a detection after which a sensor says that nobody is there.
+
+    Attributes:
+        motion: For motion sensors: a person who reads does not move.
+        presence: For presence sensors, such as radars, which detect people who sit still.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    motion: Seconds = 1200.0
+    presence: Seconds = 60.0
+
+    def of(self, reading: SensorReading) -> float:
+        """Return the seconds for the sensor of *reading*."""
+        return self.presence if reading.is_presence else self.motion
+
+
+def _by_kind(value: object) -> object:
+    """Return a number as the time of motion sensors, which no presence sensor exceeds."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    return {"motion": value, "presence": min(value, AbsentAfter().presence)}
+
+
 class PresenceGuardSettings(PolicyTable):
     """The table ``[control.presence_guard]``.
 
     Attributes:
         commands: The commands that apps may not give in a room that is, or may be, occupied.
-        absent_after: Seconds without motion after which a room counts as empty: a person who reads does not move.
+        absent_after: Seconds without a detection after which a room counts as empty, by the kind of its sensors; a
+            number is that of motion sensors.
         doors: The ids or names of the contacts on all doors of a room, by room: a person who moved there after all
             doors were closed stays until one opens.
     """
 
     commands: Patterns = Field(default_factory=_annoying)
-    absent_after: Seconds = 1200.0
+    absent_after: Annotated[AbsentAfter, BeforeValidator(_by_kind)] = AbsentAfter()
     doors: Annotated[dict[_Name, _Contacts], Field(max_length=1000)] = Field(default_factory=dict)
 
     @property
@@ -70,11 +96,15 @@ class PresenceGuardSettings(PolicyTable):
             detected = f"{_shown(remaining)} was on {facts.age(remaining.since):.0f} s ago"
             reason = f"somebody is in {room}: {detected}, and no door has been opened since"
             return Verdict(NAME, allowed=False, reason=reason, facts=(remaining,))
-        if presence != "present" and (change := _person_at(command, facts, self.absent_after)) is not None:
+        if presence != "present" and (change := _person_at(command, facts, self._longest_in(room, facts))) is not None:
             changed = f"{command.label} changed {facts.now - change.since:.0f} s ago, and no command explains it"
             reason = f"somebody may be in {room}: {changed}"
             return Verdict(NAME, allowed=False, reason=reason, facts=(change,))
         return Verdict(NAME, presence == "absent", _reason(presence, room, used, facts), used)
+
+    def _longest_in(self, room: str, facts: Facts) -> float:
+        """Return for how long somebody in *room* may be seen by none of its sensors, in seconds."""
+        return max(map(self.absent_after.of, facts.house.readings(room, OCCUPANCY)), default=self.absent_after.motion)
 
     def contacts_of(self, room: str) -> tuple[str, ...]:
         """Return the contacts on all doors of *room*; none if unknown."""
@@ -83,17 +113,17 @@ class PresenceGuardSettings(PolicyTable):
         return next((contacts for name, contacts in self.doors.items() if fold(name) == fold(room)), ())
 
 
-def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence, tuple[FactUsed, ...]]:
+def presence_in(room: str, facts: Facts, absent_after: AbsentAfter) -> tuple[Presence, tuple[FactUsed, ...]]:
     """Return whether *room* is occupied, and the readings behind it.
 
-    Present: a sensor detects motion, or did within *absent_after* seconds. Unknown: there is no sensor, or one is
-    silent, has never detected motion, or was heard for the first time, or again, within these seconds. Absent
+    Present: a sensor detects somebody, or did within its seconds of *absent_after*. Unknown: there is no sensor, or one
+    is silent, has never detected motion, or was heard for the first time, or again, within these seconds. Absent
     otherwise.
     """
     found: dict[Presence, list[FactUsed]] = {"present": [], "unknown": [], "absent": []}
     for one in facts.house.readings(room, OCCUPANCY):
         used = FactUsed(f"{OCCUPANCY} of {one.sensor}", one.value, max(one.since, one.heard_since))
-        found[_presence_by(one, used.since, facts, absent_after)].append(used)
+        found[_presence_by(one, used.since, facts, absent_after.of(one))].append(used)
     if found["present"]:
         return "present", (found["present"][0],)
     presence: Presence = "unknown" if found["unknown"] or not found["absent"] else "absent"
@@ -126,7 +156,7 @@ def remaining_person(room: str, settings: PresenceGuardSettings, facts: Facts) -
         if began is None:
             continue
         has_moved = facts.age(began) <= closed_for
-        if has_moved or (one.value is False and facts.age(one.since) + settings.absent_after <= closed_for):
+        if has_moved or (one.value is False and facts.age(one.since) + settings.absent_after.of(one) <= closed_for):
             return FactUsed(f"{OCCUPANCY} of {one.sensor}", value=True, since=began)
     return None
 

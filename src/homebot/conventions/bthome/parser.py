@@ -47,7 +47,7 @@ MAX_DEVICES = 10_000
 KEY_SIZE = 16
 """Bytes of a bind key."""
 
-TAGS: Mapping[str, str] = {"door": "door", "window": "window", "garage_door": "garage_door"}
+TAGS: Mapping[str, str] = {"door": "door", "window": "window", "garage_door": "garage_door", "presence": "presence"}
 """Tags of parts, by the name of their object."""
 
 

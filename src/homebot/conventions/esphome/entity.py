@@ -42,6 +42,9 @@ __all__ = [
 _MOST_SECONDS = 4_000_000.0
 """Longest transition: ESPHome counts milliseconds with 32 bits."""
 
+_TAGS: Mapping[str, str] = {"occupancy": "presence"}
+"""Tags by class: ESPHome's radars, such as LD2410 and C4001, report ``occupancy``, its motion sensors ``motion``."""
+
 _CATEGORIES: Mapping[int, Category] = {1: "config", 2: "diagnostic"}
 
 
@@ -68,12 +71,13 @@ class EsphomeEntity:
     def part(self, part_id: str, owner: str = "") -> Part:
         """Return its part; the name of its sub-device, *owner*, precedes its own."""
         service_type, _, tag = self._kind
+        device_class = text_of(self.info, "device_class")
         return Part(
             id=part_id,
             name=f"{owner} {text_of(self.info, 'name')}".strip(),
             service_type=service_type if isinstance(service_type, str) else service_type(self.info),
             advertised=self.component,
-            tag=text_of(self.info, "device_class") if tag is None else tag,
+            tag=_TAGS.get(device_class, device_class) if tag is None else tag,
             category=_CATEGORIES.get(whole_of(self.info, "entity_category"), ""),
             capabilities=self._capabilities,
         )

@@ -59,7 +59,8 @@ def build_sensor(component: ShellyComponent) -> Parts:
         field, capability = "illumination", "value"
     if component.kind == "presencezone" and "value" in component.status:
         field = "value"  # from firmware 1.8 on
-    part = component.part("", sensor_type(capability), category="diagnostic" if component.is_inside else "")
+    tag = "presence" if component.kind == "presencezone" else ""
+    part = component.part("", sensor_type(capability), category="diagnostic" if component.is_inside else "", tag=tag)
     component.read_status(part, partial(_decode_sensor, reader_of(field, capability), capability))
     part.add_capability(capability)
     return (part,)

@@ -115,11 +115,11 @@ class Zigbee2MqttPart(JsonPart):
 
     @classmethod
     def of(
-        cls, topics: Zigbee2MqttTopics, expose: Expose, service_type: str, category: Category = ""
+        cls, topics: Zigbee2MqttTopics, expose: Expose, service_type: str, category: Category = "", tag: str = ""
     ) -> Zigbee2MqttPart:
         """Return the part of a generic *expose*."""
-        part_id = clean_text(expose.key)
-        return cls(topics, part_id, service_type, name=expose.title, advertised=expose.name, category=category)
+        part_id, name = clean_text(expose.key), expose.name
+        return cls(topics, part_id, service_type, name=expose.title, advertised=name, category=category, tag=tag)
 
     def read_feature(self, feature: Expose, capability: str, meaning: Callable[[object], PlainValue]) -> None:
         """Read the property of *feature*; *meaning* returns None for no value, and null is unknown."""

@@ -51,6 +51,9 @@ _CONDITIONS: Mapping[str, str] = {name: capability for capability, names in _CON
 _ALARM_OF_ZONE = re.compile(r"(contact|occupancy|smoke|carbon_monoxide|gas|water_leak|vibration|tamper)_alarm_[12]")
 """A binary of a detector with two alarms; each means the same as a single one."""
 
+_RADAR = "presence"
+"""The binary of radars, such as Tuya's ZY-M100; motion sensors report ``occupancy``."""
+
 _TRUE_IS_CLOSED = frozenset({"garage_door_contact"})
 """Binaries with an inverted ``value_on``: they report a closed contact."""
 
@@ -143,7 +146,8 @@ def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
         service_type = "x_battery" if capability == "battery_charging" else sensor_type(capability)
         if expose.name in _TRUE_IS_CLOSED:
             expose = replace(expose, value_on=False, value_off=True)
-        part = Zigbee2MqttPart.of(topics, expose, service_type, category)
+        tag = expose.name if expose.name == _RADAR else ""
+        part = Zigbee2MqttPart.of(topics, expose, service_type, category, tag)
         part.add_flag(expose, capability)
     elif expose.type == "numeric":
         quantity = _quantity_of(expose.name, expose.unit)

@@ -133,6 +133,7 @@ COMPONENTS: Mapping[str, ComponentTemplate] = MappingProxyType(
         "lock": ComponentTemplate("lock", _LOCK, lambda lock: {"state": lock.text.upper()}, ("set",)),
         "contact": _binary_sensor("door", "open"),
         "motion": _binary_sensor("motion", "motion"),
+        "presence": _binary_sensor("presence", "motion"),
         "lux": _sensor("illuminance", "lx"),
         "power_meter": _sensor("power", "W"),
         "thermostat": ComponentTemplate("climate", _CLIMATE, _climate_state, ("set_temperature",)),

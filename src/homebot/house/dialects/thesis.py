@@ -9,7 +9,20 @@ class ThesisDialect(Dialect):
     """Every kind of device; the layout announces none."""
 
     kinds = frozenset(
-        {"lamp", "window", "cover", "lock", "contact", "motion", "lux", "power_meter", "thermostat", "robot", "tag"}
+        {
+            "lamp",
+            "window",
+            "cover",
+            "lock",
+            "contact",
+            "motion",
+            "presence",
+            "lux",
+            "power_meter",
+            "thermostat",
+            "robot",
+            "tag",
+        }
     )
     """The kinds of :data:`homebot.house.kinds.KINDS`, which is loaded for described houses only."""
 

@@ -69,6 +69,7 @@ EXPOSES: Mapping[str, tuple[dict[str, object], ...]] = MappingProxyType(
         ),
         "contact": (_expose("binary", "contact", PUBLISHED, value_on=False, value_off=True),),
         "motion": (_expose("binary", "occupancy", PUBLISHED, value_on=True, value_off=False),),
+        "presence": (_expose("binary", "presence", PUBLISHED, value_on=True, value_off=False),),
         "lux": (_expose("numeric", "illuminance", PUBLISHED, unit="lx"),),
         "power_meter": (
             _expose("numeric", "power", PUBLISHED, unit="W"),
@@ -222,6 +223,7 @@ _STATES: Mapping[str, Callable[[DeviceState], dict[str, object]]] = MappingProxy
         "lock": _lock_state,
         "contact": lambda door: {"contact": door.text != "open"},
         "motion": lambda room: {"occupancy": room.text == "motion"},
+        "presence": lambda room: {"presence": room.text == "motion"},
         "lux": lambda lux: {"illuminance": lux.value},
         "power_meter": lambda meter: {"power": meter.value, "energy": round(meter.kilowatt_hours, 3)},
         "thermostat": _thermostat_state,
