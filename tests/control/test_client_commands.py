@@ -10,7 +10,7 @@ from homebot.devices.command_messages import (
     CommandResult,
     Setting,
 )
-from homebot.devices.handles import DoorLock, Light
+from homebot.devices.handles import DoorLock, Handle, Light
 from homebot.devices.names import COMMAND_DEVICES
 from homebot.devices.outcomes import Confirmed
 from homebot.devices.value import Value
@@ -19,6 +19,7 @@ pytestmark = pytest.mark.virtual_time
 
 
 async def put_house(home: Home) -> None:
+    home.put("relay", "switch", "on_off", area="hall", name="Coffee")
     home.put("lamp", "light", "on_off", area="hall")
     home.put("other", "light", "on_off", area="attic")
     home.put("door", "door_lock", "lock", area="hall")
@@ -76,6 +77,39 @@ async def test_who_may_command_what_is_harmless_locks(home: Home, scope: tuple[s
     """As an app without a grant may."""
     await put_house(home)
     assert (await unlock(home, "client:local", *scope, value="locked")).outcome == "confirmed"
+
+
+async def switch(home: Home, issuer: str, *scope: str) -> CommandResult:
+    device = (await home.handle(Handle, "Coffee")).device
+    setting = Setting(capability="on_off", value=Value.of(False))
+    request = CommandRequest(device=device.id, part="", settings=(setting,), issuer=issuer, scope=scope)
+    return CommandResult.of(await home.control.perform(request))
+
+
+@pytest.mark.parametrize(
+    ("scope", "advice"),
+    [
+        ((), "make a token: homebot token new NAME --scope read --scope 'act: id=\"{}\"'"),
+        (("read", "act: harmless"), "add 'act: id=\"{}\"' to that, in the table [door] of homebot.toml"),
+    ],
+)
+async def test_a_local_program_commands_no_relay_that_the_owner_did_not_call_harmless(
+    home: Home, scope: tuple[str, ...], advice: str
+) -> None:
+    """Nor turns it off: the refusal has the reason and the line that changes it."""
+    await put_house(home)
+    result = await switch(home, "client:local", *scope)
+    assert (result.outcome, result.policy, home.commands) == ("refused", "rights", [])
+    assert "not on the list of harmless devices (nothing but its name says what this switch turns on)" in result.reason
+    device = (await home.handle(Handle, "Coffee")).device
+    advised = f"if it can hurt nobody, `homebot tag add Coffee harmless`, otherwise {advice.format(device.id)}"
+    assert result.reason.endswith(advised)
+
+
+@pytest.mark.parametrize("scope", ["act: ordinary", "act: switch", "act: in hall", "act: all"])
+async def test_a_token_with_a_wider_right_commands_it(home: Home, scope: str) -> None:
+    await put_house(home)
+    assert (await switch(home, "client:agent", "act: harmless", scope)).outcome == "confirmed"
 
 
 @pytest.mark.parametrize("scope", [("act: light",), ("act: in hall",)])

@@ -23,7 +23,10 @@ CODE = "73550173"
 async def give(home: Home, key: str, capability: str, value: PlainValue) -> None:
     device = (await home.handle(Handle, key)).device
     setting = Setting(capability=capability, value=Value.of(value))
-    await home.control.perform(CommandRequest(device=device.id, part="", settings=(setting,), issuer="client:kitchen"))
+    scope = ("act: ordinary",)
+    await home.control.perform(
+        CommandRequest(device=device.id, part="", settings=(setting,), issuer="client:kitchen", scope=scope)
+    )
 
 
 @pytest.mark.parametrize(("capability", "code"), [("text", CODE), ("number", float(CODE))])

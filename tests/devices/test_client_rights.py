@@ -5,8 +5,9 @@ from tests.devices.handles.conftest import device, part
 
 from homebot.control.policies.rights import is_safe
 from homebot.devices.always_ask import always_asks, why_device_asks, why_it_asks, why_it_drives
-from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, Right, read_scope
+from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, ClientRights, Right, read_scope
 from homebot.devices.device import Device, DevicePart, Fact, KeyValue, Route
+from homebot.devices.harmless import why_not_harmless
 from homebot.devices.part import Capability
 from homebot.devices.words import ALL_THAT_ASK, FIRE, WATER, Groups
 from homebot.errors import UsageError
@@ -72,13 +73,15 @@ ASKING = [
 
 
 def may(rights: ClientRights, one: Device, number: int = 0) -> bool:
-    return rights.may_command(one, one.parts[number], asks=always_asks(one, one.parts[number]))
+    part = one.parts[number]
+    is_harmless = not why_not_harmless(one, part)
+    return rights.may_command(one, part, asks=always_asks(one, part), is_harmless=is_harmless)
 
 
 @pytest.mark.parametrize("one", ASKING, ids=lambda one: one.id)
 def test_a_device_that_lets_in_or_floods_or_burns_always_asks(one: Device) -> None:
     assert always_asks(one, one.parts[0])
-    assert not may(LOCAL_RIGHTS, one)
+    assert not may(APP_RIGHTS, one)
     assert not may(read_scope(["act: with on_off or with lock or not light"]), one)
     assert may(read_scope(["act: all"]), one)
     assert may(read_scope([f'act: name="{one.name}"']), one)
@@ -324,7 +327,7 @@ OTHER_NAMES = (
 def test_a_plug_or_button_of_another_name_does_not(name: str) -> None:
     for one in (device(name, part("plug", "on_off")), device(name, part("x_setting", "push"))):
         assert not always_asks(one, one.parts[0])
-        assert may(LOCAL_RIGHTS, one)
+        assert may(APP_RIGHTS, one)
 
 
 MODELS_THAT_ASK = (
@@ -344,7 +347,7 @@ def test_a_relay_asks_if_its_model_is_for_water_gas_boilers_or_stoves(model: str
     """Relays of zigbee-herdsman-converters 26.112."""
     one = of_model(model, "switch", "on_off")
     assert f"the model {model!r} says " in why_it_asks(one, one.parts[0])
-    assert not may(LOCAL_RIGHTS, one)
+    assert not may(APP_RIGHTS, one)
 
 
 @pytest.mark.parametrize(
@@ -373,7 +376,7 @@ def test_a_setting_that_opens_asks(part_id: str, capability: str) -> None:
     """The easyiot ZB-ZL01 opens by a text, its password, and is no lock to Zigbee2MQTT."""
     one = device("0x1", part("x_setting", capability, part_id=part_id, category="config"))
     assert "'unlock'" in (why := why_it_asks(one, one.parts[0])) or "'open door'" in why
-    assert not may(LOCAL_RIGHTS, one)
+    assert not may(APP_RIGHTS, one)
 
 
 @pytest.mark.parametrize(
@@ -401,7 +404,7 @@ def test_a_keypad_that_disarms_asks_with_all_that_it_has(service_type: str) -> N
         part(service_type, "on_off", part_id="armed", name="Armed"),
         part("x_setting", "text", part_id="code", name="Admin code"),
     )
-    assert [may(LOCAL_RIGHTS, keypad, number) for number in range(2)] == [False, False]
+    assert [may(APP_RIGHTS, keypad, number) for number in range(2)] == [False, False]
     assert not is_safe(keypad, keypad.parts[0], {"on_off": False})
 
 
@@ -414,7 +417,7 @@ def test_what_only_tells_of_a_boiler_makes_no_thermostat_ask() -> None:
 
 def test_all_parts_of_a_garage_door_ask_but_for_its_lamp() -> None:
     """Its button opens it as well."""
-    assert [may(LOCAL_RIGHTS, GARAGE, number) for number in range(3)] == [False, False, True]
+    assert [may(APP_RIGHTS, GARAGE, number) for number in range(3)] == [False, False, True]
 
 
 def test_the_blinds_of_a_hub_with_a_garage_door_do_not_ask() -> None:
@@ -424,7 +427,7 @@ def test_the_blinds_of_a_hub_with_a_garage_door_do_not_ask() -> None:
         routed(part("window_covering", "movement", part_id="shade1", name="Salon", tag="shutter"), "homeassistant"),
         routed(part("closure", "movement", part_id="shade2", name="Garage", tag="garage_door"), "homeassistant"),
     )
-    assert [may(LOCAL_RIGHTS, hub, number) for number in range(2)] == [True, False]
+    assert [may(APP_RIGHTS, hub, number) for number in range(2)] == [True, False]
 
 
 def test_a_garage_door_that_another_program_takes_for_a_blind_asks_in_both_ways() -> None:
@@ -434,14 +437,14 @@ def test_a_garage_door_that_another_program_takes_for_a_blind_asks_in_both_ways(
         routed(part("window_covering", "movement", part_id="cover:0"), "shelly"),
         routed(part("closure", "movement", part_id="cover", tag="garage"), "homeassistant"),
     )
-    assert [may(LOCAL_RIGHTS, shelly, number) for number in range(2)] == [False, False]
+    assert [may(APP_RIGHTS, shelly, number) for number in range(2)] == [False, False]
 
 
 @pytest.mark.parametrize("capability", ["push", "number", "text"])
 def test_an_action_asks_by_its_name_also_if_it_takes_a_value(capability: str) -> None:
     """As openGate of a Web Thing, which takes the seconds after which the gate closes."""
     thing = device("entrance", part("generic_switch", capability, part_id="openGate"))
-    assert not may(LOCAL_RIGHTS, thing)
+    assert not may(APP_RIGHTS, thing)
 
 
 def test_a_client_may_command_by_type_and_room() -> None:

@@ -19,8 +19,9 @@ from homebot.control.timelines import Timelines
 from homebot.devices import Device, DeviceChange, KeyValue, StateChange
 from homebot.devices.always_ask import waits_for_approval, why_device_asks
 from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
-from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
+from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
 from homebot.devices.house_view import HouseView, HouseWatcher
+from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.devices.outcomes import Refused
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
@@ -179,7 +180,9 @@ class PolicyEngine(HouseWatcher):
             return ALL_RIGHTS
         if scope := self._grants.get(issuer):
             return read_scope(scope)
-        return ALL_RIGHTS if self._trusts_apps or not self._settings.always_ask else LOCAL_RIGHTS
+        if self._trusts_apps or not self._settings.always_ask:
+            return ALL_RIGHTS
+        return LOCAL_RIGHTS if issuer == THING_DIRECTORY_NODE else APP_RIGHTS
 
     def _watch(self) -> None:
         if not self._watches:

@@ -2,10 +2,11 @@
 
 The owner approves the programs that may drive them.
 
-A switch, plug or cover that drives such a device is recognised by its name in one of six languages, by its model, or by
-the tag ``always_ask``, which the owner may give to any device. Buttons, scenes and choices are recognised by their
-names, texts and flags by names of things that open, temperatures by names of hot things; so are the choices of an oven,
-such as its program. See :mod:`homebot.devices.words`.
+A switch, plug or cover that drives such a device is recognised by its name in one of many languages, by its class or
+icon, by its model, or by the tag ``always_ask``, which the owner may give to any device. Buttons, scenes and choices
+are recognised by their names, texts and flags by names of things that open, temperatures by names of hot things; so are
+the choices of an oven, such as its program. See :mod:`homebot.devices.words`, and
+:mod:`homebot.devices.harmless` for the issuers to which this is not enough.
 """
 
 from collections.abc import Iterable, Mapping
@@ -17,12 +18,14 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.words import (
     ALL_THAT_ASK,
     BURNS_OR_FLOODS,
+    COVERING,
     FIRE,
     GARAGE,
     HEAT,
     NO_LOCK,
     OPEN,
     OPENER,
+    WINDOW,
     Groups,
     matching_words,
 )
@@ -40,7 +43,10 @@ __all__ = [
     "is_approved",
     "is_arming",
     "is_declared",
+    "is_of_known_load",
     "is_opener",
+    "models_of",
+    "names_of",
     "waits_for_approval",
     "why_device_asks",
     "why_it_asks",
@@ -87,8 +93,14 @@ _MODELS = MAKE | {CLAIMED_MODEL}
 _BUTTONS = frozenset({"generic_switch", "x_scene", "x_setting"})
 _PRESSED = frozenset({"push", "scene"})
 _CHOSEN = frozenset({"option", "state"})
-_OPENING = frozenset({"on_off", "text"})
+_OPENING = frozenset({"number", "on_off", "push", "text"})
 """Settings that open something if their name says so: ``unlock_door`` of a lock takes its password."""
+
+_DOSES = frozenset({"number", "option", "text"})
+"""Settings of a device without any other purpose that may be its valve, as the percentage of a QOTO QT-05M is."""
+
+_VOLUMES = frozenset({"L", "mL", "gal", "m³", "L/min", "L/h", "mL/min", "gal/min", "m³/h"})
+"""Units of numbers that pour something."""
 
 _NO_DEED = frozenset({"identify", "restart", "update"})
 _TAG = fold("always_ask")
@@ -123,7 +135,7 @@ def why_it_drives(device: Device, part: DevicePart, groups: Groups = ALL_THAT_AS
     if _LOADS.get(kind) in groups:
         return f"its type is {kind}"
     if kind in _RELAYS and (kind != "siren" or part.part.guessed):
-        reason = _why_named(groups, *_names(device, part)) or _why_of_model(device, part, groups)
+        reason = _why_named(groups, *names_of(device, part)) or _why_of_model(device, part, groups)
         return reason or (_why_garage(device, part) if "entry" in groups else "")
     return ""
 
@@ -156,12 +168,17 @@ def is_approved(device: Device) -> bool:
     return any(route.approved for part in device.parts for route in part.routes)
 
 
+def is_of_known_load(device: Device, part: DevicePart) -> bool:
+    """Return whether it is known what *part* turns on: not behind a breaker, nor by the tag ``always_ask``."""
+    return part.part.tag != BREAKER and _TAG not in map(fold, device.tags)
+
+
 def is_opener(device: Device) -> bool:
     """Return whether the model of *device* says that it opens a door or gate: ``Garage door opener``.
 
     Even its settings may open the door, also when they are turned off.
     """
-    return any(matching_words(model, OPENER, anywhere=True) for model in _models(device))
+    return any(matching_words(model, OPENER, anywhere=True) for model in models_of(device))
 
 
 def waits_for_approval(device: Device) -> bool:
@@ -254,14 +271,16 @@ def _why_called(capability: Capability, device: Device, part: DevicePart) -> str
     told = part.part
     unit = {"number": capability.unit, "text": told.name.strip("()")[-2:]}.get(capability.name)  # BSB-LAN's texts
     if unit in _DEGREES:
-        return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, told.name, anywhere=True)
+        return _why_named(HEAT, *names_of(device, part)) or _why_named(HEAT, told.name, anywhere=True)
     if (capability.name in _PRESSED or told.service_type == "generic_switch") and _is_deed(told):
-        return _why_named(ALL_THAT_ASK, *_names(device, part), f"{device.name} {told.name or part.id}")
-    names = (told.name,) if told.name else _names(device, part)
+        return _why_named(ALL_THAT_ASK, *names_of(device, part), f"{device.name} {told.name or part.id}")
+    if capability.name == "number" and unit in _VOLUMES and not told.category:
+        return f"its unit is {unit}"
+    names = (told.name,) if told.name else names_of(device, part)[:-1]
     if capability.name in _CHOSEN:
         if told.category:
             return _why_named(NO_LOCK, *names)
-        return _why_named(ALL_THAT_ASK, *names) or _why_named(HEAT, *_names(device, part))
+        return _why_named(ALL_THAT_ASK, *names, _class_of(told)) or _why_named(HEAT, *names_of(device, part))
     return _why_named(OPEN, *names) if capability.name in _OPENING else None
 
 
@@ -272,23 +291,30 @@ def _is_deed(button: Part) -> bool:
 def _why_named(groups: Groups, *names: str, anywhere: bool = False) -> str:
     for name in names:
         if words := matching_words(name, groups, anywhere=anywhere):
-            return f"the name {name!r} says {words!r}"
+            return f"the {'icon' if name.startswith('mdi:') else 'name'} {name!r} says {words!r}"
     return ""
 
 
 def _why_garage(device: Device, part: DevicePart) -> str:
-    """Return why a cover of unknown class is a garage door: its whole name is ``Garage``."""
+    """Return why a cover of unknown class is a garage door or a window: its whole name is ``Garage``, or its model."""
     told = part.part
     if told.service_type != "window_covering" or told.tag in _AT_WINDOWS:
         return ""
-    return _why_named(GARAGE, *((told.name,) if told.name else _names(device, part)))
+    for model in models_of(device):
+        words = matching_words(model, WINDOW, anywhere=True)
+        if words and not matching_words(model, COVERING, anywhere=True):
+            return f"the model {model!r} says {words!r}"
+    return _why_named(GARAGE, *((told.name,) if told.name else names_of(device, part)))
 
 
 def _why_of_model(device: Device, part: DevicePart, groups: Groups) -> str:
     """Return why a part always asks by its model: an opener with all its settings, or the load of a relay."""
-    for model in _models(device):
+    settable = [one.name for one in part.part.capabilities if one.settable]
+    is_all = all(one.part.service_type.startswith("x_") for one in device.parts)
+    is_load = part.part.service_type in _RELAYS or (is_all and not _DOSES.isdisjoint(settable))
+    for model in models_of(device):
         words = matching_words(model, OPENER & groups, anywhere=True)
-        if not words and part.part.service_type in _RELAYS:
+        if not words and is_load:
             words = matching_words(model, BURNS_OR_FLOODS & groups, anywhere=True) or matching_words(model, groups)
         if words:
             return f"the model {model!r} says {words!r}"
@@ -299,7 +325,7 @@ def _why_hot(device: Device, part: DevicePart) -> str:
     """Return why a thermostat always asks: it lights a fire, or is called a boiler and gets hotter than a room."""
     for one in part.part.capabilities:
         if one.name == "heating_setpoint" and one.settable:
-            return _why_named(HEAT if _is_hot(one) else FIRE, *_names(device, part))
+            return _why_named(HEAT if _is_hot(one) else FIRE, *names_of(device, part))
     return ""
 
 
@@ -307,11 +333,17 @@ def _is_hot(setpoint: Capability) -> bool:
     return not setpoint.bounds or setpoint.bounds[-1] > _HOTTER_THAN_A_ROOM
 
 
-def _names(device: Device, part: DevicePart) -> tuple[str, ...]:
-    return device.name, *device.names, part.part.name or part.id
+def names_of(device: Device, part: DevicePart) -> tuple[str, ...]:
+    """Return the names of *device*, and the name or id and the class or icon of *part*."""
+    return device.name, *device.names, part.part.name or part.id, _class_of(part.part)
 
 
-def _models(device: Device) -> Iterable[str]:
+def _class_of(told: Part) -> str:
+    """Return the class or icon, such as ``mdi:valve``; empty for settings, and a lock, the icon of child locks."""
+    return "" if told.category or "lock" in told.tag else told.tag
+
+
+def models_of(device: Device) -> Iterable[str]:
     """Return all makers and models in announcements of *device*: a stranger may state the first."""
     told = [one.value for one in device.metadata if one.key in MAKE]
     return dict.fromkeys((*told, *[one.value for one in device.facts if one.name in _MODELS]))

@@ -15,10 +15,12 @@ from homebot.support.similar import did_you_mean
 __all__ = [
     "ALL_RIGHTS",
     "ALL_ROBOTS",
+    "APP_RIGHTS",
     "CLIENT_RIGHTS",
     "HARMLESS",
     "LOCAL_CLIENT",
     "LOCAL_RIGHTS",
+    "ORDINARY",
     "OWNER_CLIENT",
     "SIMULATED_HOUSE_RIGHTS",
     "ClientRights",
@@ -39,14 +41,19 @@ CLIENT_RIGHTS = "rights"
 """The name of the policy that refuses clients of the door."""
 
 HARMLESS = "harmless"
+"""In place of a query: everything on the list of :mod:`homebot.devices.harmless`."""
+
+ORDINARY = "ordinary"
 """In place of a query: every device except those that always ask."""
+
+_ALL = "all"
 
 ALL_ROBOTS = "all"
 """In place of a robot's name: every robot."""
 
-_KNOWN = "known are read, act: QUERY, act: harmless, act: all, manage, raw, robot: NAME"
+_KNOWN = "known are read, act: QUERY, act: harmless, act: ordinary, act: all, manage, raw, robot: NAME"
 
-_ANY = And(())
+_WORDS = frozenset({HARMLESS, ORDINARY, _ALL})
 
 
 class Right(Enum):
@@ -81,13 +88,17 @@ class ClientRights(NamedTuple):
         acts_on: It may command devices that fit any of these queries. For one that always asks
             (:mod:`homebot.devices.always_ask`) a query must name its type or name: fitting ``in hall`` is not enough. A
             room that is known only from a tag does not count.
+        acts_on_harmless: Whether it may command what is on the list of harmless parts.
+        acts_on_ordinary: Whether it may command all that does not always ask.
         acts_on_all: Whether it may command every device.
-        act_scope: The two above as they were written, for commands; empty for every device that does not always ask.
+        act_scope: The four above as they were written, for commands; empty for the rights without a scope.
         robots: The names of the robots that it may act as; :data:`ALL_ROBOTS` for any.
     """
 
     kinds: frozenset[Right] = frozenset()
     acts_on: tuple[Query, ...] = ()
+    acts_on_harmless: bool = False
+    acts_on_ordinary: bool = False
     acts_on_all: bool = False
     act_scope: tuple[str, ...] = ()
     robots: tuple[str, ...] = ()
@@ -100,11 +111,14 @@ class ClientRights(NamedTuple):
         """Return whether it may act as *robot*, or as any robot if that is empty."""
         return bool(self.robots) and (not robot or robot in self.robots or ALL_ROBOTS in self.robots)
 
-    def may_command(self, device: Device, part: DevicePart, *, asks: bool) -> bool:
-        """Return whether it may command *part* of *device*; *asks* is whether the part always asks."""
-        if self.acts_on_all:
-            return True
-        if not asks and _ANY in self.acts_on:
+    def may_command(self, device: Device, part: DevicePart, *, asks: bool, is_harmless: bool) -> bool:
+        """Return whether it may command *part* of *device*.
+
+        Args:
+            asks: Whether the part always asks.
+            is_harmless: Whether it is on the list of harmless parts.
+        """
+        if self.acts_on_all or (is_harmless and self.acts_on_harmless) or (not asks and self.acts_on_ordinary):
             return True
         facets = PartFacets(without_taught_room(device), part)
         declared = is_declared(part)
@@ -123,21 +137,21 @@ class ClientRights(NamedTuple):
         return any(fits(query, facets) and (not asks or names_it(query)) for query in self.acts_on)
 
     @property
-    def acts_on_harmless(self) -> bool:
-        """True if it may command everything that does not always ask."""
-        return self.acts_on_all or _ANY in self.acts_on
-
-    @property
     def text(self) -> str:
         """The names of the rights, for people."""
         names = [one.value for one in Right if one is not Right.ROBOT and self.has(one)]
         return ", ".join((*names, *(f"robot: {name}" for name in self.robots))) or "none"
 
 
-LOCAL_RIGHTS = ClientRights(frozenset({Right.READ, Right.ACT, Right.MANAGE}), acts_on=(_ANY,))
-"""The rights of a client without a token: it commands every device except those that always ask."""
+LOCAL_RIGHTS = ClientRights(frozenset({Right.READ, Right.ACT, Right.MANAGE}), acts_on_harmless=True)
+"""The rights of a client without a token: it commands what is on the list of harmless parts."""
 
-ALL_RIGHTS = ClientRights(frozenset(Right), acts_on_all=True, act_scope=("act: all",), robots=(ALL_ROBOTS,))
+APP_RIGHTS = LOCAL_RIGHTS._replace(acts_on_ordinary=True)
+"""The rights of an app without ``act``, which the owner installed: it commands all that does not always ask."""
+
+ALL_RIGHTS = APP_RIGHTS._replace(
+    kinds=frozenset(Right), acts_on_all=True, act_scope=("act: all",), robots=(ALL_ROBOTS,)
+)
 """The rights of the one unnamed token."""
 
 SIMULATED_HOUSE_RIGHTS = ALL_RIGHTS
@@ -167,8 +181,10 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
     wanted = found.get(Right.ACT, [])
     return ClientRights(
         kinds=frozenset(found),
-        acts_on=tuple(_ANY if query == HARMLESS else _parse(query) for query in wanted if query != "all"),
-        acts_on_all="all" in wanted,
+        acts_on=tuple(_parse(query) for query in wanted if query not in _WORDS),
+        acts_on_harmless=not _WORDS.isdisjoint(wanted),
+        acts_on_ordinary=ORDINARY in wanted or _ALL in wanted,
+        acts_on_all=_ALL in wanted,
         act_scope=tuple(f"act: {query}" for query in wanted),
         robots=tuple(found.get(Right.ROBOT, ())),
     )

@@ -10,8 +10,11 @@ The words of the table are in lower case without accents, see :mod:`homebot.supp
 - ``opener``: drives of a door or a gate. ``open``: commands that let in or disarm.
 - ``siren``: loads that sound. They do not always ask, but are not loads like others.
 - ``garage``: places whose cover is a door if this is its whole name.
+- ``window``: drives of a window.
+- ``covering``: covers of windows. ``lamp``: lamps. These are harmless.
 
-An entry is a phrase of one or more words in any order, or the end of a word: ``-ventil``. Besides the groups:
+An entry is a phrase of one or more words in any order, the end of a word, ``-ventil``, or any part of it, ``-阀-``, for
+languages that write no blanks. Besides the groups:
 
 - ``at_end``: a phrase counts only as the end of a name or of one of its ``clauses``, as in English: ``Gate motor 2``,
   ``Valve of the garden``. ``fillers`` after it are ignored. ``never``: phrases that do not count at the end of a name.
@@ -30,33 +33,40 @@ from homebot.support.folding import words_of
 __all__ = [
     "ALL_THAT_ASK",
     "BURNS_OR_FLOODS",
+    "COVERING",
     "FIRE",
     "GARAGE",
     "HEAT",
+    "LAMP",
     "NO_LOCK",
     "OPEN",
     "OPENER",
     "SIREN",
     "WATER",
+    "WINDOW",
     "Groups",
     "matching_words",
 ]
 
 Groups: TypeAlias = frozenset[str]
 
+COVERING: Final = frozenset({"covering"})
 GARAGE: Final = frozenset({"garage"})
+LAMP: Final = frozenset({"lamp"})
 FIRE: Final = frozenset({"fire"})
 HEAT: Final = frozenset({"heat", "fire"})
 OPEN: Final = frozenset({"open"})
 OPENER: Final = frozenset({"opener"})
 SIREN: Final = frozenset({"siren"})
 WATER: Final = frozenset({"water"})
+WINDOW: Final = frozenset({"window"})
 BURNS_OR_FLOODS: Final = HEAT | WATER
 NO_LOCK: Final = BURNS_OR_FLOODS | {"entry", "opener", "open"}
 """The groups of parts that always ask, except locks: a lock among settings is a key lock."""
 
 ALL_THAT_ASK: Final = NO_LOCK | {"lock"}
 
+_GROUPS: Final = ALL_THAT_ASK | SIREN | GARAGE | WINDOW | COVERING | LAMP
 _DIGITS: Final = "0123456789"
 _CAMEL_CASE: Final = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
@@ -93,7 +103,8 @@ def matching_words(text: str, groups: Groups, *, anywhere: bool = False) -> str:
 
 def _matching_words(text: str, groups: Groups, *, anywhere: bool) -> str:
     words = tuple(word.rstrip(_DIGITS) for word in words_of(text) if not word.isdigit())
-    if _VOCABULARY.isdisjoint(words) and not any(word.endswith(_ENDINGS) for word in words):
+    spelled = "$".join((*words, ""))
+    if _VOCABULARY.isdisjoint(words) and not any(ending in spelled for ending in _ENDINGS):
         return ""  # the usual case
     for language in _LANGUAGES:
         for clause in _clauses(words, language):
@@ -112,11 +123,11 @@ def _clauses(words: tuple[str, ...], language: _Language) -> Iterator[tuple[str,
 
 
 def _match(words: tuple[str, ...], language: _Language, groups: Groups, *, at_end: bool) -> str:
-    own = tuple(ending for ending, _ in language.endings)
+    own = tuple(ending[:-1] for ending, _ in language.endings if ending.endswith("$"))
     if language.beside and any(word.endswith(language.beside) and not word.endswith(own) for word in words):
         return ""
     content = tuple(word for word in words if word not in language.fillers)
-    if frozenset(content[-2:]) in language.never:
+    if any(frozenset(tail[-len(one) :]) == one for one in language.never for tail in (words, content)):
         return ""
     return _phrase_in(words, content if at_end else None, language, groups) or _ending_in(words, language, groups)
 
@@ -131,7 +142,7 @@ def _phrase_in(words: tuple[str, ...], head_of: tuple[str, ...] | None, language
 
 def _ending_in(words: tuple[str, ...], language: _Language, groups: Groups) -> str:
     for ending, group in language.endings:
-        if group in groups and (found := next((word for word in words if word.endswith(ending)), "")):
+        if group in groups and (found := next((word for word in words if ending in f"{word}$"), "")):
             return found
     return ""
 
@@ -154,11 +165,11 @@ def _read_tables() -> tuple[tuple[_Language, ...], frozenset[str], tuple[str, ..
 
 def _language(table: dict[str, list[str]], beside: tuple[str, ...]) -> _Language:
     fillers = frozenset(table.get("fillers", ()))
-    entries = [(entry, group) for group in sorted(ALL_THAT_ASK | SIREN | GARAGE) for entry in table.get(group, ())]
+    entries = [(entry, group) for group in sorted(_GROUPS) for entry in table.get(group, ())]
     words = [(frozenset(entry.split()), group) for entry, group in entries if not entry.startswith("-")]
     return _Language(
         tuple(_Phrase(phrase, group, phrase - fillers) for phrase, group in words),
-        tuple((entry[1:], group) for entry, group in entries if entry.startswith("-")),
+        tuple((f"{entry[1:]}$".replace("-$", ""), group) for entry, group in entries if entry.startswith("-")),
         beside,
         frozenset(frozenset(entry.split()) for entry in table.get("never", ())),
         fillers,

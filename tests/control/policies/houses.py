@@ -9,7 +9,7 @@ from homebot.control.policies.rate_limit import TurnCounter
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.devices import Device, DevicePart, Endpoint, Fact, Freshness, State
-from homebot.devices.client_rights import LOCAL_RIGHTS, read_scope
+from homebot.devices.client_rights import APP_RIGHTS, read_scope
 from homebot.devices.device import Route
 from homebot.devices.device_view import DeviceView
 from homebot.devices.part import Capability, Part
@@ -76,7 +76,7 @@ def make_command(
         part=device.parts[0],
         settings=settings,
         issuer=issuer,
-        rights=read_scope(scope) if scope else LOCAL_RIGHTS,
+        rights=read_scope(scope) if scope else APP_RIGHTS,
         issued_at=at,
     )
 

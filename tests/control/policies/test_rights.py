@@ -23,10 +23,12 @@ LAMP = make_device("lamp", "light", room="hall", settable=("on_off",))
 LOCK = make_device("front_door", "door_lock", room="hall", settable=("lock",))
 GARAGE = make_device("garage", "closure", room="yard", tag="garage_door", settable=("movement",))
 VALVE = make_device("main", "water_valve", settable=("valve",))
+COVER = make_device("cover", "window_covering", settable=("movement",))
+FREEZER = make_device("freezer", "plug", room="kitchen", settable=("on_off",))
 OVEN = make_device("oven", "plug", room="kitchen", settable=("on_off",))
 
 
-def refused_by(scope: tuple[str, ...], device: Device, **settings: bool | str) -> str:
+def refused_by(scope: tuple[str, ...], device: Device, **settings: bool | str | float) -> str:
     """Return the policy that refuses an app of this scope the command; empty for none."""
     policies = Policies(ControlSettings(approvals=False))
     verdict = policies.check(make_command(device, settings, scope=scope), make_facts())[-1]
@@ -75,17 +77,58 @@ def test_garage_doors_valves_and_ovens_always_ask() -> None:
     assert refused_by((), OVEN, on_off=True) == "always_ask"
 
 
-def test_harmless_is_what_does_not_always_ask() -> None:
-    assert refused_by(("act: harmless",), LAMP, on_off=True) == ""
-    assert refused_by(("act: harmless",), LOCK, lock="unlocked") == "always_ask"
-    assert refused_by(("act: harmless",), LOCK, lock="locked") == ""
-    assert refused_by(("act: harmless", "act: lock"), LOCK, lock="unlocked") == ""
+def test_harmless_is_what_is_on_the_list_and_ordinary_what_does_not_always_ask() -> None:
+    scope: tuple[str, ...]
+    for scope in (("act: harmless",), ("act: ordinary",)):
+        assert refused_by(scope, LAMP, on_off=True) == ""
+        assert refused_by(scope, LOCK, lock="unlocked") == "always_ask"
+        assert refused_by(scope, LOCK, lock="locked") == ""
+        assert refused_by((*scope, "act: lock"), LOCK, lock="unlocked") == ""
+    assert refused_by(("act: harmless",), FREEZER, on_off=True) == "harmless"
+    for scope in (("act: ordinary",), (), ("act: harmless", "act: plug"), ("act: harmless", "act: in kitchen")):
+        assert refused_by(scope, FREEZER, on_off=True) == ""
+
+
+def test_to_turn_off_is_no_safe_side_if_nothing_says_what_goes_off() -> None:
+    """It may be a freezer, or keep a person alive; the owner's apps may do so as ever."""
+    breaker = make_device("breaker", "switch", tag="breaker", settable=("on_off",))
+    tagged = FREEZER.model_copy(update={"tags": ("always ask",)})
+    for device in (FREEZER, breaker, tagged):
+        assert refused_by(("act: harmless",), device, on_off=False) in {"harmless", "always_ask"}
+        assert refused_by((), device, on_off=False) == ""
+    for device, settings in (
+        (OVEN, {"on_off": False}),
+        (GARAGE, {"movement": "stopped"}),
+        (COVER, {"movement": "stopped"}),
+    ):
+        assert refused_by(("act: harmless",), device, **settings) == ""
+    assert refused_by(("act: harmless",), COVER, movement="closed") == "harmless"
+
+
+def test_a_thermostat_of_who_may_do_what_is_harmless_stays_within_its_range() -> None:
+    thermostat = make_device("hall", "thermostat", settable=("heating_setpoint",))
+    verdicts = [refused_by(("act: harmless",), thermostat, heating_setpoint=value) for value in (4.0, 21.0, 30.0)]
+    assert verdicts == ["harmless", "", "harmless"]
+    assert refused_by((), thermostat, heating_setpoint=30.0) == ""
+
+
+@pytest.mark.parametrize(
+    ("issuer", "table"), [("/light_service", "apps.light_service"), ("/thing_directory", "thing_directory")]
+)
+def test_a_refusal_of_what_is_not_on_the_list_says_so_and_how_to_put_it_there(issuer: str, table: str) -> None:
+    command = make_command(FREEZER, {"on_off": True}, scope=("act: harmless",), issuer=issuer)
+    reason = Policies(ControlSettings()).check(command, make_facts())[-1].reason
+    why = "it is not on the list of harmless devices (nothing but its name says what this plug turns on)"
+    step = "if it can hurt nobody, `homebot tag add freezer harmless`, otherwise"
+    line = f"""[{table}] act = ['harmless', 'id="freezer"'] gives one"""
+    assert reason == f"freezer needs a right, because {why}, and {issuer} has none; {step} {line}"
 
 
 @pytest.mark.parametrize(
     ("scope", "act"),
     [
-        ((), """['harmless', 'id="front_door"']"""),
+        ((), """['ordinary', 'id="front_door"']"""),
+        (("act: ordinary",), """['ordinary', 'id="front_door"']"""),
         (("act: light", "act: plug"), """['light', 'plug', 'id="front_door"']"""),
         (("act: harmless",), """['harmless', 'id="front_door"']"""),
         (("read",), """['id="front_door"']"""),

@@ -99,7 +99,7 @@ def test_what_joins_an_approved_lock_gives_it_no_name_and_no_place_in_any_way(co
     for query in ('name="Shed lock"', "name=shed", 'name="Shed bolt"', "in shed", "shed"):
         assert not index.find(parse_query(query))
     for right in ('act: name="Shed lock"', "act: name=Shed", "act: lock in shed"):
-        assert not read_scope((right,)).may_command(device, device.parts[0], asks=True)
+        assert not read_scope((right,)).may_command(device, device.parts[0], asks=True, is_harmless=False)
 
 
 def test_what_joins_an_approved_device_asks_by_its_own_model() -> None:

@@ -8,16 +8,18 @@ from typing import Final
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.command_pattern import VERBS
 from homebot.control.policies.facts import Facts, FactUsed, Verdict
-from homebot.devices.always_ask import APPROVED, CHANGED, is_approved, is_arming, is_opener
+from homebot.devices.always_ask import APPROVED, CHANGED, is_approved, is_arming, is_of_known_load, is_opener
 from homebot.devices.client_rights import (
     HARMLESS,
     LOCAL_CLIENT,
     LOCAL_RIGHTS,
+    ORDINARY,
     ClientRights,
     issuer_of_client,
     read_scope,
 )
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.harmless import why_not_harmless
 from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
@@ -42,18 +44,34 @@ def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) ->
 
     Without a right that names a dangerous device, an issuer may still lock, stop or turn it off.
     """
-    why = command.why_it_asks
-    if command.rights.may_command(command.device, command.part, asks=bool(why)):
+    why, rights = command.why_it_asks, command.rights
+    if rights.acts_on_ordinary and (not why or rights.acts_on_all):
+        return _GRANTED  # as nearly always
+    limit = _limit(command, rights)
+    if limit is None:
         return _GRANTED
-    if not why:
-        own = ", ".join(command.rights.act_scope) or "nothing"
-        own += _place_advice(command.device, own)
-        return Verdict(GRANTS, allowed=False, reason=f"{command.issuer} may not command {command.label}, only: {own}")
-    if _may_make_safe(command, command.rights):
+    if limit and _may_make_safe(command, rights):
         return Verdict(ALWAYS_ASK, allowed=True, reason="it makes the house safer")
-    step = _approval_step(command) if needs_approval else ""
-    lacks = f"{command.label} needs a right that names it ({why}), and {command.issuer} has none"
-    return Verdict(ALWAYS_ASK, allowed=False, reason=f"{lacks}; {step}{_grant_advice(command)} gives one")
+    advice = f"{_grant_advice(command)} gives one"
+    if why:
+        step = _approval_step(command) if needs_approval else ""
+        lacks = f"{command.label} needs a right that names it ({why}), and {command.issuer} has none"
+        return Verdict(ALWAYS_ASK, allowed=False, reason=f"{lacks}; {step}{advice}")
+    if limit:
+        lacks = f"{command.label} needs a right, because {_unlisted(limit)}, and {command.issuer} has none"
+        return Verdict(HARMLESS, allowed=False, reason=f"{lacks}; {_tag_advice(command.device)}{advice}")
+    own = ", ".join(rights.act_scope) or "nothing"
+    own += _place_advice(command.device, own)
+    return Verdict(GRANTS, allowed=False, reason=f"{command.issuer} may not command {command.label}, only: {own}")
+
+
+def _limit(command: IssuedCommand, rights: ClientRights) -> str | None:
+    """Return why the part always asks, or is not harmless, or empty, if *rights* do not cover it; None if they do."""
+    device, part, limit = command.device, command.part, command.why_it_asks
+    if not limit and rights.acts_on_harmless and not rights.acts_on_ordinary:
+        limit = why_not_harmless(device, part, command.settings)
+    may = rights.may_command(device, part, asks=bool(command.why_it_asks), is_harmless=not limit)
+    return None if may else limit
 
 
 def check_approval(command: IssuedCommand, _facts: Facts) -> Verdict:
@@ -77,24 +95,27 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
         rights = _rights(command.scope)
     except UsageError as exc:
         return str(exc)
-    if rights.may_command(device, part, asks=bool(asks)):
+    limit = _limit(command, rights)
+    if limit is None or (limit and _may_make_safe(command, rights)):
         return ""
-    if asks and _may_make_safe(command, rights):
-        return ""
-    right = f"""act: {f'id="{device.id}"' if asks else part.part.service_type}"""
-    why = (
-        f"such a device needs a right that names it ({asks})" if asks else "it is not among what the client may command"
-    )
+    right = f"""act: {f'id="{device.id}"' if limit else part.part.service_type}"""
+    why = _unlisted(limit) if limit else "it is not among what the client may command"
+    why = f"such a device needs a right that names it ({asks})" if asks else why
     scope = ", ".join(command.scope)
     has = f"the scope of the client is {scope}" if scope else "no token of the client is known"
     step = _approval_step(command) if asks and needs_approval else ""
+    step += _tag_advice(device) if limit and not asks else ""
     has += _place_advice(device, scope)
     return f"{command.issuer} may not command {device.id}: {why}, and {has}; {step}{_client_advice(command, right)}"
 
 
-def is_safe(device: Device, part: DevicePart, settings: Mapping[str, PlainValue]) -> bool:
-    """Return whether all *settings* make the house safer: closing a valve does, closing a door may hurt a person."""
-    is_off_unsafe = part.part.service_type == "x_setting" or is_opener(device) or is_arming(part)
+def is_safe(device: Device, part: DevicePart, settings: Mapping[str, PlainValue], *, knows_load: bool = True) -> bool:
+    """Return whether all *settings* make the house safer: closing a valve does, closing a door may hurt a person.
+
+    Args:
+        knows_load: Whether it is known what the part turns off; if not, it may be a freezer, or keep a person alive.
+    """
+    is_off_unsafe = part.part.service_type == "x_setting" or is_opener(device) or is_arming(part) or not knows_load
     verbs = _SAFE_SETTING if is_off_unsafe else _SAFE
     return all(
         any(VERBS[verb](name, value, None) for verb in verbs) or _is_always_safe(name, value)
@@ -108,12 +129,22 @@ def _is_always_safe(name: str, value: PlainValue) -> bool:
 
 
 def _may_make_safe(command: IssuedCommand, rights: ClientRights) -> bool:
-    """Return whether *rights* to all harmless devices allow a command to a dangerous one.
+    """Return whether *rights* to all harmless devices allow a command to another one.
 
     A lease is not allowed: it would block issuers that have the right to the device.
     """
-    is_lease = command.trigger.kind == "lease"
-    return rights.acts_on_harmless and not is_lease and is_safe(command.device, command.part, command.settings)
+    device, part, is_lease = command.device, command.part, command.trigger.kind == "lease"
+    knows_load = rights.acts_on_ordinary or bool(command.why_it_asks and is_of_known_load(device, part))
+    return rights.acts_on_harmless and not is_lease and is_safe(device, part, command.settings, knows_load=knows_load)
+
+
+def _unlisted(limit: str) -> str:
+    return f"it is not on the list of harmless devices ({limit})"
+
+
+def _tag_advice(device: Device) -> str:
+    """Return the command that puts *device* on the list of harmless devices."""
+    return f"if it can hurt nobody, `homebot tag add {shlex.quote(device.name or device.id)} {HARMLESS}`, otherwise "
 
 
 def _place_advice(device: Device, scope: str) -> str:
@@ -127,7 +158,8 @@ def _grant_advice(command: IssuedCommand) -> str:
     table = command.issuer.removeprefix("/")
     key = table if command.issuer == THING_DIRECTORY_NODE else f"apps.{table}"
     rights = command.rights
-    own = [HARMLESS] if rights.acts_on_harmless else [one.removeprefix("act: ") for one in rights.act_scope]
+    scope = [one.removeprefix("act: ") for one in rights.act_scope]
+    own = scope or [ORDINARY if rights.acts_on_ordinary else HARMLESS] * rights.acts_on_harmless
     queries = ", ".join(f"'{one}'" for one in (*own, f'id="{command.device.id}"'))
     return f"[{key}] act = [{queries}]"
 
