@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import cast
 
 import pytest
-from tests.cli.conftest import Homebot
+from tests.cli.conftest import NOW, Homebot
 from tests.cli.golden.conftest import StillHouse, ago, attic, told
 
 from homebot.bridges.rosapi.doctor import gateway_finding, health_findings
 from homebot.cli import main
 from homebot.cli.commands.doctor import print_finding
+from homebot.clock import ManualClock
 from homebot.devices import QUERY_DEVICES, Fact, GatewayState, QueryDevices
 from homebot.devices.findings import FindingKind
 from homebot.devices.health import Count, HealthRequest, HealthResponse, PartFailure
@@ -102,6 +103,33 @@ def test_weak_batteries_and_devices_without_room_are_no_problems(
     found = findings(capsys.readouterr().out)
     assert found["HB404"]["rows"] == [{"what": "attic", "why": "7 %"}]
     assert found["HB405"]["rows"] == [{"what": "attic", "why": "Attic"}]
+
+
+def test_what_a_device_sent_and_nobody_understood_is_a_problem_for_a_day(
+    homebot_with: Callable[..., Homebot], capsys: Text
+) -> None:
+    class Mistaken(StillHouse):
+        seconds = 3_600.0
+
+        def _devices(self) -> tuple:  # type: ignore[type-arg]
+            text = "payloads on attic: 2, the last 'on': expects ON or OFF"
+            fact = Fact(
+                name="unreadable", value=text, gateway="mqtt", convention="", key="a", said_at=ago(self.seconds)
+            )
+            earlier = fact.model_copy(update={"said_at": ago(self.seconds + 60), "value": "payloads on other: 1"})
+            one = attic().model_copy(update={"facts": (earlier, fact), "reachable": super()._devices()[0].reachable})
+            return (one,)
+
+    still = Mistaken()
+    still.is_well = True
+    homebot = homebot_with(still.node, ManualClock(NOW))
+    assert main(["--door", homebot.door, "doctor", "--json"]) == 1
+    (row,) = cast("list[dict[str, str]]", findings(capsys.readouterr().out)["HB407"]["rows"])
+    assert row["what"] == "attic"
+    assert row["why"].startswith("1 h ago: payloads on attic: 2, the last 'on': expects ON or OFF (and 1 more: ")
+    still.seconds = 90_000.0
+    assert main(["--door", homebot.door, "doctor", "--json"]) == 0
+    assert "HB407" not in findings(capsys.readouterr().out)
 
 
 def test_what_mdns_found_and_no_gateway_uses_is_no_problem_and_has_its_next_step(

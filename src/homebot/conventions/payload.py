@@ -11,6 +11,7 @@ from typing import NoReturn, TypeAlias, TypeVar
 from pydantic_core import from_json
 from pydantic_core import to_json as json_of
 
+from homebot.conventions.unreadable import NO_READINGS, Readings, shown, unreadable
 from homebot.devices.text.states import means_unknown
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
@@ -46,6 +47,7 @@ __all__ = [
     "text_of",
     "to_json",
     "to_text",
+    "unreadable",
     "whole_of",
 ]
 
@@ -64,7 +66,6 @@ MAX_DEPTH = 64
 
 _SPACES = " \t\n\r"
 _ENDLESS = frozenset((math.inf, -math.inf))
-_MAX_SHOWN = 60
 
 
 def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bool = False) -> object:
@@ -177,22 +178,7 @@ def text_of(value: object, limit: int = 120) -> str:
     return clean_text(value, limit) if isinstance(value, str) else ""
 
 
-def shown(value: object) -> str:
-    """Return *value* for an error message: short, on one line."""
-    if isinstance(value, (str, bytes)):
-        value = value[: _MAX_SHOWN + 1]
-        text = repr(value)
-    elif isinstance(value, (dict, list)):
-        text = f"{type(value).__name__} of {len(value)}"
-    else:
-        text = f"{value:.6g}" if isinstance(value, float) else type(value).__name__
-        if value is None or isinstance(value, bool) or (isinstance(value, int) and abs(value) < _MOST_DIGITS):
-            text = str(value)
-    return text if len(text) <= _MAX_SHOWN else f"{text[:_MAX_SHOWN]}…"
-
-
 _JOINERS = "\u200c\u200d"
-_MOST_DIGITS = 10**20
 
 
 def _refuse_constant(name: str) -> NoReturn:
@@ -288,15 +274,10 @@ def check_surrogates(value: object) -> None:
         raise WireError("a text in the JSON contains half of a surrogate pair") from None
 
 
-Readings: TypeAlias = Mapping[str, PlainValue]
-"""Values by capability; see :meth:`homebot.conventions.description.Codec.read`."""
-
 JsonMessage: TypeAlias = Mapping[str, object]
 """One message: a JSON object, never changed, because the parts of a device share it."""
 
 TextT = TypeVar("TextT", str, bytes)
-
-NO_READINGS: Readings = MappingProxyType({})
 
 
 @lru_cache(maxsize=8)
@@ -349,14 +330,21 @@ def read_number(
         return {capability: None}
     number = to_number(value)
     if number is None:
-        return {capability: None} if is_unknown(value) else NO_READINGS
+        return {capability: None} if is_unknown(value) else unreadable(value, "a number")
     outside = convert(number)
-    return NO_READINGS if outside is None else {capability: outside}
+    return {capability: outside} if outside is not None else unreadable(value, f"a possible {capability}")
 
 
 def meaning_reader(capability: str, meanings: Mapping[TextT, PlainValue]) -> Callable[[TextT], Readings]:
     """Return a reader of *capability* by a table of texts or payloads."""
-    return lambda text: {capability: meanings[text]} if text in meanings else NO_READINGS
+
+    def read(text: TextT) -> Readings:
+        if text in meanings:
+            return {capability: meanings[text]}
+        words = sorted(meanings.items(), key=lambda one: one[1] is False)  # ON or OFF
+        return unreadable(text, [word for word, _ in words])
+
+    return read
 
 
 def percent_of(value: object) -> float | None:

@@ -9,7 +9,7 @@ from typing import Any, Generic, Never, TypeAlias, TypeVar
 
 from homebot.conventions.command_values import Writer, require_transition
 from homebot.conventions.description import Publications
-from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, shown, to_json
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, shown, to_json, unreadable
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.mqtt.topics import topic_matches
@@ -34,7 +34,10 @@ _NONE: Mapping[str, Never] = MappingProxyType({})
 def json_object(payload: bytes) -> JsonMessage | None:
     """Parse a payload for readers of a JSON object, which they share."""
     message = to_json(payload)
-    return message if isinstance(message, dict) else None
+    if isinstance(message, dict):
+        return message
+    unreadable(payload, "a JSON object")
+    return None
 
 
 class TableCodec(Generic[MessageT]):

@@ -1,7 +1,7 @@
 """A codec of text devices, see :mod:`homebot.devices.text`. Pure."""
 
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.payload import NO_READINGS, Readings
+from homebot.conventions.payload import NO_READINGS, Readings, unreadable
 from homebot.devices.part import Part
 from homebot.devices.text.commands import decode_command, encode_command
 from homebot.devices.text.states import decoder_for
@@ -45,9 +45,11 @@ class TextCodec:
         if is_repeated and (retained or not (self._was_retained or self._is_asked)):
             return NO_READINGS
         if len(payload) > _LONGEST:
-            return NO_READINGS
+            return unreadable(payload, f"at most {_LONGEST} bytes")
         self._last, self._was_retained, self._is_asked = payload, retained, self._is_asked and retained
         readings = self._decode(payload)
+        if not readings and (names := [one.name for one in self._part.capabilities]):
+            unreadable(payload, f"a state of {', '.join(names)}")
         if payload != self._awaited or not readings:
             return readings
         answer = self._as_answer(readings)

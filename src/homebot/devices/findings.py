@@ -80,6 +80,8 @@ class FindingKind(Enum):
         False,
     )
 
+    UNREADABLE = "HB407", "sends what its announcement does not explain", "correct the device or its announcement"
+
     def __init__(self, code: str, title: str, next_step: str, is_problem: bool = True) -> None:  # noqa: FBT001, FBT002 - a row
         self.code = code
         self.title = title

@@ -105,6 +105,7 @@ class Report(Message):
             of its own, which is not kept, because it happened only once.
         retained: Whether it was a retained message, from the past.
         heard_at: The same time in seconds of the monotonic clock; 0 if the gateway does not state it.
+        unreadable: By part, how many payloads it could not read, and the last one with the reason, in words.
     """
 
     key_field: ClassVar[str | None] = "stream"
@@ -117,6 +118,7 @@ class Report(Message):
     retained: bool
     received_at: Time
     heard_at: float = 0.0
+    unreadable: tuple[KeyValue, ...] = ()
 
 
 class Command(Message):

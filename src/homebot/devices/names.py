@@ -114,6 +114,12 @@ NEEDS_GATEWAY = "needs_gateway"
 NEXT_STEP = "next_step"
 """The fact that says what a person can do so that it is used."""
 
+UNREADABLE = "unreadable"
+"""The fact of a device that sent what its announcement does not explain: how often, and why the last time.
+
+Its value begins with ``payloads``.
+"""
+
 _GATEWAYS = "/gateway/"
 
 GATEWAY_READING = frozenset({"health", "read_tag", "scan", "subscribe_to_mqtt_topic", "subscribe_to_topic"})

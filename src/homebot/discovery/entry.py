@@ -13,6 +13,7 @@ from homebot.devices import (
     State,
 )
 from homebot.discovery.description import (
+    MAX_FACTS,
     DeviceDescription,
     describe_device,
     with_approvals,
@@ -45,7 +46,7 @@ __all__ = ["Entry", "silent_gateways"]
 # Looked up once, as `of_checked` says.
 _device_of, _endpoint_of, _state_of = Device.of_checked, Endpoint.of_checked, State.of_checked
 _stamp_of = Time.from_seconds
-_VALUES, _EVENTS = attrgetter("values"), attrgetter("events")
+_VALUES, _EVENTS, _UNREADABLE = attrgetter("values"), attrgetter("events"), attrgetter("unreadable")
 
 
 @dataclass(slots=True, eq=False)
@@ -129,6 +130,9 @@ class Entry:
             described = self._description or self._described(topics)
             sources = self.sources.values()
             has_states, has_events = any(map(_VALUES, sources)), any(map(_EVENTS, sources))
+            facts = described.facts
+            if any(map(_UNREADABLE, sources)):
+                facts = (*[fact for source in sources for fact in source.unreadable.values()], *facts)[:MAX_FACTS]
             parts, reachable = described.merged.parts, self.reachability()
             if self.stale_gateways or self.is_denied:
                 parts = sorted_routes(parts, self.sources, self.stale_gateways)
@@ -149,7 +153,7 @@ class Entry:
                 names=described.names,
                 identifiers=described.identifiers,
                 parts=parts,
-                facts=described.facts,
+                facts=facts,
                 reachable=reachable,
                 offline_parts=self.offline_parts(described.merged) if self.is_denied else (),
                 states=_states(described.merged, self._newest(described.merged, events=False)) if has_states else (),

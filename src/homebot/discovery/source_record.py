@@ -7,7 +7,7 @@ from operator import itemgetter
 from types import MappingProxyType
 from typing import Any, TypeAlias, TypeVar
 
-from homebot.devices import Sighting
+from homebot.devices import Fact, Sighting
 from homebot.discovery.search.columns import StoredValue
 from homebot.messages import Time
 
@@ -69,6 +69,7 @@ class SourceRecord:
         confirmed: Whether the device itself has been heard through it since the start.
         facts: The facts, with their values and the times of their first announcement.
         reach: Reported reachability by part; the whole device is ``""``. See :meth:`set_reach`.
+        unreadable: By part, the fact that it sent what could not be read.
         lost: The lost link of its gateway; None while there is one.
         is_online: Whether it has reported itself online, so that its last will would report its end.
         absences: The newest input, on the monotonic clock, when each part was last unreachable; ``""`` for the device,
@@ -87,6 +88,7 @@ class SourceRecord:
     values: dict[tuple[str, str], StoredValue] = field(default_factory=dict)
     events: Mapping[tuple[str, str], StoredValue] = field(init=False)
     reach: Mapping[str, Reach] = field(init=False)
+    unreadable: Mapping[str, Fact] = field(init=False)
     lost: LostLink | None = None
     is_online: bool = False
     is_claimed: bool = False
@@ -94,7 +96,7 @@ class SourceRecord:
 
     def __post_init__(self) -> None:
         self.key = (self.sighting.gateway, self.sighting.key)
-        self.facts = self.events = self.reach = self.absences = _NOTHING
+        self.facts = self.events = self.reach = self.unreadable = self.absences = _NOTHING
 
     def set_reach(self, reach: Mapping[str, Reach]) -> None:
         """Store *reach* as the reported reachability."""
@@ -175,6 +177,7 @@ def record_description(source: SourceRecord, before: Sighting) -> None:
     left = {part.id for part in before.parts if not set(part.reads).issubset(reads.get(part.id, ()))}
     source.values = _only(source.values, {place for place in places if place[0] not in left} if left else places)
     source.events = _only(source.events, places) or _NOTHING
+    source.unreadable = _only(source.unreadable, reads) or _NOTHING
     source.set_reach(_only(source.reach, {"", *(part.id for part in now.parts)}))
 
 

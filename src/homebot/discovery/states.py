@@ -7,10 +7,11 @@ from math import inf
 from operator import attrgetter
 from typing import Final, TypeAlias, final
 
-from homebot.devices import DevicePart
+from homebot.devices import DevicePart, Fact
 from homebot.devices.capabilities import EVENTS, SETTABLE
 from homebot.devices.device import ChangedSetting
 from homebot.devices.gateway_messages import REACHABLE, Report
+from homebot.devices.names import UNREADABLE
 from homebot.devices.value import Reading
 from homebot.discovery.changes import stream_of
 from homebot.discovery.device_table import DeviceTable
@@ -58,6 +59,10 @@ class StateRecorder:
     def record(self, entry: Entry, source: SourceRecord, report: Report) -> None:
         """Record *report*, received through *source*, an announcement of *entry*."""
         states_reach = REACHABLE in map(_CAPABILITY, report.readings)
+        for one in report.unreadable:
+            if not source.unreadable:
+                self._table.outdated[entry.id] = None
+            source.unreadable = {**source.unreadable, one.key: _unreadable_fact(source, one.value, report.received_at)}
         before = self._reach(entry) if states_reach or entry.is_denied else None
         if new := self._record_values(entry, source, report):
             self._publish(entry, source, new, report)
@@ -230,6 +235,11 @@ class StateRecorder:
             event = _of_part(merged.parts[number].id, reading)
             stream = stream_of((entry.id, event.part, event.capability, table.changes.event_number()))
             table.changes.add_states((entry, merged, (event,), stream, stamp, True))
+
+
+def _unreadable_fact(source: SourceRecord, text: str, at: Time) -> Fact:
+    (gateway, key), convention = source.key, source.sighting.convention
+    return Fact(name=UNREADABLE, value=text, gateway=gateway, convention=convention, key=key, said_at=at)
 
 
 def has_capability(source: SourceRecord, part_id: str, capability: str) -> bool:

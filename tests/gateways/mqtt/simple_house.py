@@ -202,6 +202,7 @@ class House:
         return [
             (one.key, {f"{r.part}.{r.capability}": r.value.plain() for r in one.readings}, one.retained)
             for one in _drain(self.reports)
+            if not one.unreadable
         ]
 
     async def command(

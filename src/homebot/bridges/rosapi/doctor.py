@@ -12,7 +12,7 @@ import anyio
 from homebot.devices import QUERY_DEVICES, Device, GatewayState, QueryDevices
 from homebot.devices.findings import Finding, FindingKind, Row
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
-from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, SENDS_NOTHING, GatewayNames
+from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, SENDS_NOTHING, UNREADABLE, GatewayNames
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
@@ -51,6 +51,7 @@ _LOOK_EVERY = 300.0
 """Seconds between two looks at the counts: what they count since the look before the last is new."""
 
 _MOST, _FEW = 20, 5
+_DAY = 86_400.0
 
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
@@ -185,9 +186,10 @@ class _Doctor:
             found = await self._find(asked, most)
             if found.total:
                 devices = sorted((one.device for one in found.results), key=lambda one: one.id)
-                rows = [(one.id, detail(one, now)) for one in devices]
+                rows = [(one.id, text) for one in devices if (text := detail(one, now)) is not None]
                 hint = f"; all: homebot find --limit {found.total} '{asked}'"
-                findings.append(kind.finding(rows, total=found.total, hint=hint))
+                if rows:
+                    findings.append(kind.finding(rows, total=found.total - len(devices) + len(rows), hint=hint))
         return findings
 
 
@@ -285,12 +287,13 @@ class _DeviceCheck(NamedTuple):
     """A question about all devices, and what is said of each that it finds.
 
     Attributes:
+        detail: Returns what is said, or None for nothing.
         most: How many are shown: a whole house takes long to carry.
     """
 
     kind: FindingKind
     query: str
-    detail: Callable[[Device, float], str]
+    detail: Callable[[Device, float], str | None]
     most: int
 
 
@@ -302,6 +305,16 @@ def _dispute(device: Device, _now: float) -> str:
 def _charge(device: Device, _now: float) -> str:
     values = {one.capability: plain_value(one.value) for one in device.states}
     return f"{values['battery']:.0f} %" if isinstance(values.get("battery"), int | float) else "it says so"
+
+
+def _unread(device: Device, now: float) -> str | None:
+    """Return what *device* sent in the last day that could not be read."""
+    found = [one for one in device.facts if one.name == UNREADABLE]
+    last = max(found, key=lambda one: one.said_at.to_seconds(), default=None)
+    if last is None or last.said_at.to_seconds() < now - _DAY:
+        return None
+    more = f" (and {len(found) - 1} more: homebot show '{device.id}')" if len(found) > 1 else ""
+    return f"{ago(last.said_at, now)}: {last.value}{more}"
 
 
 def _step(device: Device, _now: float) -> str:
@@ -322,6 +335,7 @@ _DEVICE_CHECKS = (
     _DeviceCheck(FindingKind.STALE, "stale", lambda one, now: f"last seen {ago(one.last_seen, now)}", _MOST),
     _DeviceCheck(FindingKind.UNREACHABLE, "offline not stale", lambda one, _now: one.reachable.why, _MOST),
     _DeviceCheck(FindingKind.DISPUTED, "disputed", _dispute, _MOST),
+    _DeviceCheck(FindingKind.UNREADABLE, UNREADABLE, _unread, _MOST),
     _DeviceCheck(FindingKind.BATTERY, "low battery", _charge, _FEW),
     _DeviceCheck(FindingKind.NO_GATEWAY, _UNUSED, _step, _MOST),
     _DeviceCheck(FindingKind.NO_ROOM, "without area", lambda one, _now: one.name, _FEW),

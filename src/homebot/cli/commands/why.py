@@ -12,7 +12,7 @@ from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.terminal import print_line, print_rows
-from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE
+from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE, UNREADABLE
 from homebot.devices.wording.journal_words import (
     Chain,
     ago_text,
@@ -94,6 +94,9 @@ def _print(device: Device, found: ExplainDeviceResponse, client: JournalClient, 
         print_rows([*chain_lines(chains, client.names, now)])
     for fight in found.fights:
         print_line(f"{printable(fight.text)}, the last {ago_text(fight.newest, now)}.", "yellow")
+    for fact in device.facts:
+        if fact.name == UNREADABLE:
+            print_line(f"Not understood, {ago_text(fact.said_at, now)}: {printable(fact.value, 400)}.", "yellow")
     for route in dict.fromkeys(one.value for one in found.ineffective):
         print_line(f"The last commands via {printable(route)} had no effect: another route is tried first.", "yellow")
 

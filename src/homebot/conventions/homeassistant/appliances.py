@@ -13,7 +13,6 @@ from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.payload import (
-    NO_READINGS,
     Readings,
     clean_text,
     compact_json,
@@ -21,6 +20,7 @@ from homebot.conventions.payload import (
     meaning_reader,
     number_of,
     shown,
+    unreadable,
     whole_of,
 )
 from homebot.devices.value import PlainValue
@@ -76,7 +76,7 @@ def _add_speed(entity: Entity, config: DiscoveryConfig) -> None:
             return {"fan_speed": None}
         speed = whole_of(text)
         percent = -1.0 if speed is None else scale.percent(speed)
-        return {"fan_speed": percent} if 0 <= percent <= 100 else NO_READINGS
+        return {"fan_speed": percent} if 0 <= percent <= 100 else unreadable(text, f"{least - 1} to {most}")
 
     def publish(percent: float) -> Publications:
         return command.publish(math.ceil(scale.value(round(percent)))) if command else ()
@@ -171,6 +171,8 @@ def _read_siren(text: str, states: Mapping[str, bool | None], tones: tuple[str, 
     state, tone, volume = message.get("state"), message.get("tone"), number_of(message.get("volume_level"))
     if isinstance(state, str) and state in states:
         found["on_off"] = states[state]
+    else:
+        unreadable(state if text.startswith("{") else text, states)
     if isinstance(tone, str) and tone in tones:
         found["siren_tone"] = tone
     if has_volume and volume is not None and 0 <= volume <= 1:
@@ -189,7 +191,7 @@ def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
     def read(text: str) -> Readings:
         if text.lower() == "none":
             return {"mower": None}
-        return {"mower": text} if text in MOWER_STATES else NO_READINGS
+        return {"mower": text} if text in MOWER_STATES else unreadable(text, MOWER_STATES)
 
     def publish(state: str) -> Publications:
         command, action = commands[state]
@@ -216,6 +218,8 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
         state, speed, charge = (message.get(key) for key in ("state", "fan_speed", "battery_level"))
         if "state" in message and (state is None or (isinstance(state, str) and state in VACUUM_STATES)):
             found["vacuum"] = state
+        else:
+            unreadable(state if text.startswith("{") else text, VACUUM_STATES)
         if speeds and isinstance(speed, str):
             found["fan_mode"] = clean_text(speed, _LONGEST_MODE)
         if "battery" in features and (percent := number_of(charge)) is not None:

@@ -15,6 +15,7 @@ from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.part_builder import BytesPart, CapabilityFields
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, meaning_reader, read_number, shown
 from homebot.conventions.secrets import names_secret
+from homebot.conventions.unreadable import unreadable
 from homebot.devices.part import Category
 from homebot.errors import WireError
 
@@ -67,7 +68,7 @@ class Entity(BytesPart):
             return None
         if not source.problem:
             return source
-        self.read_from(source.topic, partial(_read_text, source.without_template(), _read_raw))
+        self.read_from(source.topic, partial(_read_text, source.without_template(), partial(_read_raw, source.problem)))
         self.add_capability("raw")
         return None
 
@@ -195,7 +196,8 @@ def _read_text(source: ValueSource, read: Callable[[str], Readings], payload: by
     return NO_READINGS if text is None else read(text)
 
 
-def _read_raw(text: str) -> Readings:
+def _read_raw(problem: str, text: str) -> Readings:
+    unreadable(text, f"its template {problem}", is_template=True)
     return NO_READINGS if names_secret(text) else {"raw": clean_text(text, _MAX_RAW)}
 
 

@@ -21,6 +21,7 @@ from homebot.conventions.payload import (
     number_of,
     numbers_of,
     shown,
+    unreadable,
     whole_of,
 )
 from homebot.devices.value import PlainValue
@@ -109,7 +110,7 @@ class _BasicLight:
 
     def _read_white(self, text: str) -> Readings:
         kelvin = white_kelvin(whole_of(text), in_kelvin=self._in_kelvin)
-        return NO_READINGS if kelvin is None else self._report("color_temp", kelvin)
+        return unreadable(text, "a white") if kelvin is None else self._report("color_temp", kelvin)
 
     def _read_mode(self, text: str) -> Readings:
         """Read the mode; the values of the modes come before or after it."""
@@ -129,9 +130,9 @@ class _BasicLight:
         return {"color": value} | ({"color_temperature": None} if self.lamp.has_white else {})
 
     def _read_level(self, text: str) -> Readings:
-        value = number_of(text) or 0
-        if value <= 0:
-            return NO_READINGS
+        value = number_of(text)
+        if value is None or value <= 0:
+            return unreadable(text, "a brightness") if value is None else NO_READINGS
         self._brightness = max(round(min(value / self._scale, 1) * _BYTE), 1)
         return {"level": self._brightness * 100 / _BYTE}
 
@@ -140,7 +141,7 @@ class _BasicLight:
         channels = numbers_of(text, len(CHANNELS[mode]))
         most = _MOST.get(mode, (_BYTE,) * len(CHANNELS[mode]))
         if channels is None or not all(0 <= one <= limit for one, limit in zip(channels, most, strict=True)):
-            return NO_READINGS
+            return unreadable(text, f"{mode} with commas")
         found: dict[str, PlainValue] = {}
         if not self._own_level and mode in _DIMMED:
             brightness = int(max(channels))

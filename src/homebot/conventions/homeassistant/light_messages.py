@@ -27,6 +27,7 @@ from homebot.conventions.payload import (
     meaning_reader,
     number_of,
     shown,
+    unreadable,
     whole_of,
 )
 from homebot.conventions.table_codec import json_object
@@ -118,8 +119,12 @@ class JsonLight:
         state, brightness = message.get("state", ""), message.get("brightness")
         if (state is None or isinstance(state, str)) and state in _STATES:
             found["on_off"] = _STATES[state]
+        else:
+            unreadable(state, ("ON", "OFF"))
         if self.lamp.has_level and isinstance(brightness, (int, float)) and 0 < brightness < _HUGE:
             found["level"] = min(255, max(1, round(brightness * 255 / self._scale))) * 100 / 255
+        elif self.lamp.has_level and brightness != 0:
+            unreadable(brightness, "a brightness")
         return found
 
     def _only_mode(self, message: Mapping[str, object]) -> str:
@@ -267,7 +272,7 @@ class _TemplateLight:
         if text == "None":
             return {"color_temperature": None}
         kelvin = white_kelvin(whole_of(text), in_kelvin=self._in_kelvin)
-        return NO_READINGS if kelvin is None else {"color_temperature": kelvin}
+        return unreadable(text, "a white") if kelvin is None else {"color_temperature": kelvin}
 
     def _read_color(self, payload: bytes) -> Readings:
         texts = [self._sources[one].text(payload) if one in self._sources else None for one in _RGB]
@@ -275,10 +280,12 @@ class _TemplateLight:
             return {"color": None}
         channels = [value for one in texts if one and (value := whole_of(one)) is not None]
         if len(channels) != len(_RGB) or not all(0 <= one <= _BYTE for one in channels):
-            return NO_READINGS
+            return unreadable(" ".join(filter(None, texts)), "red, green and blue from 0 to 255")
         return {"color": to_hue_saturation("rgb", tuple(channels), self.lamp.white.kelvins)}
 
 
 def _read_level(text: str) -> Readings:
-    brightness = whole_of(text) or 0
-    return {"level": brightness * 100 / _BYTE} if 0 < brightness <= _BYTE else NO_READINGS
+    brightness = whole_of(text)
+    if brightness is None or not 0 <= brightness <= _BYTE:
+        return unreadable(text, "0 to 255")
+    return {"level": brightness * 100 / _BYTE} if brightness else NO_READINGS

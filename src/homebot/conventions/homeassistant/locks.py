@@ -13,7 +13,7 @@ from homebot.conventions.homeassistant.components import LOCK_STATES
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic
-from homebot.conventions.payload import NO_READINGS, Readings, shown
+from homebot.conventions.payload import Readings, shown, unreadable
 from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError
 from homebot.support.folding import words_of
@@ -44,7 +44,7 @@ def build_lock(config: DiscoveryConfig) -> DescribedPart:
     needs_code = config.has("code_format")
 
     def read(text: str) -> Readings:
-        return {"lock": states[text]} if text.strip() and text in states else NO_READINGS
+        return {"lock": states[text]} if text.strip() and text in states else unreadable(text, states)
 
     def write(value: PlainValue, code: str) -> Publications:
         if needs_code and not code:
@@ -89,7 +89,7 @@ def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
     def read(text: str) -> Readings:
         if text == "None":
             return {"alarm": None}
-        return {"alarm": text} if text in ALARM_STATES else NO_READINGS
+        return {"alarm": text} if text in ALARM_STATES else unreadable(text, ALARM_STATES)
 
     def write(value: PlainValue, code: str) -> Publications:
         state = require_option("alarm", value, payloads)

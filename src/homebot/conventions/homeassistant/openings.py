@@ -11,7 +11,7 @@ from homebot.conventions.entity_rows import opening_type
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
 from homebot.conventions.homeassistant.topics import CommandTopic
-from homebot.conventions.payload import NO_READINGS, Readings, fields_of, number_of
+from homebot.conventions.payload import NO_READINGS, Readings, fields_of, number_of, unreadable
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
@@ -94,7 +94,7 @@ class _Cover:
     def read_state(self, payload: bytes) -> Readings:
         text = self.state.text(payload) if self.state is not None else None
         if text is None or text not in self._states:
-            return NO_READINGS
+            return unreadable(text, self._states)
         before, self._movement = self._movement, self._states[text]
         movement = self._movement
         if self._percent is not None and movement == _LEAVES.get(self._percent):
@@ -130,7 +130,7 @@ class _Cover:
             value = message["position"]
         number = number_of(value)
         if number is None:
-            return NO_READINGS
+            return unreadable(value, "a position")
         self._percent = percent = min(100.0, max(0.0, self.scale.percent(number)))
         found["position"] = percent
         if self.state is None:
@@ -143,7 +143,7 @@ class _Cover:
         number = number_of(value)
         scale = self.tilt_scale
         if number is None or not min(scale.zero, scale.full) <= round(number) <= max(scale.zero, scale.full):
-            return NO_READINGS
+            return unreadable(value, f"{scale.zero} to {scale.full}")
         return {"tilt": scale.percent(round(number))}
 
 
@@ -199,7 +199,7 @@ class _Valve:
             return NO_READINGS
         if state == "None":
             return {"valve": None}
-        return {"valve": self._states[state]} if state in self._states else NO_READINGS
+        return {"valve": self._states[state]} if state in self._states else unreadable(state, self._states)
 
     def read_position(self, text: str) -> Readings:
         state: object = text
@@ -219,7 +219,7 @@ class _Valve:
         moving = self._states.get(state) if isinstance(state, str) else None
         if moving in _MOVING:
             found["valve"] = moving
-        return found
+        return found or unreadable(position, "a position")
 
     def move(self, value: PlainValue, transition: float) -> Publications:
         state = require_option("valve", value, self._payloads)

@@ -8,7 +8,7 @@ device_trigger.py, event.py, image.py, sensor.py, tag.py and update.py; ``compon
 """
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import lru_cache, partial
@@ -20,6 +20,7 @@ from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, fields_of, meaning_reader, read_number, shown
 from homebot.conventions.secrets import names_secret
 from homebot.conventions.units import Quantity
+from homebot.conventions.unreadable import unreadable
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
@@ -62,7 +63,7 @@ def build_sensor(config: DiscoveryConfig) -> DescribedPart:
     entity = Entity(config, "x_sensor")
     options = config.options("options")
     is_moment = device_class in ("date", "timestamp")
-    read = partial(_read_moment, device_class) if is_moment else partial(_read_text, frozenset(options))
+    read = partial(_read_moment, device_class) if is_moment else partial(_read_text, dict.fromkeys(options))
     if entity.read_text_from(source, read):
         entity.add_capability("value", options=options)
         entity.expire("value")
@@ -74,11 +75,11 @@ def _number_reader(quantity: Quantity) -> Callable[[object], Readings]:
     return partial(read_number, quantity.capability, convert=quantity.value)
 
 
-def _read_text(options: frozenset[str], text: str) -> Readings:
+def _read_text(options: Mapping[str, object], text: str) -> Readings:
     if text == "None":
         return _UNKNOWN
     if len(text) > _LONGEST or (options and text not in options):
-        return NO_READINGS
+        return unreadable(text, options or f"at most {_LONGEST} characters")
     if text.startswith("{") and names_secret(text):  # the whole message of a lock, without a template
         return NO_READINGS
     return {"value": clean_text(text, _LONGEST)}
@@ -89,13 +90,16 @@ def _read_moment(device_class: str, text: str) -> Readings:
     try:
         moment = datetime.fromisoformat(text[:_LONGEST])
     except ValueError:
+        unreadable(text, f"a {device_class} in ISO 8601")
         return _UNKNOWN
     if device_class == "date":
         return {"value": moment.date().isoformat()}
     try:
-        return {"value": moment.astimezone(UTC).isoformat(timespec="seconds")} if moment.tzinfo else NO_READINGS
+        if moment.tzinfo:
+            return {"value": moment.astimezone(UTC).isoformat(timespec="seconds")}
     except OverflowError:
-        return NO_READINGS
+        pass
+    return unreadable(text, "a timestamp with its zone")
 
 
 def build_binary_sensor(config: DiscoveryConfig) -> DescribedPart:
@@ -103,15 +107,25 @@ def build_binary_sensor(config: DiscoveryConfig) -> DescribedPart:
     source = config.required_source("state_topic")
     service_type, capability = condition_of(config.clean_text("device_class"))
     states = {"None": None, config.text("payload_off", "OFF"): False, config.text("payload_on", "ON"): True}
-    read = meaning_reader(capability, {text: state for text, state in states.items() if text.strip()})
+    meanings = {text: state for text, state in states.items() if text.strip()}
+    delay = config.seconds("off_delay")
+    is_of_remote = any(map(_CODE.fullmatch, meanings)) or (delay is not None and not config.has("payload_off"))
+    read = partial(_read_code, capability, meanings) if is_of_remote else meaning_reader(capability, meanings)
     entity = Entity(config, service_type)
     if entity.read_text_from(source, read):
         entity.add_capability(capability)
-        delay = config.seconds("off_delay")
         if delay is not None:
             entity.add_expiry(AutoExpiry(capability, delay, value=False, only=True))
         entity.expire(capability)
     return entity.build()
+
+
+_CODE = re.compile("(?=.*[0-9])[0-9A-Fa-f]{4,}")
+"""A code of a radio remote: its receiver publishes those of all remotes on one topic, also a neighbour's."""
+
+
+def _read_code(capability: str, meanings: Mapping[str, bool | None], text: str) -> Readings:
+    return {capability: meanings[text]} if text in meanings else NO_READINGS
 
 
 def build_device_tracker(config: DiscoveryConfig) -> DescribedPart:
@@ -142,9 +156,12 @@ def build_event(config: DiscoveryConfig) -> DescribedPart:
     types = config.options("event_types")
 
     def read(text: str) -> str:
-        event = fields_of(text).get("event_type")
+        event = fields_of(text).get("event_type", text)
         event = str(event) if isinstance(event, (bool, int, float)) else event
-        return event if isinstance(event, str) and event in types else ""
+        if isinstance(event, str) and event in types and event is not text:
+            return event
+        unreadable(event, ["event_type", *types] if event is text else types)
+        return ""
 
     return _build_events(config, "generic_switch", "press", "state_topic", read, options=types)
 

@@ -11,7 +11,7 @@ from homebot.conventions.command_values import moment_text, option_writer, requi
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, compact_json, fields_of, meaning_reader
+from homebot.conventions.payload import Readings, clean_text, compact_json, fields_of, meaning_reader, unreadable
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
@@ -116,7 +116,9 @@ def build_text(config: DiscoveryConfig) -> DescribedPart:
     def read(text: str) -> Readings:
         if text == "None":
             return {"text": None}
-        return NO_READINGS if len(text) > _LONGEST_TEXT else {"text": clean_text(text, _LONGEST_TEXT)}
+        if len(text) > _LONGEST_TEXT:
+            return unreadable(text, f"at most {_LONGEST_TEXT} characters")
+        return {"text": clean_text(text, _LONGEST_TEXT)}
 
     return _build_text(config, least, most, None if config.text("mode", "text") == "password" else read)
 
@@ -157,7 +159,7 @@ def build_moment(config: DiscoveryConfig) -> DescribedPart:
         fields = fields_of(text)
         in_numbers = bool(fields)
         moment = moment_text(kind, _moment_of(kind, fields) if fields else text)
-        return {"text": moment} if moment is not None or text == "None" else NO_READINGS
+        return {"text": moment} if moment is not None or text == "None" else unreadable(text, f"a {kind} in ISO 8601")
 
     def write(value: PlainValue, _transition: float) -> Publications:
         moment = require_moment(kind, value, zoned=not in_numbers)

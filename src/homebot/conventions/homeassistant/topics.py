@@ -13,7 +13,9 @@ from typing import NamedTuple
 
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.jinja import PayloadContext, Template, TemplateError, UndefinedValueError
+from homebot.conventions.jinja.values import UNDEFINED
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown
+from homebot.conventions.unreadable import WholePayload, unreadable
 from homebot.errors import InvalidNameError, RefusedError, WireError
 
 __all__ = ["DEVICE", "CommandTopic", "ConfigTopic", "ValueSource", "parse_config_topic", "valid_topic"]
@@ -114,14 +116,18 @@ class ValueSource(NamedTuple):
         """Return the value as in Home Assistant; None if the message must be ignored."""
         context = _context(payload, self.encoding)
         if context is None:
+            unreadable(payload if self.encoding else None, f"text in {self.encoding}")
             return None
         if self.template is None:
             return context.value
         try:
             return self.template.render_value(context, self.variables)
         except UndefinedValueError:
-            return context.value if self.or_payload else None
-        except TemplateError:
+            is_json = context.value_json is not UNDEFINED
+            return None if not self.or_payload else WholePayload(context.value) if is_json else context.value
+        except TemplateError as error:
+            if "NoneType" not in str(error):  # null, for no value
+                unreadable(payload, f"its template fails: {error}", is_template=True)
             return None
 
     def without_template(self) -> ValueSource:

@@ -17,7 +17,7 @@ from homebot.conventions.homie.values import (
 )
 from homebot.conventions.light_color import MIRED, nearest_mired_bounds
 from homebot.conventions.part_builder import BytesPart, PartFields
-from homebot.conventions.payload import NO_READINGS, Readings
+from homebot.conventions.payload import Readings, unreadable
 from homebot.conventions.units import Conversion, celsius_bounds, conversion_of, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 
@@ -55,7 +55,9 @@ def add_property(
 
     def read(payload: bytes) -> Readings:
         value = codec.meaning(codec.read(prop, payload))
-        return {capability: value} if value is not None or is_unknown_number(prop, payload) else NO_READINGS
+        if value is not None or is_unknown_number(prop, payload):
+            return {capability: value}
+        return unreadable(payload, _expected(prop))
 
     def write(value: PlainValue, _transition: float) -> Publications:
         if off and value == 0 and value is not False:
@@ -78,6 +80,12 @@ def add_property(
     )
 
 
+def _expected(prop: HomieProperty) -> str | tuple[str, ...]:
+    """Return what *prop* announces: its words, or its datatype and format."""
+    words = prop.flags if prop.datatype == "boolean" else prop.options if prop.datatype == "enum" else ()
+    return words or f"{prop.datatype} as announced"
+
+
 def add_properties(part: BytesPart, props: Mapping[str, HomieProperty], *capabilities: str) -> None:
     """Add those *capabilities* that have a property."""
     for capability in capabilities:
@@ -91,7 +99,7 @@ def _add_press(part: BytesPart, prop: HomieProperty) -> None:
     def read(payload: bytes) -> Readings:
         value = read_plain(prop, payload)
         press = "single" if value is True else value
-        return {"press": press} if isinstance(press, str) else NO_READINGS
+        return {"press": press} if isinstance(press, str) else unreadable(payload, _expected(prop))
 
     part.read_events_from(prop.topic, read)
     part.add_capability("press", options=("single",) if prop.datatype == "boolean" else prop.options)

@@ -21,6 +21,7 @@ from homebot.conventions.payload import (
     percent_of,
     to_json,
     to_text,
+    unreadable,
 )
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number, whole_number
@@ -95,7 +96,7 @@ class _RollerReader:
     def read_movement(self, payload: bytes) -> Readings:
         movement = _MOVEMENTS.get(payload)
         if movement is None:
-            return NO_READINGS
+            return unreadable(payload, _MOVEMENTS)
         self._rests = movement == "stopped"
         if self._rests:
             return self._resting()
@@ -105,7 +106,7 @@ class _RollerReader:
     def read_position(self, payload: bytes) -> Readings:
         number = to_number(to_text(payload))
         if number is None:
-            return NO_READINGS
+            return unreadable(payload, "a number")
         self._position, self._is_known = percent_of(number), True
         return {"position": self._position, **(self._resting() if self._rests else NO_READINGS)}
 

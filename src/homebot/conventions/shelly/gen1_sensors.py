@@ -13,6 +13,7 @@ from homebot.conventions.part_builder import BytesPart, JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, read_number, to_json, to_text
 from homebot.conventions.shelly.status import Fields, StatusDecoder, reader_of
 from homebot.conventions.units import sensor_type, to_celsius, to_fahrenheit
+from homebot.conventions.unreadable import unreadable
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
@@ -47,7 +48,7 @@ class Gen1Sensor:
         if text in self.values:
             return {self.capability: self.values[text]}
         if not self.is_number:
-            return NO_READINGS
+            return unreadable(text, self.values)
         found = read_number(self.capability, text)
         number = found.get(self.capability)
         is_out = isinstance(number, float) and not self.least <= number <= self.most
@@ -59,7 +60,7 @@ _MOST_CELSIUS = 998.0
 """A broken or missing sensor reports 999."""
 
 _DOORS: Mapping[str, PlainValue] = {"open": True, "close": False, "unknown": None}
-_GASES: Mapping[str, PlainValue] = {"none": False, "mild": True, "heavy": True, "unknown": None}
+_GASES: Mapping[str, PlainValue] = {"none": False, "mild": True, "heavy": True, "test": None, "unknown": None}
 
 SENSORS: Mapping[str, Gen1Sensor] = {
     sensor.suffix: sensor

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
-from homebot.conventions.payload import NO_READINGS, Readings, as_fields, read_number, text_of
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, read_number, text_of, unreadable
 from homebot.devices.capabilities import CAPABILITIES
 
 __all__ = ["LONGEST_TEXT", "NO_FIELDS", "Fields", "StatusDecoder", "reader_of", "texts_of", "value_at"]
@@ -38,7 +38,9 @@ def reader_of(path: str, capability: str, factor: float = 1.0) -> StatusDecoder:
         if value is None or (kind == "bool" and isinstance(value, bool)):
             return {capability: value}
         is_text = kind == "text" and isinstance(value, str)
-        return {capability: text_of(value, LONGEST_TEXT)} if is_text else NO_READINGS
+        if is_text or value is NO_FIELDS:
+            return {capability: text_of(value, LONGEST_TEXT)} if is_text else NO_READINGS
+        return unreadable(value, "true or false" if kind == "bool" else "a text")
 
     return decode
 

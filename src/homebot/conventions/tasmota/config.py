@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.payload import JsonMessage, clean_text, parse_object, shown
+from homebot.conventions.payload import JsonMessage, clean_text, parse_object, shown, unreadable
 from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.topics import validate_topic
 
@@ -150,8 +150,10 @@ class TasmotaConfig:
     def read_power(self, index: int, message: JsonMessage) -> bool | None:
         """Return whether the output *index* is on; None if the message does not say. A single output has no number."""
         state = message.get(f"POWER{index + 1}", message.get("POWER") if index == 0 else None)
-        is_known = isinstance(state, str) and state in self.state_texts[:2]
-        return state == self.state_texts[1] if is_known else None
+        if isinstance(state, str) and state in self.state_texts[:2]:
+            return state == self.state_texts[1]
+        unreadable(state, self.state_texts[:2])
+        return None
 
 
 _TAIL = 6

@@ -16,6 +16,7 @@ from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, as_fields, clean_text, is_unknown
 from homebot.conventions.tasmota.config import TasmotaConfig, sensor_values
 from homebot.conventions.units import Quantity, quantity
+from homebot.conventions.unreadable import unreadable
 from homebot.support.numbers import finite_number
 
 __all__ = ["MOST_SENSORS", "Leaf", "describe_sensors", "read_leaves"]
@@ -211,7 +212,7 @@ def _read(path: Path, capability: str, quantity: Quantity, message: JsonMessage)
         return {capability: clean_text(str(value), _MAX_VALUE)} if isinstance(value, (str, int, float)) else NO_READINGS
     number = finite_number(value)
     if number is None:
-        return {capability: None} if is_unknown(value) else NO_READINGS
+        return {capability: None} if is_unknown(value) else unreadable(value, "a number")
     return {capability: quantity.value(number)}
 
 

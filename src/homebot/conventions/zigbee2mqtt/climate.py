@@ -13,7 +13,7 @@ from functools import partial
 from homebot.conventions.command_values import bool_writer, require_bool, require_option
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.entity_rows import climate_type, modes_of_switch, setpoints_of
-from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, unreadable
 from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, text_of
 from homebot.devices.value import PlainValue
@@ -61,7 +61,9 @@ class _Mode:
             found = reported if reported in self._by_hand else self._by_hand[0] if len(self._by_hand) == 1 else None
         else:
             found = _MODES.get(reported) if isinstance(reported, str) else None
-        return NO_READINGS if found is None else {"thermostat_mode": found, "on_off": found != "off"}
+        if found is None:
+            return unreadable(reported, self._options)
+        return {"thermostat_mode": found, "on_off": found != "off"}
 
     def _write(self, value: PlainValue, _transition: float) -> Publications:
         target = require_option("thermostat_mode", value, self._options)

@@ -11,9 +11,9 @@ from functools import partial
 
 from homebot.conventions.command_values import bool_writer, option_writer, percent_writer, push_writer
 from homebot.conventions.description import DescribedPart, Publications
-from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, unreadable
 from homebot.conventions.zigbee2mqtt.expose import Expose
-from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, same_scalar
+from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, read_finite, same_scalar
 from homebot.support.numbers import finite_number
 
 __all__ = ["build_cover", "build_fan", "build_lock", "build_opener", "build_siren", "build_valve"]
@@ -61,7 +61,7 @@ class _Movement:
         if direction is not None and not is_at_end:
             return {"movement": direction}
         if at is None:
-            return NO_READINGS
+            return unreadable(state, _STATES)
         if direction is None and message.get(_RUNNING) is True:
             return self._read_running(at, finite_number(position))
         return {"movement": at}
@@ -90,7 +90,7 @@ _DIRECTIONS: Mapping[str, str] = {
 
 
 def _percent(value: object) -> float | None:
-    number = finite_number(value)
+    number = read_finite(value)
     return None if number is None else min(100.0, max(0.0, number))
 
 
@@ -122,9 +122,10 @@ def _read(state: Expose | None, bolt: Expose | None, message: JsonMessage) -> Re
         for position, expected in (("locked", state.value_on), ("unlocked", state.value_off)):
             if same_scalar(value, expected):
                 return {"lock": position}
-        return NO_READINGS
+        return unreadable(value, (str(state.value_on), str(state.value_off)))
     bolt_state = message.get(bolt.key) if bolt is not None else None
-    return {"lock": _BOLTS[bolt_state]} if isinstance(bolt_state, str) and bolt_state in _BOLTS else NO_READINGS
+    is_known = isinstance(bolt_state, str) and bolt_state in _BOLTS
+    return {"lock": _BOLTS[str(bolt_state)]} if is_known else unreadable(bolt_state, _BOLTS)
 
 
 def build_fan(part: Zigbee2MqttPart, fan: Expose, model: str) -> DescribedPart:
@@ -171,7 +172,7 @@ def _add_speed_range(part: Zigbee2MqttPart, speed: Expose) -> None:
     steps = most - least + 1
 
     def percent_of(value: object) -> float | None:
-        number = finite_number(value)
+        number = read_finite(value)
         return None if number is None else min(100.0, max(0.0, (number - least + 1) * 100 / steps))
 
     def publish(percent: float) -> Publications:

@@ -14,6 +14,7 @@ from homebot.conventions.command_values import Writer, bool_writer, number_write
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import CapabilityFields, JsonPart, PartFields
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, compact_json, is_unknown
+from homebot.conventions.unreadable import unreadable
 from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, Scalar
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Category
@@ -21,7 +22,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import finite_number
 
-__all__ = ["MAX_VALUE", "Zigbee2MqttPart", "Zigbee2MqttTopics", "flag_of", "same_scalar", "text_of"]
+__all__ = ["MAX_VALUE", "Zigbee2MqttPart", "Zigbee2MqttTopics", "flag_of", "read_finite", "same_scalar", "text_of"]
 
 
 _MOST_SECONDS = 6_553.0
@@ -168,7 +169,7 @@ class Zigbee2MqttPart(JsonPart):
                 lambda number: self.topics.publish({feature.key: _whole_or_not(number)}),
             )
         bounds = () if feature.least is None or feature.most is None else (least, most)
-        self.add_feature(feature, capability, finite_number, writer, unit=unit, bounds=bounds)
+        self.add_feature(feature, capability, read_finite, writer, unit=unit, bounds=bounds)
 
     def add_enum(self, feature: Expose | None, capability: str, names: Mapping[str, str] | None = None) -> None:
         """Add *capability* from an enum *feature*, or a reported one with the vocabulary's *names* of its values."""
@@ -192,7 +193,18 @@ def flag_of(feature: Expose, value: object) -> bool | None:
     """Return the boolean of a *value* of a binary; None for any other value."""
     if same_scalar(value, feature.value_on):
         return True
-    return False if same_scalar(value, feature.value_off) else None
+    if same_scalar(value, feature.value_off):
+        return False
+    unreadable(value, (str(feature.value_on), str(feature.value_off)))
+    return None
+
+
+def read_finite(value: object) -> float | None:
+    """Return the number *value*; None for any other value."""
+    number = finite_number(value)
+    if number is None:
+        unreadable(value, "a number")
+    return number
 
 
 def same_scalar(value: object, expected: Scalar | None) -> bool:

@@ -15,12 +15,11 @@ from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clea
 from homebot.conventions.secrets import names_secret
 from homebot.conventions.units import Quantity, conversion_of, sensor_type
 from homebot.conventions.zigbee2mqtt.expose import Expose, Scalar
-from homebot.conventions.zigbee2mqtt.features import MAX_VALUE, Zigbee2MqttPart, Zigbee2MqttTopics, text_of
+from homebot.conventions.zigbee2mqtt.features import MAX_VALUE, Zigbee2MqttPart, Zigbee2MqttTopics, read_finite, text_of
 from homebot.devices.capabilities import MEASURED
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.support.numbers import finite_number
 
 __all__ = ["build_generic"]
 
@@ -209,7 +208,7 @@ _MAX_TEXT = 4_096
 
 
 def _measured(quantity: Quantity, value: object) -> float | None:
-    number = finite_number(value)
+    number = read_finite(value)
     return None if number is None else quantity.value(number)
 
 

@@ -12,7 +12,7 @@ from homebot.conventions.lamp import LightCommand, LightFeatures, WhiteRange
 from homebot.conventions.light_color import CHANNELS, KelvinRange, kelvin_mired, mired_bounds, to_hue_saturation
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.zigbee2mqtt.expose import Expose
-from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, flag_of, text_of
+from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, flag_of, read_finite, text_of
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number
 
@@ -75,7 +75,7 @@ class _Zigbee2MqttLamp:
         found: dict[str, PlainValue] = dict(self._read_state(message))
         brightness = self.features.get("brightness")
         if brightness is not None:
-            level = finite_number(message.get(brightness.key))
+            level = read_finite(message.get(brightness.key))
             if level is not None and level > 0:
                 found["level"] = min(100.0, level * 100 / _full(brightness))
         found.update(self._read_color(message))

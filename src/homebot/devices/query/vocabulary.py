@@ -6,9 +6,11 @@ from types import MappingProxyType
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
+from homebot.devices.names import UNREADABLE
 from homebot.devices.query.terms import (
     And,
     CanDo,
+    FactIs,
     FreshnessIs,
     IsDisputed,
     IsUnapproved,
@@ -188,6 +190,7 @@ CONDITIONS: Mapping[str, Query] = MappingProxyType(
         "offline": ReachableIs("no"),
         "disputed": IsDisputed(),
         "unapproved": IsUnapproved(),
+        "unreadable": FactIs(UNREADABLE, "payloads"),
     }
 )
 """Adjectives for the condition of a device."""

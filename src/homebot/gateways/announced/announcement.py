@@ -61,6 +61,7 @@ class AnnouncedPart(PartTexts):
         known: The last value of each capability with its reading; None before the first report.
         names: The capabilities of its last short state; states with the same capabilities share the tuple.
         is_plain: Whether it has only ever reported numbers and flags, and no events.
+        unreadable: The number of payloads that it could not read, and why the last one.
     """
 
     stored: StoredAnnouncement
@@ -70,6 +71,7 @@ class AnnouncedPart(PartTexts):
     known: dict[str, tuple[PlainValue, Reading]] | None = field(default=None, init=False)
     names: tuple[str, ...] = field(default=(), init=False)
     is_plain: bool = field(default=True, init=False)
+    unreadable: tuple[int, str] = field(default=(0, ""), init=False)
 
     def reports(self, capability: str) -> bool:
         """Return whether it reports *capability* as a lasting value, which can confirm a command."""
@@ -234,6 +236,7 @@ class StoredAnnouncement:
         for part_id, announced_part in self.parts.items():
             if (old := before.parts.get(part_id)) is not None:
                 announced_part.copy_texts(old)
+                announced_part.unreadable = old.unreadable
 
     def detach(self) -> None:
         """Drop its parts, which refer back to it, so that it is freed without the garbage collector."""

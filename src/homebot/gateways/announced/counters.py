@@ -27,6 +27,7 @@ class GatewayCounters:
         requests_dropped: Requests not read because their host sent too many.
         readings_refused: Reported values that do not fit the described part.
         oversize: Messages too long to be read.
+        payloads_unreadable: Values of devices that do not fit their announcement, by part.
         failures: Unexpected exceptions of conventions.
         asks: Requests to devices for their state.
         asks_dropped: Such requests dropped because too many were queued.
@@ -53,6 +54,7 @@ class GatewayCounters:
     requests_dropped: int = 0
     readings_refused: int = 0
     oversize: int = 0
+    payloads_unreadable: int = 0
     failures: int = 0
     asks: int = 0
     asks_dropped: int = 0

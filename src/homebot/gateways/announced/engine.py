@@ -66,7 +66,7 @@ class GatewayEngine(Generic[MessageT]):
             self.listeners,
             self.scheduler,
             self.counters,
-            self.quarantine.record_plugin_failure,
+            self.quarantine,
             node.graph.clock,
         )
         node.create_task(self.listeners.watch_nodes)

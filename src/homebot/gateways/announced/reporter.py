@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from operator import attrgetter
 
+from homebot.devices import KeyValue
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.services import NEVER
@@ -76,6 +77,7 @@ class DeviceReporter:
         *,
         retained: bool,
         stream: str = "",
+        unreadable: tuple[KeyValue, ...] = (),
     ) -> None:
         """Publish a report of a device, by default in the stream for these values on *address*."""
         if not stream:
@@ -91,6 +93,7 @@ class DeviceReporter:
                 retained=retained,
                 received_at=self.stamp,
                 heard_at=self.now,
+                unreadable=unreadable,
             )
         )
 
@@ -119,6 +122,13 @@ class DeviceReporter:
         """Publish whether a device or a part is reachable, by *address*; empty if it no longer reports that."""
         stream = device.report_stream(REACHABLE, part)
         self.publish_report(device, (_reachable(part, reachable),), address, retained=retained, stream=stream)
+
+    def report_unreadable(
+        self, device: StoredAnnouncement, part: str, address: str, text: str, *, retained: bool
+    ) -> None:
+        """Publish what a part could not read, in words."""
+        stream, unreadable = device.report_stream("unreadable", part), (KeyValue(key=part, value=text),)
+        self.publish_report(device, (), address, retained=retained, stream=stream, unreadable=unreadable)
 
     def dispose_all(self, device: StoredAnnouncement) -> None:
         """Stop keeping reports of a device for late joiners."""

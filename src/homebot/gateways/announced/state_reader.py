@@ -3,13 +3,14 @@
 A message is the bytes on an *address* where devices publish their state; a *retained* one is of an earlier state.
 """
 
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from homebot.clock import Clock, TimeSlice
 from homebot.conventions.description import AutoExpiry, begin_message
 from homebot.conventions.payload import MAX_STATE_BYTES
+from homebot.conventions.unreadable import FOUND
 from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.text.states import encode_state
@@ -21,8 +22,10 @@ from homebot.gateways.announced.announcement import (
     StoredAnnouncement,
 )
 from homebot.gateways.announced.counters import GatewayCounters
+from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
+from homebot.gateways.announced.unreadable_payloads import UnreadablePayloads
 from homebot.gateways.raw_delivery import RawDelivery
 from homebot.messages import Time
 
@@ -35,11 +38,7 @@ _reading_of, _value_of = Reading.of_checked, Value.of  # looked up once, as `of_
 
 
 class StateReader:
-    """The way of state messages to the graph.
-
-    Args:
-        record_failure: Called with address, convention and error if a convention raises an unexpected exception.
-    """
+    """The way of state messages to the graph."""
 
     def __init__(
         self,
@@ -48,7 +47,7 @@ class StateReader:
         listeners: RawDelivery,
         scheduler: Scheduler,
         counters: GatewayCounters,
-        record_failure: Callable[[str, str, BaseException], None],
+        quarantine: PeerQuarantine[Any],
         clock: Clock,
     ) -> None:
         self._devices = devices
@@ -57,7 +56,8 @@ class StateReader:
         self._listeners = listeners
         self._scheduler = scheduler
         self._counters = counters
-        self._record_failure = record_failure
+        self._record_failure = quarantine.record_plugin_failure
+        self._unreadable = UnreadablePayloads(reporter, counters, quarantine.log_limited, clock)
 
     async def read(
         self,
@@ -88,7 +88,8 @@ class StateReader:
         if len(payload) > longest:
             self._counters.oversize += 1
             return
-        for text in self.read_parts(address, payload, announced_parts, work, retained=retained):
+        is_shared = bool(availability_readers)  # its words mean nothing to the parts
+        for text in self.read_parts(address, payload, announced_parts, work, retained=retained, is_shared=is_shared):
             if text is None:
                 await work.pause()
             else:
@@ -102,6 +103,7 @@ class StateReader:
         work: TimeSlice | None = None,
         *,
         retained: bool,
+        is_shared: bool = False,
     ) -> Iterator[RawMessage | None]:
         """Read a message as :meth:`read` does; yield None to pause when *work* is over, then the texts for listeners.
 
@@ -112,12 +114,16 @@ class StateReader:
         stored: StoredAnnouncement | None = None
         has_events = False
         listened = self._listeners.by_address
+        FOUND.clear()
         for part in announced_parts:
             if work is not None and work.is_over:
                 yield None
+                FOUND.clear()
             described = part.described
             try:
                 values = described.codec.read(address, payload, retained=retained)
+                if FOUND:
+                    self._unreadable.record(address, part, retained=retained, is_shared=is_shared)
                 if not values:
                     continue
                 found = part.readings(values)
@@ -143,9 +149,16 @@ class StateReader:
         yield from texts
 
     async def read_text(
-        self, address: str, payload: bytes, part: AnnouncedPart, *, retained: bool, wait_if_full: bool = True
+        self,
+        address: str,
+        payload: bytes,
+        part: AnnouncedPart,
+        *,
+        retained: bool,
+        wait_if_full: bool = True,
+        is_shared: bool = False,
     ) -> None:
-        """Read a message as the plain text that *part* publishes itself, and deliver it unchanged."""
+        """Read a message, perhaps shared with other parts, as the text that *part* itself publishes, and deliver it."""
         begin_message()
         self._counters.received += 1
         stored, now = part.stored, self._reporter.now
@@ -153,8 +166,11 @@ class StateReader:
             stored.heard_at = now
             if now >= stored.refresh_at or not stored.is_confirmed:
                 self._reporter.publish_sighting(stored, "updated", f"message on {address}", confirmed=True)
+        FOUND.clear()
         try:
             values = part.described.codec.read(address, payload, retained=retained)
+            if FOUND:
+                self._unreadable.record(address, part, retained=retained, is_shared=is_shared)
             readings = part.readings(values) if values else []
         except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
             self._record_failure(address, stored.described.convention, exc)

@@ -131,7 +131,12 @@ class AnnouncedDevices:
             raw = False
             if payload:
                 await self._states.read_text(
-                    topic, payload, route.text, retained=message.retain, wait_if_full=message.qos > 0
+                    topic,
+                    payload,
+                    route.text,
+                    retained=message.retain,
+                    wait_if_full=message.qos > 0,
+                    is_shared=bool(route.announced_parts),
                 )
             else:
                 self._announcements.remove(route.text.stored.key, "its retained message was deleted")

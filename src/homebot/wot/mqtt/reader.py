@@ -13,7 +13,7 @@ from homebot.conventions.description import (
     Publication,
     Publications,
 )
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, parse_object
+from homebot.conventions.payload import Readings, clean_text, parse_object, unreadable
 from homebot.conventions.table_codec import Reader, TableCodec
 from homebot.devices.capabilities import implied_settings
 from homebot.devices.part import Capability
@@ -142,9 +142,9 @@ def _read(capability: Capability, affordance: Affordance, format_: PayloadFormat
     try:
         document = format_.parse(payload)
     except WireError:
-        return NO_READINGS
+        return unreadable(payload, "JSON")
     value = decode_document(capability, affordance, document)
-    return NO_READINGS if value is None else {capability.name: value[0]}
+    return unreadable(payload, "a value of its data schema") if value is None else {capability.name: value[0]}
 
 
 def _write(
