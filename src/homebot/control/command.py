@@ -65,6 +65,7 @@ class IssuedCommand:
         states: The states of the part at the time of the command, by capability.
         values: Their values.
         why_it_asks: Why the part is one that always asks; empty if it is not.
+        warnings: By policy, the reasons why it might better not be given; the outcome shows them.
     """
 
     id: str
@@ -83,6 +84,7 @@ class IssuedCommand:
     states: dict[str, State] = field(init=False)
     values: dict[str, PlainValue] = field(init=False)
     why_it_asks: str = field(init=False)
+    warnings: dict[str, str] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.place = self.device.id, self.part.id

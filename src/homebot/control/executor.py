@@ -135,6 +135,8 @@ class CommandExecutor:
             outcome = await self._carry_out(command)
             if command.code:
                 self.codes.end(command, outcome)
+            if command.warnings:
+                outcome = replace(outcome, warning="; ".join(command.warnings.values()))
         self._journal.decided(request.issuer, place, outcome)
         return outcome
 

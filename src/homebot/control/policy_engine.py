@@ -109,6 +109,8 @@ class PolicyEngine(HouseWatcher):
         for verdict in verdicts:
             if is_recorded and (verdict.reason or not verdict.allowed):
                 self._journal.judged(command, verdict)
+            if is_recorded and verdict.warns:
+                command.warnings[verdict.policy] = verdict.reason
         last = verdicts[-1]
         return None if last.allowed else Refused(last.policy, last.reason, command_id=command.id)
 

@@ -128,6 +128,7 @@ class CommandResult(Message):
             if a person may have done it; ``gone``: the missing thing.
         is_unacknowledged: ``no_answer``: whether it was sent but its network has not acknowledged it, so it may arrive
             later.
+        warning: Why a person had better look, although the policies let the command pass; the end of the text.
     """
 
     command_id: str
@@ -142,6 +143,7 @@ class CommandResult(Message):
     policy: str = ""
     reason: str = ""
     is_unacknowledged: bool = False
+    warning: str = ""
 
     @staticmethod
     def answer_type() -> "type[Outcome]":

@@ -67,6 +67,7 @@ class Outcome:
         explains_reports: Whether earlier reports were changes made by the command.
         command_id: The id of the command in the journal.
         reported: The values that the device reported as commanded, by capability; not compared.
+        warning: Why a person had better look, although the policies let the command pass; not compared.
     """
 
     kind: ClassVar[str]
@@ -83,10 +84,14 @@ class Outcome:
     _: KW_ONLY
     command_id: str = ""
     reported: Mapping[str, PlainValue] = field(default_factory=dict, compare=False, repr=False)
+    warning: str = field(default="", compare=False, repr=False)
 
     @property
     def text(self) -> str:
-        """The outcome as a clause for people, without the name of the device."""
+        """The outcome as a clause for people, without the name of the device, and the warning."""
+        return f"{self._clause()}; {self.warning}" if self.warning else self._clause()
+
+    def _clause(self) -> str:
         return self._words.format(self)
 
     @property
@@ -114,9 +119,7 @@ class Confirmed(Outcome):
     evidence: Evidence
     witness: str = ""
 
-    @property
-    def text(self) -> str:
-        """As for :class:`Outcome`."""
+    def _clause(self) -> str:
         if self.evidence is Evidence.SENT:
             return "not sent, and assumed to be done"
         by = f" by {self.witness}" if self.witness else ""
@@ -170,9 +173,7 @@ class Reverted(Outcome):
     after: float
     cause: str = "unknown"
 
-    @property
-    def text(self) -> str:
-        """As for :class:`Outcome`."""
+    def _clause(self) -> str:
         by = "by itself, as usual" if self.cause == "device" else "by a hand or by itself"
         return f"changed back after {_seconds_text(self.after)} s, {by}"
 
@@ -200,9 +201,7 @@ class NoAnswer(Outcome):
         """As for :class:`Outcome`."""
         return not self.reason
 
-    @property
-    def text(self) -> str:
-        """As for :class:`Outcome`."""
+    def _clause(self) -> str:
         if self.reason:
             return f"not sent: {self.reason}"
         later = "; its network has not acknowledged it, and may still deliver it" if self.is_unacknowledged else ""
@@ -253,9 +252,7 @@ class Gone(Outcome):
     _was_sent: ClassVar[bool] = False
     reason: str = ""
 
-    @property
-    def text(self) -> str:
-        """As for :class:`Outcome`."""
+    def _clause(self) -> str:
         return self.reason or "the device was removed"
 
 

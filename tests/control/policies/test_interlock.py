@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+import anyio
 import pytest
 from tests.control.conftest import OpenHome
 from tests.control.policies.houses import NONE, make_command, make_device, make_facts
@@ -11,9 +12,11 @@ from homebot.control import ControlSettings
 from homebot.control.policies import Verdict
 from homebot.control.policy_engine import Policies
 from homebot.devices import Device, Freshness
+from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
+from homebot.devices.device import Reachability
 from homebot.devices.handles import Thermostat
-from homebot.devices.outcomes import Refused
-from homebot.devices.value import PlainValue
+from homebot.devices.outcomes import Confirmed, Refused
+from homebot.devices.value import PlainValue, Value
 from homebot.errors import ConfigError
 
 WINDOW = [{"commands": ["heat"], "while": "open contact sensor"}]
@@ -62,6 +65,36 @@ def test_less_heat_is_always_fine() -> None:
 def test_the_window_of_another_room_does_not_matter() -> None:
     assert judge(heater(), window(room="attic")).allowed
     assert not judge(heater(), window(room="attic"), where="home").allowed
+
+
+@pytest.mark.parametrize(("contact", "allowed"), [(False, True), (True, False)])
+def test_a_retained_report_of_a_contact_that_is_there_counts(*, contact: bool, allowed: bool) -> None:
+    """Or nobody could heat after a restart until every battery contact has spoken, which takes hours."""
+    kept = window(contact=contact, freshness="unconfirmed", is_live=False)
+    there = kept.model_copy(update={"reachable": Reachability(state="yes")})
+    assert judge(heater(), there).allowed is allowed
+    assert not judge(heater(), kept).allowed
+
+
+def heating_to(celsius: float) -> CommandRequest:
+    setting = Setting(capability="heating_setpoint", value=Value.of(celsius))
+    return CommandRequest(device="heater", settings=(setting,), issuer="client:owner", scope=("act: all",))
+
+
+@pytest.mark.virtual_time
+async def test_a_person_passes_with_a_warning_while_the_state_of_a_window_is_unknown(open_home: OpenHome) -> None:
+    async with open_home(interlocks=WINDOW) as home:
+        home.put("heater", "thermostat", "heating_setpoint", area="Bath")
+        home.put("window", "contact_sensor", readable=("contact",), area="bath")
+        heater = await home.handle(Thermostat, "heater")
+        assert isinstance(await heater.heat_to(22.0), Refused)
+        outcome = await home.control.perform(heating_to(22.0))
+        assert isinstance(outcome, Confirmed)
+        assert "the state of Window is unknown: it has reported nothing yet" in outcome.warning
+        assert CommandResult.of(outcome).text.endswith(outcome.warning)
+        await home.report("window", "contact", True)
+        await anyio.sleep(0.01)
+        assert isinstance(await home.control.perform(heating_to(23.0)), Refused)
 
 
 def test_a_silent_contact_means_no() -> None:

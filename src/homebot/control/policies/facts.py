@@ -69,12 +69,14 @@ class Verdict(NamedTuple):
 
     Attributes:
         reason: The reason; empty if the policy does not concern the command.
+        warns: Whether a person is warned by the reason of an allowed command.
     """
 
     policy: str
     allowed: bool
     reason: str = ""
     facts: tuple[FactUsed, ...] = ()
+    warns: bool = False
 
 
 class PolicyTable(BaseModel):

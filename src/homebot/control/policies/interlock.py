@@ -52,7 +52,7 @@ class Interlock(PolicyTable):
                 unknown = "the state of the house" if room != "" else "the room of the device"
                 return Verdict(NAME, allowed=False, reason=f"not while {self.condition}: {unknown} is unknown")
             for device, part in self._concerned_parts(room, facts):
-                if (verdict := self._check_part(device, part)) is not None:
+                if (verdict := self._check_part(device, part, is_by_person=command.is_by_person)) is not None:
                     return verdict
         return Verdict(NAME, allowed=True)
 
@@ -64,13 +64,15 @@ class Interlock(PolicyTable):
                 if fits(self.needs, PartFacets(tracked.device, part)):
                     yield tracked.current(), part
 
-    def _check_part(self, device: Device, part: DevicePart) -> Verdict | None:
+    def _check_part(self, device: Device, part: DevicePart, *, is_by_person: bool) -> Verdict | None:
         facets = PartFacets(device, part)
-        used = tuple(_facts(device, part.id, self._capabilities))
-        is_silent = bool(self._capabilities) and not used
-        if doubt := _doubt(device, is_away=facets.reachable == "no", is_silent=is_silent):
+        is_there = facets.reachable == "yes"
+        used = tuple(_facts(device, part.id, self._capabilities, is_there=is_there))
+        is_known = bool(used) if self._capabilities else is_there or device.freshness == "fresh"
+        if doubt := _doubt(device, is_away=facets.reachable == "no", is_known=is_known):
             reason = f"not while {self.condition}, and the state of {device.name} is unknown: {doubt}"
-        elif fits(self._query, facets):
+            return Verdict(NAME, is_by_person, reason, used, warns=is_by_person)
+        if fits(self._query, facets):
             reason = f"not while {self.condition}: {device.name}"
         else:
             return None
@@ -91,17 +93,20 @@ def without_states(query: Query, *, is_possible: bool = True) -> Query:
     return query
 
 
-def _doubt(device: Device, *, is_away: bool, is_silent: bool) -> str:
+def _doubt(device: Device, *, is_away: bool, is_known: bool) -> str:
     """Return why the current state of a part is unknown; empty if it is known."""
     if is_away:
         return "it is unreachable"
     if device.freshness == "stale":
         return "it has been silent for too long"
-    return "it has reported nothing yet since homebot started" if device.freshness != "fresh" or is_silent else ""
+    return "" if is_known else "it has reported nothing yet since homebot started"
 
 
-def _facts(device: Device, part: str, capabilities: frozenset[str]) -> Iterator[FactUsed]:
+def _facts(device: Device, part: str, capabilities: frozenset[str], *, is_there: bool) -> Iterator[FactUsed]:
+    """Yield the known states; a retained one counts if its bridge or its availability says that the device is there."""
+    is_fresh = device.freshness == "fresh"
     for state in device.states:
         value = state.value.plain()
-        if state.part == part and state.capability in capabilities and state.live and value is not None:
+        is_current = is_there or (state.live and is_fresh)
+        if state.part == part and state.capability in capabilities and is_current and value is not None:
             yield FactUsed(f"{state.capability} of {device.id}", value, state.since.to_seconds())
