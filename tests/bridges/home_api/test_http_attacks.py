@@ -107,6 +107,15 @@ async def test_a_request_is_what_it_should_be_or_is_refused(house: House, reques
     assert (await answer(house, request_text))[0] == status
 
 
+@pytest.mark.parametrize("first", [f"{GET}\r\n", posted(LAMP_ON)])
+@pytest.mark.parametrize("second", [f"{GET}\r\n", posted(LAMP_ON), "GET / HTTP/1.1\r\n\r\n", "x" * 100_000])
+async def test_a_request_that_another_follows_at_once_is_answered(house: House, first: str, second: str) -> None:
+    """Pipelining; the connection ends after the first answer, as that says."""
+    _, head = await answer(house, f"{first}{second}")
+    assert head.startswith("HTTP/1.1 503 ")
+    assert (head.count("HTTP/1.1"), "\r\nConnection: close\r\n" in head) == (1, True)
+
+
 async def test_another_method_is_answered_with_the_one_that_there_is(open_house: Any) -> None:
     """Source: RFC 9110, 15.5.6: such an answer has the header `Allow`."""
     async with open_house() as house:
@@ -182,6 +191,7 @@ async def test_requests_count_as_clients_until_they_are_answered_or_left(open_ho
         async with sent(house, f"{GET}\r\n") as first:
             async with sent(house, f"{GET}\r\n"):
                 await until_count(house, 2)
+                await first.send(f"{GET}\r\n".encode())  # which is not read
                 assert (await answer(house, f"{GET}\r\n"))[0] == 503
             await until_count(house, 1)
             is_open.set()

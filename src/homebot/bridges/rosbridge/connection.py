@@ -38,6 +38,7 @@ _GET: Final = b"GET "
 _MOST_OF_HEAD: Final = 16_384
 _END_OF_HEAD: Final = re.compile(rb"\n\r?\n")
 _BODY: Final = re.compile(rb"\n(?:content-length:\s*[1-9]|transfer-encoding:)", re.IGNORECASE)
+_UPGRADE: Final = re.compile(rb"\nupgrade:", re.IGNORECASE)
 _GO_AHEAD: Final = b"HTTP/1.1 100 Continue\r\n\r\n"
 
 _CONTROL_HEADER: Final = 6
@@ -72,6 +73,7 @@ class DoorConnection(ServerConnection):
         self._is_heard = False
         self.posted: PostedRequest | None = None
         self._begun: bytes | None = b""
+        self._has_head = False
         self._open_timeout = open_timeout
         self._too_late: asyncio.TimerHandle | None = None
 
@@ -191,18 +193,26 @@ class DoorConnection(ServerConnection):
             self._release("turn")
 
     def _read(self, data: bytes) -> None:
-        """Pass *data* to the library; of other methods, or a GET with a body, only the head of the complete request."""
+        """Pass *data* to the library; of other methods, or a GET with a body, only the head of the complete request.
+
+        What follows a request is dropped, as the connection is closed after its answer.
+        """
         if self._begun is not None:
             data, self._begun = self._begun + data, None
             if data[:1].isupper():
-                head = _END_OF_HEAD.split(data, 1)[0]
-                if len(head) == len(data) < _MOST_OF_HEAD:
+                end = _END_OF_HEAD.search(data)
+                head = data[: end and end.end()]
+                if end is None and len(data) < _MOST_OF_HEAD:
                     self._begun = data
                     return
                 if not data.startswith(_GET) or _BODY.search(head):
                     from homebot.bridges.rosbridge.posted_request import PostedRequest  # noqa: PLC0415 - few clients
 
                     self.posted = PostedRequest()
+                elif not _UPGRADE.search(head):
+                    data, self._has_head = head, True
+        elif self._has_head:
+            return
         if self.posted is not None:
             data = self._head(self.posted, data)
         if data:

@@ -103,6 +103,10 @@ class Entrance:
         is_page = is_browser and bool(self._unnamed_page(connection, request))
         return ClientAccess.of(name, self._rights[name], self._shared.owners(), is_page=is_page)
 
+    def knows(self, connection: DoorConnection) -> bool:
+        """Return whether an admitted client has a name, unlike a page that sends its token later."""
+        return self._names[connection] != _PAGE
+
     async def admit(self, connection: DoorConnection, request: Request) -> Response | None:
         """Return the answer to *request*: a refusal or a file of the page; None to admit the client."""
         headers, is_api = request.headers, is_for_api(request)
@@ -124,7 +128,7 @@ class Entrance:
 
     async def log_in(self, connection: DoorConnection, texts: AsyncIterator[str]) -> bool:
         """Return whether a client may continue; homebot's own page must first send a token, if one is required."""
-        if self._names[connection] != _PAGE:
+        if self.knows(connection):
             return True
         token = None
         with anyio.move_on_after(self._open_timeout):

@@ -26,7 +26,7 @@ from homebot.bridges.rosbridge.connection import DoorConnection, client_frames, 
 from homebot.bridges.rosbridge.entrance import LOG_IN, Entrance, Site, address_of, is_for_api, is_for_websocket
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
-from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights
+from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights, Right
 from homebot.devices.exposure import NetworkService
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.names import HOME_HEADER
@@ -61,6 +61,9 @@ _LIMITS: Final[Mapping[int, str]] = {
     CloseCode.TRY_AGAIN_LATER: "max_arriving_bytes_of_all",
 }
 _FULL: Final = "too many clients are connected"
+_KEPT: Final = 2
+"""Places for clients with the right ``manage``, so that others do not lock the owner out."""
+
 _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
 
 _log = get_logger(node="/rosbridge_websocket")
@@ -221,10 +224,10 @@ class Door:
     async def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
         arriving = cast("DoorConnection", connection)
         arriving.has_asked()
-        if self.client_count >= self._settings.max_clients:
-            return self._entrance.turn_away(arriving, HTTPStatus.SERVICE_UNAVAILABLE, _FULL)
         if (response := await self._entrance.admit(arriving, request)) is not None:
             return response
+        if self._entrance.knows(arriving) and (problem := self._lack_of_places(arriving)):
+            return self._entrance.turn_away(arriving, HTTPStatus.SERVICE_UNAVAILABLE, problem)
         if is_for_api(request):
             return await self._answer(arriving)
         if not is_for_websocket(request):
@@ -233,11 +236,20 @@ class Door:
             return response
         return None
 
+    def _lack_of_places(self, connection: DoorConnection) -> str:
+        """Return why there is no place for a client of this token and address; empty if there is one."""
+        access, host = self._entrance.access_of(connection), address_of(connection).rpartition(":")[0]
+        most, kept = self._settings.max_clients, 0 if access.rights.has(Right.MANAGE) else _KEPT
+        if self.client_count >= most - min(kept, most // 8):
+            return _FULL
+        own = [one.client for one in self._sessions.values() if one.client.access.name == access.name]
+        if sum(one.address.rpartition(":")[0] == host for one in own) >= most - most // 4:
+            return f"too many clients with the token {access.name} are connected from this address"
+        return ""
+
     async def _answer(self, connection: DoorConnection) -> Response:
         from homebot.bridges.rosbridge.http_requests import HttpRequests  # noqa: PLC0415 - loaded with the first
 
-        if self.client_count >= self._settings.max_clients:  # several were let in at the same time
-            return self._entrance.turn_away(connection, HTTPStatus.SERVICE_UNAVAILABLE, _FULL)
         if self._api is None:
             self._api = HttpRequests(self._shared, self._home)
         self._shared.counters.clients += 1
@@ -246,9 +258,6 @@ class Door:
 
     async def _serve(self, opened: ServerConnection) -> None:
         connection, entrance = cast("DoorConnection", opened), self._entrance
-        if self.client_count >= self._settings.max_clients:  # several were let in at the same time
-            await connection.close(CloseCode.TRY_AGAIN_LATER, _FULL)
-            return
         from homebot.bridges.rosbridge.client import OutsideClient  # noqa: PLC0415 - loaded with the first
         from homebot.bridges.rosbridge.session import ClientSession, DoorLink  # noqa: PLC0415 - likewise
 
@@ -258,6 +267,9 @@ class Door:
 
         texts = client_frames(connection)
         if not await entrance.log_in(connection, texts):
+            return
+        if problem := self._lack_of_places(connection):  # several were let in at the same time
+            await connection.close(CloseCode.TRY_AGAIN_LATER, problem)
             return
         self._shared.counters.clients += 1
         connection.has_arrived()

@@ -66,6 +66,8 @@ class DoorSettings(AccessSettings):
 
     Attributes:
         tokens: Tokens of single programs by name. The ``token`` has every right.
+        max_clients: Most clients at a time; one more is refused. Of 64, one token has at most 48 from one address, and
+            two are kept for the right ``manage``.
         scope: Rights of a client without a token. By default ``read``, ``manage`` and every device that does not always
             ask.
         max_frame_bytes: Largest frame from a client; a larger one closes its connection. A frame has at most 20,000
