@@ -23,6 +23,7 @@ __all__ = [
     "DeviceAnnounced",
     "DeviceRequest",
     "DeviceWithdrawn",
+    "GroupsListed",
     "LastWillAvailability",
     "Publication",
     "Publications",
@@ -229,7 +230,19 @@ class DeviceRequest(NamedTuple):
     publications: Publications
 
 
-AnnouncementEvent: TypeAlias = DeviceAnnounced | DeviceWithdrawn | DeviceRequest
+class GroupsListed(NamedTuple):
+    """The members of all groups of a bridge, which announces the groups elsewhere; it replaces the last list.
+
+    Attributes:
+        source: The topic of the list.
+        members: See :attr:`homebot.devices.part.Part.members`; by identifier of the group's device.
+    """
+
+    source: str
+    members: Mapping[str, tuple[str, ...]]
+
+
+AnnouncementEvent: TypeAlias = DeviceAnnounced | DeviceWithdrawn | DeviceRequest | GroupsListed
 
 
 MOST_WORK: Final = 30_000

@@ -77,6 +77,9 @@ class Part(Message):
         writes: The addresses on which it accepts commands (MQTT: topics).
         payloads: A digest of the command payloads in the announcement; empty if the other fields determine them, as in
             a protocol that leaves no choice.
+        members: The parts that its commands set too, as of a group, a room or a scene: each the identifier of a device
+            for all its parts, with ``#`` and the id of a part for this one; ``#`` and an id alone for a part with an id
+            that is unique in its gateway.
     """
 
     id: str
@@ -90,6 +93,7 @@ class Part(Message):
     reads: tuple[str, ...] = ()
     writes: tuple[str, ...] = ()
     payloads: str = ""
+    members: tuple[str, ...] = ()
 
     def is_below(self, places: Iterable[str]) -> bool:
         """Return whether one of its topics is in *places* or below one of them."""
@@ -103,8 +107,8 @@ def size_of_texts(texts: Iterable[str]) -> int:
 
 
 def texts_of(part: Part) -> list[str]:
-    """Return the topics and options of *part*, which dominate its size."""
-    texts = [*part.reads, *part.writes]
+    """Return the topics, members and options of *part*, which dominate its size."""
+    texts = [*part.reads, *part.writes, *part.members]
     for capability in part.capabilities:
         if capability.options:
             texts += capability.options

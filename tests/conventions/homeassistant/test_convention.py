@@ -162,10 +162,11 @@ def test_a_refused_config_is_counted(convention: HomeAssistantDiscovery) -> None
 
 
 @pytest.mark.parametrize("shown", [False, "false"])  # the text is of tesla_ble_mqtt_docker
-def test_a_hidden_part_and_a_group_are_facts(convention: HomeAssistantDiscovery, shown: object) -> None:
+def test_a_hidden_part_is_a_fact_and_a_group_has_members(convention: HomeAssistantDiscovery, shown: object) -> None:
     device = take(convention, "switch/x", {**SWITCH, "enabled_by_default": shown, "group": ["0x1_light", "0x2_light"]})
     assert isinstance(device, DeviceAnnounced)
-    assert device.facts == {"hidden s": "by default", "group s": "0x1_light 0x2_light"}
+    assert device.facts == {"hidden s": "by default"}
+    assert device.parts[0].part.members == ("#0x1_light", "#0x2_light")
 
 
 def test_there_are_two_filters_per_component_and_prefix() -> None:

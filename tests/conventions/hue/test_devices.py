@@ -212,6 +212,21 @@ def test_a_change_in_a_house_of_many_lamps_describes_its_own_device_alone() -> N
     assert described(resources, "update", {"id": "light-7", "on": {"on": False}}) == set()
 
 
+@pytest.mark.parametrize(("kind", "inside"), [("room", "lamp-1"), ("zone", "light-1")])
+def test_a_scene_sets_the_lamps_of_its_room_or_zone(kind: str, inside: str) -> None:
+    resources = HueResources()
+    scene = {"id": "scene", "type": "scene", "group": {"rid": "Hall"}, "metadata": {"name": "Relax"}}
+    lamps = [
+        one
+        for number in (1, 2)
+        for one in ({"id": f"light-{number}", "type": "light"}, device(f"lamp-{number}", f"light-{number}"))
+    ]
+    resources.replace([*lamps, group(kind, "Hall", inside), scene])
+    (scenes,) = devices_of(resources, ["Hall"])
+    assert "id:hue:lamp-1" in scenes.services[0].part.members
+    assert "id:hue:lamp-2" not in scenes.services[0].part.members
+
+
 def device(rid: str, *services: str) -> Fields:
     listed = [{"rid": one} for one in services]
     return {"id": rid, "type": "device", "metadata": {"name": rid}, "services": listed}

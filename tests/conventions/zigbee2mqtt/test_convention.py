@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from tests.conventions.announced_parts import device_in
 
-from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, GroupsListed
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.conventions.zigbee2mqtt.bridge_device import StateAvailability
 from homebot.conventions.zigbee2mqtt.reader import MAX_DEVICES, _read
@@ -14,12 +14,9 @@ from homebot.errors import WireError
 
 LAMP = "0x00158d0001abcdef"
 PLUG = "0x00158d0001abcde0"
-SWITCH = {
-    "type": "switch",
-    "features": [
-        {"type": "binary", "name": "state", "property": "state", "access": 7, "value_on": "ON", "value_off": "OFF"}
-    ],
-}
+STATE = {"type": "binary", "name": "state", "property": "state", "access": 7, "value_on": "ON", "value_off": "OFF"}
+SWITCH = {"type": "switch", "features": [STATE]}
+SIDES = ("left", "right")
 COORDINATOR = {"ieee_address": "0x00124b0000000001", "type": "Coordinator", "friendly_name": "Coordinator"}
 
 
@@ -77,12 +74,14 @@ def test_a_bridge_that_publishes_each_value_alone_is_in_trouble_until_it_is_set_
         assert convention.problems() == ()
 
 
-def test_it_listens_to_the_two_topics_of_each_bridge_and_not_to_groups() -> None:
+def test_it_listens_to_the_settings_and_the_lists_of_each_bridge() -> None:
     assert bridge("zigbee2mqtt", "attic/z2m").filters() == (
         "zigbee2mqtt/bridge/info",
         "zigbee2mqtt/bridge/devices",
+        "zigbee2mqtt/bridge/groups",
         "attic/z2m/bridge/info",
         "attic/z2m/bridge/devices",
+        "attic/z2m/bridge/groups",
     )
     assert bridge().birth_messages() == ()
 
@@ -201,7 +200,7 @@ def test_a_list_that_is_none_is_refused_and_nothing_changes(payload: bytes) -> N
 
 def test_other_topics_say_nothing() -> None:
     convention = bridge()
-    for topic in ("zigbee2mqtt/lamp", "attic/bridge/devices", "zigbee2mqtt/bridge/groups", "bridge/devices"):
+    for topic in ("zigbee2mqtt/lamp", "attic/bridge/devices", "zigbee2mqtt/bridge/state", "bridge/devices"):
         assert convention.read_message(topic, b"[1]", retained=True) == ()
     assert convention.read_message("zigbee2mqtt/bridge/info", b"", retained=True) == ()
 
@@ -226,7 +225,33 @@ def test_devices_are_described_anew_when_it_is_learned_later_how_they_tell_it() 
     config = {"availability": {"enabled": False}, "devices": {LAMP.upper(): {"availability": True}, "odd": 1}}
     assert sources(device_in(info(convention, config))) == ["zigbee2mqtt/bridge/state"]
     assert info(convention, config) == ()
-    assert {device.key for device in info(convention, {"availability": {"enabled": True}})} == {PLUG}
+    again = info(convention, {"availability": {"enabled": True}})
+    assert {device.key for device in again if isinstance(device, DeviceAnnounced)} == {PLUG}
+
+
+def groups_in(convention: Zigbee2Mqtt, *groups: object) -> dict[str, tuple[str, ...]]:
+    payload = json.dumps(groups).encode()
+    (listed,) = convention.read_message("zigbee2mqtt/bridge/groups", payload, retained=True)
+    assert isinstance(listed, GroupsListed)
+    return dict(listed.members)
+
+
+def test_the_members_of_a_group_are_devices_or_parts_of_one_endpoint() -> None:
+    """The group has the identifier with which Zigbee2MQTT 2.14.1 announces it to Home Assistant."""
+    convention = bridge()
+    exposes = [{**SWITCH, "endpoint": one, "features": [{**STATE, "property": f"state_{one}"}]} for one in SIDES]
+    definition = {"vendor": "Aqara", "model": "QBKG03LM", "exposes": exposes}
+    endpoints = {"1": {}, "2": {"name": "left"}, "3": {"name": "right"}}
+    plug = entry(PLUG, "wall", definition=definition, endpoints=endpoints)
+    assert [one.name for one in heard(convention, entry(), plug) if isinstance(one, DeviceAnnounced)][1] == "wall"
+    members = [{"ieee_address": LAMP, "endpoint": 1}, {"ieee_address": PLUG, "endpoint": 3}, {"ieee_address": 7}, 8]
+    assert groups_in(convention, {"id": 4, "friendly_name": "kitchen", "members": members}, {"id": 5}, "odd") == {
+        "id:zigbee2mqtt_1221051039810110150109113116116_4": (
+            "eui64:00158d0001abcdef",
+            "eui64:00158d0001abcde0#switch_right",
+        ),
+        "id:zigbee2mqtt_1221051039810110150109113116116_5": (),
+    }
 
 
 def test_the_room_that_a_user_gave_a_device_for_home_assistant_is_its_room() -> None:

@@ -74,6 +74,20 @@ async def test_what_a_bridge_announces_of_a_group_is_registered() -> None:
         assert [one.key for one in house.sighted()] == [LISTED, DERIVED]
 
 
+@pytest.mark.parametrize("is_listed_first", [True, False])
+async def test_a_group_has_the_members_that_its_bridge_lists(is_listed_first: bool) -> None:  # noqa: FBT001
+    group = {"id": 1, "friendly_name": "group", "members": [{"ieee_address": ADDRESS, "endpoint": 1}]}
+    async with simple_house(conventions=CONVENTIONS) as house:
+        if is_listed_first:
+            await house.say("zigbee2mqtt/bridge/groups", json.dumps([group]), retain=True)
+        await announce(house, device="1221051039810110150109113116116_1")
+        if not is_listed_first:
+            await house.say("zigbee2mqtt/bridge/groups", json.dumps([group]), retain=True)
+        assert house.sighted()[-1].parts[0].members == ("eui64:00158d0001abcdef",)
+        await house.say("zigbee2mqtt/bridge/groups", json.dumps([{**group, "members": []}]), retain=True)
+        assert house.sighted()[-1].parts[0].members == ()
+
+
 async def test_a_device_that_left_the_list_is_again_what_its_bridge_announces() -> None:
     async with simple_house(conventions=CONVENTIONS) as house:
         await list_devices(house, ENTRY)

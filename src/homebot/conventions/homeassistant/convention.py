@@ -43,8 +43,7 @@ class HomeAssistantDiscovery(LazyConvention[HomeAssistantSettings, "HomeAssistan
     Each config is one :class:`DeviceAnnounced`; those of one device share its identifiers. A later config replaces the
     one with the same component and ids; a component that is missing in the later config of a whole device is removed.
 
-    Two properties of parts are facts of the device: ``hidden PART``, not shown by default, and ``group PART``, the ids
-    of the members of a group.
+    A part that is not shown by default is a fact of the device: ``hidden PART``.
     """
 
     Settings: ClassVar[type[BaseModel]] = HomeAssistantSettings

@@ -65,6 +65,8 @@ class HomeAssistantReader:
         for config in announced.components:
             try:
                 part = self._part(config)
+                if "group" in config.values:
+                    part = _with_members(part, config)
                 if config_topic.component == DEVICE:
                     part = part._replace(availability=cached_availability(config))
             except WireError as error:
@@ -143,13 +145,17 @@ def _shared_availability(
 
 
 def _facts(parts: _Parts) -> dict[str, str]:
-    """Return the facts of parts: hidden ones, and the members of groups."""
+    """Return the facts of parts: which are hidden."""
     facts = {}
     for part_id, (_, config) in parts.items():
         if not config.flag("enabled_by_default", default=True):
             facts[f"hidden {part_id}"] = "by default"
-        members = config.values.get("group")
-        if isinstance(members, list) and members:
-            named = [clean_text(one) for one in members[:_MAX_MEMBERS] if isinstance(one, str)]
-            facts[f"group {part_id}"] = " ".join(named)
     return facts
+
+
+def _with_members(described: DescribedPart, config: DiscoveryConfig) -> DescribedPart:
+    """Return *described* with the members of a group, which its config names by their ``unique_id``."""
+    members = config.values.get("group")
+    listed = members[:_MAX_MEMBERS] if isinstance(members, list) else ()
+    named = tuple([f"#{clean_text(one)}" for one in listed if isinstance(one, str)])
+    return described._replace(part=described.part.model_copy(update={"members": named}))

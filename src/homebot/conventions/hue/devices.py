@@ -75,7 +75,8 @@ def devices_of(resources: HueResources, ids: Collection[str]) -> Iterator[HueDev
         if text_of(one.get("type")) in _DEVICES:
             yield _device(resources, rid, one)
         elif one and (scenes := tuple(resources.holders(rid, "scene", "smart_scene"))):
-            services = tuple(_service(scene, fields, scene, _name(fields)) for scene, fields in scenes)
+            members = _members(resources, one)
+            services = tuple(_service(scene, fields, scene, _name(fields), members=members) for scene, fields in scenes)
             area = _name(one) if one.get("type") == "room" else ""
             yield HueDevice(rid, f"{_name(one)} scenes".strip(), services, area, identifiers((f"hue:{rid}",)))
 
@@ -118,7 +119,16 @@ def _services(device: Fields, listed: tuple[tuple[str, Fields], ...]) -> Iterato
         yield _service(rid, one, part_id, name, is_plug=is_plug)
 
 
-def _service(rid: str, resource: Fields, part_id: str, name: str, *, is_plug: bool = False) -> HueService:
+def _members(resources: HueResources, group: Fields) -> tuple[str, ...]:
+    """Return the identifiers of the devices in a room, or of the lights in a zone."""
+    children = list(resources.referred(group, "children"))
+    devices = (one for rid, _ in children for one, _ in resources.holders(rid, "device"))
+    return tuple(f"id:hue:{one}" for one in dict.fromkeys((*(rid for rid, _ in children), *devices)))
+
+
+def _service(
+    rid: str, resource: Fields, part_id: str, name: str, *, is_plug: bool = False, members: tuple[str, ...] = ()
+) -> HueService:
     kind = text_of(resource.get("type"))
     service_type, category = _TYPES[kind]
     rows = tuple(row for row in SERVICE_ROWS if row.type == kind and row.needs in resource)
@@ -129,6 +139,7 @@ def _service(rid: str, resource: Fields, part_id: str, name: str, *, is_plug: bo
         advertised=kind,
         category=category,
         capabilities=tuple(row.describe(resource) for row in rows),
+        members=members,
     )
     return HueService(rid, part, rows)
 

@@ -111,6 +111,7 @@ class BridgeDevice:
         has_updates: Whether its firmware can be updated over the air.
         takes_transition: Whether the bridge lists a transition among the model's options.
         bare_endpoints: Numbers of its endpoints without a name.
+        endpoint_names: The names of its endpoints, by number; empty for none.
         scenes: Names of the scenes that are stored in it, by number.
     """
 
@@ -125,6 +126,7 @@ class BridgeDevice:
     has_updates: bool
     takes_transition: bool
     bare_endpoints: frozenset[str]
+    endpoint_names: Mapping[str, str]
     scenes: Mapping[int, str]
     facts: Mapping[str, str]
 
@@ -153,6 +155,8 @@ def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
     except InvalidNameError as error:
         raise WireError(f"friendly_name {shown(name)} cannot be a topic: {error}") from None
     definition = as_fields(entry.get("definition"))
+    listed = as_fields(entry.get("endpoints"))
+    called = {number: _fact_text(as_fields(one).get("name")) for number, one in listed.items()}
     return BridgeDevice(
         ieee=ieee_address(entry),
         name=name,
@@ -164,8 +168,9 @@ def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
         exposes=definition.get("exposes"),
         has_updates=definition.get("supports_ota") is True,
         takes_transition=_takes_transition(definition.get("options")),
-        bare_endpoints=_bare_endpoints(entry.get("endpoints")),
-        scenes=_scenes(as_fields(entry.get("endpoints"))),
+        bare_endpoints=frozenset(listed.keys() - called.values()),
+        endpoint_names=called,
+        scenes=_scenes(listed),
         facts=_facts(entry, definition),
     )
 
@@ -181,13 +186,6 @@ def _takes_transition(options: object) -> bool:
     if not isinstance(options, list):
         return True
     return any(as_fields(one).get("name") == "transition" for one in options[:_MOST_OPTIONS])
-
-
-def _bare_endpoints(endpoints: object) -> frozenset[str]:
-    if not isinstance(endpoints, dict):
-        return frozenset()
-    names = {name for one in endpoints.values() if isinstance(name := as_fields(one).get("name"), str)}
-    return frozenset(number for number in endpoints if isinstance(number, str) and number not in names)
 
 
 def _scenes(endpoints: Mapping[str, object]) -> dict[int, str]:

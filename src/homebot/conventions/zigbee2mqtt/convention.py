@@ -33,6 +33,8 @@ class Zigbee2MqttSettings(ConventionSettings):
 class Zigbee2Mqtt(LazyConvention[Zigbee2MqttSettings, "Zigbee2MqttReader"]):
     """Discovery of Zigbee devices from ``bridge/devices``, and of their availability from ``bridge/info``.
 
+    ``bridge/groups`` names the members of the groups that the bridge announces to Home Assistant.
+
     The list is one message of at most 5,000 devices. Each device is one :class:`DeviceAnnounced`; a device that is
     missing in a later list is :class:`DeviceWithdrawn`. The key is the device's address, after the base if that is not
     ``zigbee2mqtt``, so a renamed device keeps its key and gets new topics. The coordinator, disabled devices and groups
@@ -43,8 +45,9 @@ class Zigbee2Mqtt(LazyConvention[Zigbee2MqttSettings, "Zigbee2MqttReader"]):
     name: ClassVar[str] = "zigbee2mqtt"
 
     def filters(self) -> tuple[str, ...]:
-        """Return the topics of the settings, then of the lists, which depend on them."""
-        return tuple(f"{base}/bridge/{topic}" for base in self.settings.bases for topic in ("info", "devices"))
+        """Return the topics of the settings, then of the lists, each of which depends on the one before."""
+        topics = ("info", "devices", "groups")
+        return tuple(f"{base}/bridge/{topic}" for base in self.settings.bases for topic in topics)
 
     def reserved(self) -> tuple[str, ...]:
         """Return the bridges' own topics."""

@@ -3,9 +3,10 @@
 Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from itertools import islice
 
-from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, GroupsListed
 from homebot.conventions.long_json import parse_list
 from homebot.conventions.payload import as_fields, clean_text, parse_object, shown
 from homebot.conventions.zigbee2mqtt.bridge_device import (
@@ -41,6 +42,7 @@ class Zigbee2MqttReader:
         self._devices: dict[str, dict[str, DeviceAnnounced]] = {base: {} for base in bases}
         self._settings = {base: BridgeSettings() for base in bases}
         self._without_json: set[str] = set()
+        self._endpoints: dict[str, Mapping[str, str]] = {}  # their names by number, by address of the device
         self._listless = dict.fromkeys(bases, False)  # bridges without a list yet: whether they sent their settings
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
@@ -60,6 +62,8 @@ class Zigbee2MqttReader:
             return
         if last == "devices":
             yield from self._read_devices(base, topic, payload)
+        elif last == "groups":
+            yield from self._read_groups(base, topic, payload)
         elif last == "info" and payload:
             yield from self._read_info(base, payload)
 
@@ -131,6 +135,7 @@ class Zigbee2MqttReader:
         self.rejected += len(problems)
 
     def _describe(self, base: str, topic: str, device: BridgeDevice, via: str) -> DeviceAnnounced:
+        self._endpoints[device.ieee] = device.endpoint_names
         described = DeviceAnnounced(
             key=device.ieee if base == _DEFAULT_BASE else f"{base}/{device.ieee}",
             convention="zigbee2mqtt",
@@ -144,6 +149,32 @@ class Zigbee2MqttReader:
             owns=tuple(dict.fromkeys((device.topic, f"{base}/{device.ieee}"))),
         )
         return self._with_settings(base, device.ieee, described)
+
+    def _read_groups(self, base: str, topic: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
+        """Read the members of the groups, under the identifiers with which the bridge announces these."""
+        groups: dict[str, tuple[str, ...]] = {}
+        coded = "".join(str(ord(letter)) for letter in base)
+        for entry in islice(parse_list(payload, MAX_BRIDGE_BYTES) if payload else (), MAX_DEVICES):
+            fields = as_fields(entry)
+            number, listed = fields.get("id"), fields.get("members")
+            if not isinstance(number, int):
+                continue
+            members = listed[:MAX_DEVICES] if isinstance(listed, list) else ()
+            named = dict.fromkeys(name for one in members for name in self._names_of(base, as_fields(one)))
+            groups[f"id:zigbee2mqtt_{coded}_{number}"] = tuple(named)
+            yield None
+        yield GroupsListed(topic, groups)
+
+    def _names_of(self, base: str, member: Mapping[str, object]) -> Iterator[str]:
+        """Yield what a group calls a member: its device, or the parts of one of its endpoints."""
+        ieee = ieee_address(member)
+        device = self._devices[base].get(ieee)
+        endpoint = self._endpoints.get(ieee, {}).get(str(member.get("endpoint")))
+        if device is not None and endpoint:
+            ids = [one.part.id for one in device.parts if one.part.id.endswith(f"_{endpoint}")]
+            yield from (f"{device.identifiers[0]}#{one}" for one in ids)
+        elif ieee:
+            yield from identifiers([ieee])
 
     def _with_settings(self, base: str, ieee: str, described: DeviceAnnounced) -> DeviceAnnounced:
         """Return *described* with the availability and the room that the bridge's settings give it."""

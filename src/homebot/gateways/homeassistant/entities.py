@@ -165,7 +165,7 @@ class HomeAssistantEntities:
         name = device.name or own
         sole = [one for one in entities if not one.entry.category]
         area, floor = self.registries.place(key, [one.entity_id for one in sole] or ids)
-        parts = [one.part() for one in entities] + list(self.triggers.get(key, ()))
+        parts = [self._part(one) for one in entities] + list(self.triggers.get(key, ()))
         self._devices[key] = described = GatewayDevice(
             key,
             name,
@@ -179,6 +179,10 @@ class HomeAssistantEntities:
             native=False,  # the gateway of its native protocol knows it better
         )
         return described
+
+    def _part(self, entity: HomeAssistantEntity) -> Part:
+        members = tuple([f"#{self.registries.entity(one).part_id}" for one in entity.members])
+        return entity.part().model_copy(update={"members": members}) if members else entity.part()
 
     def _facts(
         self, key: str, name: str, ids: list[str], sole: list[HomeAssistantEntity], known: Mapping[str, str]

@@ -1,13 +1,19 @@
 """The handler of announcements and withdrawals."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache, partial
 
 import anyio.lowlevel
 
 from homebot.clock import Clock, TimeSlice
 from homebot.conventions.convention import Convention, SlicedConvention
-from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest, DeviceWithdrawn
+from homebot.conventions.description import (
+    AnnouncementEvent,
+    DeviceAnnounced,
+    DeviceRequest,
+    DeviceWithdrawn,
+    GroupsListed,
+)
 from homebot.conventions.payload import DuplicateKeys
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
@@ -56,6 +62,7 @@ class AnnouncementHandler:
         self._quarantine, self._counters = engine.quarantine, engine.counters
         self._accepted = self._offended = False
         self._missed: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
+        self._groups: dict[str, Mapping[str, tuple[str, ...]]] = {}
 
     async def handle(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> Readers:
         """Handle *message* as an announcement of each of *conventions*, in slices of a few milliseconds.
@@ -149,6 +156,8 @@ class AnnouncementHandler:
                 self._withdraw(convention, event)
             case DeviceRequest():
                 self._subscriber.question(event)
+            case GroupsListed():
+                self._list_groups(event, message)
 
     def _record_failure(self, convention: Convention, message: MqttMessage, error: BaseException) -> None:
         if isinstance(error, WireError):
@@ -169,6 +178,8 @@ class AnnouncementHandler:
             self._counters.announcements_derived += 1
             self.remove(described.full_key, LISTED)
             return
+        if self._groups:
+            described = self._with_members(described)
         described, reserved = self._reserved.without(described)
         for told in reserved:
             self._counters.topics_reserved += 1
@@ -188,6 +199,23 @@ class AnnouncementHandler:
         self._publish(change, message)
         for key in self._registry.derived.of(described) if names_program and described.native else ():
             self.remove(key, LISTED)
+
+    def _list_groups(self, listed: GroupsListed, message: MqttMessage) -> None:
+        """Describe the groups with other members than before again."""
+        before, self._groups[listed.source] = self._groups.get(listed.source, {}), listed.members
+        changed = {one for one, _ in before.items() ^ listed.members.items()}
+        for stored in tuple(self._registry.by_key.values()) if changed else ():
+            if not changed.isdisjoint(stored.described.identifiers):
+                self._describe(stored.described, message, 0)
+
+    def _with_members(self, described: DeviceAnnounced) -> DeviceAnnounced:
+        """Return *described* with the members that a list gives it, if it is a group."""
+        found = [groups.get(one) for groups in self._groups.values() for one in described.identifiers]
+        members = next((one for one in found if one is not None), None)
+        if members is None:
+            return described
+        parts = [one._replace(part=one.part.model_copy(update={"members": members})) for one in described.parts]
+        return described._replace(parts=tuple(parts))
 
     def _publish(self, change: RegistryChange, message: MqttMessage) -> None:
         """Publish the change made by *message*, and have the device's topics subscribed to and its state requested."""

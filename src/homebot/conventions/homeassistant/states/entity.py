@@ -30,7 +30,16 @@ _JUST_NOW: Final = 5.0
 _SHAPING: Final = frozenset(
     {
         *("assumed_state", "available_modes", "available_tones", "code_arm_required", "code_format", "device_class"),
-        *("effect_list", "event_types", "fan_modes", "fan_speed_list", "friendly_name", "hvac_modes", "max"),
+        *(
+            "entity_id",
+            "effect_list",
+            "event_types",
+            "fan_modes",
+            "fan_speed_list",
+            "friendly_name",
+            "hvac_modes",
+            "max",
+        ),
         *("max_color_temp_kelvin", "max_humidity", "max_temp", "maximum", "min", "min_color_temp_kelvin"),
         *("min_humidity", "min_temp", "minimum", "mode", "operation_list", "options", "preset_modes", "source_list"),
         *("state_class", "supported_color_modes", "supported_features", "swing_horizontal_modes", "swing_modes"),
@@ -82,20 +91,21 @@ class HomeAssistantEntity:
         if kind is None or self.entry.is_disabled or (self.domain == "sensor" and names_secret(self.name)):
             return True
         if self.domain == "scene":
-            return any(map(_may_hurt, self._members))
+            return any(map(_may_hurt, self.members))
         return any(row.write for row in kind.rows) and self.is_group and not self._is_whole(registries)
 
     def _is_whole(self, registries: Registries) -> bool:
         """Return whether it stands for its own device, as WLED's main light, without which all segments are dark."""
-        return {registries.entity(one).device_id for one in self._members} == {self.entry.device_id or None}
+        return {registries.entity(one).device_id for one in self.members} == {self.entry.device_id or None}
 
     @property
     def is_group(self) -> bool:
         """True if it stands for others."""
-        return bool(self._members) or any(self.info.get(mark) is True for mark in _GROUP_MARKS)
+        return bool(self.members) or any(self.info.get(mark) is True for mark in _GROUP_MARKS)
 
     @property
-    def _members(self) -> Sequence[str]:
+    def members(self) -> Sequence[str]:
+        """The entities that it sets."""
         return options_of(self.info, "entity_id") or options_of(self.info, "group_entities")
 
     @property
