@@ -1,11 +1,12 @@
 """Look-up of devices in the directory: by id, by query, and by the address of raw commands."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import lru_cache
 from typing import Final, TypeAlias, final
 
-from homebot.devices import FIND_DEVICES, Device, FindDevices
+from homebot.devices import FIND_DEVICES, Device, DevicePart, FindDevices
+from homebot.devices.device import is_commanded
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.query.terms import FactIs, NameIs, Or, Query
 from homebot.devices.services import FindDevicesRequest
@@ -50,6 +51,20 @@ class DeviceLookup:
         request = FindDevicesRequest() if query is None else FindDevicesRequest(query=query_terms(query))
         return (await self._find.call(request)).devices
 
+    async def members(self, device: Device, part: DevicePart) -> list[tuple[Device, DevicePart]]:
+        """Return the parts that a command to *part* sets too; none without an answer."""
+        wanted, gateways = frozenset(part.part.members), {one.gateway for one in part.routes}
+        try:
+            known = await self.devices()
+        except ServiceError:
+            return []
+        found = [(one, other) for one in known for other in one.parts if is_commanded(other.part)]
+        return [
+            (one, other)
+            for one, other in found
+            if (one.id, other.id) != (device.id, part.id) and not wanted.isdisjoint(_references(one, other, gateways))
+        ]
+
     async def device_at(self, gateway: str, address: str) -> str:
         """Return the id of the device that takes commands at *address*; empty if there is none, or no answer.
 
@@ -78,6 +93,15 @@ def ask_which(name: str, called: Sequence[Device]) -> str:
 @lru_cache(maxsize=1024)
 def _request_for(device_id: str) -> FindDevicesRequest:
     return FindDevicesRequest(ids=(device_id,), service_type="", query=())
+
+
+def _references(device: Device, part: DevicePart, gateways: Collection[str]) -> Iterator[str]:
+    """Yield what a group in one of *gateways* may call a part; see :attr:`homebot.devices.part.Part.members`."""
+    yield from device.identifiers
+    for route in part.routes:
+        yield from (f"{one}#{route.part}" for one in device.identifiers)
+        if route.gateway in gateways:
+            yield f"#{route.part}"
 
 
 def _addresses(device: Device) -> Iterable[_Address]:

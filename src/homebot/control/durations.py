@@ -27,7 +27,10 @@ Philips Hue reports steps even without a transition (Koenkk/zigbee2mqtt#32050).
 """
 
 CAME_ALONG: Final = 3.0
-"""Other values of the part that change this soon after a sign of a command belong to it."""
+"""What changes this soon after a sign of a command may belong to it: other values of the part, and parts near it.
+
+The lamps of a group report one after the other (Koenkk/zigbee2mqtt#764).
+"""
 
 TAKEN_BACK: Final = 3.0
 """A bridge retracts its echo within this time if the device refused or another value is read back.

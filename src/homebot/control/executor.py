@@ -25,7 +25,7 @@ from homebot.control.policy_engine import PolicyEngine
 from homebot.control.sending import OpenCommand, Sending
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.cause import Attribution, Cause
-from homebot.control.timeline.facts import Reported, ReportRole
+from homebot.control.timeline.facts import Order, Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.control.timelines import Timelines
@@ -158,13 +158,20 @@ class CommandExecutor:
                 return held
         return self._policies.check(command, is_recorded=not is_preview)
 
-    def record_text(self, command: IssuedCommand) -> None:
+    async def record_text(self, command: IssuedCommand) -> None:
         """Record that *command* is sent as a text: it has no outcome, and supersedes older commands for the same."""
         now = self._clock.monotonic()
         if command.place in self.leases.parts:
             self.leases.record_stop(command, now)
         self._policies.turns.record(command, now)
-        self.timelines.of(command.device, command.part).command(order_of(command), now, is_raw=True)
+        order = order_of(command)
+        self.timelines.of(command.device, command.part).command(order, now, is_raw=True)
+        if command.part.part.members:
+            await self._record_members(command, order)
+
+    async def _record_members(self, command: IssuedCommand, order: Order) -> None:
+        """Record a command to a group for the parts that its source lists as its members."""
+        self.timelines.command_members(order, await self._lookup.members(command.device, command.part))
 
     def rehearse(self, command: IssuedCommand) -> Outcome | None:
         """Record and return the outcome that a rehearsal assumes for *command*; None to send the command."""
@@ -213,6 +220,8 @@ class CommandExecutor:
                 return self._decided(opened, AlreadySo(command_id=command.id))
             if self.rehearsal is not None and (assumed := self.rehearse(command)) is not None:
                 return await self._rehearsed(opened, assumed)
+            if command.part.part.members:
+                await self._record_members(command, opened.progress.order)
             witnesses = await self.witnesses.begin(opened)
             outcome = await self._sending.run(opened)
             if witnesses:

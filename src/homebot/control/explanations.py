@@ -76,10 +76,15 @@ class _JournalReader:
         return found
 
     async def chain(self, entry: JournalEntry, deepest: int) -> _Entries:
-        """Return the entries of the command of *entry*, preceded by those of the commands that led to it."""
+        """Return the entries of the command of *entry*, preceded by those of the commands that led to it.
+
+        Reports of other parts, which changed along with the command, are left out.
+        """
         if not entry.command:
             return (entry,)
-        entries = (await self.read(command=entry.command)).entries or (entry,)
+        found = (await self.read(command=entry.command)).entries
+        own = entry.device, entry.part
+        entries = tuple([one for one in found if one.kind != "reported" or (one.device, one.part) == own]) or (entry,)
         before = await self._cause(entries[0]) if deepest > 1 else None
         return entries if before is None else (*await self.chain(before, deepest - 1), *entries)
 

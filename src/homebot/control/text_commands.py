@@ -88,7 +88,7 @@ class TextCommands:
             self._journal.decided(request.issuer, command.place, assumed)
             is_refused = isinstance(assumed, Refused)
             return _response(assumed) if is_refused else SendTextResponse(success=True, command_id=command.id)
-        self._executor.record_text(command)
+        await self._executor.record_text(command)
         try:
             sent = await self._sender.send(
                 request.payload, target, request.issuer, request.trigger, command.id, part.routes

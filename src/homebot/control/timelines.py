@@ -1,26 +1,29 @@
 """Timelines of all commanded parts, fed by the reports of their gateways."""
 
 import math
-from collections import OrderedDict
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections import OrderedDict, deque
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import partial
+from types import MappingProxyType
 from typing import Final, TypeAlias, final
 
 from homebot.control import durations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.learnt import Profiles
 from homebot.control.timeline.cause import Attribution, Cause
-from homebot.control.timeline.facts import PartRef, Reported
+from homebot.control.timeline.facts import Order, PartRef, Reported
+from homebot.control.timeline.nearby import MOST_NEARBY, NOWHERE, Nearby, NearbyCommands
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.control.values import related
 from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.capabilities import SETTABLE
-from homebot.devices.device import target_of
+from homebot.devices.device import ChangedSetting, target_of
 from homebot.devices.value import PlainValue
 from homebot.graph import Node
+from homebot.support.bounded_map import BoundedMap
 from homebot.support.time_limits import TimeLimits
 
 __all__ = ["OnValue", "Timelines"]
@@ -29,6 +32,7 @@ OnValue: TypeAlias = Callable[[str, PlainValue, Attribution | None], None]
 """Called with the capability and the value of a report, and its cause; None for a repetition."""
 
 _MOST: Final = 10_000
+_NONE: Final[Mapping[str, PlainValue]] = MappingProxyType({})
 
 
 @dataclass(slots=True, eq=False)
@@ -36,6 +40,7 @@ class _TrackedPart:
     timeline: PartTimeline
     target: str
     part: DevicePart
+    room: str | None = None
     relevant: frozenset[str] = frozenset()
     stop_watch: Callable[[], None] = lambda: None
     timer: int = 0
@@ -55,6 +60,7 @@ class Timelines:
         self._settle = settle
         self._limits = TimeLimits()
         self._entries: OrderedDict[PartRef, _TrackedPart] = OrderedDict()
+        self._nearby: BoundedMap[str, NearbyCommands] = BoundedMap(_MOST)
         self.on_news: Callable[[CommandProgress, Reported | None], None] = lambda *_: None
         self.on_undone: Callable[[CommandProgress, Undoing, Cause], None] = lambda *_: None
 
@@ -68,7 +74,18 @@ class Timelines:
             self._entries.move_to_end(place)
         if entry.part is not part and entry.part != part:
             self._follow(entry, part)
+        if entry.room != device.area:
+            self._move(entry, device)
         return entry.timeline
+
+    def command_members(self, order: Order, members: Iterable[tuple[Device, DevicePart]]) -> None:
+        """Record a command to a group for each of its *members*."""
+        for device, part in members:
+            can = part.part.capabilities
+            settings = {one.name: order.settings[one.name] for one in can if one.name in order.settings}
+            wanted = {one.name: order.wanted[one.name] for one in can if one.name in order.wanted and one.readable}
+            own = replace(order, settings=settings or order.settings, wanted=wanted, echoed=frozenset())
+            self.of(device, part).command(own, self._clock.monotonic(), is_raw=True)
 
     def ineffective_routes(self, device: Device) -> tuple[KeyValue, ...]:
         """Return, by part, the routes of a device that are tried last because their last commands had no effect."""
@@ -91,8 +108,24 @@ class Timelines:
         """Set the timer of a decided command, and save the profile."""
         self._update(self._entries[place])
 
+    def has(self, place: PartRef) -> bool:
+        """Return whether a part has a timeline: it has been commanded, or has changed."""
+        return place in self._entries
+
+    def begin(self, device: Device, change: ChangedSetting, before: PlainValue) -> None:
+        """Begin the timeline of the part of *device* with its *change* from the value *before*."""
+        part = device.part(change.part)
+        if part is None:
+            return
+        stamp = change.told_at.to_seconds()
+        timeline = self._create((device.id, part.id), device, part, {change.capability: before}).timeline
+        if timeline.dropped_change is not None and timeline.dropped_change.stamp == stamp:
+            timeline.dropped_change = None
+        at = self._clock.monotonic() - max(0.0, self._clock.now() - stamp)
+        timeline.report(at, stamp, change.capability, change.value.plain())
+
     def cause(self, place: PartRef, capability: str, value: PlainValue, stamp: float) -> Attribution | None:
-        """Return the cause of the report with that *stamp*; None if no command explains or ended it."""
+        """Return the cause of the report with that *stamp*; None if it is not known."""
         entry = self._entries.get(place)
         fact = None if entry is None else entry.timeline.find(capability, value, stamp)
         return None if fact is None else self.cause_of(place, fact)
@@ -101,16 +134,36 @@ class Timelines:
         """Return the cause of a report of a commanded part."""
         return self._entries[place].timeline.cause_of(fact)
 
-    def _create(self, place: PartRef, device: Device, part: DevicePart) -> _TrackedPart:
+    def _create(
+        self, place: PartRef, device: Device, part: DevicePart, before: Mapping[str, PlainValue] = _NONE
+    ) -> _TrackedPart:
         target = target_of(device.id, part.id)
         timeline = PartTimeline(self._profiles.of(target), self._timeout, self._settle)
+        timeline.place = place
+        for capability, value in before.items():
+            timeline.seed(capability, value, -math.inf)
         _seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
         entry = self._entries[place] = _TrackedPart(timeline, target, part)
+        self._move(entry, device)
         timeline.on_news, timeline.on_undone = self.on_news, partial(self._on_undone, entry)
         self._follow(entry, part)
         if len(self._entries) > _MOST:
             self._forget_oldest()
         return entry
+
+    def _move(self, entry: _TrackedPart, device: Device) -> None:
+        """Let a part be in the room where its *device* is now."""
+        entry.room = device.area
+        lists = [self._commands_to(f"device {device.id}"), NOWHERE.room]
+        if device.area:
+            lists[1] = self._commands_to(f"room {device.area}")
+        entry.timeline.nearby = Nearby(*lists)
+
+    def _commands_to(self, place: str) -> NearbyCommands:
+        known = self._nearby.get(place)
+        if known is None:
+            known = self._nearby[place] = deque(maxlen=MOST_NEARBY)
+        return known
 
     def _follow(self, entry: _TrackedPart, part: DevicePart) -> None:
         entry.stop_watch()

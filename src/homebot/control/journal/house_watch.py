@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Final, TypeAlias, final
 
 from homebot.control.device_lookup import DeviceLookup
-from homebot.devices import GatewayNames, RawCommand
+from homebot.devices import Device, GatewayNames, RawCommand
 from homebot.devices.device import ChangedSettings
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
 from homebot.devices.value import PlainValue
+from homebot.errors import ServiceError
 from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
 from homebot.support.bounded_map import BoundedMap
 
 if TYPE_CHECKING:
     from homebot.control.control_layer import ControlLayer
+    from homebot.control.journal.journal import RawWindow
     from homebot.control.timeline.cause import Attribution
 
 __all__ = ["HouseWatch"]
@@ -38,9 +41,14 @@ def _is_change(before: PlainValue, before_at: float, value: PlainValue, at: floa
     return before is not None and before != value and not is_dial
 
 
-def _cause(attribution: Attribution | None, *, was_absent: bool) -> str:
-    cause = "person" if attribution is None else attribution.cause.value
-    return "unknown" if cause == "person" and was_absent else cause
+def _explained(raw: RawWindow, found: Attribution | None, *, was_absent: bool) -> tuple[str, str]:
+    """Return the id of the command behind a change, empty for none, and its cause."""
+    if raw.id and (found is None or found.command != raw.id):
+        return raw.id, "command"
+    if found is None or found.cause.may_be_person:
+        cause = "person" if found is None else found.cause.value
+        return "", "unknown" if was_absent else cause
+    return found.command, found.cause.value
 
 
 @final
@@ -81,7 +89,7 @@ class HouseWatch:
         out = GatewayNames(gateway).out
         self._node.create_subscription(RawCommand, out, partial(self._on_raw, gateway), _RAW, from_node=OTHERS)
 
-    def _on_settings(self, changed: ChangedSettings) -> None:
+    async def _on_settings(self, changed: ChangedSettings) -> None:
         for change in changed.changes:
             place, value = (change.device, change.part, change.capability), change.value.plain()
             if value is None:
@@ -91,11 +99,18 @@ class HouseWatch:
             if not _is_change(before, before_at, value, at):
                 continue
             layer = self._layer()
+            if not layer.timelines.has(place[:2]) and (device := await self._device(change.device)) is not None:
+                layer.timelines.begin(device, change, before)
             raw = layer.journal.raw_command(change.device, value, at)
-            attribution = layer.timelines.cause(place[:2], change.capability, value, at)
-            if (raw.id and raw.means(value)) or attribution is None or attribution.role is None:
-                cause = "command" if raw.id else _cause(attribution, was_absent=change.was_absent)
-                layer.journal.changed(change, before, raw.id, cause)  # else the entries of a command record it
+            found = layer.timelines.cause(place[:2], change.capability, value, at)
+            if found is None or found.role is None or (raw.id and raw.means(value)):
+                command, cause = _explained(raw, found, was_absent=change.was_absent)
+                layer.journal.changed(change, before, command, cause)  # else the entries of a command record it
+
+    async def _device(self, device_id: str) -> Device | None:
+        with suppress(ServiceError):
+            return await self._lookup.device(device_id)
+        return None
 
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:
         # Control's own commands do not come here; an id that another program gives would let it hide the command.

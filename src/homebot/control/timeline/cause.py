@@ -38,7 +38,7 @@ class Attribution(NamedTuple):
 
     Attributes:
         command: The id of the command that caused the report, or whose effect it ended; empty for none.
-        role: The role of the report for that command; None without one.
+        role: The role of the report for that command; None without one, and for a command to another part.
     """
 
     cause: Cause
@@ -65,10 +65,14 @@ def cause_of(fact: Reported, commands: Iterable[CommandProgress]) -> Attribution
         role = command.roles.get(fact.number)
         cause = None if role is None else _cause(role, fact, command)
         if cause is not None:
-            return Attribution(cause, command.order.id, role)
+            return Attribution(cause, command.order.id, None if command.is_raw else role)
         if role is ReportRole.OTHERWISE and fact.at <= command.ended_at:
             answered = Attribution(Cause.PERSON, command.order.id, role)
-    return _NOT_KNOWN if fact.value is None or fact.is_first or fact.is_after_loss else answered
+    if fact.value is None or fact.is_first or fact.is_after_loss:
+        return _NOT_KNOWN
+    if fact.along:
+        return Attribution(Cause.COMMAND, fact.along) if fact.is_usual else _NOT_KNOWN
+    return answered
 
 
 def cause_of_undoing(command: CommandProgress, capability: str) -> Cause:

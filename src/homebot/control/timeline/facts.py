@@ -1,5 +1,6 @@
 """Facts of a part: orders, and reports with their time on the monotonic clock. Pure."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
@@ -78,7 +79,10 @@ class Reported:
         at: Seconds.
         stamp: The time of the message, in seconds since the Unix epoch.
         previous: The previous live value; None if there was none.
+        since: When the previous value came, in seconds.
         is_after_loss: Whether the connection was lost since the previous value.
+        along: The id of the command to a part near this one that it may belong to; empty for none.
+        is_usual: Whether the part usually changes along with such a command.
     """
 
     at: float
@@ -87,8 +91,11 @@ class Reported:
     capability: str
     value: PlainValue
     previous: PlainValue = None
+    since: float = -math.inf
     is_first: bool = False
     is_after_loss: bool = False
+    along: str = ""
+    is_usual: bool = False
 
     @property
     def is_change(self) -> bool:

@@ -8,12 +8,13 @@ from typing import Final, final
 
 from homebot.control import durations
 from homebot.control.timeline.cause import Attribution, Cause, cause_of, cause_of_undoing
-from homebot.control.timeline.facts import Order, Reported
+from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole
 from homebot.control.timeline.learning import learn_failure, learn_late_answer, learn_outcome, learn_settled
+from homebot.control.timeline.nearby import NOWHERE, Nearby
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
-from homebot.devices.outcomes import NoAnswer, Outcome
+from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 
 __all__ = ["MOST_REPORTS", "PartTimeline"]
@@ -36,6 +37,8 @@ class PartTimeline:
     Attributes:
         reports: The reports, oldest first.
         commands: The commands, including older ones that may still have an effect, oldest first.
+        place: The part.
+        nearby: The commands to this part and those near it.
         unsure_since: Since when the value of each capability may differ from the reported one.
         dropped_change: The newest unexplained change that is no longer among the reports; None if there is none.
         on_news: Called with each report for each command that may have caused it, and with None for a replaced command.
@@ -46,19 +49,21 @@ class PartTimeline:
         self.reports: deque[Reported] = deque()
         self.commands: deque[CommandProgress] = deque()
         self.profile = profile
+        self.place: PartRef = ("", "")
+        self.nearby: Nearby = NOWHERE
         self.unsure_since: dict[str, float] = {}
         self.dropped_change: Reported | None = None
         self.on_news: Callable[[CommandProgress, Reported | None], None] = lambda *_: None
         self.on_undone: Callable[[CommandProgress, Undoing, Cause], None] = lambda *_: None
         self._first = first
         self._settle = settle
-        self._latest: dict[str, tuple[PlainValue, float]] = {}
+        self._latest: dict[str, tuple[PlainValue, float, float]] = {}  # value, last report, first report
         self._number = 0
         self._active: list[CommandProgress] = []  # those that may have caused a report now
 
     def seed(self, capability: str, value: PlainValue, at: float) -> None:
         """Record a value that was reported live before the timeline began: it is not a change."""
-        self._latest.setdefault(capability, (value, at))
+        self._latest.setdefault(capability, (value, at, at))
 
     def command(
         self,
@@ -73,7 +78,7 @@ class PartTimeline:
 
         Args:
             last: The values that the part reported last, certain or not.
-            is_raw: Whether it is a raw text, which has no outcome.
+            is_raw: Whether it has no outcome here: a raw text, or a command to a group of which the part is a member.
         """
         for older in self._active:
             older.supersede(order, at)
@@ -84,6 +89,8 @@ class PartTimeline:
             progress.send(at)
             progress.decide(NoAnswer(0.0, command_id=order.id), at, self._settle)
         self.commands.append(progress)
+        self.nearby.device.append(progress)
+        self.nearby.room.append(progress)
         self._active.append(progress)
         if len(self.commands) > MOST_REPORTS or self.commands[0].ended_at < at - durations.REMEMBERED:
             self._drop_commands(at - durations.REMEMBERED)
@@ -108,17 +115,22 @@ class PartTimeline:
             stamp: The time of the message, in seconds since the Unix epoch.
         """
         known = self._latest.get(capability)
-        self._latest[capability] = value, at
+        is_same = known is not None and known[0] == value
+        self._latest[capability] = value, at, known[2] if known is not None and is_same else at
         active = self._active = [one for one in self._active if one.covers(at)]
-        if not active and known is not None and known[0] == value:
+        if not active and is_same:
             return None
         self._number += 1
-        previous, before = (None, math.inf) if known is None else known
-        fact = Reported(at, stamp, self._number, capability, value, previous, known is None, before < lost_at)
+        previous, before, since = (None, math.inf, at) if known is None else known
+        fact = Reported(at, stamp, self._number, capability, value, previous, since, known is None, before < lost_at)
         self._append(fact)
+        is_effect = False
         for one in active:
             one.report(fact)
-            self._learn(one)
+            self._learn(one, at)
+            is_effect = is_effect or one.roles[fact.number] is ReportRole.EFFECT
+        if not is_effect and fact.is_change and self.cause_of(fact).cause is Cause.PERSON:
+            self.nearby.explain(fact, self.place, self.profile)
         for one in active:
             self.on_news(one, fact)
         return fact
@@ -137,7 +149,7 @@ class PartTimeline:
         for one in self._active:
             if one.settling is not None:
                 one.settling.advance(now)
-                self._learn(one)
+                self._learn(one, now)
 
     def value(self, capability: str) -> PlainValue:
         """Return the newest live value; None if there is none."""
@@ -176,15 +188,17 @@ class PartTimeline:
         """Return the commands without an outcome, oldest first, without raw texts."""
         return [one for one in self._active if one.is_open]
 
-    def _learn(self, progress: CommandProgress) -> None:
+    def _learn(self, progress: CommandProgress, now: float) -> None:
         settling = progress.settling
         if settling is None:
-            if progress.learns_late and progress.is_met:
+            if progress.is_raw and progress.wanted and progress.is_met:
+                progress.decide(Confirmed(now - progress.given_at, Evidence.REPORTED), now, self._settle)
+            elif progress.learns_late and progress.is_met:
                 learn_late_answer(progress, self.profile, self._first)
         elif not progress.is_learnt and (settling.has_held or settling.undoing is not None):
             progress.is_learnt, undoing = True, settling.undoing
             learn_settled(progress, undoing, self.profile)
-            if undoing is not None:
+            if undoing is not None and not progress.is_raw:
                 self.on_undone(progress, undoing, cause_of_undoing(progress, undoing.capability))
 
     def _replace_settling(self, progress: CommandProgress, at: float) -> None:

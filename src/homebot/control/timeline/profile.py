@@ -63,6 +63,7 @@ class DeviceProfile:
         returns: The ends of confirmed values; empty as long as no value was undone.
         echoes: For each expected echo, whether the device's own report followed it.
         answers: The reported values by commanded value.
+        pairs: How often in a row it changed along with commands to each part near it, at most three times.
         failures: By route, the number of consecutive commands without effect, at most two; see :attr:`Route.name`.
         is_told_once: Whether it is a dimmer that did not answer several sendings: each may have restarted its ramp.
         is_changed: Whether it has unsaved knowledge.
@@ -72,6 +73,7 @@ class DeviceProfile:
     returns: dict[str, _Newest[Return]] = field(default_factory=dict)
     echoes: dict[str, _Newest[bool]] = field(default_factory=dict)
     answers: dict[str, _Answers] = field(default_factory=dict)
+    pairs: Annotated[dict[str, int], Field(max_length=KEPT)] = field(default_factory=dict)
     failures: Annotated[dict[str, int], Field(max_length=KEPT)] = field(default_factory=dict)
     is_told_once: bool = False
     is_changed: bool = False
@@ -82,6 +84,7 @@ class DeviceProfile:
         self.returns = earlier.returns | self.returns
         self.echoes = earlier.echoes | self.echoes
         self.answers = earlier.answers | self.answers
+        self.pairs = earlier.pairs | self.pairs
         self.failures = earlier.failures | self.failures
         self.is_told_once = self.is_told_once or earlier.is_told_once
 
@@ -140,6 +143,19 @@ class DeviceProfile:
                 self.failures[route] = count
         while len(self.failures) > KEPT:
             del self.failures[next(iter(self.failures))]
+
+    def learn_pair(self, other: str, *, is_missed: bool) -> bool:
+        """Record that it changed along with a command to the part *other*; return whether it usually does.
+
+        Args:
+            is_missed: Whether it did not the last time.
+        """
+        count = 0 if is_missed else self.pairs.pop(other, 0)
+        self.pairs[other] = min(count + 1, _ENOUGH)
+        if len(self.pairs) > KEPT:
+            del self.pairs[next(iter(self.pairs))]
+        self.is_changed = self.is_changed or self.pairs[other] != count
+        return count >= _ENOUGH
 
     @property
     def ineffective(self) -> frozenset[str]:

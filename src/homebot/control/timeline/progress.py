@@ -10,7 +10,7 @@ from operator import attrgetter
 from typing import Final, final
 
 from homebot.control import durations
-from homebot.control.timeline.facts import Order, Reported, ReportRole
+from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole
 from homebot.control.timeline.goal import NOTHING, Motion, WantedValue, side_role
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.settling import Settling
@@ -39,7 +39,7 @@ class CommandProgress:
 
     Args:
         last: The values that the part last reported before, certain or not.
-        is_raw: Whether it is a raw text, which has no outcome.
+        is_raw: Whether it has no outcome here: a raw text, or a command to a group of which the part is a member.
 
     Attributes:
         wanted: The values that the part should report, and its reports of them.
@@ -56,6 +56,7 @@ class CommandProgress:
         is_open: Whether its outcome is not decided yet, and no newer command replaced it.
         ended_at: When its outcome was decided, or it was superseded; inf before.
         learns_late: Whether an answer after its failure shows the device's response time.
+        followers: The other parts that changed along with it.
         has_echo: Whether a bridge may report the wanted values before the device obeyed.
         suspected: The capabilities whose fast reports were retracted before, as a bridge's echoes are.
         usual_returns: The seconds after which the device is known to go back by itself, by capability.
@@ -90,6 +91,7 @@ class CommandProgress:
         self.is_open, self.ended_at = True, math.inf
         self.outcome: Outcome | None = None
         self.settling: Settling | None = None
+        self.followers: frozenset[PartRef] = frozenset()
         self.suspected, self.usual_returns = _NONE, {}
         if profile.returns:
             self.suspected = frozenset(

@@ -223,9 +223,14 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
     if last.kind == "reverted":
         wanted = settings_text(first.settings)
         return f"it changed back, by a hand or by itself, after {issuer} had asked for {wanted}"
-    asked = f"{issuer} {'published' if first.kind == 'published' else 'asked for'} {_commanded(first)}"
+    reported = [(one.device, one.part) for one in chain if one.kind == "reported"]
+    is_along = first.kind == "requested" and bool(reported) and (first.device, first.part) not in reported
+    verb = f"asked {name_text(first.device, names, first.part)} for" if is_along else "asked for"
+    asked = f"{issuer} {'published' if first.kind == 'published' else verb} {_commanded(first)}"
     cause = trigger_text(first.trigger, names)
     reason = f"{asked}, because {cause}" if cause else asked
+    if is_along:
+        return f"{reason}; it changed along with that"
     if last.kind == "reported" and any(one.kind == "outcome" for one in chain):
         return f"{reason}; it answered late, or somebody did it by hand"
     doubt = _doubt(chain)

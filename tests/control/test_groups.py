@@ -1,0 +1,206 @@
+"""Changes that come along with commands to other parts: of groups, scenes, one relay or one room; in virtual time."""
+
+from functools import partial
+
+import anyio
+import pytest
+from tests.control.conftest import Home, OpenHome, ignore, obey
+from tests.control.test_explanations import explain
+
+from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
+from homebot.devices.gateway_messages import Command
+from homebot.devices.handles import Handle, Light
+from homebot.devices.names import PERFORM_COMMAND
+from homebot.devices.outcomes import Confirmed, Refused, Superseded
+from homebot.devices.part import Part
+from homebot.devices.wording.journal_words import finding_text
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+
+pytestmark = pytest.mark.virtual_time
+
+LAMPS = ("left", "right")
+
+
+async def put_group(home: Home, *members: str, area: str = "", room: str = "", delay: float = 0.2) -> Light:
+    """Put a group, and two lamps that report after it; return the handle of the group."""
+    for name in LAMPS:
+        home.gateway.devices.put(_device(name, simple_part("light", settable=("on_off",)), room), "it was found")
+    group = simple_part("light", settable=("on_off",)).model_copy(update={"members": members})
+    home.gateway.devices.put(_device("group", group, area), "it was found")
+    for name in (*LAMPS, "group"):
+        await home.report(name, "on_off", False)
+    await anyio.sleep(1.0)
+    home.behaviours["group"] = partial(_tell_lamps, delay)
+    return await home.handle(Light, "group")
+
+
+def _device(key: str, part: Part, area: str) -> GatewayDevice:
+    return GatewayDevice(key, key.title(), (part,), area=area, identifiers=(f"id:{key}",))
+
+
+async def _tell_lamps(delay: float, home: Home, command: Command) -> None:
+    await obey(home, command)
+    for name in LAMPS:
+        home.later(delay, name, "on_off", command.value.plain())
+
+
+async def told(home: Home, *names: str) -> list[str]:
+    """Return the causes that the journal tells of the changes of devices, oldest first."""
+    await anyio.sleep(1)
+    entries = (await home.read()).entries
+    return [one.cause for one in entries if one.kind in {"changed", "reported"} and one.device in names]
+
+
+async def test_a_lamp_of_a_group_changes_by_the_command_to_the_group(home: Home) -> None:
+    group = await put_group(home, *(f"id:{name}" for name in LAMPS))
+    assert isinstance(await group.turn_on(), Confirmed)
+    assert await told(home, *LAMPS) == ["command", "command"]
+    why = await explain(home, "left")
+    names = {one.key: one.value for one in why.names}
+    assert finding_text(why, names, home.graph.clock.now()).endswith(
+        "app asked Group for on; it changed along with that."
+    )
+
+
+@pytest.mark.parametrize("name", ["id:left", "id:left#", "#"])
+async def test_a_member_is_named_by_its_device_or_its_part(home: Home, name: str) -> None:
+    group = await put_group(home, name)
+    await group.turn_on()
+    assert (await told(home, "left"))[0] == "command"
+    assert await told(home, "right") == ["command" if name == "#" else "person"]
+
+
+async def test_a_person_at_a_lamp_of_a_group_is_named_seconds_later(home: Home) -> None:
+    group = await put_group(home, "id:left", "id:right")
+    await group.turn_on()
+    await anyio.sleep(20)
+    await home.report("left", "on_off", False)
+    await anyio.sleep(20)
+    await home.report("left", "on_off", True)
+    assert await told(home, "left") == ["command", "person", "person"]
+
+
+async def test_a_command_to_a_group_replaces_that_to_its_lamp(home: Home) -> None:
+    group = await put_group(home, "id:left", "id:right")
+    await home.report("left", "on_off", True)
+    home.behaviours["left"] = ignore
+    outcomes = home.begin((await home.handle(Light, "left")).turn_off)
+    await anyio.sleep(0.1)
+    await group.turn_on()
+    await anyio.sleep(1)
+    assert [type(one) for one in outcomes] == [Superseded]
+
+
+async def command_in_turn(group: Light, times: int) -> None:
+    """Turn *group* on, off, on, and so on."""
+    for number in range(times):
+        await (group.turn_off() if number % 2 else group.turn_on())
+        await anyio.sleep(30)
+
+
+async def test_a_lamp_in_the_room_of_a_command_is_no_person_and_is_learnt_after_three_times(home: Home) -> None:
+    await command_in_turn(await put_group(home, area="hall", room="hall"), 5)
+    assert await told(home, "left") == ["unknown"] * 3 + ["command"] * 2
+
+
+async def test_a_lamp_that_did_not_follow_the_last_time_is_learnt_anew(home: Home) -> None:
+    """It left the group, and a person who came at the same time turned it on."""
+    group = await put_group(home, area="hall", room="hall")
+    await command_in_turn(group, 4)
+    home.behaviours["group"] = obey
+    await command_in_turn(group, 2)
+    await group.turn_on()
+    home.later(0.5, "left", "on_off", True)
+    await anyio.sleep(30)
+    assert await told(home, "left") == ["unknown"] * 3 + ["command", "unknown"]
+
+
+async def test_a_change_against_a_command_near_by_is_unknown_and_not_learnt(home: Home) -> None:
+    group = await put_group(home, area="hall", room="hall")
+    await home.report("left", "on_off", True)
+    await anyio.sleep(30)
+    home.behaviours["group"] = obey
+    for _ in range(5):
+        await group.turn_on()
+        home.later(1.0, "left", "on_off", False)
+        await anyio.sleep(30)
+        await home.report("left", "on_off", True)
+        await group.turn_off()
+        await anyio.sleep(30)
+    assert await told(home, "left") == ["person", *["unknown", "person"] * 5]
+
+
+@pytest.mark.parametrize(("room", "cause"), [("hall", "unknown"), ("attic", "person"), ("", "person")])
+async def test_only_the_room_of_a_command_is_near(home: Home, room: str, cause: str) -> None:
+    group = await put_group(home, area="hall", room=room)
+    await group.turn_on()
+    assert await told(home, "left") == [cause]
+
+
+async def test_a_person_in_the_room_some_seconds_after_a_command_is_named(home: Home) -> None:
+    group = await put_group(home, area="hall", room="hall", delay=3.5)
+    await group.turn_on()
+    await anyio.sleep(5)
+    assert await told(home, "left") == ["person"]
+
+
+async def test_two_parts_of_one_relay_are_learnt_however_slowly_it_answers(home: Home) -> None:
+    relay = simple_part("switch", settable=("on_off",))
+    parts = tuple(relay.model_copy(update={"id": one}) for one in ("relay", "light"))
+    home.gateway.devices.put(GatewayDevice("plug", "Plug", parts), "it was found")
+    for one in parts:
+        await home.gateway.devices.report("plug", {"on_off": False}, one.id)
+    await anyio.sleep(1)
+
+    async def answer(home: Home, command: Command) -> None:
+        async def tell() -> None:
+            await anyio.sleep(5)
+            for one in ("light", "relay"):
+                await home.gateway.devices.report("plug", {"on_off": command.value.plain()}, one)
+
+        home.tasks.start_soon(tell)
+
+    home.behaviours["plug"] = answer
+    for number in range(4):
+        settings = (Setting.of("on_off", number % 2 == 0),)
+        request = CommandRequest(device="plug", part="relay", settings=settings, issuer="/app")
+        await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(request, timeout=60)
+        await anyio.sleep(30)
+    await anyio.sleep(1)
+    entries = [one for one in (await home.read()).entries if one.part == "light"]
+    assert [one.cause for one in entries] == ["unknown"] * 3 + ["command"]
+
+
+async def test_lamps_that_change_with_a_scene_of_their_room_are_learnt(home: Home) -> None:
+    home.put("scene", "x_scene", "scene", area="hall", is_silent=True)
+    home.put("lamp", "light", "on_off", area="hall")
+    await home.report("lamp", "on_off", False)
+    home.behaviours["scene"] = report_lamp
+    scene = await home.handle(Handle, "scene")
+    for _ in range(4):
+        await scene.command("scene", True)
+        await anyio.sleep(30)
+        await home.report("lamp", "on_off", False)
+        await anyio.sleep(30)
+    assert (await told(home, "lamp"))[::2] == ["unknown"] * 3 + ["command"]
+
+
+async def report_lamp(home: Home, _: Command) -> None:
+    home.later(1.0, "lamp", "on_off", True)
+
+
+async def test_an_empty_room_stays_empty_when_an_app_commands_a_group(open_home: OpenHome) -> None:
+    async with open_home(presence_guard={"absent_after": 1200.0}) as home:
+        home.put("motion", "occupancy_sensor", readable=("occupancy",), area="hall")
+        for value in (True, False):
+            await home.report("motion", "occupancy", value)
+            await anyio.sleep(1)
+        group = await put_group(home, "id:left", room="hall")
+        await anyio.sleep(1300)
+        await group.turn_on()
+        await anyio.sleep(30)
+        lamp = await home.handle(Light, "left")
+        assert isinstance(await lamp.turn_off(), Confirmed)
+        await home.report("left", "on_off", True)
+        await anyio.sleep(1)
+        assert isinstance(await lamp.turn_off(), Refused)

@@ -1,0 +1,381 @@
+"""A house on a memory gateway: groups, scenes, timers, mirrored parts, late answers and persons, with the true causes.
+
+Everything runs through the real control layer in virtual time, and is a function of a seed. What homebot told is read
+from its journal.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, defaultdict
+from collections.abc import Callable, Coroutine, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from random import Random
+from typing import Literal, TypeAlias
+
+import anyio
+from tests.control.conftest import Behaviour, Home
+
+from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
+from homebot.devices.gateway_messages import Command
+from homebot.devices.handles import Handle
+from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.names import JOURNAL_ENTRIES, PERFORM_COMMAND
+from homebot.devices.part import Capability, Part
+from homebot.devices.value import PlainValue
+from homebot.gateways.announced.gateway_device import GatewayDevice
+
+Truth: TypeAlias = Literal["command", "along", "device", "person"]
+"""``along``: the effect of a command to another part: a group, a scene, a mirrored part."""
+
+_SAME = 1.5
+"""Seconds by which a change and its entry in the journal may differ."""
+
+_ON_OFF = (False, True)
+
+
+@dataclass(frozen=True, slots=True)
+class TrueChange:
+    """A change that a part reported, with its true cause, and the kind of its part."""
+
+    at: float
+    place: tuple[str, str]
+    capability: str
+    value: PlainValue
+    truth: Truth
+    kind: str
+
+
+@dataclass(slots=True)
+class Tables:
+    """Counts over many houses.
+
+    Attributes:
+        told: How often a change of a kind with a true cause was told to have another one.
+        commands: The number of commands.
+        overridden: Repetitions after a person had changed the part, by kind.
+    """
+
+    told: Counter[tuple[str, Truth, str]] = field(default_factory=Counter)
+    commands: int = 0
+    overridden: Counter[str] = field(default_factory=Counter)
+
+    @property
+    def wrong_persons(self) -> float:
+        """The share of none among the changes that were told to be a person's."""
+        return 1.0 - self.count(truth="person", told="person") / max(self.count(told="person"), 1)
+
+    def share(self, truth: Truth, told: str, kind: str = "") -> float:
+        """Return the share of the changes with a true cause that were told to have the cause *told*."""
+        return self.count(kind, truth, told) / max(self.count(kind, truth), 1)
+
+    def count(self, kind: str = "", truth: str = "", told: str = "") -> int:
+        """Return how many changes fit; an empty text fits all."""
+        wanted = kind, truth, told
+        return sum(
+            number
+            for found, number in self.told.items()
+            if all(one in ("", other) for one, other in zip(wanted, found, strict=True))
+        )
+
+    def text(self) -> str:
+        """Return the tables as text."""
+        causes = ("command", "transition", "device", "unknown", "person", "nothing")
+        lines = [f"{'kind and truth':30}" + "".join(f"{one:>12}" for one in causes)]
+        for kind, truth in sorted({(kind, truth) for kind, truth, _ in self.told}):
+            numbers = "".join(f"{self.told[kind, truth, cause]:12,}" for cause in causes)
+            lines.append(f"{f'{kind}: {truth}':30}{numbers}")
+        lines += [
+            f"{f'all: {truth}':30}" + "".join(f"{self.count('', truth, one):12,}" for one in causes)
+            for truth in ("command", "along", "device", "person")
+        ]
+        lines.append(f"commands: {self.commands:,}; repeated over a person: {dict(self.overridden)}")
+        named = self.share("person", "person")
+        lines.append(f"told person and none: {self.wrong_persons:.1%}; persons named: {named:.1%}")
+        return "\n".join(lines)
+
+
+class SimulatedHouse:
+    """The devices of one house, its app and its persons.
+
+    Args:
+        hours: How long it is watched.
+    """
+
+    def __init__(self, home: Home, random: Random, tables: Tables, hours: float = 3.0) -> None:
+        self.home, self.random, self.tables = home, random, tables
+        self.until = hours * 3600.0
+        self.changes: list[TrueChange] = []
+        self.entries: list[JournalEntry] = []
+        self._values: dict[tuple[str, str, str], PlainValue] = {}
+        self._kinds: dict[str, str] = {}
+        self._number: Counter[str] = Counter()  # of the newest event of a part: it ends what had begun
+        self._touched: dict[str, float] = defaultdict(lambda: -math.inf)
+        self._first_sent: dict[str, float] = {}
+        self._ids: dict[str, str] = {}
+        self._loops: list[Callable[[], Coroutine[None, None, None]]] = []
+        self._persons: list[tuple[str, str, tuple[PlainValue, ...]]] = []
+        home.app.create_subscription(JournalEntry, JOURNAL_ENTRIES, self.entries.append, 100_000)
+
+    # What there is
+
+    def put(
+        self,
+        key: str,
+        kind: str,
+        settings: Mapping[str, tuple[PlainValue, ...]],
+        *,
+        area: str,
+        members: tuple[str, ...] = (),
+        parts: tuple[str, ...] = ("",),
+        is_write_only: bool = False,
+    ) -> None:
+        """Let there be a device, at which persons set each of the settings with several values."""
+        found = []
+        for part_id in parts:
+            capabilities = tuple(Capability(name=one, settable=True, readable=not is_write_only) for one in settings)
+            part = Part(id=part_id, service_type="light", capabilities=capabilities)
+            if members and "members" in Part.model_fields:
+                part = part.model_copy(update={"members": members})
+            found.append(part)
+        device = GatewayDevice(key, key.title(), tuple(found), area=area, identifiers=(f"id:{key}",))
+        self.home.gateway.devices.put(device, "the test says so")
+        self._kinds[key] = kind
+        for capability, values in settings.items():
+            if len(values) > 1 and not is_write_only:
+                for part_id in parts:
+                    self._values[key, part_id, capability] = values[0]
+                self._persons.append((key, capability, values))
+
+    def plain(self, key: str, area: str, low: float = 0.02, high: float = 0.4, kind: str = "lamp") -> None:
+        """A lamp that obeys by itself, in a room."""
+        self.put(key, kind, {"on_off": _ON_OFF}, area=area)
+        self._behave(key, partial(self._obey, low, high))
+
+    def group(self, key: str, area: str, lamps: int, *, is_listed: bool, low: float = 0.02, high: float = 0.6) -> None:
+        """A group that reports, and whose lamps report each for itself."""
+        names = tuple(f"{key}-{number}" for number in range(lamps))
+        for name in names:
+            self.plain(name, area, kind="member" if is_listed else "unlisted member")
+        listed = tuple(f"id:{name}" for name in names) if is_listed else ()
+        self.put(key, "group", {"on_off": (False,)}, area="" if is_listed else area, members=listed)
+        self._values[key, "", "on_off"] = False
+
+        async def obey(_: Home, command: Command) -> None:
+            value = command.value.plain()
+            self._later(self.random.uniform(0.01, 0.1), key, "", "on_off", value, "command")
+            for name in names:
+                self._later(self.random.uniform(low, high), name, "", "on_off", value, "along")
+
+        self._behave(key, obey)
+        self.drive(key, "", "on_off", _ON_OFF, 60.0, 400.0)
+
+    def scene(self, key: str, area: str, lamps: int, *, is_listed: bool) -> None:
+        """A scene, which can only be activated, and its lamps."""
+        names = tuple(f"{key}-{number}" for number in range(lamps))
+        wanted = {name: self.random.choice(_ON_OFF) for name in names}
+        for name in names:
+            self.plain(name, area, kind="lamp of a scene" if is_listed else "lamp of an unlisted scene")
+        listed = tuple(f"id:{name}" for name in names) if is_listed else ()
+        self.put(key, "scene", {"press": ("push",)}, area=area, members=listed, is_write_only=True)
+
+        async def obey(_: Home, __: Command) -> None:
+            for name in names:
+                self._later(self.random.uniform(0.05, 1.2), name, "", "on_off", wanted[name], "along")
+
+        self._behave(key, obey)
+        self.drive(key, "", "press", ("push",), 90.0, 500.0)
+
+    def mirrored(self, key: str, area: str) -> None:
+        """Two parts that show one relay."""
+        self.put(key, "mirrored", {"on_off": _ON_OFF}, area=area, parts=("relay", "light"))
+
+        async def obey(_: Home, command: Command) -> None:
+            number = None
+            truths: tuple[tuple[str, Truth], ...] = (("relay", "command"), ("light", "along"))
+            for part, truth in truths:
+                after = self.random.uniform(0.02, 0.5)
+                number = self._later(after, key, part, "on_off", command.value.plain(), truth, number=number)
+
+        self._behave(key, obey)
+        self.drive(key, "relay", "on_off", _ON_OFF, 30.0, 300.0)
+
+    def timer(self, key: str, area: str, seconds: float) -> None:
+        """A staircase light: it turns off by itself."""
+        self.put(key, "timer", {"on_off": _ON_OFF}, area=area)
+
+        async def obey(_: Home, command: Command) -> None:
+            value, after = command.value.plain(), self.random.uniform(0.02, 0.3)
+            number = self._later(after, key, "", "on_off", value, "command")
+            if value:
+                jitter = self.random.uniform(0.0, 0.15)
+                self._later(after + seconds + jitter, key, "", "on_off", value=False, truth="device", number=number)
+
+        self._behave(key, obey)
+        self.drive(key, "", "on_off", (True,), 1.2 * seconds + 20.0, 1.6 * seconds + 120.0)
+
+    def late(self, key: str, area: str) -> None:
+        """A battery valve that wakes up every few minutes."""
+        values = (17.0, 19.0, 21.0, 22.5)
+        self.put(key, "late", {"heating_setpoint": values}, area=area)
+
+        async def obey(_: Home, command: Command) -> None:
+            if not command.repeated:
+                after = self.random.uniform(120.0, 880.0)
+                self._later(after, key, "", "heating_setpoint", command.value.plain(), "command")
+
+        self._behave(key, obey)
+        self.drive(key, "", "heating_setpoint", values, 1000.0, 1500.0)
+
+    def slow(self, key: str, area: str) -> None:
+        """A lamp that is commanded, and now and then does not hear it."""
+        self.plain(key, area, 0.1, 6.0, kind="slow")
+        self.drive(key, "", "on_off", _ON_OFF, 30.0, 200.0)
+
+    def commanded(self, key: str, area: str) -> None:
+        """A lamp that is commanded by itself."""
+        self.plain(key, area)
+        self.drive(key, "", "on_off", _ON_OFF, 30.0, 200.0)
+
+    # What happens
+
+    def drive(
+        self, key: str, part: str, capability: str, values: tuple[PlainValue, ...], shortest: float, longest: float
+    ) -> None:
+        """Let the app command a part again and again."""
+
+        async def run() -> None:
+            while True:
+                await anyio.sleep(self.random.uniform(shortest, longest))
+                now = self._values.get((key, part, capability))
+                choice = [one for one in values if one != now] or list(values)
+                self.home.tasks.start_soon(self._command, key, part, capability, self.random.choice(choice))
+                if self.random.random() < 0.15:
+                    self.home.tasks.start_soon(self._reject, key)
+
+        self._loops.append(run)
+
+    async def run(self) -> None:
+        """Live for the hours, and count what was told."""
+        await anyio.sleep(1.0)
+        self._ids = {one.name.lower(): one.device.id for one in await self.home.devices.find(Handle)}
+        for (key, part, capability), value in tuple(self._values.items()):
+            await self.home.gateway.devices.report(key, {capability: value}, part)
+        await anyio.sleep(2000.0)
+        for loop in (*self._loops, self._live):
+            self.home.tasks.start_soon(loop)
+        began = self._now()
+        await anyio.sleep(self.until)
+        ended = self._now() - 5.0
+        await anyio.sleep(5.0)
+        self._count([one for one in self.changes if began <= one.at <= ended])
+
+    async def _live(self) -> None:
+        """Let persons change things all over the house."""
+        while True:
+            await anyio.sleep(self.random.expovariate(1.0 / 60.0))
+            self._touch(*self.random.choice(self._persons))
+
+    async def _reject(self, key: str) -> None:
+        """Let a person undo or change what was commanded, soon."""
+        await anyio.sleep(self.random.uniform(0.5, 40.0))
+        found = [one for one in self._persons if one[0] == key]
+        if found:
+            self._touch(*found[0])
+
+    def _touch(self, key: str, capability: str, values: tuple[PlainValue, ...]) -> None:
+        parts = [part for name, part, one in self._values if (name, one) == (key, capability)]
+        value = self.random.choice([one for one in values if one != self._values[key, parts[0], capability]])
+        self._touched[key] = self._now()
+        after = self.random.uniform(0.02, 0.3)
+        number = None
+        for part in parts:  # a person at a mirrored relay changes both
+            number = self._later(after, key, part, capability, value, "person", number=number)
+
+    async def _command(self, key: str, part: str, capability: str, value: PlainValue) -> None:
+        self.tables.commands += 1
+        settings = (Setting.of(capability, value),)
+        request = CommandRequest(device=self._ids[key], part=part, settings=settings, issuer="/app")
+        await self.home.app.create_client(PerformCommand, PERFORM_COMMAND).call(request, timeout=1000.0)
+
+    def _behave(self, key: str, behaviour: Behaviour) -> None:
+        async def behave(home: Home, command: Command) -> None:
+            self._count_overridden(command)
+            await behaviour(home, command)
+
+        self.home.behaviours[key] = behave
+
+    async def _obey(self, low: float, high: float, _: Home, command: Command) -> None:
+        self._later(
+            self.random.uniform(low, high),
+            command.key,
+            command.part,
+            command.capability,
+            command.value.plain(),
+            "command",
+        )
+
+    def _later(
+        self,
+        seconds: float,
+        key: str,
+        part: str,
+        capability: str,
+        value: PlainValue,
+        truth: Truth,
+        *,
+        number: int | None = None,
+    ) -> int:
+        """Let a part report, unless something newer happens to its device first; return the number of the event."""
+        if number is None:
+            self._number[key] += 1
+            number = self._number[key]
+        self.home.tasks.start_soon(self._report, seconds, (key, part, capability), value, truth, number)
+        return number
+
+    async def _report(
+        self, seconds: float, place: tuple[str, str, str], value: PlainValue, truth: Truth, number: int
+    ) -> None:
+        await anyio.sleep(seconds)
+        key, part, capability = place
+        if self._number[key] != number:
+            return
+        if self._values.get(place) != value:
+            change = TrueChange(self._now(), (key, part), capability, value, truth, self._kinds[key])
+            self.changes.append(change)
+        self._values[place] = value
+        await self.home.gateway.devices.report(key, {capability: value}, part)
+
+    def _now(self) -> float:
+        return self.home.graph.clock.now()
+
+    def _count(self, changes: list[TrueChange]) -> None:
+        told: dict[tuple[str, str], list[JournalEntry]] = defaultdict(list)
+        for entry in self.entries:
+            if entry.kind in {"reported", "changed", "reverted"}:
+                told[entry.device, entry.part].append(entry)
+        for one in changes:
+            key, part = one.place
+            found = [_told(entry, one) for entry in told[self._ids[key], part]]
+            self.tables.told[one.kind, one.truth, max(found, key=_WEIGHT.__getitem__, default="nothing")] += 1
+
+    def _count_overridden(self, command: Command) -> None:
+        """Count a repetition after a person had changed the part."""
+        if not command.repeated:
+            self._first_sent[command.key] = self._now()
+        elif self._touched[command.key] > self._first_sent[command.key]:
+            self.tables.overridden[self._kinds[command.key]] += 1
+
+
+_WEIGHT = {"nothing": 0, "": 1, "echo": 2, "unknown": 3, "transition": 4, "device": 5, "person": 6, "command": 7}
+
+
+def _told(entry: JournalEntry, change: TrueChange) -> str:
+    """Return the cause that *entry* tells of *change*; ``nothing`` if it is about another one."""
+    if abs(entry.at.to_seconds() - change.at) > _SAME:
+        return "nothing"
+    if entry.kind == "reverted":
+        return entry.results[0].reason
+    settings = [(one.capability, one.value.plain()) for one in entry.settings]
+    return entry.cause if (change.capability, change.value) in settings else "nothing"
