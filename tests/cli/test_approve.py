@@ -45,6 +45,14 @@ def approved(text: str) -> dict[str, object]:
     return {one["id"]: one["approved"] for one in json.loads(text)}
 
 
+def test_what_is_not_harmless_says_why_until_the_owner_says_that_it_is(run: Run) -> None:
+    why = "nothing but its name says what this switch turns on"
+    change = "if it can hurt nobody, homebot tag add 'Double switch' harmless"
+    assert f"not harmless left: {why}; right: {why}; {change}" in run("show", "Double switch")[1]
+    run("tag", "add", "Double switch", "harmless")
+    assert "not harmless" not in run("show", "Double switch")[1]
+
+
 def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
     waits = "approval missing: it is dangerous, and gets no commands before `homebot approve DEVICE`"
     note = "note on control: 1 device waits for approval, and nothing is sent before"
@@ -55,6 +63,7 @@ def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
     assert "always asks its type is door_lock" in run("show", "Front door")[1]
     assert waits not in run("show", "Lamp")[1]
     assert "always asks" not in run("show", "Lamp")[1]
+    assert "not harmless" not in run("show", "Front door")[1] + run("show", "Lamp")[1]
     assert f"{note} (`homebot approve DEVICE`): front_door (its type is door_lock)" in run("doctor")[1]
     assert "front_door" in run("find", "unapproved")[1]
     assert "lamp" not in run("find", "unapproved")[1]

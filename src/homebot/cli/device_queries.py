@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, TypeVar, cast
@@ -32,12 +33,12 @@ __all__ = [
     "find_devices",
     "house_time",
     "ineffective_routes",
+    "limits_of",
     "matching_devices",
     "named_device",
     "note_near_matches",
     "reasons_for",
     "unapproved",
-    "why_it_asks",
     "why_none",
 ]
 
@@ -181,11 +182,17 @@ def unapproved(door: DoorClient, device: str = "") -> frozenset[str]:
     return frozenset(_unapproved(door, device).devices)
 
 
-def why_it_asks(door: DoorClient, device: str) -> tuple[str, bool]:
-    """Return why *device* always asks, empty if it does not, and whether it waits for approval."""
-    answer = _unapproved(door, device)
-    reason = next((one.value for one in answer.reasons), "")
-    return reason, bool(answer.devices)
+def limits_of(door: DoorClient, device: Device) -> Iterator[tuple[str, str]]:
+    """Yield rows about why *device* always asks or is not harmless, what changes that, and its pending approval."""
+    answer = _unapproved(door, device.id)
+    for one in answer.reasons:
+        yield "always asks", f"{one.value}; a right must name it, such as 'act: id=\"{device.id}\"'"
+    if answer.limits:
+        whys = [f"{one.key}: {one.value}" if len(device.parts) > 1 else one.value for one in answer.limits]
+        change = f"if it can hurt nobody, homebot tag add {shlex.quote(device.name)} harmless"
+        yield "not harmless", "; ".join((*whys, change))
+    if answer.devices:
+        yield "approval", "missing: it is dangerous, and gets no commands before `homebot approve DEVICE`"
 
 
 def ineffective_routes(door: DoorClient, device: Device) -> frozenset[tuple[str, str]]:
@@ -199,7 +206,8 @@ def ineffective_routes(door: DoorClient, device: Device) -> frozenset[tuple[str,
 
 def _unapproved(door: DoorClient, device: str) -> UnapprovedResponse:
     is_served = entities(door, kind="service", name=GET_UNAPPROVED)  # it is missing without a control layer
-    fields = door.call(GET_UNAPPROVED, {"device": device}) if is_served else {"devices": [], "reasons": []}
+    nothing: dict[str, object] = {"devices": [], "reasons": [], "limits": []}
+    fields = door.call(GET_UNAPPROVED, {"device": device}) if is_served else nothing
     return cast("UnapprovedResponse", JsonMessage(fields))
 
 

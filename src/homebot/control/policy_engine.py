@@ -17,9 +17,11 @@ from homebot.control.policies.rights import check_approval, check_grants, client
 from homebot.control.settings import PolicySettings
 from homebot.control.timelines import Timelines
 from homebot.devices import Device, DeviceChange, KeyValue, StateChange
-from homebot.devices.always_ask import waits_for_approval, why_device_asks
+from homebot.devices.always_ask import always_asks, waits_for_approval, why_device_asks
 from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
 from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
+from homebot.devices.device import is_commanded
+from homebot.devices.harmless import why_not_harmless
 from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.devices.outcomes import Refused
@@ -133,6 +135,7 @@ class PolicyEngine(HouseWatcher):
         return UnapprovedResponse(
             devices=tuple(one.id for one in found if self._settings.approvals and waits_for_approval(one)),
             reasons=tuple(KeyValue(key=one.id, value=why) for one in found if (why := why_device_asks(one))),
+            limits=_limits(found[0]) if request.device and found else (),
         )
 
     async def _waiting(self) -> list[Device]:
@@ -220,6 +223,11 @@ class Policies:
             if not verdicts[-1].allowed:
                 break
         return tuple(verdicts)
+
+
+def _limits(device: Device) -> tuple[KeyValue, ...]:
+    parts = [one for one in device.parts if is_commanded(one.part) and not always_asks(device, one)]
+    return tuple(KeyValue(key=one.id, value=why) for one in parts if (why := why_not_harmless(device, one)))
 
 
 def _first_of(names: Sequence[str]) -> str:

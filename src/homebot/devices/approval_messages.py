@@ -69,10 +69,12 @@ class UnapprovedResponse(Message):
     Attributes:
         devices: Their ids, sorted.
         reasons: By id, why each device always asks; if one device was requested, also when it does not wait.
+        limits: Of one requested device: by id, why each other part is not harmless (:mod:`homebot.devices.harmless`).
     """
 
     devices: tuple[str, ...] = ()
     reasons: tuple[KeyValue, ...] = ()
+    limits: tuple[KeyValue, ...] = ()
 
 
 class TrustDeviceRequest(Message):

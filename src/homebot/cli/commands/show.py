@@ -11,10 +11,10 @@ from homebot.cli.device_json import device_json, json_text
 from homebot.cli.device_queries import (
     house_time,
     ineffective_routes,
+    limits_of,
     named_device,
     reasons_for,
     unapproved,
-    why_it_asks,
 )
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import print_line, print_rows
@@ -32,7 +32,6 @@ __all__ = ["add_arguments"]
 
 _USES = {(True, True): "read and set", (True, False): "read", (False, True): "set", (False, False): ""}
 _STATED_BY = {"configuration": ", in the configuration", "import": ", in an imported file"}
-_WAITS = ("approval", "missing: it is dangerous, and gets no commands before `homebot approve DEVICE`")
 
 _EXAMPLES = """\
   homebot show lights/roomlights405
@@ -60,10 +59,9 @@ def _show(door: DoorClient, options: argparse.Namespace) -> int:
         print(json_text(device_json(device, unapproved(door, device.id))))
     else:
         reasons = reasons_for(door, device)
-        asks, waits = why_it_asks(door, device.id)
-        rows = [("always asks", printable(asks))] if asks else []
+        limits = [(title, printable(text, 1000)) for title, text in limits_of(door, device)]
         now, ineffective = house_time(door), ineffective_routes(door, device)
-        _describe(device, reasons, now, [*rows, *([_WAITS] if waits else [])], ineffective)
+        _describe(device, reasons, now, limits, ineffective)
     return 0
 
 
@@ -71,18 +69,18 @@ def _describe(
     device: Device,
     reasons: Sequence[str],
     now: float,
-    asks: Sequence[tuple[str, str]],
+    limits: Sequence[tuple[str, str]],
     ineffective: Collection[tuple[str, str]],
 ) -> None:
     """Print the facts of *device*.
 
     Args:
         reasons: Why a search for its name finds it.
-        asks: Rows about why it always asks, and its pending approval.
+        limits: Rows of :func:`limits_of`.
         ineffective: The routes that are tried last, by part and name.
     """
     print_line(f"{printable(device.id)}  {printable(device.name)}".rstrip(), "bold")
-    print_rows([*_overview(device, now), *asks])
+    print_rows([*_overview(device, now), *limits])
     _print_parts(device, now, ineffective)
     if len(device.endpoints) > 1:
         _section("gateways", [_endpoint(one, now) for one in device.endpoints])
