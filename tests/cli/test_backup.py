@@ -26,6 +26,7 @@ from homebot.graph import Graph, Node
 from homebot.history.history_file import HistoryFile
 from homebot.history.settings import KeepSettings
 from homebot.runtime.kept_files import serve_copies
+from homebot.support.owner_token import OWNER_FILE, make_owner_token
 from homebot.support.sqlite_file import SqliteFile
 
 Text = pytest.CaptureFixture[str]
@@ -144,6 +145,17 @@ def test_secrets_go_along_only_when_asked_for(files: dict[str, SqliteFile], caps
     assert b"hunter2" not in raw
     assert main(["backup", "two.tar", "--with-tokens"]) == 0
     assert members("two.tar")["config/password"] == b"hunter2"
+
+
+def test_the_owners_token_never_goes_along(files: dict[str, SqliteFile], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not even where the data is beside the configuration, as in a container."""
+    close(files)
+    monkeypatch.setenv("HOMEBOT_DATA", ".")
+    for folder in (Path(), Path("data")):
+        token = make_owner_token(folder / OWNER_FILE).secret
+        monkeypatch.setenv("HOMEBOT_DATA", str(folder))
+        assert main(["backup", str(folder / "own.tar"), "--with-tokens"]) == 0
+        assert token.encode() not in (folder / "own.tar").read_bytes()
 
 
 def test_a_file_that_is_there_is_not_overwritten(files: dict[str, SqliteFile], capsys: Text) -> None:

@@ -24,6 +24,8 @@ from homebot.devices.names import LOAD_APP, RELOAD_APP, UNLOAD_APP
 from homebot.errors import ConfigError, HomebotError, UsageError
 from homebot.graph import Node
 from homebot.runtime import Runtime
+from homebot.support.data_folder import data_directory
+from homebot.support.owner_token import OWNER_FILE
 
 HALL = """
 import anyio
@@ -54,7 +56,8 @@ async def home(folder: Path, *, with_door: bool = False) -> AsyncIterator[Runtim
     config.write_text('[apps.hall]\nclass = "hall:Hall"\n[door]\nport = 0\n')
     sys.path.insert(0, str(folder))
     read = await asyncio.to_thread(load_config, config)
-    runtime = Runtime(read, with_door=with_door, read_config=lambda: load_config(config))
+    owner = data_directory() / OWNER_FILE
+    runtime = Runtime(read, with_door=with_door, read_config=lambda: load_config(config), owner_file=owner)
     async with runtime:
         runtime.app_manager.trial = 0.05
         yield runtime

@@ -85,7 +85,8 @@ CLIENT = textwrap.dedent(
 async def test_roslibpy_subscribes_publishes_calls_and_serves(transport: str) -> None:
     graph = Graph()
     RosApi(Node(graph, "rosapi"))
-    door = Door(Node(graph, "rosbridge_websocket"), DoorSettings(port=0))
+    settings = DoorSettings(port=0, scope=("read", "act: harmless", "manage"))  # it sets a parameter
+    door = Door(Node(graph, "rosbridge_websocket"), settings)
     heard: list[str] = []
     async with Node(graph, "lamp") as lamp, anyio.create_task_group() as tasks:
         _furnish(lamp, heard)

@@ -29,7 +29,10 @@ from homebot.cli.door_address import DoorAddress, door_of
 from homebot.devices.names import HOME_HEADER
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import LinkError, PeerError, RefusedError, ServiceTimeoutError, UsageError, WireError
+from homebot.support.addresses import is_loopback
 from homebot.support.connect_errors import connect_problem
+from homebot.support.data_folder import data_directory
+from homebot.support.owner_token import OWNER_FILE, OWNER_HEADER, owner_proof
 from homebot.support.printable import printable
 
 __all__ = ["DoorClient", "ReceivedMessage", "open_door", "set_door_command", "with_client"]
@@ -111,7 +114,7 @@ def open_door(address: DoorAddress) -> Iterator[DoorClient]:
     with connection:
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         client = DoorClient(connection, where)
-        client.shake_hands(address.token)
+        client.shake_hands(address.token, port if not address.token and is_loopback(host) else 0)
         try:
             yield client
         finally:
@@ -257,11 +260,18 @@ class DoorClient:
             while True:
                 yield self.next(max(0.0, deadline - time.monotonic()))
 
-    def shake_hands(self, token: str) -> None:
-        """Perform the WebSocket handshake; errors as for :func:`open_door`."""
+    def shake_hands(self, token: str, own_port: int = 0) -> None:
+        """Perform the WebSocket handshake; errors as for :func:`open_door`.
+
+        Args:
+            own_port: The port of a door of this computer, which is proved the owner's token; 0 for none.
+        """
         request = self._protocol.connect()
         if token:
             request.headers["Authorization"] = f"Bearer {token}"
+        elif own_port and (own := _own_token()):
+            key = request.headers["Sec-WebSocket-Key"]
+            request.headers[OWNER_HEADER] = owner_proof(own, key, own_port, time.time())
         self._protocol.send_request(request)
         deadline = time.monotonic() + _OPEN_TIMEOUT
         try:
@@ -391,6 +401,14 @@ def _with_hint(problem: str) -> str:
     has_token = "; the token " in problem
     use_token = "" if has_token else ", and use --token-file FILE or HOMEBOT_DOOR_TOKEN"
     return f"{problem}; then reload homebot (`kill -HUP`){use_token}"
+
+
+def _own_token() -> str:
+    """Return the owner's token in the data folder; empty if homebot runs as another user, or with another folder."""
+    try:
+        return (data_directory() / OWNER_FILE).read_text(encoding="utf-8").strip()
+    except (OSError, ValueError):
+        return ""
 
 
 def _begin(text: bytes) -> str:

@@ -143,8 +143,8 @@ class ClientRights(NamedTuple):
         return ", ".join((*names, *(f"robot: {name}" for name in self.robots))) or "none"
 
 
-LOCAL_RIGHTS = ClientRights(frozenset({Right.READ, Right.ACT, Right.MANAGE}), acts_on_harmless=True)
-"""The rights of a client without a token: it commands what is on the list of harmless parts."""
+LOCAL_RIGHTS = ClientRights(frozenset({Right.READ, Right.ACT}), acts_on_harmless=True)
+"""The rights of a client without a token: it reads, and commands what is on the list of harmless parts."""
 
 APP_RIGHTS = LOCAL_RIGHTS._replace(acts_on_ordinary=True)
 """The rights of an app without ``act``, which the owner installed: it commands all that does not always ask."""
@@ -152,7 +152,7 @@ APP_RIGHTS = LOCAL_RIGHTS._replace(acts_on_ordinary=True)
 ALL_RIGHTS = APP_RIGHTS._replace(
     kinds=frozenset(Right), acts_on_all=True, act_scope=("act: all",), robots=(ALL_ROBOTS,)
 )
-"""The rights of the one unnamed token."""
+"""The rights of the one unnamed token, and of the owner's in the data folder."""
 
 SIMULATED_HOUSE_RIGHTS = ALL_RIGHTS
 """The rights of a client without a token if no real device can be reached."""

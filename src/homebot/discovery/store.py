@@ -1,19 +1,17 @@
 """The index file: an SQLite database with a row per device. Blocking; called from a worker thread."""
 
-import os
 import sqlite3
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import final
 
-from platformdirs import user_data_path
-
 from homebot.discovery.record import Records
 from homebot.errors import WireError
 from homebot.names import escape_token
+from homebot.support.data_folder import data_directory
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
-__all__ = ["INDEX_FILE", "INDEX_SCHEMA", "VERSION", "IndexFile", "data_directory", "index_path"]
+__all__ = ["INDEX_FILE", "INDEX_SCHEMA", "VERSION", "IndexFile", "index_path"]
 
 INDEX_FILE = "index.sqlite"
 
@@ -40,14 +38,6 @@ def index_path(home: str, network: str) -> Path:
         network: The network of its devices, for example the broker's ``host:port``; another has other devices.
     """
     return data_directory() / escape_token(home) / escape_token(network) / INDEX_FILE
-
-
-def data_directory() -> Path:
-    """Return the folder of all homes."""
-    if given := os.environ.get("HOMEBOT_DATA"):
-        return Path(given)
-
-    return user_data_path("homebot", appauthor=False)
 
 
 INDEX_SCHEMA = SqliteSchema(

@@ -29,6 +29,7 @@ from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, Net
 from homebot.devices.health import GetHealth
 from homebot.devices.names import COPY_FILES, RELOAD, START_RECORDER
 from homebot.discovery import Directory, OwnerFacts
+from homebot.errors import UsageError
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import Graph, Node, RosoutFeed
 from homebot.runtime.app_host import STORE_FILE, AppHost
@@ -41,6 +42,7 @@ from homebot.runtime.supervisor import Supervisor
 from homebot.support.installation import INSTALLATION_FILE, Installation
 from homebot.support.isolation import run_as
 from homebot.support.logger import get_logger, observed_lines
+from homebot.support.owner_token import OwnerToken, make_owner_token
 from homebot.support.production_loop import LoopWatch
 
 if TYPE_CHECKING:
@@ -57,6 +59,7 @@ __all__ = ["Runtime"]
 
 RUNNING = "runtime.running"
 APPS = "runtime.apps"
+NO_OWNER = "runtime.no_owner_token"
 STOPPING = "runtime.stopping"
 
 _HISTORY_AFTER = 2.0
@@ -87,6 +90,8 @@ class Runtime:
             with a *house*. Then no device needs an approval either, unless the *house* has gateways that may find real
             ones.
         index_file: The file in which the directory keeps devices across restarts; None for none.
+        owner_file: The file with the owner's token, which is made if there is none; None for none. A simulated house
+            needs none.
         record_into: Receives the lines of a recording of the whole run; None for no recording.
         is_dry_run: Whether nothing is sent to any device: gateways only observe, and commands are recorded instead of
             sent.
@@ -113,6 +118,7 @@ class Runtime:
     random: Random | None = None
     trusts_apps: bool = False
     index_file: Path | None = None
+    owner_file: Path | None = None
     loop_watch: LoopWatch | None = None
     lost_lines: Callable[[], int] = lambda: 0
     record_into: LineSink | None = None
@@ -368,11 +374,20 @@ class Runtime:
 
     async def _open_door(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosbridge_websocket") as node:
-            announce = self._network_services.publish
+            announce, owner = self._network_services.publish, await self._owner_token()
             owners, home = self._plan.robot_owners, self._plan.home
-            self.door = Door(node, self._plan.door, announce, self._local_rights, owners, home, site=_page)
+            self.door = Door(node, self._plan.door, announce, self._local_rights, owners, home, site=_page, owner=owner)
             node.create_service(GetHealth, "~/health", self.door.health)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
+
+    async def _owner_token(self) -> OwnerToken | None:
+        if self.owner_file is None or self._local_rights is SIMULATED_HOUSE_RIGHTS:
+            return None
+        try:
+            return await to_thread.run_sync(make_owner_token, self.owner_file)
+        except UsageError as exc:
+            _log.warning(NO_OWNER, message=f"the command line can only read and give harmless commands: {exc}")
+            return None
 
     async def _serve_things(self, settings: DirectoryBridgeSettings, *, task_status: TaskStatus[None]) -> None:
         from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge  # noqa: PLC0415 - an extra

@@ -92,7 +92,7 @@ async def test_a_client_without_the_right_raw_publishes_on_no_topic_of_homebot(
         assert told == await refusal(peer, "publish", topic=topic, msg={})
         assert house.entities() - before == {("publisher", ACCESS_REFUSALS)}
     assert told == (
-        "the right raw is missing; a client without a token has: read, act, manage. To give it, make a token: "
+        "the right raw is missing; a client without a token has: read, act. To give it, make a token: "
         'homebot token new NAME --scope "read" --scope "raw"'
     )
 
@@ -128,16 +128,16 @@ async def test_a_client_with_the_right_raw_publishes_on_the_topics_of_gateways(o
 @pytest.mark.parametrize(
     ("headers", "is_allowed"),
     [
-        ({}, True),
+        ({}, False),
         ({"Origin": "http://127.0.0.1:PORT"}, False),
-        ({"Origin": "http://localhost:8080"}, True),
+        ({"Origin": "http://localhost:8080"}, False),
         ({"Origin": "http://localhost:3000", "Authorization": "Bearer robot-secret"}, True),
     ],
 )
-async def test_of_pages_without_a_token_only_those_that_the_configuration_names_approve(
+async def test_neither_programs_nor_pages_approve_without_a_token(
     open_house: Any, headers: dict[str, str], is_allowed: object
 ) -> None:
-    """Any program on this computer may serve a page on a loopback port."""
+    """An agent on this computer could otherwise approve the lock that it was told to ask about."""
     door = settings("read", "act: harmless", "manage", allowed_origins=("http://localhost:8080",))
     async with AsyncExitStack() as stack:
         house = await stack.enter_async_context(open_house(door))
@@ -150,8 +150,9 @@ async def test_of_pages_without_a_token_only_those_that_the_configuration_names_
         assert (await peer.call("/app/go"))["result"] is True
     assert [one["result"] for one in managed] == [is_allowed] * 2
     if not is_allowed:
+        program = "web page" if headers.get("Origin", "").startswith("http://127") else "client"
         assert managed[0]["values"] == (
-            "the right manage is missing; a web page without a token has: read, act. To give it, "
+            f"the right manage is missing; a {program} without a token has: read, act. To give it, "
             'make a token: homebot token new NAME --scope "read" --scope "manage"'
         )
 
@@ -164,7 +165,7 @@ async def test_a_program_that_sends_an_origin_as_websocket_client_does_is_no_pag
     open_house: Any, of_a_browser: dict[str, str]
 ) -> None:
     """Browsers say which they are; ros-mcp and other programs with that library do not."""
-    async with open_house(settings("read", "manage")) as house:
+    async with open_house(settings("read", scope=("read", "manage"))) as house:
         house.node("approve").create_service(
             Trigger, "/discovery/approve", lambda _: SuccessResponse(success=True, message="")
         )

@@ -103,20 +103,24 @@ class ClientAccess:
         owners: The robots of the house, with their topics and frames.
         is_page: Whether it is homebot's own page without a token, which may neither manage homebot, nor impersonate its
             parts or a robot.
+        owner_file: The file with the owner's token; empty for none.
     """
 
     name: str
     rights: ClientRights
     owners: RobotOwners
     is_page: bool = False
+    owner_file: str = ""
 
     @classmethod
-    def of(cls, name: str, rights: ClientRights, owners: RobotOwners, *, is_page: bool) -> ClientAccess:
+    def of(
+        cls, name: str, rights: ClientRights, owners: RobotOwners, *, is_page: bool, owner_file: str = ""
+    ) -> ClientAccess:
         """Return the access of a client, or of homebot's own page without a token."""
         if is_page:
             own = rights.kinds - {Right.MANAGE, Right.RAW, Right.ROBOT}
             rights = rights._replace(kinds=own, robots=())
-        return cls(name, rights, owners, is_page)
+        return cls(name, rights, owners, is_page, owner_file)
 
     @property
     def issuer(self) -> str:
@@ -194,7 +198,8 @@ class ClientAccess:
         if self.name == LOCAL_CLIENT:
             client = f"a {'web page' if self.is_page else 'client'} without a token"
             scopes = "".join(f" --scope {json.dumps(one)}" for one in dict.fromkeys(("read", wanted)))
-            advice = f"make a token: homebot token new NAME{scopes}"
+            own = f"use the owner's token, which the user of homebot finds in {self.owner_file} (--token-file), or "
+            advice = f"{own if self.owner_file else ''}make a token: homebot token new NAME{scopes}"
         else:
             client = f"the token {self.name}"
             advice = f'add "{wanted}" to its scope, in the table [door.tokens.{self.name}] of homebot.toml'

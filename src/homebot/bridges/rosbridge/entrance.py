@@ -19,9 +19,10 @@ from homebot.bridges.rosbridge.connection import DoorConnection, http_response
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.bridges.token_check import TokenCheck
-from homebot.devices.client_rights import LOCAL_CLIENT, ClientRights
+from homebot.devices.client_rights import LOCAL_CLIENT, OWNER_CLIENT, ClientRights
 from homebot.errors import ConfigError
 from homebot.support.addresses import is_loopback
+from homebot.support.owner_token import OWNER_HEADER, OwnerToken, is_owner_proof
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.access import ClientAccess
@@ -56,6 +57,7 @@ class Entrance:
     Args:
         local_rights: The rights of clients without a token, unless the settings have a scope for them.
         open_timeout: Seconds within which a page must log in.
+        owner: The owner's token, which the command line finds in the data folder; None for none.
 
     Raises:
         ConfigError: The host is not a loopback address and there is no token.
@@ -68,15 +70,17 @@ class Entrance:
         shared: SharedState,
         site: Site | None,
         open_timeout: float,
+        owner: OwnerToken | None = None,
     ) -> None:
-        self._rights = settings.rights(local_rights)
+        self._owner = owner
+        self._rights = settings.rights(local_rights, has_owner=owner is not None)
         if LOCAL_CLIENT in self._rights and not is_loopback(settings.host):
             raise ConfigError(
                 "door",
                 "host",
                 f"{settings.host} can be reached by others, so it needs a token; set one or listen on 127.0.0.1",
             )
-        self.tokens = TokenCheck(settings.all_tokens(), shared.node.graph.clock)
+        self.tokens = TokenCheck(self._tokens_of(settings), shared.node.graph.clock)
         self._settings = settings
         self._local_rights = local_rights
         self._shared = shared
@@ -86,8 +90,9 @@ class Entrance:
 
     def update_tokens(self, settings: DoorSettings) -> frozenset[str]:
         """Use the tokens and rights of *settings*; return the names with changes."""
-        old, old_tokens = self._rights, self._settings.all_tokens()
-        new, tokens = settings.rights(self._local_rights), settings.all_tokens()
+        old, old_tokens = self._rights, self._tokens_of(self._settings)
+        new = settings.rights(self._local_rights, has_owner=self._owner is not None)
+        tokens = self._tokens_of(settings)
         self._rights, self.tokens = new, TokenCheck(tokens, self._shared.node.graph.clock)
         self._settings = self._settings.model_copy(
             update={"token": settings.token, "tokens": settings.tokens, "scope": settings.scope}
@@ -101,7 +106,9 @@ class Entrance:
         name, request = self._names[connection], connection.request
         is_browser = request is not None and any(one in request.headers for one in _OF_BROWSERS)
         is_page = is_browser and bool(self._unnamed_page(connection, request))
-        return ClientAccess.of(name, self._rights[name], self._shared.owners(), is_page=is_page)
+        owner_file = "" if self._owner is None else str(self._owner.file)
+        owners = self._shared.owners()
+        return ClientAccess.of(name, self._rights[name], owners, is_page=is_page, owner_file=owner_file)
 
     def knows(self, connection: DoorConnection) -> bool:
         """Return whether an admitted client has a name, unlike a page that sends its token later."""
@@ -124,6 +131,9 @@ class Entrance:
             elif (file := await self._file(request)) is not None:
                 return file
         token = token_of("" if is_api else request.path, headers.get_all("Authorization"))
+        if not token and self._is_owner(connection, headers):
+            self._names[connection] = OWNER_CLIENT
+            return None
         return await self._check_token(connection, token) or self._check_page(connection, request)
 
     async def log_in(self, connection: DoorConnection, texts: AsyncIterator[str]) -> bool:
@@ -156,6 +166,17 @@ class Entrance:
 
             return http_response(*problem_body(status, problem))
         return connection.respond(status, f"{problem}\n")
+
+    def _tokens_of(self, settings: DoorSettings) -> Mapping[str, SecretStr]:
+        return settings.all_tokens(None if self._owner is None else SecretStr(self._owner.secret))
+
+    def _is_owner(self, connection: DoorConnection, headers: Headers) -> bool:
+        """Return whether the client proves that it can read the owner's token."""
+        if self._owner is None or not (proof := headers.get(OWNER_HEADER)):
+            return False
+        key, port = headers.get("Sec-WebSocket-Key", ""), connection.local_address[1]
+        now = self._shared.node.graph.clock.now()
+        return is_owner_proof(proof, self._owner.secret, key, port, now)
 
     async def _file(self, request: Request) -> Response | None:
         """Return the file of the page for *request*, or None."""

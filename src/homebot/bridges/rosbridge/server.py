@@ -33,6 +33,7 @@ from homebot.devices.names import HOME_HEADER
 from homebot.errors import UsageError
 from homebot.graph import Node
 from homebot.support.logger import get_logger
+from homebot.support.owner_token import OwnerToken
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.http_requests import HttpRequests
@@ -81,6 +82,7 @@ class Door:
         owners: Returns the robots of the house, with their topics and frames; by default those of the tokens.
         home: The name of the home, for clients; empty for none.
         open_timeout: Seconds within which a client must send its request.
+        owner: The owner's token in the data folder; None for none.
 
     Raises:
         ConfigError: The host is not a loopback address and there is no token.
@@ -96,10 +98,11 @@ class Door:
         home: str = "",
         open_timeout: float = 10.0,
         site: Site | None = None,
+        owner: OwnerToken | None = None,
     ) -> None:
         self._settings = settings
         self._shared = shared = SharedState(node, settings, owners or settings.robot_owners)
-        self._entrance = Entrance(settings, local_rights, shared, site, open_timeout)
+        self._entrance = Entrance(settings, local_rights, shared, site, open_timeout, owner)
         self._sessions: dict[DoorConnection, ClientSession] = {}
         self._arrivals = Arrivals(settings.max_arriving_bytes_of_all)
         self._api: HttpRequests | None = None

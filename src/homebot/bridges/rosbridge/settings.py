@@ -68,8 +68,7 @@ class DoorSettings(AccessSettings):
         tokens: Tokens of single programs by name. The ``token`` has every right.
         max_clients: Most clients at a time; one more is refused. Of 64, one token has at most 48 from one address, and
             two are kept for the right ``manage``.
-        scope: Rights of a client without a token. By default ``read``, ``manage`` and every device that does not always
-            ask.
+        scope: Rights of a client without a token. By default ``read`` and what is known to be harmless.
         max_frame_bytes: Largest frame from a client; a larger one closes its connection. A frame has at most 20,000
             values, plus a million numbers in long lists.
         max_arriving_bytes_of_all: Most bytes of frames from all clients together that are incomplete or not handled;
@@ -119,10 +118,11 @@ class DoorSettings(AccessSettings):
                 raise ValueError(f"the tokens {other} and {name} are the same; each needs a secret of its own")
         return self
 
-    def all_tokens(self) -> Mapping[str, SecretStr]:
-        """Return all tokens by name; the name of ``token`` is ``owner``."""
+    def all_tokens(self, owner: SecretStr | None = None) -> Mapping[str, SecretStr]:
+        """Return all tokens by name; the name of ``token``, or else of that of the *owner*, is ``owner``."""
         named = {name: one.token for name, one in self.tokens.items()}
-        return named if self.token is None else {OWNER_CLIENT: self.token, **named}
+        own = self.token or owner
+        return named if own is None else {OWNER_CLIENT: own, **named}
 
     def check_port(self) -> None:
         """Check that a port that was stated can be listened on.
@@ -148,11 +148,11 @@ class DoorSettings(AccessSettings):
 
         return RobotOwners({**dict.fromkeys(self.robots(), ()), **tables})
 
-    def rights(self, local: ClientRights) -> Mapping[str, ClientRights]:
+    def rights(self, local: ClientRights, *, has_owner: bool = False) -> Mapping[str, ClientRights]:
         """Return the rights of clients by name; without ``local`` if every client must send a token."""
         found = {name: read_scope(one.scope) for name, one in self.tokens.items()}
-        if self.token is not None:
-            return {OWNER_CLIENT: ALL_RIGHTS, **found}
-        if found and not is_loopback(self.host):
-            return found
-        return {LOCAL_CLIENT: local if self.scope is None else read_scope(self.scope), **found}
+        if has_owner or self.token is not None:
+            found[OWNER_CLIENT] = ALL_RIGHTS
+        if self.token is None and (is_loopback(self.host) or not self.tokens):
+            found[LOCAL_CLIENT] = local if self.scope is None else read_scope(self.scope)
+        return found

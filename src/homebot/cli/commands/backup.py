@@ -19,11 +19,11 @@ from homebot.cli.commands.run import with_environment
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.config import load_config, load_tables
 from homebot.devices.names import COPY_FILES
-from homebot.discovery.store import data_directory
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.log import configure_logging
 from homebot.runtime.kept_files import KEPT_FILES, copy_kept_files
 from homebot.runtime.plan import index_place
+from homebot.support.data_folder import data_directory
 from homebot.support.sqlite_file import why_not_readable
 from homebot.version import __version__
 

@@ -22,6 +22,7 @@ from homebot.errors import ConfigError, UsageError
 from homebot.log import LogFormat, configure_logging
 from homebot.plugins import add_app, check_extra, is_file, name_in_file
 from homebot.support.output import queued_output
+from homebot.support.owner_token import OWNER_FILE
 from homebot.support.production_loop import ProductionLoop
 
 if TYPE_CHECKING:
@@ -210,13 +211,15 @@ def run_configured(options: argparse.Namespace) -> int:
 
         # A simulated house always starts as described, so there is nothing to remember.
         is_kept = house is None and not options.ephemeral
+        index = index_place(config) if house is None or options.config else None
         read = partial(_config, options)
         make_runtime = partial(
             Runtime,
             config,
             house=house,
             robot=ROBOT_OF_THE_SIMULATED_HOUSE,
-            index_file=index_place(config) if is_kept else None,
+            index_file=index if is_kept else None,
+            owner_file=index and index.parents[2] / OWNER_FILE,
             lost_lines=lost_lines,
             record_into=record_into,
             is_dry_run=options.dry_run,

@@ -1,6 +1,6 @@
 // Commands: each shows its outcome, and what is missing where it may not be given.
 import { signal } from "@preact/signals";
-import { call } from "./door.js";
+import { call, missing } from "./door.js";
 import { html } from "./html.js";
 import { outcomeText } from "./words.js";
 
@@ -15,6 +15,7 @@ export async function command(device, word, values = []) {
   tell(`${device.name}: ${word === "set" ? "…" : `${word} …`}`, true);
   try {
     const answer = await call("/devices/command", { target: device.id, command: word, values });
+    missing.value = answer.results.find((one) => one.result.policy === "rights")?.result.reason ?? "";
     const found = answer.results.map((one) => `${one.name}: ${outcomeText(one.result)}`).join("; ");
     tell(found || `${device.name}: ${answer.message}`, answer.success);
   } catch (error) {

@@ -9,6 +9,9 @@ const TOKEN = "homebot.token";
 /** "connecting", "open", or "refused": a token is needed; with the reason in `reason`, and the name of the home. */
 export const connection = signal({ state: "connecting", reason: "", home: "" });
 
+/** The right that the last request lacked, as homebot says it: the page asks for a token. */
+export const missing = signal("");
+
 const calls = new Map(); // by id: resolve, reject, timer
 const topics = new Map(); // by topic: handlers
 const openers = new Set(); // called with each new connection
@@ -21,6 +24,7 @@ let retry = 0;
 export const token = signal(takeToken());
 
 export function logIn(text, remember) {
+  missing.value = "";
   sessionStorage.setItem(TOKEN, text);
   if (remember) localStorage.setItem(TOKEN, text);
   else localStorage.removeItem(TOKEN);
@@ -142,7 +146,9 @@ function receive(own, frame) {
     become("open", "", frame.values?.home);
     for (const opener of openers) opener();
   } else if (frame.op === "service_response") {
-    finish(frame.id, frame.result ? null : new Error(String(frame.values)), frame.values);
+    const problem = frame.result ? "" : String(frame.values);
+    if (problem.startsWith("the right ")) missing.value = problem;
+    finish(frame.id, problem && new Error(problem), frame.values);
   }
 }
 

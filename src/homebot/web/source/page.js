@@ -2,7 +2,7 @@
 import { effect, signal } from "@preact/signals";
 import { render } from "preact";
 import { outcome } from "./acting.js";
-import { connect, connection, logIn, logOut, token } from "./door.js";
+import { connect, connection, logIn, logOut, missing, token } from "./door.js";
 import { count, follow } from "./house.js";
 import { html } from "./html.js";
 import { Device } from "./views/device.js";
@@ -53,7 +53,7 @@ function Page() {
         ? html`<button type="button" onClick=${logOut}>log out</button>`
         : html`<button type="button" aria-expanded=${isLoggingIn.value} onClick=${() => (isLoggingIn.value = !isLoggingIn.value)}>log in</button>`}
     </header>
-    ${(mustLogIn || isLoggingIn.value) && html`<${LogIn} reason=${mustLogIn ? reason : ""} />`}
+    ${(mustLogIn || isLoggingIn.value || missing.value) && html`<${LogIn} reason=${mustLogIn ? reason : missing.value} />`}
     <main class=${state === "open" ? "" : "old"}>${view === "device" ? html`<${Device} key=${id} id=${id} />` : View ? html`<${View} />` : html`<p class="empty">There is no such view.</p>`}</main>
     <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>
       ${outcome.value?.text} ${outcome.value && !outcome.value.isGood && html`<button type="button" onClick=${() => (outcome.value = null)}>close</button>`}
@@ -69,10 +69,10 @@ function LogIn({ reason }) {
   };
   return html`<form class="box" onSubmit=${submit}>
     ${reason && html`<p class="bad">${reason}</p>`}
-    <p>A token gives this page its rights. Make one with <code>homebot token new page --scope read --scope 'act: all' --scope manage</code>.</p>
+    <p>A token gives this page its rights: yours is the line in <code>owner.token</code>, in the folder of homebot's data. For a tablet make one with <code>homebot token new page --scope read --scope 'act: all' --scope manage</code>.</p>
     <label>Token <input type="password" name="token" autocomplete="off" required /></label>
     <label><input type="checkbox" name="remember" /> keep it in this browser</label>
-    <p class="buttons"><button>log in</button> ${reason && token.value && html`<button type="button" onClick=${logOut}>go on without a token</button>`}</p>
+    <p class="buttons"><button>log in</button> ${reason && token.value && html`<button type="button" onClick=${logOut}>go on without a token</button>`} ${missing.value && html`<button type="button" onClick=${() => (missing.value = "")}>not now</button>`}</p>
   </form>`;
 }
 
