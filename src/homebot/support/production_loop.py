@@ -15,11 +15,21 @@ import traceback
 from collections.abc import Awaitable, Mapping
 from pathlib import Path
 from types import FrameType, TracebackType
-from typing import Any, Final, Self, TypeVar, final
+from typing import Any, Final, Protocol, Self, TypeVar, final
 
 from homebot.support.logger import get_logger
 
-__all__ = ["LoopWatch", "ProductionLoop", "WatchedSelector", "own_time"]
+__all__ = [
+    "BLOCKED_AFTER",
+    "BusyLoop",
+    "LoopWatch",
+    "ProductionLoop",
+    "WatchedSelector",
+    "is_ours",
+    "is_ours_or_the_users",
+    "own_time",
+    "place_of_frame",
+]
 
 BLOCKED = "runtime.loop_blocked"
 FREE_AGAIN = "runtime.loop_free_again"
@@ -59,19 +69,25 @@ class WatchedSelector(selectors.DefaultSelector):
             self.busy_since = time.monotonic()
 
 
-@final
+class BusyLoop(Protocol):
+    """What tracks since when an event loop is busy, as :class:`WatchedSelector`."""
+
+    busy_since: float | None
+
+
 class LoopWatch:
     """The watch over an event loop: ``with LoopWatch(loop, selector) as watch``, in the thread of the loop.
 
     Attributes:
         blocked_after: Seconds after which one turn of the loop counts as blocked.
         longest: The longest blocked turn, in seconds.
+        busy: Seconds of the present turn, without those due to an overloaded computer.
         exits: How often a task or callback outside homebot's isolation called ``sys.exit()``.
     """
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, selector: WatchedSelector) -> None:
+    def __init__(self, loop: asyncio.AbstractEventLoop, selector: BusyLoop) -> None:
         self.blocks = 0
-        self.longest = 0.0
+        self.longest = self.busy = 0.0
         self.last = ""
         self.exits = 0
         self.exited = ""
@@ -121,15 +137,14 @@ class LoopWatch:
     def _watch(self) -> None:
         since: float | None = None  # the turn of the loop that was reported as blocked
         turn: float | None = None
-        busy = 0.0  # seconds of this turn
         looked, used = time.monotonic(), time.process_time()
         while not self._stop.wait(_LOOK_EVERY):
             busy_since = self._selector.busy_since
             now, used_before = time.monotonic(), used
             used = time.process_time()
             if busy_since != turn:
-                turn, busy, looked = busy_since, 0.0, busy_since or now
-            busy += own_time(now - looked, used - used_before, _LOOK_EVERY)
+                turn, self.busy, looked = busy_since, 0.0, busy_since or now
+            self.busy += own_time(now - looked, used - used_before, _LOOK_EVERY)
             looked = now
             if since is not None:
                 if busy_since == since:
@@ -137,7 +152,7 @@ class LoopWatch:
                 else:
                     self._report_free(min(busy_since or now, now) - since)
                     since = None
-            if since is None and busy_since is not None and busy >= self.blocked_after:
+            if since is None and busy_since is not None and self.busy >= self.blocked_after:
                 stack = self._stack()
                 if self._selector.busy_since == busy_since:  # otherwise the stack is of another turn
                     since = busy_since
@@ -157,8 +172,8 @@ class LoopWatch:
     def _report_blocked(self, now: float, seconds: float, stack: list[FrameType]) -> None:
         task = asyncio.current_task(self._loop)
         name = "a callback" if task is None else task.get_name()
-        frame = next((one for one in stack if _is_ours_or_the_users(one)), stack[0] if stack else None)
-        self.last = name if frame is None else f"{name} in {_place(frame)}"
+        frame = next((one for one in stack if is_ours_or_the_users(one)), stack[0] if stack else None)
+        self.last = name if frame is None else f"{name} in {place_of_frame(frame)}"
         self.blocks += 1
         self._record_block(now, seconds)
         _log.error(
@@ -166,7 +181,7 @@ class LoopWatch:
             message=f"the event loop has been blocked for {seconds:.1f} s by {self.last}: nothing else can run; "
             "make it await, or run it in a thread",
             blocks=self.blocks,
-            stack=[_place(one) for one in stack[:_MOST_FRAMES]],
+            stack=[place_of_frame(one) for one in stack[:_MOST_FRAMES]],
         )
 
     def _record_block(self, now: float, seconds: float) -> None:
@@ -194,13 +209,19 @@ def own_time(elapsed: float, used: float, interval: float) -> float:
     return min(elapsed, max(interval, used))
 
 
-def _place(frame: FrameType) -> str:
+def place_of_frame(frame: FrameType) -> str:
+    """Return the file, line and function of *frame*."""
     return f"{frame.f_code.co_filename}:{frame.f_lineno} ({frame.f_code.co_name})"
 
 
-def _is_ours_or_the_users(frame: FrameType) -> bool:
-    file = frame.f_code.co_filename
-    return file.startswith(_OURS) or not (file.startswith((*_LIBRARIES, "<")))
+def is_ours(frame: FrameType) -> bool:
+    """Return whether *frame* is of homebot."""
+    return frame.f_code.co_filename.startswith(_OURS)
+
+
+def is_ours_or_the_users(frame: FrameType) -> bool:
+    """Return whether *frame* is of no library."""
+    return is_ours(frame) or not frame.f_code.co_filename.startswith((*_LIBRARIES, "<"))
 
 
 T = TypeVar("T")
