@@ -70,7 +70,7 @@ class WatchedSelector(selectors.DefaultSelector):
 
 
 class BusyLoop(Protocol):
-    """What tracks since when an event loop is busy, as :class:`WatchedSelector`."""
+    """An object that tracks since when an event loop is busy, such as a :class:`WatchedSelector`."""
 
     busy_since: float | None
 

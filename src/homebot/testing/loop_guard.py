@@ -12,9 +12,6 @@ from homebot.support.production_loop import LoopWatch, is_ours, is_ours_or_the_u
 
 __all__ = ["LoopGuard"]
 
-ENDED_AFTER: Final = 30.0
-"""Real seconds after which an error ends code that blocks the loop, where there are signals."""
-
 _SIGNAL: Final[Any] = getattr(signal, "SIGURG", None)  # the default is to ignore it, and no library uses it
 _DEBUGGERS: Final = ("bdb", "pdb", "pydevd", "_pydevd", "debugpy")
 
@@ -23,14 +20,17 @@ _DEBUGGERS: Final = ("bdb", "pdb", "pydevd", "_pydevd", "debugpy")
 class LoopGuard(LoopWatch):
     """A watch over any loop: ``with LoopGuard(loop) as guard``, in its thread, before it runs.
 
+    Args:
+        ended_after: Seconds after which an error ends code that blocks the loop, where there are signals.
+
     Attributes:
         blocked_by: The places in apps that blocked the loop for a second.
     """
 
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(self, loop: asyncio.AbstractEventLoop, ended_after: float = 30.0) -> None:
         self.busy_since: float | None = None
         self.blocked_by: dict[str, None] = {}
-        self._ended_after = ENDED_AFTER
+        self._ended_after = ended_after
         self._ends: float | None = None  # the turn of the loop that is to end
         self._ended: float | None = None
         # Asyncio's own, and no public way to it; another kind of loop is not watched.
