@@ -6,7 +6,7 @@ Source of the modes of thermostats: Home Assistant core 2025.4, ``components/cli
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 from homebot.conventions.command_values import require_bool, require_number, require_true
 from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, quantity_of
@@ -96,11 +96,15 @@ class EntityRow:
         )
 
 
+PLAIN_CLASSES: Final = frozenset({"", "outlet", "switch"})
+"""Device classes that do not tell what is moved; an icon may."""
+
+
 class EntityComponent(NamedTuple):
     """A component: the type of its parts, or a function of the description, and its rows.
 
     Attributes:
-        tag: The tag of its parts; None for the device class.
+        tag: The tag of its parts; None for that of :func:`tag_of`.
     """
 
     service_type: str | Callable[[Fields], str]
@@ -153,6 +157,12 @@ def read_flag(field: str) -> ReadField:
 def class_of(info: Fields) -> str:
     """Return the device class; empty for none."""
     return text_of(info, "device_class")
+
+
+def tag_of(info: Fields, *, is_set: bool) -> str:
+    """Return the device class; of a part that can be set, the icon if the class only tells a switch."""
+    kind = class_of(info)
+    return (text_of(info, "icon") if is_set and kind in PLAIN_CLASSES else "") or kind
 
 
 def opening_type(info: Fields) -> str:

@@ -235,3 +235,9 @@ def test_a_text_that_is_called_a_code_or_password_is_not_read(name: str, *, is_r
     assert bool(sensors) is is_read
     (capability,) = entity("text", name=name, max_length=20).part("one").capabilities
     assert (capability.readable, capability.settable) == (is_read, True)
+
+
+def test_the_icon_of_what_can_be_set_is_its_kind_without_a_class() -> None:
+    assert entity("switch", icon="mdi:gate").part("x").tag == "mdi:gate"
+    assert entity("cover", icon="mdi:gate", device_class="blind").part("x").tag == "blind"
+    assert entity("sensor", icon="mdi:gate").part("x").tag == ""

@@ -72,3 +72,17 @@ def test_rendered_texts_are_read_without_raising() -> None:
     assert [numbers_of(text, 2) for text in ("1", "1,2,3", "1,x", "")] == [None] * 4
     assert fields_of(' {"a": 1}') == {"a": 1}
     assert [fields_of(text) for text in ("[1]", "{", "x", "")] == [{}] * 4
+
+
+@pytest.mark.parametrize(
+    ("shown", "tag"),
+    [
+        ({"icon": "mdi:gate"}, "mdi:gate"),
+        ({"ic": "mdi:gate", "dev_cla": "switch"}, "mdi:gate"),
+        ({"dev_cla": "outlet"}, "outlet"),
+        ({}, ""),
+    ],
+)
+def test_the_icon_of_what_can_be_set_is_its_kind_without_a_class(shown: dict[str, str], tag: str) -> None:
+    """What an icon says of a relay is what its owner means by it."""
+    assert homeassistant_part("on_off", "switch", {"command_topic": "a/set", **shown}).part.tag == tag

@@ -422,3 +422,9 @@ def test_a_temperature_after_a_mode_is_that_of_the_mode() -> None:
     thermostat.put({"a": {"target_temp_low": 20.0, "target_temp_high": 24.0}}, is_new=False)
     thermostat.take(thermostat.call("thermostat_mode", "heat_cool"))
     assert thermostat.call("heating_setpoint", 21.0).data == {"target_temp_low": 21.0, "target_temp_high": 24.0}
+
+
+def test_the_icon_of_what_can_be_set_is_its_kind_without_a_class() -> None:
+    assert only("switch.one", "on", icon="mdi:pipe-valve", device_class="outlet").part().tag == "mdi:pipe-valve"
+    assert only("cover.one", "open", icon="mdi:gate", device_class="blind").part().tag == "blind"
+    assert only("sensor.one", "1", icon="mdi:gate").part().tag == ""

@@ -14,6 +14,7 @@ from homebot.conventions.entity_rows import (
     WriteField,
     options_of,
     read_flag,
+    tag_of,
     text_of,
     whole_of,
     writer_of,
@@ -71,13 +72,13 @@ class EsphomeEntity:
     def part(self, part_id: str, owner: str = "") -> Part:
         """Return its part; the name of its sub-device, *owner*, precedes its own."""
         service_type, _, tag = self._kind
-        device_class = text_of(self.info, "device_class")
+        told = tag_of(self.info, is_set=any(one.settable for one in self._capabilities))
         return Part(
             id=part_id,
             name=f"{owner} {text_of(self.info, 'name')}".strip(),
             service_type=service_type if isinstance(service_type, str) else service_type(self.info),
             advertised=self.component,
-            tag=_TAGS.get(device_class, device_class) if tag is None else tag,
+            tag=_TAGS.get(told, told) if tag is None else tag,
             category=_CATEGORIES.get(whole_of(self.info, "entity_category"), ""),
             capabilities=self._capabilities,
         )

@@ -10,6 +10,7 @@ from typing import TypeVar, Unpack
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer, push_writer
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publications
+from homebot.conventions.entity_rows import PLAIN_CLASSES
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.part_builder import BytesPart, CapabilityFields
@@ -35,19 +36,22 @@ class Entity(BytesPart):
 
     Args:
         service_type: A type of :data:`homebot.devices.device_types.DEVICE_TYPES`.
-        tag: Its kind within the type; by default its ``device_class``.
+        tag: Its kind within the type; by default its ``device_class``, or its icon if that only tells a switch.
     """
 
     def __init__(self, config: DiscoveryConfig, service_type: str, tag: str | None = None) -> None:
         category = config.text("entity_category")
         if category not in _CATEGORIES:
             raise WireError(f"{config.component}: entity_category is {shown(category)}, not config or diagnostic")
+        if tag is None:
+            kind = config.clean_text("device_class")
+            tag = (config.clean_text("icon") if kind in PLAIN_CLASSES and config.has("command_topic") else "") or kind
         super().__init__(
             config.part_id,
             service_type,
             name=config.clean_text("name"),
             advertised=config.component,
-            tag=config.clean_text("device_class") if tag is None else tag,
+            tag=tag,
             category=_CATEGORIES[category],
         )
         self._config = config

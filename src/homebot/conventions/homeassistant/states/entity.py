@@ -8,7 +8,7 @@ from datetime import datetime
 from typing import Final, NamedTuple
 
 from homebot.conventions.command_values import require_transition
-from homebot.conventions.entity_rows import EntityRow, Fields, options_of, text_of, writer_of
+from homebot.conventions.entity_rows import EntityRow, Fields, options_of, tag_of, text_of, writer_of
 from homebot.conventions.homeassistant.states.domains import DOMAINS
 from homebot.conventions.homeassistant.states.registries import EntityEntry, Registries
 from homebot.conventions.payload import Readings
@@ -146,18 +146,17 @@ class HomeAssistantEntity:
         kind = DOMAINS[self.domain]
         rows = [(row.describe(self.info), row) for row in kind.rows if row.applies(self.info)]
         self._rows = {capability.name: row for capability, row in rows}
+        is_set = any(row.write for _, row in rows)
         service_type = kind.service_type if isinstance(kind.service_type, str) else kind.service_type(self.info)
         return Part(
             id=self.entry.part_id,
             name=self.name,
             service_type=service_type,
             advertised=self.domain,
-            tag=text_of(self.info, "device_class") if kind.tag is None else kind.tag,
+            tag=tag_of(self.info, is_set=is_set) if kind.tag is None else kind.tag,
             category=self.entry.category,
             capabilities=tuple(capability for capability, _ in rows),
-            payloads=payload_digest((self.entity_id, self.info.get("supported_features")))
-            if any(row.write for _, row in rows)
-            else "",
+            payloads=payload_digest((self.entity_id, self.info.get("supported_features"))) if is_set else "",
         )
 
     def read(self, *, is_change: bool) -> Readings:
