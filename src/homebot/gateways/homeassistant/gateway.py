@@ -18,7 +18,7 @@ from homebot.errors import RefusedError, UsageError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import GatewayContext
 from homebot.gateways.homeassistant.entities import HomeAssistantEntities
-from homebot.gateways.homeassistant.link import HomeAssistantLink, connected
+from homebot.gateways.homeassistant.link import GREETS_WITHIN, HomeAssistantLink, connected
 from homebot.gateways.homeassistant.settings import HOW_TO_LOG_IN, HomeAssistantGatewaySettings
 from homebot.gateways.homeassistant.triggers import DeviceTriggers
 from homebot.gateways.linked_gateway import LinkedGateway
@@ -87,7 +87,7 @@ class HomeAssistantGateway(LinkedGateway):
     async def _load(self) -> None:
         """Read the registries and all states, and follow both."""
         link = self._link
-        config = as_fields(await link.call("the configuration", "get_config"))
+        config = as_fields(await link.call("the configuration", "get_config", within=GREETS_WITHIN))
         self._entities.celsius = as_fields(config.get("unit_system")).get("temperature") != "°F"
         for registry in REGISTRIES:
             args = {"event_type": f"{registry}_registry_updated"}

@@ -27,12 +27,15 @@ __all__ = ["HomeAssistantLink", "OnEvent", "connected"]
 MAX_FRAME_BYTES = 64 * 1024 * 1024
 """Longest frame: all states of 10,000 entities, of about 1 kB each, and much more with long attributes."""
 
-OPENS_WITHIN = 10.0
+MAX_GREETING_BYTES: Final = 64 * 1024
+"""Longest frame before the login: anybody may be at this address."""
+
+OPENS_WITHIN = 5.0
 CLOSES_WITHIN = 1.0
 ALIVE_WITHIN = 20.0
 """In seconds; a peer that does not answer a ping for this long counts as lost."""
 
-GREETS_WITHIN: Final = 10.0
+GREETS_WITHIN: Final = 5.0
 ANSWERS_WITHIN: Final = 30.0
 """In seconds; a service that takes longer, such as for a sleepy device, continues without us."""
 
@@ -66,6 +69,9 @@ class HomeAssistantLink:
                 await self._expect("auth_required")
                 await self._send(compact_json({"type": "auth", "access_token": token}))
                 await self._expect("auth_ok")
+            for name in ("max_size", "max_message_size"):  # to and from websockets 16
+                if hasattr(self._connection.protocol, name):
+                    setattr(self._connection.protocol, name, MAX_FRAME_BYTES)
         except TimeoutError:
             raise LinkError(f"Home Assistant did not greet within {GREETS_WITHIN:g} s") from None
 
@@ -92,13 +98,19 @@ class HomeAssistantLink:
             self._calls.end()
 
     async def call(
-        self, what: str, command: str, args: Mapping[str, object] | None = None, on_event: OnEvent | None = None
+        self,
+        what: str,
+        command: str,
+        args: Mapping[str, object] | None = None,
+        on_event: OnEvent | None = None,
+        within: float = ANSWERS_WITHIN,
     ) -> object:
         """Send a command, and return its result.
 
         Args:
             what: The action, for errors.
             on_event: Receives the events of a subscription.
+            within: Seconds to wait for the answer.
 
         Raises:
             LinkError: The link is lost, or there was no answer in time.
@@ -110,7 +122,7 @@ class HomeAssistantLink:
                 self._listeners[number] = on_event
             await self._send(compact_json({"id": int(number), "type": command, **(args or {})}))
 
-        answer = await self._calls.call(what, send, ANSWERS_WITHIN)
+        answer = await self._calls.call(what, send, within)
         if answer.get("success") is True:
             return answer.get("result")
         error = as_fields(answer.get("error"))
@@ -206,7 +218,7 @@ async def _opened(url: str) -> ClientConnection:
             close_timeout=CLOSES_WITHIN,
             ping_interval=ALIVE_WITHIN,
             ping_timeout=ALIVE_WITHIN,
-            max_size=MAX_FRAME_BYTES,
+            max_size=MAX_GREETING_BYTES,
         )
     except TimeoutError as exc:
         raise LinkError(f"{url} did not answer within {OPENS_WITHIN:g} s") from exc
