@@ -41,6 +41,21 @@ def test_a_message_is_made_empty_and_its_fields_are_set_one_by_one() -> None:
         scan.rangs = []
 
 
+def test_a_raw_subscription_receives_the_bytes_of_the_wire(node: rclpy.Node) -> None:
+    """Source: OMG DDS-XTypes 1.3, section 7.6.3.1.2: 00 01 00 00 begins little-endian CDR."""
+    heard = list[bytes]()
+    node.create_subscription(String, "chatter", heard.append, 1, raw=True)
+    node.create_publisher(String, "chatter", 1).publish(String(data="ab"))
+    rclpy.spin_once(node)
+    assert heard == [bytes.fromhex("00010000 03000000 616200")] == [rclpy.serialize_message(String(data="ab"))]
+
+
+def test_the_names_of_bases_and_infos_are_those_of_rclpy() -> None:
+    assert isinstance(rclpy.SingleThreadedExecutor(), rclpy.Executor)
+    assert isinstance(rclpy.ReentrantCallbackGroup(), rclpy.CallbackGroup)
+    assert rclpy.QoSPublisherMatchedInfo().current_count == 0
+
+
 def test_an_executor_runs_the_callbacks_of_several_nodes_on_one_thread(node: rclpy.Node) -> None:
     """Also those that were due before a node was added."""
     executor, other, heard = rclpy.SingleThreadedExecutor(), rclpy.create_node("other"), list[str]()

@@ -106,6 +106,26 @@ async def test_a_program_imports_the_modules_beside_it(tmp_path: Path) -> None:
     assert run.text == "imported\n"
 
 
+async def test_a_program_may_use_signals_and_an_event_loop_and_ends_with_its_own_code(tmp_path: Path) -> None:
+    """The only or last program has the main thread, which they need."""
+    text = "import asyncio, signal, sys, rclpy\nsignal.signal(signal.SIGTERM, lambda *_: None)\nrclpy.init()\n"
+    (tmp_path / "program.py").write_text(f"{text}print(asyncio.run(asyncio.sleep(0, 'slept')))\nsys.exit(3)\n")
+    async with running(str(tmp_path / "program")) as run:
+        assert await run.exit_code() == 1
+    assert run.text == "slept\n"
+
+
+async def test_a_program_finds_the_folder_of_its_package_and_fails_for_another(tmp_path: Path) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>my_robot</name></package>")
+    (tmp_path / "my_robot").mkdir()
+    find = "from ament_index_python.packages import get_package_share_directory as find"
+    (tmp_path / "my_robot/program.py").write_text(f"{find}\nprint(find('my_robot'))\nfind('another')\n")
+    async with running(str(tmp_path / "my_robot/program")) as run:
+        assert await run.exit_code() == 1
+    assert run.text.startswith(f"{tmp_path}\n")
+    assert "another is not below AMENT_PREFIX_PATH, and no package.xml beside or above" in run.text
+
+
 async def test_a_program_has_not_failed_that_works_when_another_one_shuts_down(tmp_path: Path) -> None:
     begin = "import rclpy\nfrom std_msgs.msg import String\nrclpy.init()\n"
     busy, last = tmp_path / "busy.py", tmp_path / "last.py"

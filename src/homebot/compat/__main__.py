@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from types import ModuleType
 
-from homebot.compat import rclpy, tf2_ros
+from homebot.compat import packages, rclpy, tf2_ros
 from homebot.compat.messages import program_type
 from homebot.compat.remote import CONTEXT
 from homebot.errors import UsageError
@@ -19,8 +19,9 @@ from homebot.messages.interfaces.interface_text import Interface
 __all__ = ["main"]
 
 _MODULES = (
-    " .action .callback_groups .client .clock .duration .event_handler .exceptions .executors .guard_condition"
-    " .logging .node .parameter .publisher .service .subscription .task .time .timer .utilities .wait_for_message"
+    " .action .callback_groups .client .clock .duration .event_handler .exceptions .executors .guard_condition .impl"
+    " .impl.logging_severity .logging .node .parameter .publisher .serialization .service .subscription .task .time"
+    " .timer .utilities .wait_for_message"
 )
 """The submodules of rclpy, which are all mapped to ours."""
 
@@ -28,9 +29,9 @@ _TF2_MODULES = " .buffer .static_transform_broadcaster .transform_broadcaster .t
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the programs in *argv*, each in its own thread; return the exit code: 1 if one failed.
+    """Run the programs in *argv*, the last on this thread, as signals and some libraries need it; return the exit code.
 
-    Ctrl-C ends all of them, and so does ``rclpy.shutdown()`` in one.
+    It is 1 if one failed. Ctrl-C ends all of them, and so does ``rclpy.shutdown()`` in one.
     """
     parser = argparse.ArgumentParser(prog="python -m homebot.compat", description=__doc__)
     parser.add_argument("programs", metavar="PROGRAM", nargs="+", help="a Python file that uses rclpy")
@@ -49,11 +50,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     texts = {key: text for folder in options.interfaces for key, text in Interfaces.read_folder(folder).items()}
     _install_modules(Interfaces(texts))
     failed: list[str] = []
-    threads = [threading.Thread(target=_run, args=(one, failed), daemon=True) for one in options.programs]
+    *others, last = options.programs
+    threads = [threading.Thread(target=_run, args=(one, failed), daemon=True) for one in others]
     try:
         with rclpy.init():
             for thread in threads:
                 thread.start()
+            _run(last, failed)
             for thread in threads:
                 thread.join()
     except KeyboardInterrupt:
@@ -66,6 +69,7 @@ def _install_modules(interfaces: Interfaces) -> None:
     for name in _MODULES.split(" "):
         sys.modules[f"rclpy{name}"] = rclpy
     sys.modules["rclpy.qos"] = rclpy.qos
+    sys.modules["ament_index_python"] = sys.modules["ament_index_python.packages"] = packages
     for name in _TF2_MODULES.split(" "):
         sys.modules[f"tf2_ros{name}"] = tf2_ros
     finders: dict[str, Callable[[str], Interface]] = {
@@ -96,6 +100,8 @@ def _run(program: str, failed: list[str]) -> None:
     try:
         code = compile(Path(program).read_bytes(), program, "exec")
         exec(code, {"__name__": "__main__", "__file__": program})  # noqa: S102 - the program that was named
+    except SystemExit as exc:  # of its last line, as in ROS's tutorials
+        failed += [program] if exc.code else []
     except Exception as exc:  # noqa: BLE001 - shown as Python shows the failure of a program
         if isinstance(exc, UsageError) and CONTEXT.is_ended_by_another():
             return

@@ -8,13 +8,14 @@ from functools import lru_cache, partial
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
+from homebot.messages.cdr import message_to_cdr
 from homebot.messages.definition import zero_message
 from homebot.messages.interfaces.interface_text import Interface
 from homebot.messages.json import message_from_json
 from homebot.messages.message import Message, ServiceType
 from homebot.messages.numeric_array import NumericArray
 
-__all__ = ["MutableMessage", "program_type", "to_graph", "to_program"]
+__all__ = ["MutableMessage", "program_type", "serialize_message", "to_graph", "to_program"]
 
 
 class MutableMessage:
@@ -54,6 +55,11 @@ def to_graph(value: Any) -> Any:
     """Return *value*, with a program's messages and types converted to homebot's."""
     interface = getattr(value, "_interface", value)
     return message_from_json(interface, _plain(value)) if isinstance(value, MutableMessage) else interface
+
+
+def serialize_message(message: Any) -> bytes:
+    """Return *message* in CDR, as it is on the wire of ROS 2."""
+    return message_to_cdr(to_graph(message))
 
 
 def _plain(value: Any) -> Any:

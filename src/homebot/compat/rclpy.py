@@ -29,20 +29,23 @@ from homebot.compat.arguments import node_rules, remove_ros_args
 from homebot.compat.clock import RclpyClock, RclpyDuration, RclpyRate, RclpyTime
 from homebot.compat.events import PublisherEventCallbacks, SubscriptionEventCallbacks
 from homebot.compat.logger import LoggingSeverity, get_logger
-from homebot.compat.messages import to_program
+from homebot.compat.messages import serialize_message, to_program
 from homebot.compat.remote import CONTEXT, Future, Remote, SpinExecutor
 from homebot.errors import ParameterError
 from homebot.graph import qos as graph_qos
 from homebot.graph.parameter_services import set_parameters
 from homebot.graph.parameters import value_of
+from homebot.graph.qos_events import MatchedStatus
 
 __all__ = [
     "ActionClient",
     "ActionServer",
+    "CallbackGroup",
     "CancelResponse",
     "Clock",
     "ClockType",
     "Duration",
+    "Executor",
     "ExternalShutdownException",
     "Future",
     "GoalResponse",
@@ -56,6 +59,8 @@ __all__ = [
     "ParameterAlreadyDeclaredException",
     "ParameterNotDeclaredException",
     "PublisherEventCallbacks",
+    "QoSPublisherMatchedInfo",
+    "QoSSubscriptionMatchedInfo",
     "ROSInterruptException",
     "Rate",
     "ReentrantCallbackGroup",
@@ -68,6 +73,7 @@ __all__ = [
     "ok",
     "qos",
     "remove_ros_args",
+    "serialize_message",
     "shutdown",
     "spin",
     "spin_once",
@@ -81,7 +87,14 @@ ExternalShutdownException = ROSInterruptException = (
 )
 ParameterAlreadyDeclaredException = ParameterNotDeclaredException = ParameterError
 InvalidParameterTypeException = InvalidParameterValueException = ParameterError
-MutuallyExclusiveCallbackGroup = ReentrantCallbackGroup = object
+
+
+class CallbackGroup:
+    """A group of callbacks, without effect: those of an executor run one after the other."""
+
+
+MutuallyExclusiveCallbackGroup = ReentrantCallbackGroup = CallbackGroup
+QoSPublisherMatchedInfo = QoSSubscriptionMatchedInfo = MatchedStatus
 ClockType = IntEnum("ClockType", ("ROS_TIME", "SYSTEM_TIME", "STEADY_TIME"))
 
 
@@ -269,6 +282,13 @@ class RclpyNode(Remote):
         """Return an object whose ``trigger()`` runs *callback*."""
         return SimpleNamespace(trigger=partial(self.executor.submit, callback), destroy=bool)
 
+    def create_subscription(
+        self, msg_type: Any, topic: str, callback: Callable[[Any], object], *qos: Any, raw: bool = False, **more: Any
+    ) -> Any:
+        """Call *callback* with each message on *topic*; with *raw*, with its bytes in CDR."""
+        told = (lambda message: callback(serialize_message(message))) if raw else callback
+        return self.invoke(self.graph_object.create_subscription, msg_type, topic, told, *qos, **more)
+
     def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], object], **_: object) -> Any:
         """Serve *srv_name*: *callback* takes a request and an empty response, and returns the response."""
         create = self.graph_object.create_service
@@ -401,7 +421,7 @@ def _with_lists(types: dict[str, str]) -> list[tuple[str, list[str]]]:
 
 Node = RclpyNode
 create_node = RclpyNode
-SingleThreadedExecutor = MultiThreadedExecutor = SpinExecutor
+Executor = SingleThreadedExecutor = MultiThreadedExecutor = SpinExecutor
 Parameter = RclpyParameter
 Client = Publisher = Service = Subscription = Timer = Remote
 action = callback_groups = clock = duration = exceptions = executors = sys.modules[__name__]
