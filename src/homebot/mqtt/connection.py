@@ -6,7 +6,6 @@ that fires minutes late is worse than one that fails.
 """
 
 import enum
-import math
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -42,9 +41,6 @@ _OFFLINE_WITHIN = 1.0
 _STABLE = 5.0
 """A link that lasted fewer seconds counts as a failed attempt, so that a broker that disconnects us right after the
 login is not asked in a tight loop."""
-
-_BACK_WITHIN = 10.0
-"""Seconds that others on the broker may need to come back after a loss."""
 
 _FILTER = attrgetter("filter")
 
@@ -127,9 +123,7 @@ class MqttConnection:
         self.state = ConnectionState(LinkPhase.CLOSED)
         self._changed = anyio.Event()
         self._tasks: TaskGroup | None = None
-        self._links = 0
         self._protocol = ""
-        self._made_again_at = -math.inf
 
     @property
     def refused(self) -> Mapping[str, str]:
@@ -171,24 +165,15 @@ class MqttConnection:
                 raise ClosedError(f"the connection to {self.url} is closed")
             await self._changed.wait()
 
-    async def require_peer(self, heard_at: float, answers: Callable[[], bool]) -> None:
-        """Check that the answer of a peer on the broker would be received, and that the peer is not known to be absent.
-
-        Args:
-            answers: Returns whether an answer would prove its presence anyway.
+    async def require_link(self) -> None:
+        """Check that the link is up and its subscriptions are made, so that an answer would be received.
 
         Raises:
-            LinkError: The link is down, or its subscriptions are not made yet. Or it was restored in the last 10 s and
-                the peer has not been heard since, so that it may not be back.
+            LinkError: It is not.
         """
-        problem, since = "", self._made_again_at
         if self.state.phase is not LinkPhase.CONNECTED:
-            problem = "not connected"
-        elif heard_at < since and self._clock.monotonic() - since < _BACK_WITHIN and not answers():
-            problem = "the broker has just come back, and the device was not heard since"
-        if problem:
             await checkpoint()  # as in publish
-            raise LinkError(f"{self.url}: {problem}")
+            raise LinkError(f"{self.url}: not connected")
 
     async def subscribe(self, *subscriptions: MqttSubscription, every_link: bool = False) -> None:
         """Subscribe now and on every later link; a second subscription to the same filter replaces the first.
@@ -286,8 +271,6 @@ class MqttConnection:
                 try:
                     await self._prepare(session)
                     up_since = self._clock.monotonic()
-                    self._made_again_at = up_since if self._links else -math.inf
-                    self._links += 1
                     self._protocol = session.protocol
                     self._enter(LinkPhase.CONNECTED)
                     _log.debug(

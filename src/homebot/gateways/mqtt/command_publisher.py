@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import partial
 from secrets import token_hex
 from typing import Final, final
 
@@ -143,9 +142,8 @@ class CommandPublisher:
         Raises:
             UnableError: No described part can do that; nothing was sent.
             RefusedError: The code is wrong, or the broker refused.
-            LinkError: There is no link. Or the part has no report that could confirm the command, and either an MQTT 5
-                broker says that no client subscribes to the topic, or the broker has just come back and the device
-                has not been heard since.
+            LinkError: There is no link. Or the part has no report that could confirm the command, and an MQTT 5 broker
+                says that no client subscribes to the topic.
         """
         try:
             announced_part = self._find_part(command.key, command.part, command.topics)
@@ -154,12 +152,11 @@ class CommandPublisher:
             raise  # with a wrong code no other route is tried: it might not ask for one
         except HomebotError as exc:
             raise UnableError(str(exc)) from exc
-        reports = partial(announced_part.reports, command.capability)
-        await self._connection.require_peer(announced_part.stored.heard_at, reports)
+        await self._connection.require_link()
         if command.code:
             publications = tuple(one._replace(retain=False) for one in publications)  # no code stays on the broker
         is_heard = await self._publish(command, publications)
-        if publications and not is_heard and not reports():
+        if publications and not is_heard and not announced_part.reports(command.capability):
             raise LinkError(f"no client subscribes to {publications[0].topic[:100]}")
 
     async def _publish(self, command: Command, publications: Iterable[Publication]) -> bool:
