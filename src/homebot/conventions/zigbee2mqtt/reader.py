@@ -25,6 +25,9 @@ __all__ = ["MAX_BRIDGE_BYTES", "MAX_DEVICES", "MAX_PARTS", "Zigbee2MqttReader"]
 MAX_BRIDGE_BYTES = 32 * 1024 * 1024
 """Longest list of devices; a device has about 4 kB, some remotes and thermostats have ten times that."""
 
+_MAX_GROUPS_BYTES = 1024 * 1024
+"""Longest list of groups; a member has about 60 bytes."""
+
 MAX_DEVICES = 5_000
 """Most devices of one bridge; the largest known networks have some hundreds."""
 
@@ -154,7 +157,7 @@ class Zigbee2MqttReader:
         """Read the members of the groups, under the identifiers with which the bridge announces these."""
         groups: dict[str, tuple[str, ...]] = {}
         coded = "".join(str(ord(letter)) for letter in base)
-        for entry in islice(parse_list(payload, MAX_BRIDGE_BYTES) if payload else (), MAX_DEVICES):
+        for entry in islice(parse_list(payload, _MAX_GROUPS_BYTES) if payload else (), MAX_DEVICES):
             fields = as_fields(entry)
             number, listed = fields.get("id"), fields.get("members")
             if not isinstance(number, int):
