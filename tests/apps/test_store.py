@@ -9,6 +9,7 @@ import sys
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, closing
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import anyio
@@ -74,14 +75,90 @@ async def test_what_was_removed_is_gone_after_a_restart(tmp_path: Path) -> None:
             del store["one"]
 
 
-def test_a_value_is_a_copy() -> None:
-    """Else a list would change in memory and not in the file."""
+def test_a_value_is_copied_when_it_is_stored() -> None:
     store = Store("hall")
     rooms = ["hall"]
     store["rooms"] = rooms
     rooms.append("kitchen")
-    store["rooms"].append("bath")
     assert store["rooms"] == ["hall"]
+
+
+def set_item(value: Any, key: object, new: object) -> object:
+    value[key] = new
+    return new
+
+
+CHANGES: dict[str, Callable[[Any], object]] = {
+    "append": lambda it: it["log"].append(4),
+    "extend": lambda it: it["log"].extend([4, [5]]),
+    "insert and remove": lambda it: (it["log"].insert(0, 9), it["log"].remove(2)),
+    "pop": lambda it: it["log"].pop(),
+    "sort and reverse": lambda it: (it["log"].sort(), it["log"].reverse()),
+    "clear": lambda it: it["log"].clear(),
+    "an item": lambda it: set_item(it["log"], 0, 7),
+    "a slice": lambda it: set_item(it["log"], slice(0, 2), [{"a": 1}]),
+    "an item of a dict in a list in a dict": lambda it: set_item(it["deep"]["lamps"][0], "on", True),
+    "what was put in before": lambda it: (it["deep"].update(new=[]), it["deep"]["new"].append({}))[1],
+    "what a list was set to": lambda it: (it["log"].append([]), it["log"][-1].append(1))[1],
+    "setdefault": lambda it: it["deep"].setdefault("seen", []).append("hall"),
+    "setdefault of the store": lambda it: it.setdefault("seen", []).append("hall"),
+    "popitem": lambda it: it["deep"].popitem(),
+    "update": lambda it: it["deep"].update({"x": {"y": 1}}, z=2),
+    "the old way": lambda it: (log := it["log"], log.append(4), set_item(it, "log", log)),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
+async def test_a_change_of_what_was_read_is_stored(tmp_path: Path, change: Callable[[Any], object]) -> None:
+    """It was lost in silence: the value was a copy."""
+    plain: dict[str, Any] = {"log": [3, 1, 2], "deep": {"lamps": [{"on": False}], "n": 1}}
+    async with opened(tmp_path / STORE_FILE) as stores:
+        stores.of("hall").update(plain)
+    change(plain)
+    async with opened(tmp_path / STORE_FILE) as stores:
+        change(stores.of("hall"))
+        assert dict(stores.of("hall")) == plain
+    async with opened(tmp_path / STORE_FILE) as stores:
+        assert dict(stores.of("hall")) == plain
+
+
+@pytest.mark.parametrize(("text", "kind", "unchanging"), [("[1]", list, tuple), ('{"n": 1}', dict, MappingProxyType)])
+def test_every_method_that_changes_a_list_or_dict_stores_it(text: str, kind: type, unchanging: type) -> None:
+    """Python may get more of them."""
+    of_both = {*dir(unchanging), "__reversed__", "__init__", "fromkeys", "copy"}
+    assert set(dir(kind)) - of_both <= set(vars(type(Store("hall", {"key": text})["key"])))
+
+
+def test_two_readers_of_one_value_do_not_undo_each_other() -> None:
+    store = Store("hall")
+    store["log"] = []
+    one, two = store["log"], store["log"]
+    one.append(1)
+    two.append(2)
+    assert store["log"] == [1, 2]
+
+
+def test_a_value_that_was_replaced_changes_nothing_any_more() -> None:
+    store = Store("hall")
+    store["log"] = [1]
+    old = store["log"]
+    store["log"] = [2]
+    old.append(3)
+    assert store["log"] == [2]
+    old = store["log"]
+    del store["log"]
+    old.append(3)
+    assert "log" not in store
+
+
+def test_a_change_that_cannot_be_stored_is_an_error_and_undone() -> None:
+    store = Store("hall")
+    store["log"] = [1]
+    with pytest.raises(UsageError, match=r"store\['log'\] takes text, numbers"):
+        store["log"].append({1, 2})
+    with pytest.raises(UsageError, match="a value takes at most"):
+        store["log"].append("x" * MOST_VALUE_BYTES)
+    assert store["log"] == [1]
 
 
 def test_keys_of_homebot_are_not_listed() -> None:

@@ -1,7 +1,7 @@
 """Values of apps that survive restarts: JSON by key, ``self.store["armed"] = True``.
 
 Values are in memory, so that reading and writing never wait; the file is written within five seconds, and when the app
-ends. Values are copied when stored and read: to change a list, store it again.
+ends. Values are copied when stored. A list or dict that is read is the stored one: ``self.store["log"].append(1)``.
 """
 
 import json
@@ -24,6 +24,45 @@ MOST_BYTES: Final = 1_048_576
 _MOST_KEY: Final = 200
 
 
+def _storing(kind: Any, *names: str) -> Any:
+    """Return a subclass of list or dict whose methods *names* change it, and then call its ``save``."""
+
+    def storing(name: str) -> Callable[..., object]:
+        change = getattr(kind, name)
+
+        def method(self: Any, *args: object, **named: object) -> object:
+            result = change(self, *args, **named)
+            for key, value in tuple(self.items() if kind is dict else enumerate(self)):
+                if type(value) in (list, tuple, dict):
+                    kind.__setitem__(self, key, _stored(value, self.save))
+            self.save()
+            return self[args[0]] if name == "setdefault" else result
+
+        return method
+
+    return type(kind.__name__, (kind,), {name: storing(name) for name in names})
+
+
+_List = _storing(
+    list,
+    *("append", "extend", "insert", "remove", "pop", "clear", "sort", "reverse"),
+    *("__setitem__", "__delitem__", "__iadd__", "__imul__"),
+)
+_Dict = _storing(dict, "__setitem__", "__delitem__", "__ior__", "update", "setdefault", "pop", "popitem", "clear")
+
+
+def _stored(value: Any, save: Callable[[], None]) -> Any:
+    """Return a copy of a JSON value that calls *save* after each change of a list or dict in it."""
+    if isinstance(value, list | tuple):
+        found = _List(_stored(one, save) for one in value)
+    elif isinstance(value, dict):
+        found = _Dict({key: _stored(one, save) for key, one in value.items()})
+    else:
+        return value
+    found.save = save
+    return found
+
+
 @final
 class Store(MutableMapping[str, Any]):  # any JSON value
     """The stored values of one app. Keys that begin with ``_`` are reserved for homebot and not listed.
@@ -39,15 +78,26 @@ class Store(MutableMapping[str, Any]):  # any JSON value
         self._app = app
         self._texts = {} if texts is None else texts
         self._on_change = on_change
+        self._read: dict[str, Any] = {}  # the lists and dicts that were read
         self._bytes = sum(map(len, self._texts.values()))
 
     def __getitem__(self, key: str) -> Any:  # as above
-        """Return a copy of the value of *key*.
+        """Return the value of *key*; a list or dict is stored after each change.
 
         Raises:
             KeyError: There is no such key.
         """
-        return json.loads(self._texts[key])
+        if key in self._read:
+            return self._read[key]
+
+        def save() -> None:
+            if self._read.get(key) is value:  # otherwise another one was stored meanwhile
+                self[key] = value
+
+        value = _stored(json.loads(self._texts[key]), save)
+        if isinstance(value, list | dict):
+            self._read[key] = value
+        return value
 
     def __setitem__(self, key: str, value: Any) -> None:  # as above
         """Store a copy of *value* under *key*.
@@ -55,12 +105,21 @@ class Store(MutableMapping[str, Any]):  # any JSON value
         Raises:
             UsageError: It is not a JSON value, or too large; or the key is invalid, or one too many.
         """
+        read = self._read.pop(key, None)  # if it cannot be stored, the old value counts
         text = self._checked(key, value)
+        if read is not None and read is value:
+            self._read[key] = read
         before = self._texts.get(key)
         if text != before:
             self._bytes += len(text) - len(before or "")
             self._texts[key] = text
             self._on_change(key)
+
+    def setdefault(self, key: str, default: Any = None) -> Any:  # as above
+        """Return the value of *key*, after storing *default* if there is none."""
+        if key not in self:
+            self[key] = default
+        return self[key]
 
     def __delitem__(self, key: str) -> None:
         """Remove *key*.
@@ -68,6 +127,7 @@ class Store(MutableMapping[str, Any]):  # any JSON value
         Raises:
             KeyError: There is no such key.
         """
+        self._read.pop(key, None)
         self._bytes -= len(self._texts.pop(key))
         self._on_change(key)
 
