@@ -5,8 +5,10 @@ from collections.abc import Mapping
 import anyio
 import pytest
 from tests.control.conftest import Home, ignore
+from tests.control.policies.houses import make_device
 
-from homebot.devices import KeyValue
+from homebot.control.command_targets import _parts_called
+from homebot.devices import DevicePart, KeyValue
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, CommandDevicesResponse
 from homebot.devices.gateway_messages import Command
 from homebot.devices.names import COMMAND_DEVICES
@@ -552,3 +554,72 @@ async def test_heating_means_the_thermostats_also_while_they_idle(home: Home) ->
     await home.report("heat", "thermostat_action", "idle")
     assert (await command(home, "heating in living", "22.5")).success
     assert sent(home) == [("heat", "heating_setpoint", 22.5)]
+
+
+def named(part_id: str, name: str, *settable: str, kind: str = "switch") -> Part:
+    return simple_part(kind, settable=settable or ("on_off",)).model_copy(update={"id": part_id, "name": name})
+
+
+@pytest.mark.parametrize(
+    ("target", "parts"),
+    [
+        ("Fountain", []),
+        ("the fountain", []),
+        ("fountain", ["a", "b"]),
+        ("fountain#a", ["a"]),
+        ("Pump", ["b"]),
+        ("fountain pump", ["b"]),
+        ("Fountain Fountain", ["a"]),
+    ],
+)
+async def test_a_name_of_a_device_and_of_one_of_its_parts_asks_which_is_meant(
+    home: Home, target: str, parts: list[str]
+) -> None:
+    device = GatewayDevice("fountain", "Fountain", (named("a", "Fountain"), named("b", "Pump")))
+    home.gateway.devices.put(device, "the test says so")
+    answer = await command(home, target, "on")
+    assert [one.part for one in answer.results] == parts
+    if not parts:
+        assert answer.message == (
+            f"{target.removeprefix('the ')!r} could be Fountain Fountain, Fountain Pump; "
+            "give the id of one: fountain#a, fountain#b"
+        )
+
+
+async def test_a_name_that_a_device_shares_with_its_only_part_that_takes_the_command_is_no_question(
+    home: Home,
+) -> None:
+    thermostat = named("a", "Hall", "heating_setpoint", kind="thermostat")
+    home.gateway.devices.put(GatewayDevice("x", "Hall", (thermostat, named("b", "Boost"))), "the test says so")
+    assert [one.part for one in (await command(home, "Hall", "21 °C")).results] == ["a"]
+
+
+@pytest.mark.parametrize("name", ["Gen 1", "Gen 2", "gen 3"])
+def test_of_announcements_with_one_identifier_a_name_reaches_the_part_that_bears_it(name: str) -> None:
+    """It switched three relays."""
+    names = ("Gen 1", "Gen 2", "Gen 3")
+    parts = tuple(DevicePart(id=one, part=named(one, one), routes=()) for one in names)
+    device = make_device("gen_1", "switch").model_copy(update={"name": "Gen 1", "names": names, "parts": parts})
+    (part,) = _parts_called(CommandDevicesRequest(target=name, command="on"), device, name)
+    assert part.id == name.capitalize()
+
+
+@pytest.mark.parametrize("area", ["", "kitchen"])
+async def test_words_that_fit_buttons_of_several_devices_press_none(home: Home, area: str) -> None:
+    for key in ("hood", "heater"):
+        button = named("stop", "Stop", "push", kind="x_setting")
+        home.gateway.devices.put(GatewayDevice(key, f"Kitchen {key}", (button,), area=area), "the test says so")
+    answer = await command(home, "kitchen stop", "press")
+    assert answer.message == "'kitchen stop' could be Kitchen heater, Kitchen hood; give the name of one, or a type"
+    assert sent(home) == []
+    assert (await command(home, "Kitchen hood", "press")).success
+
+
+async def test_a_word_stops_what_can_be_stopped_and_presses_no_button_of_that_name(home: Home) -> None:
+    stop = named("stop", "Stop", "push", kind="x_setting")
+    blind = named("blind", "Blind", "movement", kind="window_covering")
+    home.gateway.devices.put(GatewayDevice("blind", "Window", (blind, stop), area="kitchen"), "the test says so")
+    home.gateway.devices.put(GatewayDevice("oven", "Radio", (stop,), area="kitchen"), "the test says so")
+    answer = await command(home, "in kitchen", "stop")
+    assert sent(home) == [("blind", "movement", "stopped")], answer
+    assert (await command(home, "Radio", "stop")).success  # nothing else is meant

@@ -370,6 +370,25 @@ def test_facts_say_who_said_them_and_when(index: DeviceIndex) -> None:
     assert {one.key: one.value for one in device.metadata} == {"model": "LED1", "sw_version": "2"}
 
 
+@pytest.mark.parametrize(
+    ("names", "conventions", "value"),
+    [
+        (("Gen 1", "Gen 2", "Gen 3"), ("homeassistant",) * 3, "names Gen 1, Gen 2, Gen 3"),
+        (("Gen 1", "gen 1"), ("homeassistant",) * 2, None),
+        (("Gen 1", ""), ("homeassistant",) * 2, None),
+        (("Gen 1", "0x17"), ("homeassistant", "zigbee2mqtt"), None),
+    ],
+)
+def test_several_names_in_one_convention_are_a_fact(
+    index: DeviceIndex, names: tuple[str, ...], conventions: tuple[str, ...], value: str | None
+) -> None:
+    """Three relays of a home-made bridge have one identifier, and perhaps are several devices."""
+    for number, (name, convention) in enumerate(zip(names, conventions, strict=True)):
+        index.observe(announce(f"k{number}", part_of(id=f"p{number}"), ids=(IEEE,), name=name, convention=convention))
+    (device,) = index.devices()
+    assert next((one.value for one in device.facts if one.name == "several_names"), None) == value
+
+
 def test_a_renamed_device_keeps_its_id(index: DeviceIndex) -> None:
     after(index, announce("light/a", part_of(id="l"), ids=(IEEE,), name="Büro-Lampe"))
     changes = after(index, announce("light/a", part_of(id="l"), ids=(IEEE,), name="Hall"))

@@ -17,7 +17,7 @@ from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.readings import Readings, readings_of
 from homebot.devices.query.term_messages import query_terms
-from homebot.devices.query.terms import And, HasText, IsNear, Or, Query, split_near
+from homebot.devices.query.terms import And, CanDo, HasText, IsNear, Or, Query, StateIs, TypeIs, leaves, split_near
 from homebot.devices.services import QueryDevicesRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -59,17 +59,29 @@ class CommandTargets:
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
 
     async def find(self, request: CommandDevicesRequest) -> list[_Target]:
-        """Return the targets, each a device with its parts.
+        """Return the targets, each a device with its parts; no button of that name if something else takes the command.
 
         Raises:
             NoTargetError: There is no target, there are too many, or several devices have the name.
             UsageError: The target is not a query.
             ServiceError: The directory does not answer.
         """
-        target = request.target.strip()
+        found = await self._find(request, request.target.strip())
+        takes = {
+            (device.id, part.id): spoken != {"push": True}
+            for device, parts in found
+            for part, spoken in settings_by_part(request, device, parts)
+            if not isinstance(spoken, RefusedError)
+        }
+        if len(set(takes.values())) <= 1:
+            return found
+        kept = [(device, tuple(one for one in parts if takes.get((device.id, one.id)))) for device, parts in found]
+        return [one for one in kept if one[1]]
+
+    async def _find(self, request: CommandDevicesRequest, target: str) -> list[_Target]:
         if not target:
             raise NoTargetError("give the id or the name of a device, or a query such as 'light in hall'")
-        if named := await self._named(target):
+        if named := await self._named(request, target):
             return named
         readings = readings_of(target)
         is_list = len(readings.alternatives) == 1 and bool(readings.distributed)
@@ -83,12 +95,13 @@ class CommandTargets:
             raise NoTargetError(f"{target!r} could be {_names(found)}; give the name of one")
         return found
 
-    async def _named(self, target: str) -> list[_Target]:
+    async def _named(self, request: CommandDevicesRequest, target: str) -> list[_Target]:
         """Return the device, or its part, that has the id or name *target*, perhaps quoted or with an article."""
         spelled = _ARTICLE.fullmatch(target) or _QUOTED.fullmatch(target)
-        return await self._called(target) or (await self._called(spelled[1]) if spelled is not None else [])
+        called = await self._called(request, target)
+        return called or (await self._called(request, spelled[1]) if spelled is not None else [])
 
-    async def _called(self, target: str) -> list[_Target]:
+    async def _called(self, request: CommandDevicesRequest, target: str) -> list[_Target]:
         device_id, _, part_id = target.partition("#")
         called = await self._lookup.called(target, device_id)
         if part_id and called and called[0].id.casefold() == device_id.casefold():
@@ -97,7 +110,7 @@ class CommandTargets:
             return [(called[0], (part,))]
         if len(called) > 1:
             raise NoTargetError(ask_which(target, called))
-        return [(called[0], _main_parts(called[0]))] if called else []
+        return [(called[0], _parts_called(request, called[0], target))] if called else []
 
     async def _any_of(self, request: CommandDevicesRequest, target: str, readings: Readings) -> list[_Target]:
         """Return the targets that fit any alternative of the query *target*; an ambiguous one is an error."""
@@ -154,7 +167,7 @@ class CommandTargets:
         self, request: CommandDevicesRequest, text: str, *, is_words: bool
     ) -> tuple[list[_Target], bool]:
         """Return the targets that fit one alternative, and False if its words are not a name or fit no device."""
-        named = await self._named(text) or (await self._named_part(text) if is_words else [])
+        named = await self._named(request, text) or (await self._named_part(text) if is_words else [])
         targets = named or await self._one_query(request, text, is_alternative=True)
         if is_words:
             return targets, bool(named)
@@ -176,7 +189,9 @@ class CommandTargets:
         """Return the parts of a device that are called *text*, such as one of four relays; one has to take *taking*."""
         words, name = words_of(text), fold(text)
         devices = await self._lookup.devices(And(tuple(map(HasText, words)))) if words else ()
-        named = [(one, tuple(part for part in _controls(one.parts) if fold(part.part.name) == name)) for one in devices]
+        named = [
+            (one, tuple([part for part in _controls(one.parts) if name in _own_names(one, part)])) for one in devices
+        ]
         found = [one for one in named if one[1] and (taking is None or _takes(taking, one))]
         if len(found) > 1:
             ids = ", ".join(f"{device.id}#{parts[0].id}" for device, parts in found[:10])
@@ -211,9 +226,11 @@ class CommandTargets:
         if total > MOST_DEVICES:
             raise NoTargetError(f"{total:,} devices fit {text!r}; at most {MOST_DEVICES:,} may be commanded")
         meant = _numbered(query, _spelled(text, query, await self._lookup.devices(query)))
-        if isinstance(query, HasText) and len(meant) > 1 and not is_alternative:
-            raise NoTargetError(f"{len(meant)} devices mention {text!r}; give the name of one, or a type")
-        return [(device, _parts(device, query)) for device in meant]
+        found = [(device, _parts(device, query)) for device in meant]
+        is_selected = any(isinstance(one, TypeIs | CanDo | StateIs) for one in leaves(query))
+        if len(found) > 1 and _texts(query) and not is_selected and not is_alternative:
+            raise NoTargetError(f"{text!r} could be {_names(found)}; give the name of one, or a type")
+        return found
 
     async def _total(self, query: Query) -> int:
         answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
@@ -291,6 +308,10 @@ def part_name(device: Device, part: DevicePart) -> str:
     return f"{device.name} #{part.id}" if len(_controls(device.parts)) > 1 else device.name
 
 
+def _own_names(device: Device, part: DevicePart) -> tuple[str, str]:
+    return fold(part.part.name), fold(f"{device.name} {part.part.name}")  # the second as homebot prints it
+
+
 def _is_spelled(query: Query, words: tuple[str, ...]) -> bool:
     """Return whether a device with these *words* fits *query* without a typo: a search may guess, a command may not."""
     match query:
@@ -331,6 +352,25 @@ def _main_parts(device: Device) -> tuple[DevicePart, ...]:
     if not device.parts:
         raise NoTargetError(f"{device.id} takes no commands that homebot knows")
     return _controls(device.parts) or device.parts[:1]
+
+
+def _parts_called(request: CommandDevicesRequest, device: Device, name: str) -> tuple[DevicePart, ...]:
+    """Return the only part of *device* called *name*, as of a bridge that gives each part a device's name; or else all.
+
+    The name of a device and of one part among others that take the command is ambiguous.
+    """
+    parts = _main_parts(device)
+    named = [one for one in parts if fold(one.part.name) == fold(name)]
+    if len(named) != 1 or len(parts) == 1 or (request.target == device.id != device.name):
+        return parts
+    names = set(map(fold, device.names))
+    able = [one for one, spoken in settings_by_part(request, device, parts) if not isinstance(spoken, RefusedError)]
+    if fold(name) != fold(device.name) or names.issuperset(fold(one.part.name) for one in able):
+        return tuple(named)
+    if named[0] in able and len(able) > 1:
+        ids = ", ".join(f"{device.id}#{one.id}" for one in able[:_MOST_NAMES])
+        raise NoTargetError(f"{name!r} could be {_names([(device, tuple(able))])}; give the id of one: {ids}")
+    return parts
 
 
 def _parts(device: Device, query: Query) -> tuple[DevicePart, ...]:

@@ -114,6 +114,9 @@ NEEDS_GATEWAY = "needs_gateway"
 NEXT_STEP = "next_step"
 """The fact that says what a person can do so that it is used."""
 
+SEVERAL_NAMES = "several_names"
+"""The fact of a device with several names in one convention; its value begins with ``names``."""
+
 UNREADABLE = "unreadable"
 """The fact of a device that sent what its announcement does not explain: how often, and why the last time.
 

@@ -10,7 +10,7 @@ import homebot.places
 from homebot.devices import DevicePart, Fact, KeyValue, Sighting
 from homebot.devices.always_ask import APPROVED, CHANGED, CLAIMED_MODEL, MAKE
 from homebot.devices.device_types import wanted_types
-from homebot.devices.names import OWNER, PREFER, TAG
+from homebot.devices.names import OWNER, PREFER, SEVERAL_NAMES, TAG
 from homebot.devices.words import SIREN, matching_words
 from homebot.discovery.approvals import Approval
 from homebot.discovery.endpoints import Addresses, addresses, preferred_routes, rank_in
@@ -75,6 +75,8 @@ def describe_device(
     if believed is not ordered:
         others = _facts(tuple(filterfalse(believed.__contains__, ordered)))
         facts += tuple(one.model_copy(update={"name": CLAIMED_MODEL}) for one in others if one.name in MAKE)
+    if len(ordered) > 1:
+        facts += tuple(_several_names(facts))
     given = _given_in_hub(facts)
     if owner is not None:
         plan = owner.rooms.plan  # without a call, as this runs for every announcement
@@ -118,6 +120,19 @@ def _believed(sources: Sequence[SourceRecord], owner: OwnerFacts | None) -> Sequ
     return believed if owner is None else owner.approvals.approved(believed) or believed
 
 
+def _several_names(facts: Iterable[Fact]) -> Iterator[Fact]:
+    """Yield a fact if announcements of one convention give the device several names: perhaps it is several devices."""
+    names = [one for one in facts if one.name == "name"]
+    for first in names:
+        alike = {fold(one.value): one.value for one in names if _SOURCE(one) == _SOURCE(first)}
+        if len(alike) > 1:
+            value = f"names {', '.join(alike.values())}"[:_LONGEST_NAMES]
+            yield first.model_copy(update={"name": SEVERAL_NAMES, "value": value})
+            return
+
+
+_SOURCE: Final = attrgetter("gateway", "convention")
+_LONGEST_NAMES: Final = 300
 _RELAYS: Final = frozenset({"plug", "switch"})
 
 

@@ -12,7 +12,7 @@ import anyio
 from homebot.devices import QUERY_DEVICES, Device, GatewayState, QueryDevices
 from homebot.devices.findings import Finding, FindingKind, Row
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
-from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, SENDS_NOTHING, UNREADABLE, GatewayNames
+from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, SENDS_NOTHING, SEVERAL_NAMES, UNREADABLE, GatewayNames
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
@@ -326,6 +326,10 @@ def _step(device: Device, _now: float) -> str:
     return min(steps, default=(False, ""))[1]
 
 
+def _several_names(device: Device, _now: float) -> str:
+    return next((one.value for one in device.facts if one.name == SEVERAL_NAMES), "")
+
+
 _UNUSED = (
     f'"{NEEDS_GATEWAY}"=homeassistant or "{NEEDS_GATEWAY}"=hue '
     f'or ("{NEEDS_GATEWAY}"=homekit and not "dns_sd_type"=_hue._tcp)'
@@ -337,6 +341,7 @@ _DEVICE_CHECKS = (
     _DeviceCheck(FindingKind.DISPUTED, "disputed", _dispute, _MOST),
     _DeviceCheck(FindingKind.UNREADABLE, UNREADABLE, _unread, _MOST),
     _DeviceCheck(FindingKind.BATTERY, "low battery", _charge, _FEW),
+    _DeviceCheck(FindingKind.NAMES, f'"{SEVERAL_NAMES}"=names', _several_names, _MOST),
     _DeviceCheck(FindingKind.NO_GATEWAY, _UNUSED, _step, _MOST),
     _DeviceCheck(FindingKind.NO_ROOM, "without area", lambda one, _now: one.name, _FEW),
 )
