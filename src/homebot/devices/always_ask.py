@@ -38,6 +38,7 @@ __all__ = [
     "CHANGED",
     "CLAIMED_MODEL",
     "MAKE",
+    "PANEL",
     "always_asks",
     "asks_by_itself",
     "is_approved",
@@ -66,6 +67,9 @@ BREAKER: Final = "breaker"
 
 APPROVED: Final = "approved"
 """The name of the fact with which the owner approves a dangerous device."""
+
+PANEL: Final = "alarm_panel"
+"""The name of the fact that a device hangs on an alarm panel; its value is the identifier of that."""
 
 CHANGED: Final = "changed_since_approval"
 """The name of the fact that an approved announcement has changed; its value is the change."""
@@ -219,12 +223,19 @@ def _why_by_itself(device: Device, part: DevicePart) -> str:
     if device.tags and _TAG in map(fold, device.tags):
         return "it has the tag always_ask"
     if kind in _RELAYS:
-        return why_it_drives(device, part, NO_LOCK if part.part.category else ALL_THAT_ASK)
-    if kind in _BUTTONS and (reason := _why_named_setting(device, part)):
+        reason = why_it_drives(device, part, NO_LOCK if part.part.category else ALL_THAT_ASK)
+        return reason or (_why_on_panel(device) if kind == "switch" else "")
+    if kind in _BUTTONS and (reason := _why_on_panel(device) or _why_named_setting(device, part)):
         return reason
     if kind == "x_setting":
         return _why_of_model(device, part, ALL_THAT_ASK)
     return _why_hot(device, part) if kind == "thermostat" else ""
+
+
+def _why_on_panel(device: Device) -> str:
+    """Return why a switch, button or setting always asks by the device on which its own hangs: it may bypass a zone."""
+    panels = (one.value for one in device.facts if one.name == PANEL)
+    return next((f"it hangs on the alarm panel {one.removeprefix('id:')}" for one in panels), "")
 
 
 def _why_declared(part: Part) -> str:

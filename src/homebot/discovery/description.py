@@ -8,7 +8,7 @@ from typing import Final
 
 import homebot.places
 from homebot.devices import DevicePart, Fact, KeyValue, Sighting
-from homebot.devices.always_ask import APPROVED, CHANGED, CLAIMED_MODEL, MAKE
+from homebot.devices.always_ask import APPROVED, CHANGED, CLAIMED_MODEL, MAKE, PANEL
 from homebot.devices.device_types import wanted_types
 from homebot.devices.names import OWNER, PREFER, SEVERAL_NAMES, TAG
 from homebot.devices.words import SIREN, matching_words
@@ -31,6 +31,7 @@ __all__ = [
     "describe_device",
     "position_of",
     "with_approvals",
+    "with_panel",
     "with_preferred_routes",
     "with_stated_facts",
 ]
@@ -272,6 +273,12 @@ def _with_approved_routes(part: DevicePart, digests: Mapping[PartPlace, str]) ->
         return part
     routes = [route.model_copy(update={"approved": digest}) for route, digest in zip(part.routes, found, strict=True)]
     return part.model_copy(update={"routes": tuple(routes)})
+
+
+def with_panel(described: DeviceDescription, panel: str, said_at: Time) -> DeviceDescription:
+    """Return the description of a device that hangs on the alarm panel with the identifier *panel*."""
+    fact = Fact(name=PANEL, value=panel, gateway="", convention="", key="", said_at=said_at)
+    return replace(described, facts=(fact, *described.facts)[:MAX_FACTS])
 
 
 def with_preferred_routes(described: DeviceDescription, prefer: Sequence[str], said_at: float) -> DeviceDescription:

@@ -40,6 +40,7 @@ class DeviceTable:
     Attributes:
         lost: The lost links, by gateway.
         outdated: Ids of devices with outdated postings.
+        panels: The identifiers of alarm panels.
         unsaved: Ids to be written to the index file, oldest first; also those of removed devices.
         is_saved: Whether there is an index file; without one, nothing is unsaved.
     """
@@ -55,6 +56,7 @@ class DeviceTable:
         self.changes = ChangeQueue(self.entries, self.topics, first_sequence)
         self.postings = Postings()
         self.outdated: dict[str, None] = {}
+        self.panels: set[str] = set()
         self.unsaved: dict[str, None] = {}
         self.is_saved = False
         self.counters = IndexCounters()

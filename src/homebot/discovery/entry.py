@@ -17,6 +17,7 @@ from homebot.discovery.description import (
     DeviceDescription,
     describe_device,
     with_approvals,
+    with_panel,
     with_preferred_routes,
     with_stated_facts,
 )
@@ -69,6 +70,7 @@ class Entry:
         agreement: The last reports of trusted and claimed endpoints; None if all are trusted.
         echoes: The last events, with the number of routes that reported each; None without events.
         owner: The owner's statements; None before it is in the index.
+        panel: The identifier of the alarm panel on which it hangs; empty for none.
         device: The last result of :meth:`to_device`; None if states or freshness have changed since.
     """
 
@@ -93,6 +95,7 @@ class Entry:
     agreement: Agreement | None = None
     echoes: Echoes | None = None
     owner: OwnerFacts | None = None
+    panel: str = ""
     _description: DeviceDescription | None = None
     device: Device | None = None
 
@@ -238,6 +241,8 @@ class Entry:
                 if stated := owner.of(self.id, sources):
                     self._description = with_stated_facts(self._description, stated, owner.plan)
                 self._description = with_approvals(self._description, owner.approvals.of_device(sources))
+            if self.panel:
+                self._description = with_panel(self._description, self.panel, self.first_seen)
             if self.known_ids:
                 self.known_ids = lost_ids(self.known_ids, self._description.merged.places)
         return self._description

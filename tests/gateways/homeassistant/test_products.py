@@ -112,7 +112,7 @@ def test_a_work_area_of_a_mower_is_where_the_mower_is(own: str | None, room: str
     entities.put("number.height", state("50"), is_new=True)
     entities.regroup()
     device = entities.describe("d2")
-    assert (device.area, device.metadata["via_device"]) == (room, "d1")
+    assert (device.area, device.metadata["via_device"]) == (room, "acme:h1")
 
 
 def test_the_main_light_of_a_strip_is_a_light_beside_its_segments() -> None:

@@ -11,6 +11,7 @@ from homebot.discovery.ids import Tombstone, new_id
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.decisions import OWNER, MergeDecisions
 from homebot.discovery.merging.identity import REPEATED, IdentityGraph
+from homebot.discovery.merging.panels import find_panel
 from homebot.discovery.merging.part_ids import NO_IDS
 from homebot.discovery.merging.parts import CONFIRM
 from homebot.discovery.merging.regrouping import Regrouped, regroup
@@ -272,11 +273,16 @@ class DeviceMerger:
         else:
             entry.is_shared = entry.is_shared or new.key[0] != next(iter(entry.sources))[0]
         concerned: set[str] = set()
+        may_be_panel = False
         for source in sources:
             entry.silence_allowed = max(entry.silence_allowed, source.lasts)
-            concerned |= table.topics.put(topic_use(source, entry.id))
+            use = topic_use(source, entry.id)
+            concerned |= table.topics.put(use)
+            may_be_panel = may_be_panel or use.asks
         if concerned:
             self._refresh_conflicts(concerned)
+        if may_be_panel or table.panels:
+            find_panel(table, entry)
         table.outdated[entry.id] = None
         table.mark_unsaved(entry.id)
         if table.topics.denied or entry.topic_owner:

@@ -18,7 +18,7 @@ from homebot.devices.device_types import DEVICE_TYPES
 from homebot.discovery.merging.identity import is_generic
 from homebot.discovery.source_record import SourceKey, SourceRecord
 
-__all__ = ["Place", "TopicUse", "aliases_of", "is_called", "place_of", "topic_use"]
+__all__ = ["Place", "TopicUse", "aliases_of", "bridge_of", "is_called", "place_of", "topic_use"]
 
 _SHORTEST = 4
 _HARDWARE_TAIL = 6
@@ -198,7 +198,7 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
         reads,
         sighting.owns,
         sighting.identifiers if sighting.owns else (),
-        _bridge_of(sighting),
+        bridge_of(sighting),
         not sighting.identifiers,
         sighting.native,
         commands,
@@ -206,7 +206,8 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
     )
 
 
-def _bridge_of(sighting: Sighting) -> str:
+def bridge_of(sighting: Sighting) -> str:
+    """Return the declared identifier of the device behind which another is; empty for none."""
     for fact in sighting.metadata:
         if fact.key == "via_device":
             return fact.value

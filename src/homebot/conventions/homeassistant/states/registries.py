@@ -88,7 +88,9 @@ class Registries:
         name = text_of(fields.get("name_by_user")) or text_of(fields.get("name"))
         known = {key: value for key, value in fields.items() if value is not None}
         block = {**known, "name": name, "identifiers": [_identifier(*one) for one in _pairs(fields)]}
-        block |= {"via_device": _text(fields, "via_device_id") or _text(fields, "parent_device_id")}
+        via = _text(fields, "via_device_id") or _text(fields, "parent_device_id")
+        known_as = (_identifier(*one) for one in _pairs(self._listed["device"].get(via, {})))
+        block |= {"via_device": next(known_as, via)}
         try:
             return read_device(block, {})
         except WireError:
