@@ -78,7 +78,15 @@ class ControlActions:
         holder = HolderRequest(lease=lease, by=by, issuer=issuer)
         device, part, setting, scope = request.device, request.part, request.setting, request.scope
         wanted = HoldRequest(
-            device=device, part=part, setting=setting, lease=lease, by=by, ttl=_TTL, issuer=issuer, scope=scope
+            device=device,
+            part=part,
+            setting=setting,
+            lease=lease,
+            by=by,
+            ttl=_TTL,
+            is_open_ended=True,
+            issuer=issuer,
+            scope=scope,
         )
         try:
             answer = await self._hold_until_over(goal, leases, wanted, holder)

@@ -88,7 +88,12 @@ class LeaseService:
         request = _resolved(request, device, part)
         key = _key(request)
         holder = LeaseHolder(
-            request.by, request.ttl, self._clock.monotonic() + request.ttl, request.scope, request.trigger
+            request.by,
+            request.ttl,
+            self._clock.monotonic() + request.ttl,
+            request.scope,
+            request.trigger,
+            request.is_open_ended,
         )
         if (refused := self._refusal(request, holder, device, part)) is not None:  # before it blocks others
             return refused
@@ -302,7 +307,12 @@ def _held_part(lease: Lease, monotonic: float, now: float) -> HeldPart:
         part=part,
         setting=lease.setting,
         holders=tuple(
-            HolderOfPart(by=holder.by, issuer=issuer, until=time(holder.deadline), trigger=holder.trigger)
+            HolderOfPart(
+                by=holder.by,
+                issuer=issuer,
+                until=Time(sec=0, nanosec=0) if holder.is_open_ended else time(holder.deadline),
+                trigger=holder.trigger,
+            )
             for (issuer, _, _), holder in lease.holders.items()
         ),
         outranked_until=time(lease.hand_until) if is_outranked else Time(sec=0, nanosec=0),

@@ -51,6 +51,7 @@ class LeaseHolder:
         ttl: Seconds that each renewal gives.
         deadline: The end, on the monotonic clock.
         scope: Its rights, if it is a client of the door.
+        is_open_ended: Whether it renews the lease until it releases it.
     """
 
     by: str
@@ -58,6 +59,7 @@ class LeaseHolder:
     deadline: float
     scope: tuple[str, ...] = ()
     trigger: Trigger = NO_TRIGGER
+    is_open_ended: bool = False
 
     @property
     def text(self) -> str:
@@ -107,8 +109,9 @@ class Lease:
         names = list(dict.fromkeys(one.text for one in self.holders.values()))
         more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
         left = max((one.deadline - now for one in self.holders.values()), default=0.0)
-        holders = ", ".join(names[:_MOST_NAMED])
-        return f"held {self.held_value} by {holders}{more} for {math.ceil(left)} s more"
+        is_open_ended = any(one.is_open_ended for one in self.holders.values())
+        until = "until it is released" if is_open_ended else f"for {math.ceil(left)} s more"
+        return f"held {self.held_value} by {', '.join(names[:_MOST_NAMED])}{more} {until}"
 
     def set_so(self) -> None:
         """Record that the device has the held value."""

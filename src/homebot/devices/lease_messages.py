@@ -63,6 +63,7 @@ class HoldRequest(Message):
         lease: A name for the lease, chosen by the holder, such as a UUID; unique among its leases.
         by: The holder, as a word for people, such as ``robot``; not blank.
         ttl: Seconds after which the lease ends, unless it is renewed; 1 to 3,600.
+        is_open_ended: Whether the holder renews it until it is released, so that its ``ttl`` says nothing to others.
         issuer: The name of the node, or ``client:NAME`` for a client of the door, set by the door.
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
         trigger: Its cause, if the holder knows it; ignored for a client of the door.
@@ -74,6 +75,7 @@ class HoldRequest(Message):
     lease: _Name
     by: _Name
     ttl: Annotated[float, Field(ge=SHORTEST_TTL, le=LONGEST_TTL)]
+    is_open_ended: bool = False
     issuer: str
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
     trigger: Trigger = NO_TRIGGER
@@ -112,7 +114,7 @@ class HolderOfPart(Message):
 
     Attributes:
         issuer: The name of its node, or ``client:NAME`` for a client of the door.
-        until: When the lease expires unless it is renewed.
+        until: When the lease expires unless it is renewed; 0 if it is held until it is released.
     """
 
     by: str

@@ -285,5 +285,5 @@ async def test_a_client_that_vanishes_while_it_holds_a_lease_is_cut_off(house: H
         with house.graph.watch() as changes, anyio.fail_after(PATIENCE):
             while (await anext(changes)).entity.name != "/alive":
                 pass
-        assert 0.4 < anyio.current_time() - began < 2
+        assert 0.4 < anyio.current_time() - began < 5
         peer.connection.transport.abort()

@@ -105,7 +105,7 @@ class DoorSettings(AccessSettings):
     max_calls: Count = 100
     stall_timeout: Seconds = 60.0
     ping_interval: Seconds = 0.4
-    ping_timeout: Seconds = 0.5
+    ping_timeout: Seconds = 2.6  # a robot pauses for a second, as its radio roams or its computer swaps
 
     @model_validator(mode="after")
     def _check_tokens(self) -> Self:

@@ -111,7 +111,7 @@ def _rows(label: str, held: HeldPart, now: float) -> Iterator[tuple[str, ...]]:
 
 
 def _left(until: Time, now: float) -> str:
-    return age_text(to_seconds(until) - now)
+    return age_text(to_seconds(until) - now) if until.sec else "released"
 
 
 def _json(held: HeldPart) -> dict[str, object]:
@@ -122,7 +122,12 @@ def _json(held: HeldPart) -> dict[str, object]:
         "capability": held.setting.capability,
         "value": plain_value(held.setting.value),
         "holders": [
-            {"by": one.by, "issuer": one.issuer, "until": iso(one.until), "because": trigger_text(one.trigger, {})}
+            {
+                "by": one.by,
+                "issuer": one.issuer,
+                "until": iso(one.until) if one.until.sec else None,
+                "because": trigger_text(one.trigger, {}),
+            }
             for one in held.holders
         ],
         "outranked_until": iso(held.outranked_until) if is_outranked else None,
