@@ -3,6 +3,7 @@
 import pytest
 
 from homebot.control.spoken_settings import spoken_settings
+from homebot.devices import KeyValue
 from homebot.devices.part import Capability, Part
 from homebot.errors import RefusedError
 
@@ -35,3 +36,22 @@ def test_a_button_takes_its_name() -> None:
     assert spoken_settings("start", (), start, "Dishwasher Start") == {"push": True}
     with pytest.raises(RefusedError):
         spoken_settings("stop", (), start, "Dishwasher Start")
+
+
+def test_a_share_of_one_in_place_of_a_percentage_is_asked_back() -> None:
+    """With its unit it is meant; alone it has always been a share."""
+    lamp = Part(id="", service_type="light", capabilities=(Capability(name="level", settable=True),))
+    asked = r"0\.4 as level of Lamp was refused: it takes percent; did you mean 40 %\? To set 0\.4 %: level 0\.4 %"
+    with pytest.raises(RefusedError, match=asked):
+        spoken_settings("level 0.4", (), lamp, "Lamp")
+    with pytest.raises(RefusedError, match=asked):
+        spoken_settings("set", (KeyValue(key="level", value="0.4"),), lamp, "Lamp")
+    assert spoken_settings("level 0.4 %", (), lamp, "Lamp") == {"level": 0.4}
+    assert spoken_settings("level 1", (), lamp, "Lamp") == {"level": 1.0}
+    assert spoken_settings("0.4", (), lamp, "Lamp") == {"level": 40.0}
+
+
+def test_a_number_in_another_unit_may_be_below_one() -> None:
+    setpoint = Capability(name="heating_setpoint", settable=True)
+    freezer = Part(id="", service_type="thermostat", capabilities=(setpoint,))
+    assert spoken_settings("heating_setpoint 0.5", (), freezer, "Freezer") == {"heating_setpoint": 0.5}

@@ -9,7 +9,7 @@ from typing import Final
 from homebot.control.values import changes, related
 from homebot.devices import KeyValue
 from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
-from homebot.devices.part import Capability, Part, accepted_values, check_setting
+from homebot.devices.part import Capability, Part, accepted_values, check_no_share, check_setting
 from homebot.devices.text.commands import decode_command
 from homebot.devices.text.states import FRACTION_CAPABILITIES
 from homebot.devices.value import PlainValue
@@ -208,6 +208,8 @@ def _number(name: str, text: str, part: Part, target: str) -> float:
     if match is None or number is None or (match[2] and not _is_unit(match[2], unit)):
         accepted = f"it takes a number in {unit}" if unit else "it takes a number"
         raise RefusedError(f"{text[:40]!r} as {name} of {target}", accepted)
+    if not match[2]:
+        check_no_share(target, name, number, f"{name} {text} %")
     return number
 
 

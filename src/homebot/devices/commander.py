@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from contextlib import AbstractAsyncContextManager
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractAsyncContextManager, contextmanager
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -85,10 +85,8 @@ class Commander:
         place = view.device.id, part_id
         self._under_way[place] = self._under_way.get(place, 0) + 1
         try:
-            outcome = await self._perform(view, part_id, values, transition, code)
-        except RefusedError as exc:
-            self._log_failure(view.device, part_id, str(exc))
-            raise
+            with self.refusals_logged(view.device, part_id):
+                outcome = await self._perform(view, part_id, values, transition, code)
         finally:
             self._under_way[place] -= 1
             if not self._under_way[place]:
@@ -104,6 +102,15 @@ class Commander:
         ended = self._ended.get(place)
         is_recent = ended is not None and self._clock.monotonic() - ended <= _EFFECT_WITHIN
         return is_recent or place in self._under_way
+
+    @contextmanager
+    def refusals_logged(self, device: Device, part_id: str) -> Iterator[None]:
+        """Log a RefusedError of the block as ``app.command_failed``, and raise it."""
+        try:
+            yield
+        except RefusedError as exc:
+            self._log_failure(device, part_id, str(exc))
+            raise
 
     def _log_failure(self, device: Device, part_id: str, problem: str) -> None:
         part = device.part(part_id)

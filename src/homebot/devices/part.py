@@ -20,6 +20,7 @@ __all__ = [
     "CommandDescription",
     "Part",
     "accepted_values",
+    "check_no_share",
     "check_setting",
     "payload_digest",
     "size_of_texts",
@@ -135,6 +136,23 @@ def check_setting(target: str, part: Part, capability: str, value: PlainValue) -
     raise RefusedError(
         f"{capability} of {target}", f"it has no such setting; it takes {known}" if known else "it takes no commands"
     )
+
+
+def check_no_share(target: str, capability: str, value: float, exactly: str) -> None:
+    """Refuse a share of 1 that is given as a percentage, such as 0.4; one with more than two decimals is computed.
+
+    Args:
+        exactly: How to set the value as it is.
+
+    Raises:
+        RefusedError: The message asks for the percentage.
+    """
+    is_percentage = CAPABILITIES.get(capability, OWN).unit == "%" and isinstance(
+        value, float
+    )  # else it is refused later
+    if is_percentage and 0 < value < 1 and round(value, 2) == value:
+        asked = f"it takes percent; did you mean {100 * value:g} %? To set {value:g} %: {exactly}"
+        raise RefusedError(f"{value:g} as {capability} of {target}", asked)
 
 
 def accepted_values(part: Part, capability: str) -> str:

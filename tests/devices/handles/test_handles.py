@@ -5,6 +5,7 @@ from typing import Any
 
 import anyio
 import pytest
+from structlog.testing import capture_logs
 from tests.devices.handles.conftest import House
 
 from homebot.devices.gateway_messages import SendCommandResponse
@@ -35,7 +36,7 @@ from homebot.devices.handles import (
     WaterValve,
     WindowCovering,
 )
-from homebot.devices.outcomes import Gone
+from homebot.devices.outcomes import Gone, Outcome
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, ServiceUnavailableError, UsageError
@@ -415,6 +416,52 @@ async def test_an_unsupported_command_is_refused_with_the_supported_ones(house: 
         await act(lamp)
     assert problem in str(caught.value)
     assert house.told == []
+
+
+@pytest.mark.parametrize(
+    ("service_type", "kind", "capability", "act"),
+    [
+        ("light", Light, "level", lambda it, share: it.turn_on(level=share)),
+        ("light", Light, "level", lambda it, share: it.set_level(share)),
+        ("fan", Fan, "fan_speed", lambda it, share: it.turn_on(speed=share)),
+        ("fan", Fan, "fan_speed", lambda it, share: it.set_speed(share)),
+        ("window_covering", WindowCovering, "position", lambda it, share: it.set_position(share)),
+        ("window_covering", WindowCovering, "tilt", lambda it, share: it.set_tilt(share)),
+        ("speaker", MediaPlayer, "volume", lambda it, share: it.set_volume(share)),
+    ],
+)
+async def test_a_share_of_one_in_place_of_a_percentage_is_asked_back(
+    house: House, service_type: str, kind: Any, capability: str, act: Callable[[Any, float], Awaitable[Outcome]]
+) -> None:
+    """A lamp at 0.4 % is dark; ``command`` sets it, and so does a computed value, as of a fade or a restored scene."""
+    house.has(house.device("a", house.part(service_type, capability)))
+    house.gateway("mqtt")
+    (handle,) = await house.devices.find(kind)
+    for share, percentage in ((0.4, "40"), (0.05, "5"), (0.99, "99")):
+        with capture_logs() as lines, pytest.raises(RefusedError) as caught:
+            await act(handle, share)
+        assert str(caught.value) == (
+            f"{share} as {capability} of a was refused: it takes percent; did you mean {percentage} %? "
+            f"To set {share} %: command('{capability}', {share})"
+        )
+        assert house.told == []
+        if share == 0.4:
+            assert [one["message"] for one in lines if one["event"] == "app.command_failed"] == [f"A: {caught.value}"]
+    for value in (1, 1.0, 40, 1.5, 100 / 254):
+        await act(handle, value)
+    await handle.command(capability, 0.4)
+    assert [told[3] for told in house.told] == pytest.approx([1.0, 1.0, 40.0, 1.5, 100 / 254, 0.4])
+
+
+async def test_a_level_that_a_lamp_cannot_be_turned_on_to_is_logged(house: House) -> None:
+    """In a handler nobody saw the error."""
+    house.has(house.device("a", house.part("light", "level")))
+    (lamp,) = await house.devices.find(Light)
+    with capture_logs() as lines, pytest.raises(RefusedError):
+        await lamp.turn_on(level=150)
+    assert [one["message"] for one in lines if one["event"] == "app.command_failed"] == [
+        "A: 150 as level of a was refused: it takes a level above 0 and up to 100 %"
+    ]
 
 
 async def test_a_sensor_takes_no_commands(house: House) -> None:

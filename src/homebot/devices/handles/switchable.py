@@ -95,8 +95,11 @@ class Light(Handle):
         Raises:
             RefusedError: It does not support one of these, or a value is out of range; nothing was sent.
         """
-        if isinstance(level, int | float) and not 0 < level <= 100:
-            raise RefusedError(f"{level:g} as level of {self.id}", "it takes a level above 0 and up to 100 %")
+        if isinstance(level, int | float):
+            with self._refusals_logged():
+                if not 0 < level <= 100:
+                    raise RefusedError(f"{level:g} as level of {self.id}", "it takes a level above 0 and up to 100 %")
+            self._percent("level", level)
         if level is None and not self.can("on_off") and self.can("level"):
             level = self.level or 100.0  # it has no other switch
         settings: dict[str, PlainValue] = {"level": level, "color_temperature": kelvin}
@@ -119,7 +122,7 @@ class Light(Handle):
         """
         if level == 0:
             return await self.turn_off(transition=transition)
-        return await self.command("level", level, transition=transition)
+        return await self._command_percent("level", level, transition=transition)
 
 
 class _Switchable(Handle):
@@ -206,7 +209,7 @@ class Fan(_Switchable):
         if speed is None or self.can("on_off"):
             settings["on_off"] = True
         if speed is not None:
-            settings["fan_speed"] = speed
+            settings["fan_speed"] = self._percent("fan_speed", speed)
         return await self.commands(settings)
 
     async def turn_off(self) -> Outcome:
@@ -223,7 +226,7 @@ class Fan(_Switchable):
         Raises:
             RefusedError: Its speed cannot be set, or the value is out of range.
         """
-        return await self.command("fan_speed", speed)
+        return await self._command_percent("fan_speed", speed)
 
     def _mode_off(self) -> str | None:
         """Return the preset that means off; None if there is none."""
@@ -285,4 +288,4 @@ class MediaPlayer(_Switchable):
         Raises:
             RefusedError: Its volume cannot be set, or is not in 0 to 100.
         """
-        return await self.command("volume", volume)
+        return await self._command_percent("volume", volume)
