@@ -328,6 +328,17 @@ async def test_each_refusal_is_counted_and_logged_and_told_on_the_graph(open_hou
     assert "secret" not in f"{lines}{told}"
 
 
+async def test_messages_on_a_refused_topic_are_refused_before_they_are_parsed(open_house: Any) -> None:
+    """A robot without its right streams on: what is no JSON behind the topic is not even read."""
+    async with robot(open_house, "read") as (house, peer):
+        first = await refusal(peer, "publish", topic=OUT, msg=RAW_COMMAND)
+        await peer.connection.send(f'{{"op": "publish", "id": "again", "topic": "{OUT}", "msg": [nothing')
+        again = await peer.receive()
+        counts = {one.name: one.count for one in house.door.health(HealthRequest()).counts}
+    assert (again["id"], again["msg"]) == ("again", first)
+    assert counts["rights_missing"] == 2
+
+
 async def test_a_flood_of_refusals_is_counted_in_full_and_told_in_part(open_house: Any) -> None:
     with capture_logs() as lines:
         async with open_house() as house, house.peer() as peer:

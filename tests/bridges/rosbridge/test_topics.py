@@ -266,15 +266,14 @@ async def test_a_message_waits_for_a_busy_reader_for_as_long_as_it_takes(house: 
 
 
 async def test_a_stream_that_nobody_reads_is_checked_when_somebody_does(house: House) -> None:
-    """Ten messages a second are checked at once, so that a client learns of its mistakes."""
+    """One message a second is checked at once, so that a client learns of its mistakes."""
     async with house.node("app") as app, house.peer() as robot:
         await robot.send("advertise", topic="/count", type="std_msgs/Int32")
         for number in ("at once", 0, "again", *range(1, 20), "no number"):
             await robot.send("publish", id="p", topic="/count", msg={"data": number})
-        for text in ("at once", "again"):
-            assert f"got '{text}'" in (await robot.receive())["msg"]
+        assert "got 'at once'" in (await robot.receive())["msg"]
         await robot.settle()
-        assert _refused(house) == 2
+        assert _refused(house) == 1
         late = app.create_subscription(Int32, "/count", qos_profile=KEEPING)
         assert [message.data for message in (late.take() for _ in range(9)) if message] == list(range(11, 20))
         remark = await robot.receive()

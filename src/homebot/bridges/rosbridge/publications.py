@@ -38,15 +38,18 @@ _MOST_KEPT: Final = 100
 """Most messages of a topic kept for late subscribers; as many as tf2's listeners ask for of ``/tf_static``, where their
 clients send one message after the other (geometry2, ``tf2_ros/qos.hpp``)."""
 
-_PUBLISH: Final = re.compile(r'\{"op": ?"publish", ?(?:"id": ?"[^"\\]*", ?)?"topic": ?"([^"\\]+)"')
-"""The beginning of a message as most libraries write it, which has the topic before the frame is parsed."""
+_PUBLISH: Final = re.compile(r'\{"op": ?"publish", ?(?:"id": ?"([^"\\]*)", ?)?"topic": ?"([^"\\]+)"')
+"""The beginning of a message as most libraries write it, which has id and topic before the frame is parsed."""
 
 _LONGEST: Final = 65_536
 """Most characters of a frame that is parsed at once when a reader subscribes."""
 
-_CHECKED: Final = 10
+_CHECKED: Final = 1
 """Unread messages of a topic that are checked per second, so that its client learns of mistakes."""
 
+
+_MOST_REFUSED: Final = 100
+"""Most topics whose messages are refused before they are parsed; those of others are refused after that."""
 
 _RECENT: Final = 1.0
 _MOST_RECENT: Final = 10
@@ -89,6 +92,7 @@ class Publications:
         self._recent: deque[_KeptMessage] = deque()
         self._recent_size = 0
         self._topics: dict[str, _Publication] = {}
+        self._refused: set[str] = set()
 
     def __len__(self) -> int:
         """Return the number of ids of all topics."""
@@ -115,7 +119,7 @@ class Publications:
         """Publish a message from a frame of *size* characters, and return its missing fields.
 
         Existing topics need not be advertised. On homebot's own topics all fields are required. Of a stream without
-        readers ten messages a second are checked.
+        readers one message a second is checked.
         """
         publication = self._topics.get(op.topic)
         if publication is None:
@@ -139,11 +143,23 @@ class Publications:
     def keep_unread(self, frame: str) -> bool:
         """Store *frame* unparsed if it is a message on a topic without readers; return whether it is."""
         begin = _PUBLISH.match(frame)
-        publication = self._topics.get(begin[1]) if begin is not None and len(frame) <= _LONGEST else None
+        publication = self._topics.get(begin[2]) if begin is not None and len(frame) <= _LONGEST else None
         if begin is None or publication is None or not self._is_unread(publication):
             return False
-        self._keep(begin[1], frame, len(frame))
+        self._keep(begin[2], frame, len(frame))
         return True
+
+    def refused_before(self, frame: str) -> PublishOperation | None:
+        """Return the operation of an unparsed *frame*, without its message, if its topic was refused before."""
+        begin = _PUBLISH.match(frame) if self._refused else None
+        if begin is None or begin[2] not in self._refused:
+            return None
+        return PublishOperation(op="publish", id=begin[1], topic=begin[2], msg={})
+
+    def record_refused(self, topic: str) -> None:
+        """Record that the client has no right to publish on *topic*."""
+        if len(self._refused) < _MOST_REFUSED:
+            self._refused.add(topic)
 
     def close_one(self) -> bool:
         """Remove one topic; return whether there was one."""

@@ -148,7 +148,7 @@ class ClientSession:
 
     async def _handle(self, frame: str) -> None:
         self._shared.counters.frames += 1
-        if self._publications.keep_unread(frame):
+        if self._publications.keep_unread(frame) or self._is_refused_again(frame):
             return
         try:
             op = await self._turns.run(self._assembler.read(frame))
@@ -165,11 +165,28 @@ class ClientSession:
             self._check(op)
             self._do(op, len(frame))
         except MissingRightError as exc:
-            self.client.record_missing_right(op, exc)
-            self._answer(op, str(exc))
+            self._refuse(op, exc)
         except HomebotError as exc:
             self.client.log_refusal(f": {_refusal(op.op, op.name, str(exc))}", op.op, str(exc))
             self._answer(op, str(exc))
+
+    def _is_refused_again(self, frame: str) -> bool:
+        """Return whether *frame* is a message on a topic that is refused as before; then it need not be parsed."""
+        op = self._publications.refused_before(frame)
+        if op is None:
+            return False
+        try:
+            self._check(op)
+        except MissingRightError as exc:
+            self._refuse(op, exc)
+            return True
+        return False
+
+    def _refuse(self, op: protocol.Operation, error: MissingRightError) -> None:
+        if isinstance(op, protocol.PublishOperation):
+            self._publications.record_refused(op.topic)
+        self.client.record_missing_right(op, error)
+        self._answer(op, str(error))
 
     def _check(self, op: protocol.Operation) -> None:
         access = self.client.access
