@@ -32,6 +32,7 @@ BENCHMARKS = (
     "start_up",
     "ingest",
     "zigbee_house",
+    "what_asks",
     "states",
     "command_line",
     "walks",
