@@ -6,11 +6,14 @@ from typing import TypeAlias
 
 import anyio
 import pytest
-from tests.control.conftest import Behaviour, Home, OpenHome
+from tests.control.conftest import Behaviour, Home, OpenHome, hold_request, report
 
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.devices.gateway_messages import Command
+from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed, Contradicted, Outcome
+from homebot.devices.part import Capability, Part
+from homebot.gateways.announced.gateway_device import GatewayDevice
 
 Rounding: TypeAlias = Callable[[float], float]
 
@@ -107,3 +110,42 @@ def test_a_setpoint_is_not_rounded_by_degrees() -> None:
     for wanted in (17.0, 19.0, 21.0):
         profile.learn_answer("heating_setpoint", wanted, wanted + 2.0)
     assert (profile.answers, profile.rounding("heating_setpoint")) == ({}, 0.0)
+
+
+def dimmer_of_ten(home: Home) -> None:
+    grid = Capability(name="level", settable=True, grid=(0.0, 10.0))
+    part = Part(id="", service_type="light", capabilities=(Capability(name="on_off", settable=True), grid))
+    home.gateway.devices.put(GatewayDevice("lamp", "Lamp", (part,)), "the test says so")
+
+
+@pytest.mark.virtual_time
+async def test_a_level_between_announced_steps_is_sent_as_the_nearest_and_that_is_said(home: Home) -> None:
+    dimmer_of_ten(home)
+    lamp = await home.handle(Light, "lamp")
+    outcome = await lamp.set_level(44.0)
+    assert isinstance(outcome, Confirmed)
+    assert [one.value.plain() for one in home.commands] == [40.0]
+    assert outcome.text.endswith("; level 40 % is what the device can do")
+    again = await lamp.set_level(44.0)
+    assert again.text == "it was so already; level 40 % is what the device can do"
+    assert (await lamp.set_level(30.0)).warning == ""
+
+
+@pytest.mark.virtual_time
+async def test_a_device_that_misses_its_own_step_is_contradicted(home: Home) -> None:
+    dimmer_of_ten(home)
+    home.behaviours["lamp"] = report((0.1, 50.0))
+    outcome = await (await home.handle(Light, "lamp")).set_level(44.0)
+    assert isinstance(outcome, Contradicted)
+    assert outcome.saw == "level is 50"
+
+
+@pytest.mark.virtual_time
+async def test_a_held_level_is_held_at_the_step_that_the_device_can_do(home: Home) -> None:
+    dimmer_of_ten(home)
+    await home.handle(Light, "lamp")
+    await home.hold(hold_request("lamp", "level", 44.0))
+    await anyio.sleep(5)
+    assert [one.value.plain() for one in home.commands] == [40.0]
+    (held,) = await home.leases()
+    assert held.setting.value.plain() == 40.0

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from homebot.control import durations
 from homebot.control.timeline.facts import Order
-from homebot.control.values import COLORS, END_POSITIONS, POWERS, STOPPED, fits
+from homebot.control.values import COLORS, END_POSITIONS, POWERS, STOPPED, fits, is_same
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.capabilities import EVENTS, MOMENTARY, is_told_once
@@ -21,6 +21,7 @@ from homebot.devices.outcomes import Gone
 from homebot.devices.part import Part
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
+from homebot.devices.wording.journal_words import settings_text
 
 if TYPE_CHECKING:
     from homebot.devices.client_rights import ClientRights
@@ -28,12 +29,13 @@ if TYPE_CHECKING:
 __all__ = [
     "IssuedCommand",
     "commanded_part",
+    "device_settings",
     "is_by_hand",
     "known_state",
     "label_of",
     "no_such_part",
     "order_of",
-    "zero_as_off",
+    "rounding_text",
 ]
 
 _LIT: Final = POWERS | COLORS
@@ -61,6 +63,7 @@ class IssuedCommand:
         issuer: The name of a node, or ``client:NAME`` for a client of the door.
         issued_at: Seconds since the Unix epoch.
         transition: Seconds that the change takes.
+        nearest: The numbers of *settings* that the device can do in place of those asked, as a clause for the outcome.
         scope: The rights of a client of the door, by its token.
         states: The states of the part at the time of the command, by capability.
         values: Their values.
@@ -79,6 +82,7 @@ class IssuedCommand:
     transition: float = 0.0
     code: str = field(default="", repr=False)
     scope: tuple[str, ...] = ()
+    nearest: str = ""
     is_client: bool = field(init=False)
     place: tuple[str, str] = field(init=False)
     states: dict[str, State] = field(init=False)
@@ -188,17 +192,27 @@ def _expected(settings: Mapping[str, PlainValue], readable: set[str]) -> dict[st
     return found
 
 
-def zero_as_off(settings: Mapping[str, PlainValue], part: Part) -> Mapping[str, PlainValue]:
-    """Return *settings* with ``on_off`` false in place of a level or a speed of 0, if *part* has a switch.
+def device_settings(settings: Mapping[str, PlainValue], part: Part) -> Mapping[str, PlainValue]:
+    """Return *settings* as *part* can take them: numbers of its grids, and off in place of a level or a speed of 0.
 
     Most lamps that are off report the brightness that they will have when turned on, and never a level of 0.
     """
+    for one in part.capabilities:
+        if one.grid and isinstance(value := settings.get(one.name), float):
+            settings = {**settings, one.name: one.nearest(value)}
     if settings.get("level") != 0.0 and settings.get("fan_speed") != 0.0:
         return settings  # as nearly always
     if not any(one.name == "on_off" and one.settable for one in part.capabilities):
         return settings
     others = {name: value for name, value in settings.items() if name not in _LEVELS or value != 0.0}
     return {**others, "on_off": False}  # last, because setting a colour turns most lamps on
+
+
+def rounding_text(asked: Mapping[str, PlainValue], settings: Mapping[str, PlainValue]) -> str:
+    """Return a clause with the numbers of *settings* that are not those *asked*; empty if all are."""
+    rounded = [one for one in settings.items() if one[0] in asked and not is_same(one[0], asked[one[0]], one[1])]
+    done = settings_text(map(Setting.of, *zip(*rounded, strict=True))) if rounded else ""
+    return f"{done} is what the device can do" if done else ""
 
 
 def commanded_part(device: Device | None, part_id: str, settings: Iterable[Setting]) -> DevicePart | None:

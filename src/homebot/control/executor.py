@@ -10,10 +10,11 @@ from homebot.control.code_guesses import CodeGuesses
 from homebot.control.command import (
     IssuedCommand,
     commanded_part,
+    device_settings,
     known_state,
     no_such_part,
     order_of,
-    zero_as_off,
+    rounding_text,
 )
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.gateway_feed import GatewayFeed
@@ -133,6 +134,8 @@ class CommandExecutor:
         else:
             command = self._issued(name, request, device, part, asked_at)
             outcome = await self._carry_out(command)
+            if command.nearest and outcome.succeeded:
+                command.warnings["steps"] = command.nearest
             if command.code:
                 self.codes.end(command, outcome)
             if command.warnings:
@@ -187,11 +190,13 @@ class CommandExecutor:
         return outcome
 
     def _issued(self, name: str, request: CommandRequest, device: Device, part: DevicePart, at: float) -> IssuedCommand:
+        asked = {one.capability: one.value.plain() for one in request.settings}
+        settings = device_settings(asked, part.part)
         return IssuedCommand(
             name,
             device,
             part,
-            zero_as_off({one.capability: one.value.plain() for one in request.settings}, part.part),
+            settings,
             request.issuer,
             self._policies.rights(request.issuer),
             trigger=request.trigger,
@@ -199,6 +204,7 @@ class CommandExecutor:
             transition=request.transition,
             code=request.code,
             scope=request.scope,
+            nearest="" if settings is asked else rounding_text(asked, settings),
         )
 
     async def _carry_out(self, command: IssuedCommand) -> Outcome:

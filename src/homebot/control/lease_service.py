@@ -7,7 +7,7 @@ from typing import Final, final
 import anyio
 from anyio.abc import TaskGroup
 
-from homebot.control.command import commanded_part, no_such_part, zero_as_off
+from homebot.control.command import commanded_part, device_settings, no_such_part
 from homebot.control.device_lookup import DeviceLookup, ask_which
 from homebot.control.executor import CommandExecutor
 from homebot.control.journal.given_codes import without_codes
@@ -274,9 +274,9 @@ class LeaseService:
 
 
 def _resolved(request: HoldRequest, device: Device, part: DevicePart) -> HoldRequest:
-    """Return *request* with ids, and with off in place of a level of 0, as it will be commanded."""
+    """Return *request* with ids, and with the value that will be sent."""
     wanted = request.setting
-    ((capability, value),) = zero_as_off({wanted.capability: wanted.value.plain()}, part.part).items()
+    ((capability, value),) = device_settings({wanted.capability: wanted.value.plain()}, part.part).items()
     trigger = NO_TRIGGER if is_client(request.issuer) else request.trigger  # a client could forge one
     held = Setting.of(capability, value)
     return request.model_copy(update={"device": device.id, "part": part.id, "setting": held, "trigger": trigger})

@@ -25,6 +25,7 @@ __all__ = [
     "require_option",
     "require_transition",
     "require_true",
+    "speed_of",
 ]
 
 Writer: TypeAlias = Callable[[PlainValue, float], Publications]
@@ -119,6 +120,11 @@ def number_writer(
 def percent_writer(capability: str, publish: Callable[[float], Publications]) -> Writer:
     """Return a writer of percent, without transition."""
     return number_writer(capability, (0.0, 100.0), "%", publish)
+
+
+def speed_of(percent: float, speeds: float) -> int:
+    """Return the number of a speed, of so many *speeds*: the next higher one, as in Home Assistant."""
+    return math.ceil(round(percent * speeds / 100, 4))
 
 
 def option_writer(capability: str, options: Iterable[str], publish: Callable[[str], Publications]) -> Writer:

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple, TypeAlias
 from homebot.conventions.command_values import require_bool, require_number, require_true
 from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, quantity_of
 from homebot.conventions.payload import clean_text, shown
-from homebot.conventions.units import Quantity
+from homebot.conventions.units import Quantity, number_grid
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -28,6 +28,7 @@ __all__ = [
     "class_of",
     "climate_type",
     "condition_component",
+    "grid_of",
     "has_feature",
     "modes_of_switch",
     "number_component",
@@ -77,6 +78,7 @@ class EntityRow:
     options: tuple[str, ...] | Callable[[Fields], tuple[str, ...]] = ()
     bounds: Callable[[Fields], tuple[float, ...]] | None = None
     unit: str | Callable[[Fields], str] = ""
+    grid: Callable[[Fields], tuple[float, ...]] | None = None
 
     def applies(self, info: Fields) -> bool:
         """Return whether an entity with the description *info* has the capability."""
@@ -92,6 +94,7 @@ class EntityRow:
             unit=self.unit if isinstance(self.unit, str) else self.unit(info),
             bounds=() if self.bounds is None else self.bounds(info),
             options=self.options if isinstance(self.options, tuple) else self.options(info),
+            grid=() if self.grid is None else self.grid(info),
             echoed=is_assumed and self.read is not None and self.write is not None,
         )
 
@@ -218,16 +221,25 @@ def condition_component(read: ReadField) -> EntityComponent:
 
 
 def number_component(
-    read: ReadField, bounds: Callable[[Fields], tuple[float, ...]], command: Callable[[float], Fields]
+    read: ReadField,
+    bounds: Callable[[Fields], tuple[float, ...]],
+    command: Callable[[float], Fields],
+    least: str = "min_value",
 ) -> EntityComponent:
-    """Return the component of numbers, with the *command* that sets one within its *bounds*."""
+    """Return the component of numbers, with the *command* that sets one within its *bounds*, in steps from *least*."""
 
     def write(info: Fields, value: PlainValue, _code: str) -> Fields:
         least, most = bounds(info) or _ANY_NUMBER
         return command(require_number("number", value, least, most))
 
     unit = partial(text_of, name="unit_of_measurement")
-    return EntityComponent("x_setting", (EntityRow("number", read, write, bounds=bounds, unit=unit),))
+    grid = grid_of("step", least)
+    return EntityComponent("x_setting", (EntityRow("number", read, write, bounds=bounds, unit=unit, grid=grid),))
+
+
+def grid_of(step: str, least: str = "") -> Callable[[Fields], tuple[float, ...]]:
+    """Return a function that returns the grid of a description with these fields, from 0 without *least*."""
+    return lambda info: number_grid(info.get(least), info.get(step))
 
 
 def text_component(read: ReadField, write: WriteField, is_secret: Callable[[Fields], object]) -> EntityComponent:

@@ -21,6 +21,7 @@ from homebot.conventions.description import Publications
 from homebot.conventions.light_color import Channels, KelvinRange, from_hue_saturation, to_hue_saturation
 from homebot.conventions.part_builder import CapabilityFields, PartBuilder
 from homebot.conventions.payload import Readings, shown
+from homebot.conventions.units import percent_grid
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
@@ -96,6 +97,7 @@ class LightFeatures:
         is_dimmable: Whether lamps with colours have a brightness.
         only_in_bounds: Whether a white beyond its bounds is refused, rather than left to the device.
         most_seconds: The longest transition; a longer one is refused.
+        steps: The number of brightnesses.
         color_mode: The channels of commanded colours; empty for a lamp without colours.
     """
 
@@ -106,22 +108,25 @@ class LightFeatures:
     is_dimmable: bool = True
     only_in_bounds: bool = False
     most_seconds: float = _MOST_SECONDS
+    steps: int = 255
     has_level: bool = field(init=False)
     has_white: bool = field(init=False)
     has_effect: bool = field(init=False)
     color_mode: str = field(init=False)
+    _grid: tuple[float, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         self.has_level = self.is_dimmable and not self.modes <= _NO_LEVEL
         self.has_white = "color_temp" in self.modes
         self.has_effect = self.any_effect or bool(self.effects)
+        self._grid = percent_grid(self.steps)
         self.color_mode = next((mode for mode in _PREFERRED if mode in self.modes), "")
 
     def abilities(self) -> dict[str, CapabilityFields]:
         """Return the bounds and the options of its capabilities, by name."""
         found: dict[str, CapabilityFields] = {"on_off": {}}
         if self.has_level:
-            found["level"] = {}
+            found["level"] = {"grid": self._grid}
         if self.has_white:
             found["color_temperature"] = {"bounds": self.white.bounds}
         if self.color_mode:

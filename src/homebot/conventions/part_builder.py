@@ -45,6 +45,7 @@ class CapabilityFields(TypedDict, total=False):
     unit: str
     bounds: tuple[float, ...]
     options: tuple[str, ...]
+    grid: tuple[float, ...]
 
 
 class PartBuilder(Generic[MessageT]):

@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from homebot.devices.capabilities import CAPABILITIES
+from homebot.support.numbers import to_number
 
 __all__ = [
     "Conversion",
@@ -17,6 +18,8 @@ __all__ = [
     "celsius_bounds",
     "conversion_of",
     "measured_in",
+    "number_grid",
+    "percent_grid",
     "quantity",
     "sensor_type",
     "to_celsius",
@@ -113,6 +116,19 @@ def celsius_bounds(low: float, high: float) -> tuple[float, float]:
     """
     lowest, highest = (round((one - 32.0) / 0.18, 6) for one in (low, high))
     return math.floor(lowest) / 10, math.ceil(highest) / 10
+
+
+def number_grid(least: object, step: object, *, is_fahrenheit: bool = False) -> tuple[float, ...]:
+    """Return the grid of numbers with a declared *step* from *least*; empty without. Of °F it is in °C."""
+    origin, distance = to_number(least) or 0.0, to_number(step) or 0.0
+    if distance <= 0:
+        return ()
+    return (to_celsius(origin, 12), distance / 1.8) if is_fahrenheit else (origin, distance)
+
+
+def percent_grid(steps: float) -> tuple[float, ...]:
+    """Return the grid of the percents of so many *steps*; empty if a step is finer than a percent."""
+    return (0.0, 100 / abs(steps)) if 1 <= abs(steps) <= 100 else ()
 
 
 def sensor_type(capability: str) -> str:

@@ -48,6 +48,7 @@ class Obedience(NamedTuple):
         moves: Whether any number means that a motor is on its way.
         zero_is_off: Whether 0 is a different state from a small number.
         rounds: Whether many devices round it to steps of several percent.
+        rounds_up: Whether a device rounds it to the next higher step.
     """
 
     tolerance: float = 0.51
@@ -59,6 +60,7 @@ class Obedience(NamedTuple):
     moves: bool = False
     zero_is_off: bool = False
     rounds: bool = False
+    rounds_up: bool = False
 
 
 _OBEDIENCE: Final = Obedience()
@@ -117,7 +119,7 @@ _DIMMER = Obedience(tolerance=1.5, fineness=_HALF_STEP, zero_is_off=True, rounds
 _VOLUME = Obedience(tolerance=1.5, fineness=_HALF_STEP, rounds=True)
 _WHITE = Obedience(relative_tolerance=_MIREDS, fineness=math.inf)
 _MOTOR = Obedience(tolerance=3.0, fineness=math.inf, moves=True)
-_SPEED = Obedience(tolerance=5.0, fineness=5.0, zero_is_off=True)
+_SPEED = Obedience(tolerance=5.0, fineness=5.0, zero_is_off=True, rounds_up=True)
 _SETPOINT = Obedience(fineness=_HALF_DEGREE)
 _HUMIDITY = Obedience(tolerance=1.0, fineness=0.51)
 _OPENING = Obedience(

@@ -67,7 +67,8 @@ class Outcome:
         explains_reports: Whether earlier reports were changes made by the command.
         command_id: The id of the command in the journal.
         reported: The values that the device reported as commanded, by capability; not compared.
-        warning: Why a person had better look, although the policies let the command pass; not compared.
+        warning: Why a person had better look, although the policies let the command pass, or which step of the device
+            was nearest; not compared.
     """
 
     kind: ClassVar[str]

@@ -33,6 +33,7 @@ _EACH = 32
 """The approximate overhead of a text, in bytes."""
 
 _HUE, _SATURATION = 360, 100
+_ANY, _TINY, _HALF, _DIGITS = (-1e15, 1e15), 1e-6, 0.5, 9
 _COLOR: Final = "hue (0 to 360) and saturation (0 to 100), such as 0,100 for red or 240,50 for pale blue"
 """The accepted values of a colour, the only capability with several numbers."""
 
@@ -48,6 +49,7 @@ class Capability(Message):
         unit: The unit of its values, for example ``°C``; empty if there is none, or it is that of the vocabulary.
         bounds: The smallest and the largest value; empty if unknown.
         options: The texts that it accepts or reports; empty for any.
+        grid: One of the numbers that it can be set to, and the step between two of them; empty for any number.
         echoed: Whether its reports are declared to repeat a command before the device obeyed, so that they prove
             nothing.
     """
@@ -58,7 +60,29 @@ class Capability(Message):
     unit: str = ""
     bounds: tuple[float, ...] = ()
     options: tuple[str, ...] = ()
+    grid: tuple[float, ...] = ()
     echoed: bool = False
+
+    def nearest(self, value: float) -> float:
+        """Return the number of the grid to which the device rounds *value*; a small level stays on.
+
+        A speed is rounded up, as Home Assistant does, except for less than half a percent: 67 % of three speeds is the
+        second. A *value* out of bounds is returned unchanged.
+        """
+        known = CAPABILITIES.get(self.name, OWN)
+        low, high = self.bounds or known.bounds or _ANY
+        obedience = known.obedience
+        if not self.grid or not low <= value <= high or (obedience.zero_is_off and not value):
+            return value
+        origin, step = self.grid
+        least, most = math.ceil((low - origin) / step - _TINY), math.floor((high - origin) / step + _TINY)
+        if most <= least:
+            return value  # the step is larger than the range
+        if obedience.zero_is_off:
+            least = max(least, math.floor(-origin / step + _TINY) + 1)
+        steps = (value - origin) / step
+        near = math.ceil(steps - _HALF / step) if obedience.rounds_up else math.floor(steps + _HALF + _TINY)
+        return round(origin + min(max(near, least), most) * step, _DIGITS)
 
 
 class Part(Message):
@@ -174,7 +198,8 @@ def _accepted(capability: Capability) -> str:
             return _COLOR
         case "number":
             bounds, unit = capability.bounds or known.bounds, capability.unit or known.unit
-            return f"{bounds[0]:g} to {bounds[1]:g} {unit}".rstrip() if bounds else "a finite number"
+            steps = f" in steps of {capability.grid[1]:.3g}" if capability.grid else ""
+            return f"{bounds[0]:g} to {bounds[1]:g} {unit}".rstrip() + steps if bounds else "a finite number"
     return "a text"
 
 

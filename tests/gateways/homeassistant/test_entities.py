@@ -4,7 +4,8 @@ from datetime import UTC, datetime
 
 import pytest
 
-from homebot.conventions.homeassistant.states.entity import HomeAssistantEntity
+from homebot.control.command import device_settings
+from homebot.conventions.homeassistant.states.entity import HomeAssistantEntity, ServiceCall
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, UnableError, WireError, WrongCodeError
 from homebot.gateways.homeassistant.entities import HomeAssistantEntities
@@ -47,6 +48,12 @@ def only(entity_id: str, text: str, **attributes: object) -> HomeAssistantEntity
     ((entity,),) = entities.regroup().values()
     entity.part()
     return entity
+
+
+def called(entity: HomeAssistantEntity, capability: str, value: PlainValue) -> ServiceCall:
+    """The call for a command as control sends it: on the grid of the capability."""
+    (sent,) = device_settings({capability: value}, entity.part()).values()
+    return entity.call(capability, sent)
 
 
 def test_a_vacuum_and_a_mower_list_the_moves_of_their_features() -> None:
@@ -343,7 +350,7 @@ def test_degrees_fahrenheit_are_converted_both_ways() -> None:
     ((entity,),) = entities.regroup().values()
     entity.part()
     assert entity.read(is_change=False)["heating_setpoint"] == 20.0
-    assert entity.call("heating_setpoint", 21.0).data == {"temperature": 70.0}
+    assert called(entity, "heating_setpoint", 21.0).data == {"temperature": 70.0}
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """Entities of products, with the features that their integrations state."""
 
 import pytest
-from tests.gateways.homeassistant.test_entities import HUB, entity_entry, home, only, state
+from tests.gateways.homeassistant.test_entities import HUB, called, entity_entry, home, only, state
 
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -11,7 +11,7 @@ VENSTAR = {"hvac_modes": ["heat", "cool", "off", "auto"], "min_temp": 7, "max_te
 
 
 @pytest.mark.parametrize(
-    ("entity_id", "attributes", "capability", "value", "called"),
+    ("entity_id", "attributes", "capability", "value", "expected"),
     [
         # Gree, Daikin, Sensibo: on again as it was, which no mode says; before 2024.2 there was no service for it
         ("climate.a", {**COOLER, "supported_features": 385}, "on_off", True, ("turn_on", {})),
@@ -31,10 +31,10 @@ VENSTAR = {"hvac_modes": ["heat", "cool", "off", "auto"], "min_temp": 7, "max_te
     ],
 )
 def test_a_command_is_the_service_that_the_product_has(
-    entity_id: str, attributes: dict[str, object], capability: str, value: PlainValue, called: tuple[str, object]
+    entity_id: str, attributes: dict[str, object], capability: str, value: PlainValue, expected: tuple[str, object]
 ) -> None:
-    call = only(entity_id, "off", **attributes).call(capability, value)
-    assert (call.service, dict(call.data)) == called
+    call = called(only(entity_id, "off", **attributes), capability, value)
+    assert (call.service, dict(call.data)) == expected
 
 
 @pytest.mark.parametrize(
@@ -55,7 +55,7 @@ def test_seventy_degrees_fahrenheit_are_not_sixty_nine() -> None:
     entities.put("climate.lg", state("cool", min_temp=64, max_temp=86, **told), is_new=True)
     ((cooler,),) = entities.regroup().values()
     cooler.part()
-    assert cooler.call("cooling_setpoint", 21.11).data == {"temperature": 70.0}
+    assert called(cooler, "cooling_setpoint", 21.11).data == {"temperature": 70.0}
 
 
 def test_two_targets_without_the_single_one_are_both_ends() -> None:

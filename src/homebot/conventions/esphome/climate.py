@@ -3,11 +3,10 @@
 Source: ESPHome 2026.10, ``components/api/api.proto`` and ``components/climate/climate_mode.h``.
 """
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from homebot.conventions.command_values import require_bool, require_number, require_option
+from homebot.conventions.command_values import require_bool, require_number, require_option, speed_of
 from homebot.conventions.entity_rows import (
     EntityComponent,
     EntityRow,
@@ -20,7 +19,7 @@ from homebot.conventions.entity_rows import (
     whole_of,
 )
 from homebot.conventions.esphome.entity import choice_row, flag_row, listed, number_of, numbers_of, read_named
-from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
+from homebot.conventions.units import celsius_bounds, number_grid, percent_grid, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 
 __all__ = ["CLIMATE", "FAN", "WATER_HEATER"]
@@ -61,7 +60,9 @@ def _read_celsius(field: str) -> ReadField:
     return read
 
 
-def _setpoint_row(capability: str, lowest: str, highest: str, field_of: Callable[[Fields], str]) -> EntityRow:
+def _setpoint_row(
+    capability: str, lowest: str, highest: str, step: str, field_of: Callable[[Fields], str]
+) -> EntityRow:
     """Return the row of a setpoint; *field_of* returns its field in state and command, empty for none."""
 
     def bounds(info: Fields) -> tuple[float, float] | tuple[()]:
@@ -81,7 +82,10 @@ def _setpoint_row(capability: str, lowest: str, highest: str, field_of: Callable
     def read(info: Fields, state: Fields) -> PlainValue:
         return _read_celsius(field_of(info))(info, state)
 
-    return EntityRow(capability, read, write, "", field_of, (), bounds, "°C")
+    def grid(info: Fields) -> tuple[float, ...]:
+        return number_grid(0, number_of(info, step), is_fahrenheit=whole_of(info, "temperature_unit") == _FAHRENHEIT)
+
+    return EntityRow(capability, read, write, "", field_of, (), bounds, "°C", grid)
 
 
 def _has_pair(info: Fields) -> bool:
@@ -153,7 +157,8 @@ def _named_row(name: str, field: str, names: tuple[str, ...], standard: str, cus
     return EntityRow(name, read, write, "", options, options)
 
 
-_VISUAL = ("visual_min_temperature", "visual_max_temperature")
+_VISUAL = ("visual_min_temperature", "visual_max_temperature", "visual_target_temperature_step")
+_WATER = ("min_temperature", "max_temperature", "target_temperature_step")
 
 CLIMATE: Final = EntityComponent(
     lambda info: climate_type(_modes_of(info)),
@@ -187,7 +192,7 @@ CLIMATE: Final = EntityComponent(
 WATER_HEATER: Final = EntityComponent(
     "water_heater",
     (
-        _setpoint_row("heating_setpoint", "min_temperature", "max_temperature", _water_field),
+        _setpoint_row("heating_setpoint", *_WATER, _water_field),
         EntityRow(
             "local_temperature",
             _read_celsius("current_temperature"),
@@ -211,6 +216,10 @@ def _speed_levels(info: Fields) -> int:
     return levels if 0 < levels <= _MOST_LEVELS else 0
 
 
+def _speed_grid(info: Fields) -> tuple[float, ...]:
+    return percent_grid(_speed_levels(info))
+
+
 def _read_speed(info: Fields, state: Fields) -> PlainValue:
     """Read the speed; ESPHome counts from 1 to the number of levels."""
     level, levels = number_of(state, "speed_level"), _speed_levels(info)
@@ -221,7 +230,7 @@ def _read_speed(info: Fields, state: Fields) -> PlainValue:
 
 def _write_speed(info: Fields, value: PlainValue, _code: str) -> Fields:
     percent = require_number("fan_speed", value, 0, 100, "%")
-    level = math.ceil(round(percent * _speed_levels(info) / 100, 4))
+    level = speed_of(percent, _speed_levels(info))
     return {"state": True, "speed_level": level} if level else {"state": False}
 
 
@@ -229,7 +238,7 @@ FAN: Final = EntityComponent(
     "fan",
     (
         flag_row("on_off", "state"),
-        EntityRow("fan_speed", _read_speed, _write_speed, "supports_speed", _speed_levels),
+        EntityRow("fan_speed", _read_speed, _write_speed, "supports_speed", _speed_levels, grid=_speed_grid),
         flag_row("oscillation", "oscillating", "supports_oscillation"),
         choice_row("direction", "direction", lambda _info: {"forward": 0, "reverse": 1}, "supports_direction"),
         choice_row("preset_mode", "preset_mode", listed("supported_preset_modes")),

@@ -3,10 +3,9 @@
 Source: Home Assistant core 2025.4, ``components/mqtt``: fan.py, humidifier.py, lawn_mower.py, siren.py, vacuum.py.
 """
 
-import math
 from collections.abc import Callable, Container, Mapping
 
-from homebot.conventions.command_values import bool_writer, option_writer, percent_writer
+from homebot.conventions.command_values import bool_writer, option_writer, percent_writer, speed_of
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.components import MOWER_ACTIONS, MOWER_STATES, VACUUM_ACTIONS, VACUUM_STATES
 from homebot.conventions.homeassistant.config import DiscoveryConfig
@@ -23,6 +22,7 @@ from homebot.conventions.payload import (
     unreadable,
     whole_of,
 )
+from homebot.conventions.units import percent_grid
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
@@ -79,10 +79,17 @@ def _add_speed(entity: Entity, config: DiscoveryConfig) -> None:
         return {"fan_speed": percent} if 0 <= percent <= 100 else unreadable(text, f"{least - 1} to {most}")
 
     def publish(percent: float) -> Publications:
-        return command.publish(math.ceil(scale.value(round(percent)))) if command else ()
+        return command.publish(scale.zero + speed_of(percent, scale.full - scale.zero)) if command else ()
 
     writer = percent_writer("fan_speed", publish) if command else None
-    entity.add_value("fan_speed", config.value_source("percentage"), read, command, writer)
+    entity.add_value(
+        "fan_speed",
+        config.value_source("percentage"),
+        read,
+        command,
+        writer,
+        grid=percent_grid(scale.full - scale.zero),
+    )
 
 
 def _add_modes(entity: Entity, config: DiscoveryConfig, capability: str, name: str, source: ValueSource | None) -> None:

@@ -17,7 +17,7 @@ from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.payload import NO_READINGS, Readings, read_number, shown
-from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
+from homebot.conventions.units import celsius_bounds, number_grid, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
@@ -134,11 +134,12 @@ def build_water_heater(config: DiscoveryConfig) -> DescribedPart:
 
 @dataclass(frozen=True, slots=True)
 class _Temperatures:
-    """Temperatures of a device: its unit, °F or °C, and its lowest and highest setpoint in that unit."""
+    """Temperatures of a device: its unit, °F or °C, and its lowest and highest setpoint in that unit; a grid in °C."""
 
     is_fahrenheit: bool
     low: float
     high: float
+    grid: tuple[float, ...]
 
     @property
     def bounds(self) -> tuple[float, float]:
@@ -159,6 +160,7 @@ class _Temperatures:
             _source_of(config, f"{key}_state"),
             config.command_of(key),
             bounds=self.bounds,
+            grid=self.grid,
             unit="°C",
             from_device=self.celsius,
             to_device=self.number,
@@ -175,7 +177,9 @@ def _read_temperatures(config: DiscoveryConfig, least: float, most: float) -> _T
     if unit not in ("C", "F"):
         raise WireError(f"{config.component}: temperature_unit is {shown(unit)}, not C or F")
     low, high = (to_fahrenheit(end) if unit == "F" else end for end in (least, most))
-    return _Temperatures(unit == "F", config.number("min_temp", low), config.number("max_temp", high))
+    least, most = config.number("min_temp", low), config.number("max_temp", high)
+    step = config.values.get("temp_step", config.values.get("precision"))
+    return _Temperatures(unit == "F", least, most, number_grid(0, step, is_fahrenheit=unit == "F"))
 
 
 def _source_of(config: DiscoveryConfig, name: str) -> ValueSource | None:
@@ -247,6 +251,7 @@ class _Targets:
                 writer=partial(self._write, name) if is_settable else None,
                 unit="°C",
                 bounds=self._temperatures.bounds if is_settable else (),
+                grid=self._temperatures.grid,
             )
         entity.add_commands(*self._commands.values())
         entity.remembers()

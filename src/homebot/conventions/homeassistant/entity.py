@@ -152,6 +152,7 @@ class Entity(BytesPart):
         command: CommandTopic | None,
         *,
         bounds: tuple[float, float] = _WIDE,
+        grid: tuple[float, ...] = (),
         unit: str = "",
         unknown: str = "None",
         from_device: Callable[[float], float | None] = float,
@@ -161,6 +162,7 @@ class Entity(BytesPart):
 
         Args:
             bounds: Smallest and largest commanded number.
+            grid: See :attr:`homebot.devices.part.Capability.grid`.
             unit: The unit outside of the device.
             unknown: The text of an unknown number.
             from_device: Converts a reported number; None for an invalid one.
@@ -170,7 +172,8 @@ class Entity(BytesPart):
         writer = None
         if command is not None:
             writer = number_writer(name, bounds, unit, lambda number: command.publish(to_device(number)))
-        self.add_value(name, source, read, command, writer, unit=unit, bounds=bounds if command else ())
+        bounds_of_writer = bounds if command else ()
+        self.add_value(name, source, read, command, writer, unit=unit, bounds=bounds_of_writer, grid=grid)
 
     def add_push(self, name: str, command: CommandTopic, payload: str) -> None:
         """Add an action without state, commanded with true."""

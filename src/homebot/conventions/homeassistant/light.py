@@ -72,11 +72,13 @@ class _BasicLight:
         modes = modes or {"brightness" if self._level_command else "onoff"}
         effects = config.options("effect_list") if self._effect_command else ()
         any_effect = self._effect_command is not None and not effects
-        self.lamp = LightFeatures(frozenset(modes), read_white_range(config), effects, any_effect=any_effect)
+        self._scale = config.integer("brightness_scale", _BYTE, least=1)
+        steps = self._scale if self._level_command else _BYTE
+        whites = read_white_range(config)
+        self.lamp = LightFeatures(frozenset(modes), whites, effects, any_effect=any_effect, steps=steps)
         self._command = config.required_command(template_key="")
         self._payloads = config.on_off_payloads()
         self._order = _order(config)
-        self._scale = config.integer("brightness_scale", _BYTE, least=1)
         self._in_kelvin = config.flag("color_temp_kelvin")
         self._own_level = bool(config.state_topic("brightness_state_topic"))
         self._has_mode = False
@@ -133,8 +135,9 @@ class _BasicLight:
         value = number_of(text)
         if value is None or value <= 0:
             return unreadable(text, "a brightness") if value is None else NO_READINGS
-        self._brightness = max(round(min(value / self._scale, 1) * _BYTE), 1)
-        return {"level": self._brightness * 100 / _BYTE}
+        level = max(min(value * 100 / self._scale, 100.0), 100 / _BYTE)
+        self._brightness = round(level * _BYTE / 100)
+        return {"level": level}
 
     def _read_color(self, mode: str, text: str) -> Readings:
         """Read a colour, and the brightness of a lamp without a topic for it."""

@@ -77,7 +77,8 @@ class JsonLight:
         self._in_kelvin = config.flag("color_temp_kelvin")
         effects = config.options("effect_list")
         any_effect = config.flag("effect")
-        self.lamp = LightFeatures(_modes(config), read_white_range(config), effects, any_effect=any_effect)
+        whites = read_white_range(config)
+        self.lamp = LightFeatures(_modes(config), whites, effects, any_effect=any_effect, steps=self._scale)
 
     def publish(self, light: LightCommand) -> Publications:
         """Encode a command."""
@@ -122,7 +123,7 @@ class JsonLight:
         else:
             unreadable(state, ("ON", "OFF"))
         if self.lamp.has_level and isinstance(brightness, (int, float)) and 0 < brightness < _HUGE:
-            found["level"] = min(255, max(1, round(brightness * 255 / self._scale))) * 100 / 255
+            found["level"] = max(min(brightness * 100 / self._scale, 100.0), 100 / 255)
         elif self.lamp.has_level and brightness != 0:
             unreadable(brightness, "a brightness")
         return found

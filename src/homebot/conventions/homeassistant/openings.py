@@ -12,6 +12,7 @@ from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
 from homebot.conventions.homeassistant.topics import CommandTopic
 from homebot.conventions.payload import NO_READINGS, Readings, fields_of, number_of, unreadable
+from homebot.conventions.units import percent_grid
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
@@ -62,7 +63,7 @@ def build_cover(config: DiscoveryConfig) -> DescribedPart:
     ):
         command = config.command(f"{key}_topic", f"{key}_template")
         setter = _setter(name, variable, command, scale, cover.variables) if command else None
-        entity.add_capability(name, readable=readable, writer=setter)
+        entity.add_capability(name, readable=readable, writer=setter, grid=percent_grid(scale.full - scale.zero))
         entity.add_commands(command)
     return entity.build()
 
@@ -165,7 +166,10 @@ def build_valve(config: DiscoveryConfig) -> DescribedPart:
     readable = entity.read_text_from(source, valve.read_position if valve.has_position else valve.read_state)
     entity.add_capability("valve", readable=readable, writer=valve.move if valve.command else None)
     if valve.has_position:
-        entity.add_capability("position", readable=readable, writer=valve.set_position if valve.command else None)
+        writer = valve.set_position if valve.command else None
+        entity.add_capability(
+            "position", readable=readable, writer=writer, grid=percent_grid(valve.scale.full - valve.scale.zero)
+        )
     entity.add_commands(valve.command)
     return entity.build()
 
@@ -181,8 +185,8 @@ class _Valve:
     """
 
     def __init__(self, config: DiscoveryConfig) -> None:
-        self._scale = _scale(config)
-        self.variables = _variables(self._scale)
+        self.scale = _scale(config)
+        self.variables = _variables(self.scale)
         self.has_position = config.flag("reports_position")
         self.command = config.command("command_topic")
         self._payloads = _payloads(config, stop="")
@@ -214,7 +218,7 @@ class _Valve:
         found: dict[str, PlainValue] = {}
         number = number_of(position)
         if number is not None:
-            percent = min(100.0, max(0.0, self._scale.percent(number)))
+            percent = min(100.0, max(0.0, self.scale.percent(number)))
             found = {"position": percent, "valve": "open" if percent else "closed"}
         moving = self._states.get(state) if isinstance(state, str) else None
         if moving in _MOVING:
@@ -230,4 +234,4 @@ class _Valve:
     def set_position(self, value: PlainValue, _transition: float) -> Publications:
         percent = round(require_number("position", value, 0, 100, "%"))
         variables = {"position": percent, **self.variables}
-        return self.command.publish(round(self._scale.value(percent)), variables) if self.command else ()
+        return self.command.publish(round(self.scale.value(percent)), variables) if self.command else ()

@@ -264,7 +264,7 @@ def _number_fields(capability: Capability) -> dict[str, object]:
         low, high = _WIDE
     span = high - low
     fields: dict[str, object] = {"min": low, "max": high, "mode": "box" if span > _MOST_STEPS else "auto"}
-    fields["step"] = next((step for most, step in _STEPS if span <= most), 1.0)
+    fields["step"] = capability.grid[1] if capability.grid else next((one for most, one in _STEPS if span <= most), 1.0)
     unit = capability.unit or known.unit
     return {**fields, "unit_of_measurement": unit} if unit else fields
 

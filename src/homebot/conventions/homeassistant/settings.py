@@ -12,6 +12,7 @@ from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.payload import Readings, clean_text, compact_json, fields_of, meaning_reader, unreadable
+from homebot.conventions.units import number_grid
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
@@ -74,6 +75,7 @@ def build_number(config: DiscoveryConfig) -> DescribedPart:
         config.source("state_topic"),
         config.required_command(),
         bounds=(least, most),
+        grid=number_grid(least, config.values.get("step")),
         unit=config.clean_text("unit_of_measurement", 40),
         unknown=config.text("payload_reset", "None"),
         from_device=lambda number: number if least <= number <= most else None,

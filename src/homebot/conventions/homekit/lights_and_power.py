@@ -4,12 +4,12 @@ Source: HomeKit Accessory Protocol Specification R2, chapters 8 (services) and 9
 8.13 Fan, 8.23 Light Bulb, 8.29 Outlet, 8.36 Speaker, 8.38 Switch.
 """
 
-import math
 from typing import Final
 
 from homebot.conventions.homekit.accessory import HapService
 from homebot.conventions.homekit.rows import ServiceRow, Writes
 from homebot.conventions.light_color import MIRED, nearest_mired_bounds
+from homebot.conventions.units import number_grid
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 
@@ -19,9 +19,6 @@ LIGHT, SWITCH, OUTLET, SIMPLE_FAN, FAN, PURIFIER = "43", "49", "47", "40", "B7",
 HEATER, HUMIDIFIER, THERMOSTAT = "BC", "BD", "4A"
 SPEAKER, SMART_SPEAKER, TELEVISION = "113", "228", "D8"
 ON, ACTIVE, BRIGHTNESS, HUE, SATURATION, MIREDS, SPEED = "25", "B0", "8", "13", "2F", "CE", "29"
-_SLACK: Final = 0.05
-"""Of one speed: 67 % of three speeds is the second one."""
-
 _USUAL_MIREDS: Final = (50.0, 400.0)
 _FANS: Final = f"{SIMPLE_FAN} {FAN} {PURIFIER}"
 _BLOWERS: Final = f"{_FANS} {HEATER} {HUMIDIFIER}"
@@ -78,11 +75,8 @@ def _share(service: HapService) -> float:
     return bounds[1] / 100 if bounds and bounds[1] > 0 else 1.0
 
 
-def _speed(service: HapService, percent: float) -> float:
-    """Return the speed of a fan for a percentage; of few speeds the next higher one, as Home Assistant takes it."""
-    step = service.characteristics[SPEED].step or 1.0
-    speeds = percent * _share(service) / step
-    return math.ceil(max(speeds - _SLACK, min(speeds, 1.0))) * step  # 1 % is the first one
+def _speed_grid(service: HapService) -> tuple[float, ...]:
+    return number_grid(0, (service.characteristics[SPEED].step or 1.0) / _share(service))
 
 
 def _read_speed(service: HapService) -> PlainValue:
@@ -103,7 +97,7 @@ def _write_speed(service: HapService, command: Command) -> Writes:
     percent, is_fan = command.value.number, service.type in _FANS.split()
     if is_fan and not percent:
         return {_switch_of(service): 0}
-    return {**(_turned_on(service) if is_fan else {}), SPEED: _speed(service, percent)}
+    return {**(_turned_on(service) if is_fan else {}), SPEED: percent * _share(service)}
 
 
 POWER_ROWS: Final = (
@@ -118,10 +112,20 @@ POWER_ROWS: Final = (
         read=_read_kelvin,
         write=lambda service, command: {**_turned_on(service), MIREDS: MIRED / command.value.number},
         bounds=_kelvin_bounds,
+        grid=lambda _: (),
     ),
     ServiceRow(LIGHT, "color", f"{HUE} {SATURATION}", HUE, None, _read_color, _write_color),
     ServiceRow(OUTLET, "plugged_in", "26"),
-    ServiceRow(_BLOWERS, "fan_speed", f"{SPEED} {ON} {ACTIVE}", SPEED, None, _read_speed, _write_speed),
+    ServiceRow(
+        _BLOWERS,
+        "fan_speed",
+        f"{SPEED} {ON} {ACTIVE}",
+        SPEED,
+        None,
+        _read_speed,
+        _write_speed,
+        grid=_speed_grid,
+    ),
     ServiceRow(f"{FAN} {THERMOSTAT}", "fan_mode", "BF", "BF", _FAN_MODES),
     ServiceRow(PURIFIER, "fan_mode", "A8", "A8", _FAN_MODES),
     ServiceRow(f"{_FANS} {HEATER}", "oscillation", "B6", "B6"),

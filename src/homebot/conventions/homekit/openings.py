@@ -88,7 +88,7 @@ def _tilt_row(state: str, target: str) -> ServiceRow:
         is_negative = (service.number(state) or 0) < 0 or service.characteristics[target].bounds[1:] == (0.0,)
         return {target: -angle if is_negative else angle}
 
-    return ServiceRow(COVERING, "tilt", state, target, None, read, write)
+    return ServiceRow(COVERING, "tilt", state, target, None, read, write, grid=lambda _: ())
 
 
 OPENING_ROWS: Final = (

@@ -6,6 +6,7 @@ from typing import TypeAlias
 
 from homebot.conventions.command_values import require_option
 from homebot.conventions.homekit.accessory import HapService
+from homebot.conventions.units import number_grid
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Capability
@@ -31,6 +32,7 @@ class ServiceRow:
         write: Returns what a command that fits the capability sets; by default the value itself in *target*.
         options: Returns the texts that it has, if *values* are not all.
         bounds: Returns the bounds of its value; by default those of *target* or the vocabulary.
+        grid: Returns the grid of its value; by default that of *target*.
     """
 
     services: str
@@ -42,6 +44,7 @@ class ServiceRow:
     write: Callable[[HapService, Command], Writes] | None = None
     options: Callable[[HapService], tuple[str, ...]] | None = None
     bounds: Callable[[HapService], tuple[float, ...]] | None = None
+    grid: Callable[[HapService], tuple[float, ...]] | None = None
     when: Callable[[HapService], object] | None = None
     unit: str = ""
 
@@ -59,12 +62,15 @@ class ServiceRow:
             return None
         is_settable = service.can(self.target, "pw")
         kind, is_event = CAPABILITIES[self.capability].kind, CAPABILITIES[self.capability].is_event
+        target = service.characteristics.get(self.target, known)
+        grid = self.grid(service) if self.grid else number_grid(sum(target.bounds[:1]), target.step)
         return Capability(
             name=self.capability,
             readable=is_event or "pr" in known.perms,
             settable=is_settable,
             unit=self.unit,
             bounds=self._bounds(service) if is_settable and kind == "number" else (),
+            grid=grid if is_settable and kind == "number" else (),
             options=self.options(service) if self.options else tuple(self._texts(service).values()),
         )
 

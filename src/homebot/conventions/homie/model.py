@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from homebot.conventions.description import Availability
 from homebot.conventions.payload import shown
+from homebot.conventions.units import number_grid
 from homebot.errors import WireError
 from homebot.support.numbers import to_number
 
@@ -52,6 +53,11 @@ class Range:
     most: float | None = None
     step: float | None = None
 
+    @property
+    def grid(self) -> tuple[float, ...]:
+        """The allowed numbers; see :attr:`homebot.devices.part.Capability.grid`."""
+        return number_grid(self.most if self.least is None else self.least, self.step)
+
     def holds(self, number: float) -> bool:
         """Return whether *number* lies within."""
         return (self.least is None or number >= self.least) and (self.most is None or number <= self.most)
@@ -65,9 +71,8 @@ class Range:
         """Return the nearest allowed number; steps count from the smallest, or else from the largest."""
         if not self.step:
             return number
-        base = self.least if self.least is not None else self.most if self.most is not None else 0.0
-        steps = math.floor((number - base) / self.step + 0.5)
-        nearest = round(base + steps * self.step, 9)
+        base, step = self.grid
+        nearest = round(base + math.floor((number - base) / step + 0.5) * step, 9)
         return nearest if self.most is None or nearest <= self.most else round(nearest - self.step, 9)
 
 

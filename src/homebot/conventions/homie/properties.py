@@ -18,7 +18,7 @@ from homebot.conventions.homie.values import (
 from homebot.conventions.light_color import MIRED, nearest_mired_bounds
 from homebot.conventions.part_builder import BytesPart, PartFields
 from homebot.conventions.payload import Readings, unreadable
-from homebot.conventions.units import Conversion, celsius_bounds, conversion_of, to_celsius, to_fahrenheit
+from homebot.conventions.units import Conversion, celsius_bounds, conversion_of, number_grid, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 
 __all__ = ["add_properties", "add_property", "node_part", "percent_of", "percent_written"]
@@ -40,6 +40,7 @@ class _ValueCodec:
     unit: str = ""
     bounds: tuple[float, ...] = ()
     options: tuple[str, ...] = ()
+    grid: tuple[float, ...] = ()
     is_always_readable: bool = False
     read: Callable[[HomieProperty, bytes], PlainValue] = read_plain
 
@@ -77,6 +78,7 @@ def add_property(
         unit=codec.unit,
         bounds=codec.bounds,
         options=codec.options,
+        grid=codec.grid,
     )
 
 
@@ -113,6 +115,7 @@ def _plain_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
         unit=prop.unit if capability in {"number", "measurement"} else "",
         bounds=_bounds(prop) if capability == "number" else (),
         options=prop.options if prop.datatype == "enum" else (),
+        grid=prop.range.grid if prop.is_settable else (),
         is_always_readable=not prop.is_settable,
     )
 
@@ -143,9 +146,16 @@ def _enum_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
 
 
 def _percent_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
+    least, most = _ends(prop)
     return _ValueCodec(
         lambda value: percent_of(prop, value),
         lambda value: _spell_percent(prop, capability, require_number(capability, value, 0, _PERCENT, "%")),
+        grid=tuple(
+            [
+                (one - shift) * _PERCENT / (most - least)
+                for one, shift in zip(prop.range.grid, (least, 0.0), strict=False)
+            ]
+        ),
     )
 
 
@@ -153,6 +163,7 @@ def _temperature_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
     is_fahrenheit = prop.unit.strip() in _FAHRENHEIT
     ends = _bounds(prop)
     bounds = celsius_bounds(*ends) if ends and is_fahrenheit else ends
+    grid = number_grid(prop.range.least, prop.range.step, is_fahrenheit=is_fahrenheit)
 
     def meaning(value: PlainValue) -> PlainValue:
         if not isinstance(value, float):
@@ -164,7 +175,7 @@ def _temperature_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
         number = to_fahrenheit(celsius, _DIGITS) if is_fahrenheit else celsius
         return spell_plain(prop, capability, prop.range.kept(number) if bounds else number)
 
-    return _ValueCodec(meaning, spell, bounds=bounds if prop.is_settable else (), is_always_readable=True)
+    return _ValueCodec(meaning, spell, bounds=bounds if prop.is_settable else (), grid=grid, is_always_readable=True)
 
 
 def _color_codec(_capability: str, prop: HomieProperty) -> _ValueCodec:
@@ -191,7 +202,7 @@ def _white_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
         kelvin = require_number(capability, value, low, high, "K")
         return spell_plain(prop, capability, prop.range.kept(round(kelvin if is_kelvin else MIRED / kelvin, digits)))
 
-    return _ValueCodec(meaning, spell, bounds=bounds)
+    return _ValueCodec(meaning, spell, bounds=bounds, grid=prop.range.grid if is_kelvin else ())
 
 
 _CODECS: Mapping[str, Callable[[str, HomieProperty], _ValueCodec]] = {

@@ -22,6 +22,7 @@ from homebot.conventions.matter.endpoint import (
     field_of,
 )
 from homebot.conventions.payload import as_fields, clean_text, text_of
+from homebot.conventions.units import number_grid
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import whole_number
@@ -45,7 +46,7 @@ the plain and the energy's are parts beside the mode that operates an endpoint."
 
 _CHANGE_TO_MODE: Final = 0
 _MOST_MODES: Final = 100
-_SETPOINT, _LIMITS, _LEVEL, _LEVELS = 0, (1, 2), 4, 5
+_SETPOINT, _LIMITS, _STEP, _LEVEL, _LEVELS = 0, (1, 2), 3, 4, 5
 _BY_NUMBER: Final = 1 << 0
 _ANY_CELSIUS: Final = (-273.15, 327.67)
 
@@ -209,6 +210,7 @@ APPLIANCE_ROWS: Final = (
         lambda _at, command: (_to_temperature("targetTemperature", round(command.value.number * 100)),),
         _BY_NUMBER,
         bounds=_temperature_bounds,
+        grid=lambda one: number_grid(_temperature_bounds(one)[0], (one.number(TEMPERATURE, _STEP) or 0) / 100),
         unit="°C",
     ),
     replace(

@@ -21,6 +21,7 @@ from homebot.conventions.matter.endpoint import (
 )
 from homebot.conventions.matter.light_clusters import ON_OFF
 from homebot.conventions.payload import text_of
+from homebot.conventions.units import percent_grid
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import whole_number
@@ -53,6 +54,7 @@ _MOST_PRESETS: Final = 50
 _LONGEST_HANDLE: Final = 64
 
 _FAN_MODE, _FAN_SEQUENCE, _FAN_SETTING, _FAN_PERCENT, _ROCK_SUPPORT, _ROCK, _AIRFLOW = 0, 1, 2, 3, 7, 8, 11
+_FAN_SPEEDS = 4
 _FAN_MODES: Final = dict(enumerate(("off", "low", "medium", "high", "on", "auto", "smart")))
 _FAN_NUMBERS: Final = {name: number for number, name in _FAN_MODES.items()}
 _HIGH: Final = 3
@@ -181,7 +183,14 @@ CLIMATE_ROWS: Final = (
     ClusterRow(THERMOSTAT, _RUNNING_STATE, "thermostat_action", _read_action),
     replace(choice_row(THERMOSTAT, _ACTIVE_PRESET, _presets, _activate, "preset_mode"), feature=_HAS_PRESETS),
     ClusterRow(FAN, _FAN_MODE, "on_off", any_bit(), _write_fan_on, when=lambda one: not one.has(ON_OFF)),
-    ClusterRow(FAN, _FAN_SETTING, "fan_speed", _read_speed, number_writer(FAN, _FAN_SETTING)),
+    ClusterRow(
+        FAN,
+        _FAN_SETTING,
+        "fan_speed",
+        _read_speed,
+        lambda _at, command: (AttributeWrite(FAN, _FAN_SETTING, int(command.value.number)),),  # 67 % is 3 speeds of 3
+        grid=lambda one: percent_grid(one.number(FAN, _FAN_SPEEDS) or 0),
+    ),
     ClusterRow(FAN, _FAN_MODE, "fan_mode", choice(_FAN_MODES), orders=_fan_orders),
     ClusterRow(FAN, _ROCK, "oscillation", any_bit(), _write_rock, _ROCKS),
     ClusterRow(

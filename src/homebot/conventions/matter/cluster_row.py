@@ -61,6 +61,7 @@ class ClusterRow:
     orders: Callable[[MatterEndpoint], Mapping[str, MatterOrder]] | None = None
     options: tuple[str, ...] | Callable[[MatterEndpoint], tuple[str, ...]] = ()
     bounds: Callable[[MatterEndpoint], tuple[float, ...]] | None = None
+    grid: Callable[[MatterEndpoint], tuple[float, ...]] | None = None
     unit: str | Callable[[MatterEndpoint], str] = ""
     accepts: int | None = None
     also_read: int | None = None
@@ -79,6 +80,7 @@ class ClusterRow:
             unit=self.unit if isinstance(self.unit, str) else self.unit(endpoint),
             bounds=() if self.bounds is None else self.bounds(endpoint),
             options=self._options(endpoint),
+            grid=() if self.grid is None else self.grid(endpoint),
         )
 
     def is_settable(self, endpoint: MatterEndpoint) -> bool:

@@ -156,6 +156,7 @@ class ShellyComponent:
         key: str = "",
         unit: str = "",
         bounds: tuple[float, ...] = (),
+        grid: tuple[float, ...] = (),
         options: tuple[str, ...] = (),
         **more: object,
     ) -> None:
@@ -170,7 +171,7 @@ class ShellyComponent:
         writer = None
         if method:
             writer = _writer(capability, bounds, options, lambda value: self.call(method, **more, **{param: value}))
-        part.add_capability(capability, writer=writer, unit=unit, bounds=bounds, options=options)
+        part.add_capability(capability, writer=writer, unit=unit, bounds=bounds, grid=grid, options=options)
 
     def add_presses(self, part: JsonPart, presses: Mapping[str, str], index: int | None = None) -> None:
         """Add ``press``, read from the component's events, which *presses* translates.

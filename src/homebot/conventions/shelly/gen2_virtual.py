@@ -16,7 +16,7 @@ from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, text_of
 from homebot.conventions.shelly.gen2_component import LONGEST_UNIT, ShellyComponent
 from homebot.conventions.shelly.status import Fields, texts_of
-from homebot.conventions.units import sensor_type
+from homebot.conventions.units import number_grid, sensor_type
 from homebot.support.numbers import to_number
 
 __all__ = [
@@ -108,6 +108,7 @@ def _build_setting(component: ShellyComponent, role: str) -> JsonPart:
         method=f"{kind.capitalize()}.Set",
         unit=_unit(config) if capability == "number" else "",
         bounds=_bounds_of(config) if kind == "number" else (),
+        grid=_grid_of(config),
         options=texts_of(config.get("options")) if kind == "enum" else (),
     )
     return part
@@ -188,6 +189,10 @@ def _bounds_of(config: Fields) -> tuple[float, ...]:
     return (least, most) if least is not None and most is not None and least < most else ()
 
 
+def _grid_of(config: Fields) -> tuple[float, ...]:
+    return number_grid(config.get("min"), _ui(config).get("step"))
+
+
 TARGET = "target_temperature"
 OF_THERMOSTAT = frozenset({"enable", "working_mode", "fan_speed"})
 """Roles of the components that the thermostat has beside :data:`TARGET`, and which are no parts then."""
@@ -206,7 +211,7 @@ def build_service_thermostat(roles: Mapping[str, ShellyComponent]) -> JsonPart:
     listed = ("heat",) if working is None else texts_of(working.config.get("options"))
     functions = tuple(_WORKING_MODES[one] for one in listed if one in _WORKING_MODES)
     for setpoint in ("heating_setpoint", *(("cooling_setpoint",) if "cool" in functions else ())):
-        target.add_value(part, setpoint, method="Number.Set", bounds=bounds)
+        target.add_value(part, setpoint, method="Number.Set", bounds=bounds, grid=_grid_of(target.config))
     if (room := roles.get("current_temperature")) is not None:
         room.add_value(part, "local_temperature")
     _add_mode(part, roles.get("enable"), working, functions)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from functools import partial
 from itertools import chain
 
-from homebot.conventions.command_values import bool_writer, option_writer, percent_writer
+from homebot.conventions.command_values import bool_writer, option_writer, percent_writer, speed_of
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publications
 from homebot.conventions.part_builder import JsonPart, with_own_ids
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, as_fields, clean_text
@@ -24,6 +24,7 @@ from homebot.conventions.tasmota.config import (
 )
 from homebot.conventions.tasmota.light import add_light
 from homebot.conventions.tasmota.sensors import Leaf, describe_sensors
+from homebot.conventions.units import percent_grid
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number
 
@@ -49,12 +50,13 @@ def _add_fan(part: JsonPart, config: TasmotaConfig) -> None:
         return {"on_off": speed > 0, "fan_speed": _PERCENTS[speed]}
 
     def set_speed(percent: float) -> Publications:
-        return config.publish(_COMMAND, next(speed for speed, most in enumerate(_PERCENTS) if percent <= most))
+        return config.publish(_COMMAND, speed_of(percent, len(_PERCENTS) - 1))
 
     for topic in config.states(_COMMAND):
         part.read_from(topic, read)
     part.add_capability("on_off", writer=bool_writer("on_off", lambda on: config.publish(_COMMAND, last if on else 0)))
-    part.add_capability("fan_speed", writer=percent_writer("fan_speed", set_speed))
+    grid = percent_grid(len(_PERCENTS) - 1)
+    part.add_capability("fan_speed", writer=percent_writer("fan_speed", set_speed), grid=grid)
     part.add_state_request(*config.state_requests)
 
 

@@ -9,9 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.command_values import bool_writer, option_writer, percent_writer, push_writer
+from homebot.conventions.command_values import bool_writer, option_writer, percent_writer, push_writer, speed_of
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, unreadable
+from homebot.conventions.units import percent_grid
 from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, read_finite, same_scalar
 from homebot.support.numbers import finite_number
@@ -159,10 +160,10 @@ def _add_speed_steps(part: Zigbee2MqttPart, mode: Expose, speeds: Sequence[str])
         return float(speeds.index(value) * 100 // steps) if isinstance(value, str) and value in speeds else None
 
     def publish(percent: float) -> Publications:
-        return part.topics.publish({mode.key: speeds[math.ceil(percent * steps / 100)]})
+        return part.topics.publish({mode.key: speeds[speed_of(percent, steps)]})
 
     writer = percent_writer("fan_speed", publish) if mode.is_settable else None
-    part.add_feature(mode, "fan_speed", percent_of, writer)
+    part.add_feature(mode, "fan_speed", percent_of, writer, grid=percent_grid(steps))
 
 
 def _add_speed_range(part: Zigbee2MqttPart, speed: Expose) -> None:
@@ -176,10 +177,10 @@ def _add_speed_range(part: Zigbee2MqttPart, speed: Expose) -> None:
         return None if number is None else min(100.0, max(0.0, (number - least + 1) * 100 / steps))
 
     def publish(percent: float) -> Publications:
-        return part.topics.publish({speed.key: math.ceil(percent * steps / 100 + least - 1) if percent else 0})
+        return part.topics.publish({speed.key: math.ceil(speed_of(percent, steps) + least - 1) if percent else 0})
 
     writer = percent_writer("fan_speed", publish) if speed.is_settable else None
-    part.add_feature(speed, "fan_speed", percent_of, writer)
+    part.add_feature(speed, "fan_speed", percent_of, writer, grid=percent_grid(steps))
 
 
 def build_opener(part: Zigbee2MqttPart, trigger: Expose, contact: Expose, *, is_pulse: bool) -> DescribedPart:

@@ -64,6 +64,7 @@ class Expose:
     value_off: Scalar | None = None
     least: float | None = None
     most: float | None = None
+    step: float | None = None
     values: tuple[Scalar, ...] = ()
     features: tuple[Expose, ...] = ()
 
@@ -172,6 +173,7 @@ def _read(entry: object, depth: int) -> Expose | None:
         value_off=_scalar(entry.get("value_off")),
         least=finite_number(entry.get("value_min")),
         most=finite_number(entry.get("value_max")),
+        step=finite_number(entry.get("value_step")),
         values=_values(entry.get("values")),
         features=_read_all(entry.get("features"), depth + 1),
     )

@@ -14,6 +14,7 @@ from homebot.conventions.command_values import Writer, bool_writer, number_write
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import CapabilityFields, JsonPart, PartFields
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, compact_json, is_unknown
+from homebot.conventions.units import number_grid
 from homebot.conventions.unreadable import unreadable
 from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, Scalar
 from homebot.devices.capabilities import CAPABILITIES
@@ -169,7 +170,8 @@ class Zigbee2MqttPart(JsonPart):
                 lambda number: self.topics.publish({feature.key: _whole_or_not(number)}),
             )
         bounds = () if feature.least is None or feature.most is None else (least, most)
-        self.add_feature(feature, capability, read_finite, writer, unit=unit, bounds=bounds)
+        grid = number_grid(feature.least, feature.step)
+        self.add_feature(feature, capability, read_finite, writer, unit=unit, bounds=bounds, grid=grid)
 
     def add_enum(self, feature: Expose | None, capability: str, names: Mapping[str, str] | None = None) -> None:
         """Add *capability* from an enum *feature*, or a reported one with the vocabulary's *names* of its values."""

@@ -102,7 +102,9 @@ def span(capability: Capability) -> str:
     if capability.options:
         return ", ".join(capability.options)
     if bounds := capability.bounds or known.bounds:
-        return f"{_number(bounds[0])} to {_number(bounds[-1])} {capability.unit or known.unit}".rstrip()
+        unit = capability.unit or known.unit
+        steps = f" in steps of {_number(capability.grid[1])}" if capability.grid else ""
+        return f"{_number(bounds[0])} to {_number(bounds[-1])} {unit}".rstrip() + steps
     return ""
 
 

@@ -193,7 +193,10 @@ class CommandServer:
         """Carry out the command that *text* means for a part; see :mod:`homebot.devices.text.commands`."""
         if not self._gateway.acts:
             raise RefusedError(f"a command to {key[:100]}", self._gateway.observes_because)
-        capability, value = decode_command(text.payload, self._find_part(key, part_id).described.part)
+        part = self._find_part(key, part_id).described.part
+        capability, value = decode_command(text.payload, part)
+        (known,) = (one for one in part.capabilities if one.name == capability)
+        value = known.nearest(value) if isinstance(value, float) else value
         command = Command(
             key=key,
             part=part_id,

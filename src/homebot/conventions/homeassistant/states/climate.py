@@ -13,6 +13,7 @@ from homebot.conventions.entity_rows import (
     Fields,
     ReadField,
     climate_type,
+    grid_of,
     options_of,
     setpoints_of,
     switched_mode,
@@ -32,7 +33,7 @@ from homebot.conventions.homeassistant.states.rows import (
     sensed,
     write_switch,
 )
-from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
+from homebot.conventions.units import celsius_bounds, number_grid, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
@@ -59,13 +60,17 @@ def _bounds(info: Fields) -> tuple[float, float] | tuple[()]:
 
 
 def _to_number(name: str, info: Fields, value: PlainValue) -> float:
-    """Return a commanded setpoint in the unit of Home Assistant: a step as its own pages set, within the bounds."""
+    """Return a commanded setpoint in the unit of Home Assistant, within the bounds."""
     celsius = require_number(name, value, *(_bounds(info) or _ANY_CELSIUS), "°C")
     number = to_fahrenheit(celsius, 3) if info.get("is_fahrenheit") else celsius
-    step = to_number(info.get("target_temp_step")) or (1.0 if info.get("is_fahrenheit") else 0.0)
-    number = round(round(number / step) * step, 3) if step > 0 else number
     least, most = bounds_of(info, "min_temp", "max_temp") or (number, number)
     return min(max(number, least), most)
+
+
+def _grid(info: Fields) -> tuple[float, ...]:
+    """Return the grid of setpoints, from 0 as on the pages of Home Assistant, where a step is 1 °F by default."""
+    step = info.get("target_temp_step") or (1 if info.get("is_fahrenheit") else 0)
+    return number_grid(0, step, is_fahrenheit=info.get("is_fahrenheit") is True)
 
 
 def _modes(info: Fields) -> tuple[str, ...]:
@@ -106,7 +111,7 @@ def _setpoint(name: str, end: str, when: Condition) -> EntityRow:
             raise RefusedError(f"{name} {number:g}", "its other setpoint is unknown, and both are set together")
         return {"service": "set_temperature", **ends}
 
-    return EntityRow(name, read, write, "", when, (), _bounds, "°C")
+    return EntityRow(name, read, write, "", when, (), _bounds, "°C", _grid)
 
 
 def _write_on(info: Fields, value: PlainValue, code: str) -> Fields:
@@ -126,7 +131,11 @@ def _write_humidity(info: Fields, value: PlainValue, _code: str) -> Fields:
 
 
 _HUMIDITY_SETPOINT: Final = EntityRow(
-    "humidity_setpoint", read_number("humidity", 1.0, 0, 100), _write_humidity, bounds=_humidity
+    "humidity_setpoint",
+    read_number("humidity", 1.0, 0, 100),
+    _write_humidity,
+    bounds=_humidity,
+    grid=grid_of("target_humidity_step", "min_humidity"),
 )
 _MEASURED: Final = (
     sensed("local_temperature", "current_temperature", _celsius("current_temperature"), unit="°C"),
@@ -190,7 +199,11 @@ FAN: Final = EntityComponent(
     "fan",
     (
         SWITCH,
-        replace(percent("fan_speed", "percentage", "set_percentage", when=has(1)), read=read_while_on("percentage")),
+        replace(
+            percent("fan_speed", "percentage", "set_percentage", when=has(1)),
+            read=read_while_on("percentage"),
+            grid=grid_of("percentage_step"),
+        ),
         flag("oscillation", "oscillating", "oscillate", has(2)),
         EntityRow("direction", read_text("direction"), _write_direction, "", has(4)),
         choice("preset_mode", "preset_mode", "preset_modes", "set_preset_mode", when=has(8)),

@@ -204,6 +204,7 @@ _NUMBER: Final = number_component(
     read_number("state"),
     lambda info: bounds_of(info, "min", "max"),
     lambda number: {"service": "set_value", "value": number},
+    "min",
 )
 _SELECT: Final = EntityComponent("x_setting", (choice("option", "state", "options", "select_option", "option"),))
 
@@ -334,6 +335,7 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
         read_number("state"),
         lambda info: bounds_of(info, "minimum", "maximum"),
         lambda number: {"service": "set_value", "value": round(number)},
+        "minimum",
     ),
     "timer": EntityComponent("x_setting", (EntityRow("value", read_text("state")),)),
     "update": EntityComponent(  # homebot never installs an update

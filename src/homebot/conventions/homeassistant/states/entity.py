@@ -41,9 +41,9 @@ _SHAPING: Final = frozenset(
             "max",
         ),
         *("max_color_temp_kelvin", "max_humidity", "max_temp", "maximum", "min", "min_color_temp_kelvin"),
-        *("min_humidity", "min_temp", "minimum", "mode", "operation_list", "options", "preset_modes", "source_list"),
-        *("state_class", "supported_color_modes", "supported_features", "swing_horizontal_modes", "swing_modes"),
-        "unit_of_measurement",
+        *("min_humidity", "min_temp", "minimum", "mode", "operation_list", "options", "percentage_step"),
+        *("preset_modes", "source_list", "state_class", "step", "supported_color_modes", "supported_features"),
+        *("swing_horizontal_modes", "swing_modes", "target_humidity_step", "target_temp_step", "unit_of_measurement"),
     }
 )
 """Attributes on which the capabilities of an entity depend."""

@@ -110,7 +110,8 @@ def percent(
 
     def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
         number = require_number(name, value, 0, 100, "%")
-        return {"service": service, argument or field: round(number) if factor == 1 else round(number / factor, 6)}
+        # cut off, as Home Assistant does: 67 would be the third of three speeds
+        return {"service": service, argument or field: int(number) if factor == 1 else round(number / factor, 6)}
 
     return EntityRow(name, read_number(field, factor, 0, 100), write if service else None, "", when)
 
