@@ -1,6 +1,7 @@
 """Reactions of apps: conditions that last, runs by key, and the person behind a command; in virtual time."""
 
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 
 import anyio
 import pytest
@@ -9,7 +10,7 @@ from tests.apps.houses import flat, lamp, motion
 from tests.control.conftest import Home, OpenHome
 
 from homebot.apps import App, NoSettings
-from homebot.apps.rooms import per_handle
+from homebot.apps.rooms import per_handle, per_room
 from homebot.devices.handles import Handle, HandleChange, Light, OccupancySensor
 from homebot.errors import UsageError
 from homebot.graph import Graph, Node
@@ -56,6 +57,88 @@ async def test_a_condition_counts_once_it_has_lasted(open_home: OpenHome) -> Non
             await home.report("hall", "occupancy", occupied)
         await anyio.sleep(400)
     assert [at for at, _ in quiet] == [210 + 300, 1170 + 300]
+
+
+Told = list[tuple[int, str]]
+
+
+@asynccontextmanager
+async def quiet_rooms(open_home: OpenHome) -> AsyncIterator[tuple[Home, Told, App]]:
+    """A hall with two motion sensors, and when all of a room have been quiet for five minutes."""
+    told: Told = []
+    async with open_home() as home, Node(home.graph, "mine") as node:
+        for sensor in ("door", "stairs"):
+            home.put(sensor, "occupancy_sensor", readable=("occupancy",), area="hall")
+        begin = anyio.current_time()
+
+        def on_quiet(change: HandleChange[OccupancySensor]) -> None:
+            told.append((round(anyio.current_time() - begin), change.handle.name))
+
+        def set_up(app: App) -> None:
+            quiet = app.devices.follow(OccupancySensor).became(occupied=False, lasting="5m", key=per_room)
+            app.on(quiet, on_quiet, key=per_room)
+
+        yield home, told, await started(home, node, set_up)
+
+
+async def test_a_room_is_quiet_once_all_its_sensors_are(open_home: OpenHome) -> None:
+    """The first rule of the guide turned the lamp off while the second sensor saw somebody."""
+    async with quiet_rooms(open_home) as (home, told, app):
+        await home.report("stairs", "occupancy", True)
+        await home.report("door", "occupancy", False)
+        await anyio.sleep(1000)
+        assert told == []
+        await home.report("stairs", "occupancy", False)
+        await anyio.sleep(250)
+        await home.report("door", "occupancy", True)
+        await anyio.sleep(10)
+        assert [*app.waits] == []
+        await home.report("door", "occupancy", False)
+        await anyio.sleep(100)
+        assert [(device, round(left)) for _, device, left in app.waits] == [("Door", 200)]
+        await anyio.sleep(900)
+        assert told == [(1260 + 300, "Door")]
+        await home.report("stairs", "occupancy", True)
+        await anyio.sleep(0.001)
+        await home.report("stairs", "occupancy", False)
+        await anyio.sleep(900)
+    assert told == [(1560, "Door"), (2260 + 300, "Stairs")]
+
+
+async def test_a_room_with_a_sensor_that_has_said_nothing_is_not_quiet(open_home: OpenHome) -> None:
+    """Once that is gone, the others count, for as long as they have been quiet."""
+    async with quiet_rooms(open_home) as (home, told, _):
+        await home.report("door", "occupancy", False)
+        await anyio.sleep(700)
+        assert told == []
+        home.gateway.devices.remove("stairs", "the test says so")
+        await anyio.sleep(1)
+    assert told == [(700, "Door")]
+
+
+async def test_a_sensor_that_moves_counts_for_its_new_room(open_home: OpenHome) -> None:
+    async with quiet_rooms(open_home) as (home, told, _):
+        await home.report("stairs", "occupancy", True)
+        await home.report("door", "occupancy", False)
+        await anyio.sleep(400)
+        home.put("stairs", "occupancy_sensor", readable=("occupancy",), area="attic")
+        await anyio.sleep(1)
+        assert told == [(400, "Door")]
+        await home.report("stairs", "occupancy", False)
+        await anyio.sleep(400)
+    assert told == [(400, "Door"), (401 + 300, "Stairs")]
+
+
+async def test_a_sensor_that_comes_begins_the_time_of_its_room_anew(open_home: OpenHome) -> None:
+    async with quiet_rooms(open_home) as (home, told, _):
+        for sensor in ("door", "stairs"):
+            await home.report(sensor, "occupancy", False)
+        await anyio.sleep(200)
+        home.put("window", "occupancy_sensor", readable=("occupancy",), area="hall")
+        await anyio.sleep(200)
+        await home.report("window", "occupancy", False)
+        await anyio.sleep(400)
+    assert told == [(400 + 300, "Window")]
 
 
 async def test_a_condition_that_is_to_last_is_known_while_it_does(open_home: OpenHome) -> None:
@@ -209,6 +292,10 @@ async def refuse(make: Callable[[App], object]) -> str:
         (
             lambda app: app.devices.follow(Light).became(on=True, lasting="5 mins"),
             "lasting: '5 mins' is not a duration",
+        ),
+        (
+            lambda app: app.devices.follow(Light).became(on=True, key="room"),
+            "key: 'room' is not a function, such as per",
         ),
         (lambda app: app.devices.follow(Light).only("evnt"), "only() takes appeared, changed, event, mess"),
         (lambda app: app.devices.follow(5), "5 is neither a kind of handle, such as Light"),

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import AsyncIterator, Iterable, Iterator
+from collections.abc import AsyncIterator, Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass
 from datetime import timedelta
-from typing import TYPE_CHECKING, Final, Generic, Literal, Self, TypeAlias, TypeVar, final, get_args
+from functools import partial
+from typing import TYPE_CHECKING, Final, Generic, Literal, NamedTuple, Self, TypeAlias, TypeVar, final, get_args
 
 import anyio
 
@@ -111,7 +112,13 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
             if change.kind in kinds:
                 yield change
 
-    def became(self, *, lasting: str | float | timedelta = 0.0, **conditions: object) -> Became[HandleT]:
+    def became(
+        self,
+        *,
+        lasting: str | float | timedelta = 0.0,
+        key: Callable[[HandleChange[HandleT]], Hashable] | None = None,
+        **conditions: object,
+    ) -> Became[HandleT]:
         """Return a live query that yields ``appeared`` each time a handle begins to meet further conditions.
 
         Handles that already meet them count too.
@@ -119,16 +126,24 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
         Args:
             lasting: How long the conditions must be met first, such as ``"5m"``. Other changes do not interrupt the
                 time; after a restart it begins anew, unless the device has reported these values for longer.
+            key: Returns the key of a handle; all handles with the same key must meet the conditions, as all motion
+                sensors of a room with :func:`homebot.apps.rooms.per_room`. Then the last one to do so is yielded.
             conditions: The conditions, as for :meth:`homebot.devices.Devices.find`, such as ``occupied=False``.
 
         Raises:
             TypeError: The kind has no such condition; the message suggests the nearest.
-            UsageError: *lasting* is not a duration.
+            UsageError: *lasting* is not a duration, or *key* is not a function.
         """
+        if key is not None and not callable(key):
+            raise UsageError(f"key: {key!r:.60} is not a function, such as per_room")
         more = self._query.kind.where(**conditions)  # type: ignore[arg-type]  # checked there
-        given = ", ".join(f"{key}={value!r}" for key, value in conditions.items())
-        follow = FollowHandles(self._node, self._query.narrowed(more), f"{self._text}.became({given})")
-        return Became(follow, more.exact_values, parse_duration(lasting, "lasting"), self._clock)
+        given = ", ".join(f"{name}={value!r}" for name, value in conditions.items())
+        narrowed, text = self._query.narrowed(more), f"{self._text}.became({given})"
+        follow = FollowHandles(self._node, narrowed if key is None else self._query, text)
+        became = Became(follow, more.exact_values, parse_duration(lasting, "lasting"), self._clock)
+        if key is not None:
+            became.group(key, partial(_matches, HouseView.of(self._node), narrowed))
+        return became
 
     def close(self) -> None:
         """End the query; idempotent."""
@@ -215,6 +230,23 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
         return query.parts(known.current()) if self._is_near(device_id) else []
 
 
+def _matches(view: HouseView, query: HandleQuery[HandleT], handle: HandleT) -> bool:
+    known = view.get(handle.device.id)
+    return known is not None and handle.part_id in query.parts(known.current())
+
+
+class _Match(NamedTuple):
+    """Since when a handle matches.
+
+    Attributes:
+        since: The time that it reported, in seconds since the Unix epoch; 0 if unknown.
+        begun: The time on the monotonic clock.
+    """
+
+    since: float
+    begun: float
+
+
 @final
 class Became(Generic[HandleT]):
     """Iterator over the handles that have matched a live query for a while; see :meth:`FollowHandles.became`.
@@ -232,14 +264,22 @@ class Became(Generic[HandleT]):
         self._values = values
         self._lasting = lasting
         self._clock = clock
-        self._since: dict[HandleT, float] = {}
-        self._due: TimerQueue[HandleT, tuple[HandleChange[HandleT], object]] = TimerQueue()
+        self._key: Callable[[HandleChange[HandleT]], Hashable] = lambda change: change.handle
+        self._matches: Callable[[HandleT], bool] = lambda _: True
+        self._keys: dict[HandleT, Hashable] = {}
+        self._groups: dict[Hashable, dict[HandleT, _Match | None]] = {}  # None if it does not match
+        self._begun: dict[Hashable, tuple[float, HandleT]] = {}  # since when a group matches, and its last handle
+        self._due: TimerQueue[Hashable, tuple[HandleChange[HandleT], object]] = TimerQueue()
+
+    def group(self, key: Callable[[HandleChange[HandleT]], Hashable], matches: Callable[[HandleT], bool]) -> None:
+        """Count all handles with the same *key* as one, which matches if each of them does."""
+        self._key, self._matches = key, matches
 
     @property
     def waiting(self) -> Iterator[tuple[str, float]]:
         """The names of matching handles, with the seconds until they have matched for long enough."""
-        for handle in self._since:
-            if (due := self._due.time_of(handle)) is not None:
+        for key, (_, handle) in self._begun.items():
+            if (due := self._due.time_of(key)) is not None:
                 yield handle.name, due - self._clock.monotonic()
 
     def __aiter__(self) -> Self:
@@ -250,7 +290,6 @@ class Became(Generic[HandleT]):
 
         Raises:
             StopAsyncIteration: The query or its node was closed.
-            UsageError: It has a misspelt name.
         """
         while True:
             due = self._due.next()
@@ -267,18 +306,37 @@ class Became(Generic[HandleT]):
         self._follow.close()
 
     def _record(self, change: HandleChange[HandleT]) -> None:
-        handle = change.handle
-        if change.kind == "removed":
-            self._since.pop(handle, None)
-            self._due.discard(handle)
-        elif change.kind != "event":
-            since, before = self._known_since(handle), self._since.get(handle)
-            if before is None or since > before:
-                self._since[handle] = since
-                proven = self._clock.now() - since if since else 0.0
-                begun = type(change)("appeared", handle), CURRENT_CAUSE.get()
-                self._due.set(handle, self._clock.monotonic() + self._lasting - max(0.0, proven), begun)
+        if change.kind == "event":
+            return
+        handle, key = change.handle, self._key(change)
+        before = self._keys.pop(handle, key)  # its room may have changed
+        match = self._groups.get(before, {}).pop(handle, None)
+        if change.kind != "removed":
+            self._keys[handle] = key
+            match = self._match(handle, match) if self._matches(handle) else None
+            self._groups.setdefault(key, {})[handle] = match
+        for one in dict.fromkeys((before, key)):
+            self._schedule(one, handle)
 
-    def _known_since(self, handle: HandleT) -> float:
-        """Return since when the handle has reported the values, in seconds since the Unix epoch; 0 if unknown."""
-        return max(map(handle.since, self._values), default=0.0) if handle.freshness == "fresh" else 0.0
+    def _schedule(self, key: Hashable, handle: HandleT) -> None:
+        """Set when a group is due, after a change of *handle*."""
+        group = self._groups.get(key, {})
+        matches = [one.begun for one in group.values() if one is not None]
+        if not group or len(matches) < len(group):
+            self._begun.pop(key, None)
+            self._due.discard(key)
+            if not group:
+                self._groups.pop(key, None)
+            return
+        known, begun = self._begun.get(key), max(matches)
+        if known is None or begun > known[0] or (begun < known[0] and key in self._due):
+            last = handle if handle in group else next(iter(group))
+            self._begun[key] = begun, last
+            self._due.set(key, begun + self._lasting, (HandleChange("appeared", last), CURRENT_CAUSE.get()))
+
+    def _match(self, handle: HandleT, before: _Match | None) -> _Match:
+        since = max(map(handle.since, self._values), default=0.0) if handle.freshness == "fresh" else 0.0
+        if before is not None and since <= before.since:
+            return before
+        proven = self._clock.now() - since if since else 0.0
+        return _Match(since, self._clock.monotonic() - max(0.0, proven))
