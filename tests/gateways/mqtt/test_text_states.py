@@ -1,8 +1,10 @@
 """Devices of the thesis's layout at the gateway: their words as reports, and commands as words."""
 
+from itertools import pairwise
 from typing import Any, ClassVar
 
 import anyio
+import anyio.lowlevel
 import pytest
 from pydantic import BaseModel
 from structlog.testing import capture_logs
@@ -17,6 +19,7 @@ from homebot.devices.services import NEVER
 from homebot.devices.value import PlainValue
 from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.message import MqttMessage
 from homebot.names import escape_token
 
 pytestmark = pytest.mark.virtual_time
@@ -37,6 +40,20 @@ async def test_a_device_of_the_layout_is_sighted_with_its_part_and_its_own_addre
         assert [(one.id, one.service_type) for one in lamp.parts] == [("", "light")]
         assert (coffee.service_type, coffee.parts) == ("coffee", ())
         assert house.told() == [(KEY, {".on_off": True}, False)]
+
+
+async def test_devices_that_appear_all_at_once_leave_turns_to_others() -> None:
+    """Each first text announces a device, which takes as long as another announcement: 78 ms a turn in a flood."""
+    async with simple_house(**THESIS) as house, anyio.create_task_group() as tasks:
+        known = house.gateway._described._registry.by_key
+        tasks.start_soon(
+            house.gateway._handle, [MqttMessage(f"home425/lights/l{number}/out", b"on") for number in range(600)]
+        )
+        counts = [0]
+        while counts[-1] < 600:
+            await anyio.lowlevel.checkpoint()
+            counts.append(len(known))
+        assert max(after - before for before, after in pairwise(counts)) <= 30
 
 
 async def test_a_word_is_reported_when_it_is_another_one() -> None:

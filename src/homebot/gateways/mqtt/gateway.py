@@ -221,7 +221,8 @@ class MqttGateway(Gateway):
                 if (left := described.read_states(message, route)) is not None:
                     await left
             else:
-                work += _ANNOUNCED * (1 + len(payload) // 1024) * len(route.conventions) + len(route.announced_parts)
+                readers = len(route.conventions) + len(route.texts)
+                work += _ANNOUNCED * (1 + len(payload) // 1024) * readers + len(route.announced_parts)
                 await described.handle_message(message, route)
 
     async def _handle_long(self, message: MqttMessage, route: TopicReaders | None) -> int:
