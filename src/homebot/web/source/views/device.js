@@ -135,6 +135,7 @@ function Command({ target, name, of, capability, now }) {
 }
 
 const FINDINGS = {
+  event: "Its last event, which is no state:",
   none: "It has reported no change yet.",
   heard: "It is so since homebot first heard of it.",
   retained: "A kept message says so, and not since when.",
@@ -155,14 +156,16 @@ function Why({ id, why }) {
 }
 
 function Facts({ device }) {
+  const unreadable = device.facts.filter((fact) => fact.name === "unreadable");
   const age = Date.now() / 1000 - seconds(device.last_seen);
   return html`<section>
     <h3>What is known, and from where</h3>
+    ${unreadable.map((fact) => html`<p class="bad" key=${fact.key + fact.value}>Not understood at ${timeText(fact.said_at)}: ${fact.value}</p>`)}
     <table class="facts">
       <tbody>
         ${known("id", device.id)}
         ${known("last seen", `${durationText(Math.max(age, 0))} ago`, device.freshness)}
-        ${device.facts.map((fact) => known(label(fact.name), fact.value, fact.convention === "owner" ? `you, by the ${fact.key}` : [fact.gateway, fact.convention].filter(Boolean).join(", ")))}
+        ${device.facts.filter((fact) => !unreadable.includes(fact)).map((fact) => known(label(fact.name), fact.value, fact.convention === "owner" ? `you, by the ${fact.key}` : [fact.gateway, fact.convention].filter(Boolean).join(", ")))}
         ${device.endpoints.map((one) => known("reached by", `${one.gateway}: ${topic(one.address) || one.key}`, topic(one.command_address)))}
         ${device.conflicts.map((text) => known("conflict", text))}
       </tbody>
