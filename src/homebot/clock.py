@@ -9,8 +9,9 @@ import asyncio
 import os
 import time
 import zoneinfo
-from collections.abc import Generator
-from datetime import UTC, tzinfo
+from collections.abc import Callable, Generator
+from contextvars import ContextVar
+from datetime import UTC, datetime, tzinfo
 from functools import lru_cache
 from pathlib import Path
 from typing import Final, Protocol, TypeVar, final
@@ -19,7 +20,7 @@ import anyio.lowlevel
 
 from homebot.errors import UsageError
 
-__all__ = ["SLICE", "Clock", "LoopClock", "ManualClock", "TimeSlice", "read_zone", "zone_name"]
+__all__ = ["SLICE", "Clock", "LoopClock", "ManualClock", "TimeSlice", "home_time", "read_zone", "zone_name"]
 
 T = TypeVar("T")
 
@@ -130,6 +131,9 @@ def _seconds_asleep() -> float:
     assert _SINCE_BOOT is not None  # noqa: S101 - for the type checker
     return time.clock_gettime(_SINCE_BOOT) - time.monotonic()
 
+
+home_time: Final = ContextVar[Callable[[], datetime] | None]("home_time", default=None)
+"""Returns the current time in the zone of the home, for templates of devices; None outside of a running homebot."""
 
 _ZONE_OF_COMPUTER: Final = Path("/etc/localtime")
 _ZONES: Final = "/zoneinfo/"

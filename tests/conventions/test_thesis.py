@@ -73,6 +73,22 @@ def test_without_a_root_every_home_is_read_and_part_of_the_key() -> None:
     assert (device.key, device.text.command_address) == ("villa/lights/lamp", "villa/lights/lamp/in")
 
 
+@pytest.mark.parametrize(
+    ("home", "topic", "is_device"),
+    [
+        ("villa", "villa/lights/lamp/out", True),
+        ("villa", "esphome/other/thing/out", False),
+        ("Villa Rosa", "Villa Rosa/lights/lamp/out", True),
+        ("a/b", "a/b/lights/out", False),
+        ("+", "villa/lights/lamp/out", False),
+    ],
+)
+def test_without_a_root_a_foreign_topic_makes_no_device(home: str, topic: str, *, is_device: bool) -> None:
+    layout = Thesis(ThesisSettings(home=home))
+    assert any(topic_matches(one, topic) for one in layout.filters()) is is_device
+    assert not is_device or layout.announced(topic) is not None
+
+
 @pytest.mark.parametrize("root", ["home425", "", "building/7"])
 @given(service_type=LEVEL, device_id=LEVEL)
 def test_our_own_commands_match_no_filter_and_every_device_does(root: str, service_type: str, device_id: str) -> None:

@@ -30,7 +30,9 @@ def any_announcing(names: Iterable[str]) -> bool:
     return any(not issubclass(kind, TextConvention) for _, kind in _loadable(names))
 
 
-def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: str) -> tuple[Convention, ...]:
+def find_conventions(
+    names: Iterable[str], tables: Mapping[str, object], root: str, home: str = ""
+) -> tuple[Convention, ...]:
     """Load and create the conventions *names*, in the order in which their announcements are to be asked for.
 
     Those with lists of all devices come first: a list takes seconds to read, in which nothing is announced. Were it
@@ -40,6 +42,7 @@ def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: s
         names: Entry-point names, or ``module:Class``.
         tables: Their settings, by name; see :func:`check_tables`.
         root: The home of the gateway, the default for tables with a ``root``.
+        home: The name of the home, the default for tables with a ``home``.
 
     Raises:
         PluginError: One cannot be found or loaded.
@@ -49,8 +52,9 @@ def find_conventions(names: Iterable[str], tables: Mapping[str, object], root: s
     for name in dict.fromkeys(names):
         kind = _load(name)
         table = tables.get(_table_name(name, kind), {})
-        if "root" in kind.Settings.model_fields and isinstance(table, dict):
-            table = {"root": root, **table}
+        if isinstance(table, dict):
+            known = {key: value for key, value in (("root", root), ("home", home)) if key in kind.Settings.model_fields}
+            table = {**known, **table}
         settings = _checked(kind.Settings, table)
         try:
             conventions.append(kind(settings))

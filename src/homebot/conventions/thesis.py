@@ -107,11 +107,13 @@ class ThesisSettings(ConventionSettings):
     """The table of this convention.
 
     Attributes:
-        root: The home: the first level or levels. Empty for every home; a device's key then begins with its home, and
-            topics of another shape are ignored, because they may be foreign.
+        root: The home: the first level or levels. If it is empty, topics of another shape are ignored, because they may
+            be foreign, and a device's key begins with its home.
+        home: The first level if *root* is empty: the name of the home. Empty for every home.
     """
 
     root: str = ""
+    home: str = ""
 
 
 class Thesis:
@@ -123,11 +125,12 @@ class Thesis:
     def __init__(self, settings: ThesisSettings) -> None:
         self.rejected = 0
         self._root = settings.root
+        self._home = settings.home
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of state topics, and of invalid topics of the home."""
         if not self._root:
-            return ("+/+/+/out",)
+            return (f"{self._home or '+'}/+/+/out",) if {"+", "#", "/"}.isdisjoint(self._home) else ()
         root = self._root
         return (f"{root}/+/+/out", root, f"{root}/+", f"{root}/+/+", f"{root}/+/+/+/+/#")
 
@@ -190,7 +193,7 @@ class Thesis:
     def _split(self, topic: str) -> tuple[str | None, list[str]]:
         if not self._root:
             home, _, rest = topic.partition("/")
-            return home, rest.split("/")
+            return home if self._home in ("", home) else None, rest.split("/")
         if topic == self._root:
             return self._root, []
         if topic.startswith(f"{self._root}/"):

@@ -106,17 +106,19 @@ class GatewayContext:
         services: The running host services by their class.
         is_dry_run: Whether nothing may be sent; gateways then accept commands without sending them.
         gateways: The plug-ins of all configured gateways; None if they are unknown.
+        home: The name of the home; empty if it is unknown.
     """
 
     random: Random | None = None
     services: Mapping[type[object], object] = field(default_factory=dict)
     is_dry_run: bool = False
     gateways: frozenset[str] | None = None
+    home: str = ""
 
     @classmethod
-    def of(cls, *services: object, random: Random | None = None, is_dry_run: bool = False) -> Self:
+    def of(cls, *services: object, random: Random | None = None, is_dry_run: bool = False, home: str = "") -> Self:
         """Return a context with these running *services*."""
-        return cls(random, {type(service): service for service in services}, is_dry_run)
+        return cls(random, {type(service): service for service in services}, is_dry_run, home=home)
 
     def service(self, kind: type[ServiceT]) -> ServiceT | None:
         """Return the running host service of the class *kind*, or None."""

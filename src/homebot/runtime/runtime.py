@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import KW_ONLY, dataclass, replace
+from datetime import datetime
 from functools import partial
 from http import HTTPStatus
 from pathlib import Path
@@ -20,7 +21,7 @@ from anyio import to_thread
 from anyio.abc import TaskStatus
 
 from homebot.bridges.rosbridge import Door
-from homebot.clock import Clock, LoopClock, read_zone
+from homebot.clock import Clock, LoopClock, home_time, read_zone
 from homebot.config import Config
 from homebot.control import Control
 from homebot.devices.app_messages import ChangeAppResponse, Reload
@@ -146,7 +147,11 @@ class Runtime:
         self.trusts_apps = self.trusts_apps or self.house is not None
         self._installation = Installation(self._beside_index(INSTALLATION_FILE), self.random)
         self._context = GatewayContext.of(
-            self._installation, *self.services, random=self.random, is_dry_run=self.is_dry_run
+            self._installation,
+            *self.services,
+            random=self.random,
+            is_dry_run=self.is_dry_run,
+            home=self._plan.home,
         )
         self._owner: OwnerFacts
         self._controller: Control | None = None
@@ -248,7 +253,8 @@ class Runtime:
         gateways = tuple(
             replace(one, settings=one.kind.resolve(one.settings, self._context)) for one in self._plan.gateways
         )
-        await to_thread.run_sync(read_zone, self._plan.home_settings.zone)
+        zone = await to_thread.run_sync(read_zone, self._plan.home_settings.zone)
+        home_time.set(lambda: datetime.fromtimestamp(self._clock.now(), zone))
         await self.app_host.read_stores(main)
         stack.push_async_callback(self.app_host.close_stores)
         for component in self._components(gateways):

@@ -120,7 +120,7 @@ def _add_sources(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--root",
         metavar="NAME",
-        help="first MQTT topic level of devices without announcements, such as home425 (default: any)",
+        help="first MQTT topic level of devices without announcements, such as home425 (default: the name of the home)",
     )
     parser.add_argument(
         "--app",

@@ -5,7 +5,7 @@ waits: subscriptions, requests, expiry of values.
 """
 
 import asyncio
-from collections.abc import Awaitable, Iterable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict
 from functools import partial
 from itertools import chain
@@ -37,8 +37,11 @@ from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber
+from homebot.gateways.mqtt.unread_topics import UnreadTopics
+from homebot.mqtt.client import MqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import NO_PROPERTIES
 from homebot.mqtt.topics import validate_topic
 from homebot.support.isolation import run_as
@@ -55,6 +58,7 @@ class AnnouncedDevices:
         text_filters: The filters of texts that devices publish.
         route: Returns the readers of a topic, or None.
         tick: Reads the clock; called once before each batch of messages.
+        unread: A look at the topics that nothing reads.
     """
 
     def __init__(
@@ -64,6 +68,7 @@ class AnnouncedDevices:
         connection: MqttConnection,
         lease: ActingLease,
         settings: MqttGatewaySettings,
+        make_client: Callable[[MqttOptions], MqttClient],
         responses: Responses | None = None,
     ) -> None:
         self._responses = responses
@@ -91,6 +96,7 @@ class AnnouncedDevices:
         self.tick = self._reporter.refresh_time
         self.route = self._registry.route
         self.read_text = self._states.read_text
+        self.unread = UnreadTopics(make_client, settings.options(), self.route, self._used_topics, self.filters)
         self._last_messages = LastMessageCache()
         self._taking = asyncio.Lock()  # anyio's costs as much as a tenth of an announcement
         self._subscriber = Subscriber(engine, self._topics, self._registry, conventions)
@@ -292,6 +298,12 @@ class AnnouncedDevices:
             received_at=self._reporter.stamp,
         )
 
+    def _used_topics(self) -> Iterator[str]:
+        yield from self._topics.users
+        for stored in self._registry.by_key.values():
+            for part in stored.parts.values():
+                yield from (*part.described.part.reads, *part.described.part.writes)
+
     def _health(self) -> HealthResponse:
         lost = self._connection.counters
         counts = {
@@ -305,7 +317,8 @@ class AnnouncedDevices:
         troubled = (one for one in self._conventions if isinstance(one, ProblemReportingConvention))
         troubles = tuple(trouble for one in troubled for trouble in one.problems())
         rivals = (self._lease.trouble,) if self._lease.trouble else ()
-        return HealthResponse(counts=Count.each(counts), troubles=(*rivals, *troubles))
+        notes = tuple(self.unread.notes())
+        return HealthResponse(counts=Count.each(counts), troubles=(*rivals, *troubles), notes=notes)
 
 
 def _filters(conventions: Iterable[Convention], *, of_texts: bool) -> tuple[str, ...]:

@@ -83,10 +83,11 @@ class MqttGateway(Gateway):
         self._responses = self._asked_responses() if settings.responses else None
         self._described = AnnouncedDevices(
             self,
-            find_conventions(settings.conventions, settings.tables, settings.root),
+            find_conventions(settings.conventions, settings.tables, settings.root, self.context.home),
             self._connection,
             self._lease,
             settings,
+            make_client,
             self._responses,
         )
         self.counters = self._described.counters
@@ -168,7 +169,8 @@ class MqttGateway(Gateway):
                 await connection.subscribe(MqttSubscription(self._responses.topic, qos=1, no_local=True))
             report = LinkReport(self, connection, self._settings.root or "every home", (*texts, *announcements))
             tasks.start_soon(self._receive, connection)
-            for work in (report.watch, self._described.serve, self._lease.serve):
+            looks = () if self.context.service(HostedBroker) else (self._described.unread.serve,)
+            for work in (report.watch, self._described.serve, self._lease.serve, *looks):
                 tasks.start_soon(run_as, self.node.full_name, work)
             await report.wait_for_first_try()
             task_status.started()

@@ -39,7 +39,8 @@ class MqttGatewaySettings(PasswordSettings):
 
     Attributes:
         url: ``mqtt://[user[:password]@]host[:port]``, ``mqtts://…``, or ``embedded`` for homebot's own broker.
-        root: The home: first level of its topics. Empty means every home on the broker.
+        root: The home: first level of its topics. If it is empty, announced devices of all homes are found, and
+            devices of plain text of the home with the name in ``[home]``.
         delivery: ``inbox`` puts raw messages into the one inbox of each node that asked for them; ``mirror`` gives each
             device a topic ``/gateway/NAME/received_data/<device>``.
         act: Whether commands are sent; false observes only. By default true for the embedded broker alone.

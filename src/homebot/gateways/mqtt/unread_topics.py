@@ -1,0 +1,109 @@
+"""A look at the topics that nothing here reads: programs that publish there do not announce themselves."""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from dataclasses import replace
+from typing import Final, final
+
+import anyio
+
+from homebot.errors import HomebotError
+from homebot.mqtt.client import MqttClient, MqttSubscription
+from homebot.mqtt.options import MqttOptions
+
+__all__ = ["UnreadTopics"]
+
+LISTENS_FOR: Final = 60.0
+"""Seconds of one look, the first of which begins at the start."""
+
+LISTENS_EVERY: Final = 3600.0
+MOST_MESSAGES: Final = 5_000
+"""Messages after which a look ends early."""
+
+MOST_TOPICS: Final = 2_000
+"""Topics that one look counts; messages on further ones are left out."""
+
+MOST_BYTES: Final = 64 * 1024
+"""The largest packet: the broker leaves out others, such as pictures."""
+
+_BUSY: Final = 3
+_MOST_SHOWN: Final = 5
+
+
+@final
+class UnreadTopics:
+    """Listens to everything on a broker for a minute, after the start and each hour, with a client of its own.
+
+    Another subscription of the gateway's own client would bring messages twice. A broker of MQTT 3.1.1 would send all
+    its retained messages, and is not listened to.
+
+    Args:
+        is_read: Returns whether a topic is read.
+        used: Returns all topics and filters that are read or commanded.
+        announced: The filters of announcements.
+    """
+
+    def __init__(
+        self,
+        client: Callable[[MqttOptions], MqttClient],
+        options: MqttOptions,
+        is_read: Callable[[str], object],
+        used: Callable[[], Iterable[str]],
+        announced: Iterable[str],
+    ) -> None:
+        self._make_client = client
+        self._options = replace(
+            options,
+            client_id=f"{options.client_id[:200]}-look",
+            maximum_packet_size=MOST_BYTES,
+            inbox_messages=1_000,
+            session_expiry=0,
+        )
+        self._is_read = is_read
+        self._used = used
+        self._programs = {"homebot", *(one.partition("/")[0] for one in announced)}
+        self._counts: Counter[str] = Counter()
+
+    async def serve(self) -> None:
+        """Listen at intervals until cancelled; a broker that refuses is asked again after the next one."""
+        while True:
+            with suppress(HomebotError):
+                await self._listen()
+            await anyio.sleep(LISTENS_EVERY)
+
+    def notes(self) -> Iterator[str]:
+        """Yield a note on the busiest topics of the last look that nothing reads, by their first levels."""
+        levels = {level for one in self._used() for level in _levels(one)}
+        groups: Counter[str] = Counter()
+        for topic, count in self._counts.items():
+            first, second = _levels(topic)
+            if first not in self._programs and second not in levels and not self._is_read(topic):
+                groups[second if first in levels else first] += count
+        busy = [(group, count) for group, count in groups.most_common() if count >= _BUSY]
+        if busy:
+            shown = ", ".join(f"{group[:100]} ({count})" for group, count in busy[:_MOST_SHOWN])
+            more = f" and {len(busy) - _MOST_SHOWN} more" if len(busy) > _MOST_SHOWN else ""
+            yield (
+                f"nothing here reads the topics that begin with {shown}{more}, counted for a minute: programs publish "
+                "there that announce no devices, or under a prefix that is not configured (docs/conventions.md)"
+            )
+
+    async def _listen(self) -> None:
+        client = self._make_client(self._options)
+        async with client.connected() as grant:
+            if grant.protocol != "5":
+                return
+            await client.subscribe(MqttSubscription("#", retain_handling=2))
+            self._counts.clear()
+            with anyio.move_on_after(LISTENS_FOR):
+                while self._counts.total() < MOST_MESSAGES:
+                    for topic in [one.topic for one in await client.receive()]:
+                        if topic in self._counts or len(self._counts) < MOST_TOPICS:
+                            self._counts[topic] += 1
+
+
+def _levels(topic: str) -> tuple[str, str]:
+    """Return the first level of *topic*, and the first two."""
+    levels = topic.split("/", 2)
+    return levels[0], "/".join(levels[:2])

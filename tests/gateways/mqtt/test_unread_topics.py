@@ -1,0 +1,109 @@
+"""Topics that nothing here reads are told by their first levels, so that programs that do not announce show."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from random import Random
+
+import anyio
+import pytest
+
+from homebot.gateways.mqtt import unread_topics
+from homebot.gateways.mqtt.unread_topics import UnreadTopics
+from homebot.mqtt.client import MqttClient
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.mqtt.options import MqttOptions, MqttProtocol
+
+pytestmark = pytest.mark.virtual_time
+
+USED = ("dev/a/state", "plug/set", "+/5/+/$state")
+
+
+@asynccontextmanager
+async def looking(protocol: MqttProtocol = "auto") -> AsyncIterator[tuple[UnreadTopics, MqttClient]]:
+    """Listen on a broker with retained messages; a program publishes there."""
+    async with MemoryBroker(random=Random(1)) as broker, anyio.create_task_group() as tasks:  # noqa: S311 - the same run each time
+        options = MqttOptions.from_url(broker.url, protocol=protocol, client_id="homebot")
+        unread = UnreadTopics(
+            broker.make_client, options, USED.__contains__, lambda: USED, ("zigbee2mqtt/bridge/devices", "+/+/$homie")
+        )
+        program = broker.make_client(MqttOptions.from_url(broker.url, client_id="program"))
+        async with program.connected():
+            for number in range(50):
+                await program.publish(f"old/{number}", b"kept", qos=1, retain=True)
+            tasks.start_soon(unread.serve)
+            await anyio.sleep(1)
+            yield unread, program
+        tasks.cancel_scope.cancel()
+
+
+async def publish(program: MqttClient, *topics: str, times: int = 5, payload: bytes = b"x") -> None:
+    for topic in topics * times:
+        await program.publish(topic, payload, qos=1)
+    await anyio.sleep(1)
+
+
+async def test_busy_topics_that_nothing_reads_are_counted_by_their_first_levels() -> None:
+    async with looking() as (unread, program):
+        await publish(program, "frigate/cam/person", "frigate/stats", "alone")
+        (note,) = unread.notes()
+        assert note.startswith("nothing here reads the topics that begin with frigate (10), alone (5), counted for ")
+
+
+@pytest.mark.parametrize(
+    "topic",
+    [
+        "dev/a/state",
+        "dev/a/other",  # of a known device
+        "plug/set",  # a command
+        "zigbee2mqtt/bridge/logging",  # of a program that announces
+        "homebot/computer/mqtt/status",
+        "old/1",  # retained, and perhaps years old
+    ],
+)
+async def test_what_is_known_is_not_told(topic: str) -> None:
+    async with looking() as (unread, program):
+        if not topic.startswith("old"):
+            await publish(program, topic)
+        assert list(unread.notes()) == []
+
+
+async def test_beside_a_known_device_the_second_level_is_told() -> None:
+    async with looking() as (unread, program):
+        await publish(program, "dev/b/state", "dev/b/more")
+        (note,) = unread.notes()
+        assert "dev/b (10)," in note
+
+
+async def test_few_messages_and_pictures_are_left_out() -> None:
+    async with looking() as (unread, program):
+        await publish(program, "rare/x", times=2)
+        await publish(program, "picture/x", payload=b"x" * 100_000)
+        assert list(unread.notes()) == []
+
+
+async def test_a_look_lasts_a_minute_and_is_taken_again_after_an_hour() -> None:
+    async with looking() as (unread, program):
+        await publish(program, "early/x")
+        await anyio.sleep(unread_topics.LISTENS_FOR)
+        await publish(program, "late/x")
+        assert [("early" in one, "late" in one) for one in unread.notes()] == [(True, False)]
+        await anyio.sleep(unread_topics.LISTENS_EVERY)
+        await publish(program, "late/x")
+        assert [("early" in one, "late" in one) for one in unread.notes()] == [(False, True)]
+
+
+async def test_a_flood_ends_a_look_and_names_few(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(unread_topics, "MOST_MESSAGES", 60)
+    monkeypatch.setattr(unread_topics, "MOST_TOPICS", 10)
+    async with looking() as (unread, program):
+        await publish(program, *(f"p{number}/x" for number in range(20)), times=3)
+        await publish(program, *(f"p{number}/x" for number in range(20)), times=10)
+        (note,) = unread.notes()
+        assert note.count("(") - note.count("(docs") == 5
+        assert " and 5 more," in note
+
+
+async def test_a_broker_that_would_send_all_retained_messages_is_not_listened_to() -> None:
+    async with looking("3.1.1") as (unread, program):
+        await publish(program, "frigate/cam/person")
+        assert list(unread.notes()) == []
