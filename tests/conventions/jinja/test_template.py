@@ -3,9 +3,11 @@
 import json
 from datetime import UTC, datetime
 from itertools import product
+from zoneinfo import ZoneInfo
 
 import pytest
 
+from homebot.clock import home_time
 from homebot.conventions.jinja import NotDefinedError, PayloadContext, TemplateError, compile_template
 from homebot.conventions.jinja.values import UndefinedValueError
 from homebot.errors import WireError
@@ -18,7 +20,7 @@ from homebot.errors import WireError
         ("{{ states.sensor.x.state }}", "uses `states`, which only Home Assistant has"),
         ("{{ trigger.id }}", "uses `trigger`, which only Home Assistant has"),
         ("{{ is_state('a.b', value) }}", "uses `is_state()`, which only Home Assistant has"),
-        ("{{ value | slugify }}", "uses the filter `slugify`, which is not supported"),
+        ("{{ value | shuffle }}", "uses the filter `shuffle`, which is not supported"),
         ("{{ value is callable }}", "uses the test `callable`, which is not supported"),
         ("{{ foo() }}", "uses the function `foo()`, which is not supported"),
         ("{{ value_json.l.append(4) }}", "uses the method `append()`, which is not supported"),
@@ -201,6 +203,59 @@ def test_without_a_clock_local_time_fails(source: str) -> None:
 @pytest.mark.parametrize("name", ["timestamp_utc", "timestamp_local"])
 def test_absolute_time_needs_no_clock(name: str) -> None:
     assert compile_template(f"{{{{ 0 | {name} }}}}").render({}) == datetime.fromtimestamp(0, UTC).isoformat()
+
+
+@pytest.mark.parametrize(
+    ("source", "text"),
+    [
+        ("{{ now().isoformat() }}", "2026-07-01T14:30:00+02:00"),
+        ("{{ utcnow().isoformat() }}", "2026-07-01T12:30:00+00:00"),
+        ("{{ now() | attr('hour') }}", "14"),
+        ("{{ 1782900000 | timestamp_local }}", "2026-07-01T12:00:00+02:00"),
+        ("{{ 1767225600 | timestamp_local }}", "2026-01-01T01:00:00+01:00"),
+        ("{{ 'x' | timestamp_local('never') }}", "never"),
+        ("{{ 1782900000 | timestamp_custom('%H:%M') }}", "12:00"),
+        ("{{ (as_datetime('2026-07-01T10:00:00+00:00') | as_local).isoformat() }}", "2026-07-01T12:00:00+02:00"),
+        ("{{ (as_datetime('2026-07-01T10:00:00') | as_local).isoformat() }}", "2026-07-01T10:00:00+02:00"),
+        ("{{ as_timestamp('2026-07-01T12:00:00') | int }}", "1782900000"),
+        ("{{ (now() - as_datetime('2026-07-01T12:00:00+00:00')).total_seconds() | int }}", "1800"),
+        ("{{ relative_time(as_datetime('2026-07-01T12:00:00+00:00')) }}", "30 minutes"),
+        ("{{ as_datetime('2026-06-30T12:00:00') | relative_time }}", "1 day"),
+        ("{{ as_datetime('2026-07-01T14:29:59') | relative_time }}", "1 second"),
+        ("{{ relative_time(now()) }}", "0 seconds"),
+        ("{{ relative_time(as_datetime('2027-01-01T00:00:00+00:00')).year }}", "2027"),
+        ("{{ relative_time('soon') }}", "soon"),
+    ],
+)
+def test_time_is_that_of_the_home(source: str, text: str) -> None:
+    """As in Home Assistant 2025.4, ``helpers/template.py``."""
+    noon = datetime(2026, 7, 1, 12, 30, tzinfo=UTC)
+    before = home_time.set(lambda: noon.astimezone(ZoneInfo("Europe/Berlin")))
+    try:
+        assert compile_template(source).render({}) == text
+    finally:
+        home_time.reset(before)
+
+
+@pytest.mark.parametrize(
+    ("source", "text"),
+    [
+        ("{{ 'Büro Lampe-1' | slugify }}", "buro_lampe_1"),
+        ("{{ slugify('A  b', '-') }}", "a-b"),
+        ("{{ '日本' | slugify }}{{ '' | slugify }}", "unknown"),
+        ("{{ {'a': 1, 'b': 2} | combine({'b': 3}, {'c': 4}) }}", "{'a': 1, 'b': 3, 'c': 4}"),
+        ("{{ {'a': {'x': 1}} | combine({'a': {'y': 2}}, recursive=true) }}", "{'a': {'x': 1, 'y': 2}}"),
+        ("{{ combine({'a': {'x': 1}}, {'a': {'y': 2}}) }}", "{'a': {'y': 2}}"),
+        ("{{ {'a': 1} | attr('a') }}.", "."),
+    ],
+)
+def test_names_and_mappings_are_made_as_in_home_assistant(source: str, text: str) -> None:
+    assert compile_template(source).render({}) == text
+
+
+def test_what_cannot_be_combined_fails() -> None:
+    with pytest.raises(TemplateError, match="combine is given a list"):
+        compile_template("{{ {} | combine([1]) }}").render({})
 
 
 @pytest.mark.parametrize("form", ["%1000000000d", "%-5d", "%Y" * 40, "%"])

@@ -1,13 +1,15 @@
 """All filters and functions by name, those of time, and the names of Home Assistant alone. Pure.
 
-There is no clock and no time zone; functions that need them fail. ``timestamp_local`` names the same moment in UTC.
+The time and its zone are those of :data:`homebot.clock.home_time`; without it, functions that need the time fail, and
+``timestamp_local`` names the same moment in UTC.
 """
 
 import re
 from collections.abc import Callable, Iterable
 from datetime import UTC, datetime, timedelta
-from typing import Final, NoReturn
+from typing import Final
 
+from homebot.clock import home_time
 from homebot.conventions.jinja.evaluation import Run
 from homebot.conventions.jinja.lists import CHECKS, LIST_FILTERS, LIST_FUNCTIONS, attribute_of, values_of
 from homebot.conventions.jinja.numbers import MISSING, NUMBER_FILTERS, NUMBER_FUNCTIONS
@@ -18,8 +20,18 @@ from homebot.conventions.jinja.values import Namespace, TemplateError, Undefined
 __all__ = ["FILTERS", "FUNCTIONS", "HOME_ASSISTANT"]
 
 
-def _no_clock(*_: object) -> NoReturn:
-    raise TemplateError("the template uses the current time, which is not available here")
+def _now(*_: object) -> datetime:
+    now = home_time.get()
+    if now is None:
+        raise TemplateError("the template uses the current time, which is not available here")
+    return now()
+
+
+def _as_local(_: Run, value: object) -> datetime:
+    if not isinstance(value, datetime):
+        raise TypeError(f"as_local is given a {type(value).__name__}")
+    zone = _now().tzinfo
+    return value.replace(tzinfo=zone) if value.tzinfo is None else value.astimezone(zone)
 
 
 def _from_timestamp(value: object) -> datetime:
@@ -44,11 +56,40 @@ def _timestamp_custom(
     moment = _or_default(default, "timestamp_custom", lambda: _from_timestamp(value))
     if not isinstance(moment, datetime):
         return moment
-    return _no_clock() if local else moment.strftime(strftime_format(text(date_format)))
+    return (_as_local(_, moment) if local else moment).strftime(strftime_format(text(date_format)))
 
 
 def _timestamp_utc(_: Run, value: object, default: object = MISSING) -> object:
     return _or_default(default, "timestamp_utc", lambda: _from_timestamp(value).isoformat())
+
+
+def _timestamp_local(run: Run, value: object, default: object = MISSING) -> object:
+    moment = _or_default(default, "timestamp_local", lambda: _from_timestamp(value))
+    if not isinstance(moment, datetime):
+        return moment
+    return (moment if home_time.get() is None else _as_local(run, moment)).isoformat()
+
+
+def _relative_time(run: Run, value: object) -> object:
+    """Return the age of a time in its largest unit, as Home Assistant: ``3 hours``."""
+    if not isinstance(value, datetime):
+        return value
+    seconds = (_now() - _as_local(run, value)).total_seconds()
+    if seconds < 0:
+        return value
+    length, unit = next((one for one in _UNITS if seconds >= one[0]), _UNITS[-1])
+    count = round(seconds / length)
+    return f"{count} {unit}{'' if count == 1 else 's'}"
+
+
+_UNITS = (
+    (31_536_000, "year"),
+    (2_592_000, "month"),
+    (86_400, "day"),
+    (3_600, "hour"),
+    (60, "minute"),
+    (1, "second"),
+)
 
 
 def _as_datetime(_: Run, value: object, default: object = MISSING) -> object:
@@ -86,7 +127,7 @@ def _as_timestamp(_: Run, value: object, default: object = MISSING) -> object:
 
 
 def _timestamp(moment: datetime) -> float:
-    return _no_clock() if moment.tzinfo is None else moment.timestamp()
+    return (moment if moment.tzinfo is not None else moment.replace(tzinfo=_now().tzinfo)).timestamp()
 
 
 _TIME_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
@@ -94,7 +135,10 @@ _TIME_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
     "as_timestamp": _as_timestamp,
     "strptime": _strptime,
     "timedelta": lambda _, **parts: timedelta(**parts),
-    **dict.fromkeys(("as_local", "now", "utcnow"), _no_clock),
+    "as_local": _as_local,
+    "now": _now,
+    "relative_time": _relative_time,
+    "utcnow": lambda _: _now().astimezone(UTC),
 }
 """By name; each takes the run first."""
 
@@ -123,9 +167,10 @@ FILTERS: Final[dict[str, Callable[..., object]]] = {
     **LIST_FILTERS,
     **NUMBER_FILTERS,
     **TEXT_FILTERS,
-    **{name: _TIME_FUNCTIONS[name] for name in ("as_datetime", "as_local", "as_timestamp")},
+    **{name: _TIME_FUNCTIONS[name] for name in ("as_datetime", "as_local", "as_timestamp", "relative_time")},
     "timestamp_custom": _timestamp_custom,
-    **dict.fromkeys(("timestamp_local", "timestamp_utc"), _timestamp_utc),
+    "timestamp_local": _timestamp_local,
+    "timestamp_utc": _timestamp_utc,
     "contains": CHECKS["contains"],
     "map": _map,
     "regex_findall": find_all,
@@ -147,7 +192,7 @@ FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
 
 _HOME_ASSISTANT = """
 area_devices area_entities area_id area_name areas closest config_entry_id device_attr device_entities device_id
-distance expand has_value integration_entities is_device_attr is_hidden_entity is_state is_state_attr relative_time
+distance expand has_value integration_entities is_device_attr is_hidden_entity is_state is_state_attr
 state_attr state_translated states time_since time_until today_at trigger
 """
 HOME_ASSISTANT: Final = frozenset(_HOME_ASSISTANT.split())

@@ -237,12 +237,31 @@ def _dictionary(run: Run, *values: object, **named: object) -> object:
     return _python_dict(*[value if isinstance(value, dict) else values_of(run, value) for value in values], **named)
 
 
+def _attribute(_: Run, value: object, name: object) -> object:
+    return UNDEFINED if isinstance(value, dict) else item(value, name)  # a key of a mapping is none
+
+
+def _combine(run: Run, *values: object, recursive: object = False) -> dict[object, object]:
+    """Return a mapping with the items of *values*, of which later ones count; nested mappings too if *recursive*."""
+    found: dict[object, object] = {}
+    for one in values:
+        if not isinstance(one, dict):
+            raise TypeError(f"combine is given a {type(one).__name__}")
+        run.spend(1 + len(one))
+        for key, value in one.items():
+            is_nested = recursive and isinstance(value, dict) and isinstance(found.get(key), dict)
+            found[key] = _combine(run, found[key], value, recursive=True) if is_nested else value
+    return found
+
+
 _DEEPEST = 8
 _INDEX = re.compile("[0-9]{1,5}", re.ASCII)
 _python_sorted: Callable[..., object] = sorted
 _python_dict: Callable[..., object] = dict
 
 LIST_FILTERS: Final[dict[str, Callable[..., object]]] = {
+    "attr": _attribute,
+    "combine": _combine,
     "count": _length,
     "dictsort": _dictionary_sort,
     "first": _end(0),
@@ -265,6 +284,7 @@ LIST_FILTERS: Final[dict[str, Callable[..., object]]] = {
 """By name; each takes the run and the value first."""
 
 LIST_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
+    "combine": _combine,
     "dict": _dictionary,
     "max": _of_arguments(_MOST),
     "min": _of_arguments(_LEAST),

@@ -17,6 +17,7 @@ from homebot.conventions.jinja.evaluation import Run
 from homebot.conventions.jinja.values import MAX_ITEMS, MAX_TEXT, NotDefinedError, TemplateError, Undefined, text, whole
 from homebot.conventions.payload import parse_json
 from homebot.errors import WireError
+from homebot.support.folding import fold
 
 __all__ = ["METHODS", "TEXT_FILTERS", "TEXT_FUNCTIONS", "join", "method_of", "percent", "replace", "strftime_format"]
 
@@ -243,6 +244,17 @@ def _layout(layout: object) -> str:
     return shape
 
 
+def _slugify(run: Run, value: object, separator: object = "_") -> str:
+    """Return the words of a text in small Latin letters; ``unknown`` if it has other ones alone."""
+    source = text(value)
+    run.spend(len(source) // 4)
+    slug = text(separator)[:_MOST_FIELDS].join(filter(None, _NO_SLUG.split(fold(source))))
+    return slug or ("unknown" if source else "")
+
+
+_NO_SLUG = re.compile("[^0-9a-z]+")
+
+
 def _of_text(make: Callable[[str], str]) -> Callable[..., object]:
     return lambda _, value: make(text(value))
 
@@ -253,7 +265,7 @@ _WIDEST_INDENT = 8
 _ENCODINGS = frozenset({"utf-8", "utf8", "ascii", "latin-1", "iso-8859-1"})
 _LAYOUT = re.compile("[@=<>!]?[a-zA-Z?]{1,16}")
 
-TEXT_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {"pack": _pack, "unpack": _unpack}
+TEXT_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {"pack": _pack, "slugify": _slugify, "unpack": _unpack}
 """By name; each takes the run first."""
 
 TEXT_FILTERS: Final[dict[str, Callable[..., object]]] = {
