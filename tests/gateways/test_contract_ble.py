@@ -39,6 +39,7 @@ class GattLamp(Lamp):
     """A lamp that is connected to, and that its brightness and its colour leave off."""
 
     settings: ClassVar[Mapping[str, PlainValue]] = {"level": 40.0, "color": (120.0, 100.0)}
+    gone_within = 2 * FORGET_AFTER
 
     def __init__(self, radio: VirtualRadio) -> None:
         super().__init__(ADDRESS, address=f"ble/{ADDRESS}")

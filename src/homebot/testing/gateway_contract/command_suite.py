@@ -10,7 +10,6 @@ from homebot.devices.names import SENDS_NOTHING, text_address
 from homebot.devices.value import Value
 from homebot.testing.gateway_contract.steps import (
     KEPT,
-    PATIENCE,
     ROBOT,
     announced,
     becomes_set,
@@ -18,6 +17,7 @@ from homebot.testing.gateway_contract.steps import (
     healthy,
     send,
     subscribe,
+    until,
 )
 from homebot.testing.gateway_contract.world import GatewayWorld
 
@@ -135,9 +135,7 @@ class CommandSuite(GatewayWorld):
             response = await subscribe(lamp, watcher, address)
             texts = watcher.create_subscription(RawMessage, response.data_topic)
             await lamp.report(on=True)
-            with anyio.fail_after(PATIENCE):
-                while (text := await texts.receive()).text() != "on":
-                    pass
+            text = await until(texts, f"after Lamp.report() the text `on` of {address}", lambda one: one.text() == "on")
             assert (text.gateway, text.key, text.address) == (lamp.gateway.node.name, lamp.key, address)
             out = watcher.create_publisher(RawCommand, lamp.gateway.names.out, 10)
             out.publish(RawCommand(address=address, payload="on"))

@@ -9,7 +9,7 @@ from homebot.devices.gateway_messages import Report
 from homebot.gateways.base import UNAVAILABLE
 from homebot.graph import Graph, Node
 from homebot.testing.gateway_contract.steps import (
-    PATIENCE,
+    active,
     announced,
     changed,
     directory,
@@ -18,6 +18,7 @@ from homebot.testing.gateway_contract.steps import (
     listen,
     reported,
     send,
+    until,
     value,
 )
 from homebot.testing.gateway_contract.world import GatewayWorld
@@ -69,9 +70,8 @@ class DeviceSuite(GatewayWorld):
             before = await announced(lamp, watcher)
             await anyio.sleep(1.1)
             await lamp.report(on=True)
-            with anyio.fail_after(PATIENCE):
-                while (sighting := await sightings.receive()).expires_at == before.expires_at:
-                    pass
+            later = "after Lamp.report() a sighting with a later expiry"
+            sighting = await until(sightings, later, lambda one: one.expires_at != before.expires_at)
             assert sighting.expires_at.to_seconds() >= before.expires_at.to_seconds() + 1
             assert sighting.confirmed
 
@@ -83,9 +83,8 @@ class DeviceSuite(GatewayWorld):
             await announced(lamp, watcher)
             await lamp.report(on=True)
             await lamp.withdraw()
-            with anyio.fail_after(PATIENCE):
-                while (sighting := await sightings.receive()).kind != "removed":
-                    pass
+            removed = "after Lamp.withdraw() a sighting of the kind `removed`, by PublishedDevices.remove,"
+            sighting = await until(sightings, removed, lambda one: one.kind == "removed", lamp.gone_within)
             assert sighting.key == lamp.key
             assert kept(listen(watcher, Sighting, lamp.gateway.names.received_topics)) == []
             assert kept(listen(watcher, Report, lamp.gateway.names.readings)) == []
@@ -111,9 +110,7 @@ class DeviceSuite(GatewayWorld):
                 lamp.key
             ]
             await lamp.mend_link()
-            with anyio.fail_after(PATIENCE):
-                while (await states.receive()).state != "active":
-                    pass
+            await active(states)
             assert (await send(lamp, watcher)).success is self.takes_commands
 
     async def test_without_its_link_its_devices_are_unreachable_until_it_comes_back(self) -> None:
@@ -140,9 +137,7 @@ class DeviceSuite(GatewayWorld):
                     (line,) = (line for line in lines if line["event"] == UNAVAILABLE)
                     assert state.reason in line["message"]
                     await lamp.mend_link()
-                    with anyio.fail_after(PATIENCE):
-                        while (await states.receive()).state != "active":
-                            pass
+                    await active(states)
                     await announced(lamp, watcher)
 
     async def test_after_a_restart_it_finds_its_devices_again_by_the_same_keys(self) -> None:

@@ -17,6 +17,7 @@ class Lamp(ABC):
 
     Attributes:
         settings: All other capabilities that its part takes, each with a value to set.
+        gone_within: Seconds after :meth:`withdraw` within which it must be removed, where silence is the only sign.
     """
 
     gateway: Gateway
@@ -24,6 +25,7 @@ class Lamp(ABC):
     service_type = "light"
     capability = "on_off"
     settings: ClassVar[Mapping[str, PlainValue]] = {}
+    gone_within = 20.0
 
     def __init__(self, key: str, part: str = "", *, address: str) -> None:
         self.key = key

@@ -1,6 +1,5 @@
 """The suite of raw messages, of peers that break the rules, and of exposed devices."""
 
-import anyio
 import pytest
 
 from homebot.devices import RawMessage, Sighting
@@ -11,7 +10,6 @@ from homebot.devices.value import Reading, Value
 from homebot.gateways.base import Delivery
 from homebot.testing.gateway_contract.steps import (
     KEPT,
-    PATIENCE,
     ROBOT,
     announced,
     becomes_seen,
@@ -21,6 +19,7 @@ from homebot.testing.gateway_contract.steps import (
     listen,
     reported,
     subscribe,
+    until,
 )
 from homebot.testing.gateway_contract.world import GatewayWorld, HeldClock
 
@@ -41,9 +40,8 @@ class MessageSuite(GatewayWorld):
             assert response.data_topic == {"inbox": f"{watcher.full_name}/inbox", "mirror": mirror}[delivery]
             messages = watcher.create_subscription(RawMessage, response.data_topic)
             await lamp.report(on=True)
-            with anyio.fail_after(PATIENCE):
-                while (message := await messages.receive()).payload != lamp.raw(on=True):
-                    pass
+            wanted = "after Lamp.report() the message Lamp.raw(), by PublishedDevices.deliver_raw,"
+            message = await until(messages, wanted, lambda one: one.payload == lamp.raw(on=True))
             assert (message.gateway, message.key) == (lamp.gateway.node.name, lamp.key)
             assert (message.address, message.retained) == (lamp.address, False)
 
@@ -56,7 +54,8 @@ class MessageSuite(GatewayWorld):
             assert isinstance(clock, HeldClock)
             with clock.held():  # budgets get nothing back, however long the machine takes
                 await lamp.misbehave()
-                quarantine = await first(quarantines)
+                wanted = "after Lamp.misbehave() a quarantine, by `admits` and `reject`,"
+                quarantine = await until(quarantines, wanted)
                 await lamp.report(on=True)
                 await reported(lamp, reports, on=True)
                 health = await healthy(lamp, watcher)

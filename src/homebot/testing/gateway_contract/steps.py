@@ -1,12 +1,13 @@
 """Steps that the suites have in common: listen, announce, command, and wait for effects."""
 
-from collections.abc import AsyncIterator
+from collections import deque
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from typing import Final, TypeVar
 
 import anyio
 
-from homebot.devices import DEVICE_CHANGES, Device, DeviceChange, Sighting, SubscribeToTopic
+from homebot.devices import DEVICE_CHANGES, Device, DeviceChange, GatewayState, Sighting, SubscribeToTopic
 from homebot.devices.exposure import ExposedDevice
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
@@ -20,8 +21,10 @@ from homebot.testing.gateway_contract.lamp import Lamp, Neighbour
 
 MessageT = TypeVar("MessageT", bound=Message)
 
-PATIENCE: Final = 60.0
-"""Seconds for steps of milliseconds: only a broken gateway takes as long, on however slow or busy a machine."""
+PATIENCE: Final = 20.0
+"""Seconds for steps of milliseconds: only a broken gateway takes as long, also on a slow or busy machine."""
+
+_SHOWN: Final = 5
 
 KEPT: Final = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ROBOT: Final = ExposedDevice(
@@ -41,10 +44,35 @@ def kept(subscription: Subscription[MessageT]) -> list[MessageT]:
     return list(iter(subscription.take, None))
 
 
+async def until(
+    subscription: Subscription[MessageT],
+    wanted: str,
+    fits: Callable[[MessageT], bool] = lambda _: True,
+    within: float = PATIENCE,
+) -> MessageT:
+    """Return the next message that *fits*.
+
+    Raises:
+        AssertionError: It did not come in time; the message says which was *wanted*, and what came instead.
+    """
+    came: deque[MessageT] = deque(maxlen=_SHOWN)
+    with anyio.move_on_after(within):
+        while not came or not fits(came[-1]):
+            came.append(await subscription.receive())
+        return came[-1]
+    others = "\n".join(f"  {one!r:.300}" for one in came) or "  nothing"
+    topic = subscription.info.name
+    raise AssertionError(f"{wanted} did not come on {topic} within {within:g} s; the last that came:\n{others}")
+
+
 async def first(subscription: Subscription[MessageT]) -> MessageT:
     """Return the next message."""
-    with anyio.fail_after(PATIENCE):
-        return await subscription.receive()
+    return await until(subscription, f"a {subscription.info.ros_type}")
+
+
+async def active(states: Subscription[GatewayState]) -> None:
+    """Wait until the gateway says that it is active."""
+    await until(states, "the state `active`, by publish_state,", lambda one: one.state == "active")
 
 
 async def announced(lamp: Lamp, watcher: Node) -> Sighting:
@@ -52,7 +80,7 @@ async def announced(lamp: Lamp, watcher: Node) -> Sighting:
     sightings = listen(watcher, Sighting, lamp.gateway.names.received_topics)
     reports = listen(watcher, Report, lamp.gateway.names.readings)
     await lamp.announce()
-    sighting = await first(sightings)
+    sighting = await until(sightings, "a sighting of the lamp after Lamp.announce(), by PublishedDevices.put,")
     await reported(lamp, reports, on=False)
     return sighting
 
@@ -68,19 +96,19 @@ async def directory(watcher: Node) -> AsyncIterator[Subscription[DeviceChange]]:
 
 async def changed(changes: Subscription[DeviceChange], lamp: Lamp, *, is_lost: bool) -> Device:
     """Wait until the lamp is unreachable or not; return it."""
-    with anyio.fail_after(PATIENCE):
-        while True:
-            device = (await changes.receive()).device
-            if any(one.key == lamp.key for one in device.endpoints) and (device.reachable.state == "no") is is_lost:
-                return device
+
+    def fits(change: DeviceChange) -> bool:
+        device = change.device
+        return any(one.key == lamp.key for one in device.endpoints) and (device.reachable.state == "no") is is_lost
+
+    wanted = "after Lamp.lose_link() the lamp as unreachable," if is_lost else "the lamp as reachable"
+    return (await until(changes, wanted, fits)).device
 
 
 async def reported(lamp: Lamp, reports: Subscription[Report], *, on: bool) -> Report:
     """Wait for a report of whether the lamp is on, and return it."""
-    with anyio.fail_after(PATIENCE):
-        while value(lamp, report := await reports.receive()) is not on:
-            pass
-    return report
+    wanted = f"a report of {lamp.key} that {lamp.capability} is {on}, by PublishedDevices.report,"
+    return await until(reports, wanted, lambda report: value(lamp, report) is on)
 
 
 def value(lamp: Lamp, report: Report) -> PlainValue:
@@ -110,23 +138,26 @@ async def healthy(lamp: Lamp, watcher: Node) -> HealthResponse:
 
 async def becomes_seen(neighbour: Neighbour, *, on: bool | None) -> None:
     """Wait until the neighbour sees the robot as it should."""
-    with anyio.fail_after(PATIENCE):
-        while await neighbour.seen(ROBOT.name) is not on:
-            await anyio.sleep(0.02)
+    await _becomes("Neighbour.seen()", lambda: neighbour.seen(ROBOT.name), on)
 
 
 async def becomes_told(lamp: Lamp, *, on: bool) -> None:
     """Wait until the lamp was told to be on or off."""
-    with anyio.fail_after(PATIENCE):
-        while await lamp.told() is not on:
-            await anyio.sleep(0.02)
+    await _becomes("Lamp.told()", lamp.told, on)
 
 
 async def becomes_set(lamp: Lamp, capability: str, wanted: PlainValue) -> None:
     """Wait until the lamp has received *wanted*, perhaps rounded."""
-    with anyio.fail_after(PATIENCE):
-        while not _is_about(await lamp.told_value(capability), wanted):
+    await _becomes(f"Lamp.told_value({capability!r})", lambda: lamp.told_value(capability), wanted)
+
+
+async def _becomes(what: str, read: Callable[[], Awaitable[PlainValue]], wanted: PlainValue) -> None:
+    told: PlainValue = None
+    with anyio.move_on_after(PATIENCE):
+        while not _is_about(told := await read(), wanted):
             await anyio.sleep(0.02)
+        return
+    raise AssertionError(f"{what} did not return {wanted!r} within {PATIENCE:g} s; it returned {told!r}")
 
 
 def _is_about(told: PlainValue, wanted: PlainValue) -> bool:
