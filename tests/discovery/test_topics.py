@@ -7,9 +7,13 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.announcements import sighting_of
 
+from homebot.devices import KeyValue, Sighting
+from homebot.devices.part import Part
+from homebot.discovery.source_record import SourceRecord
 from homebot.discovery.topics.ownership import MAX_LEVELS, MAX_TOPICS, MAX_USERS, NOBODY, TopicOwnership
-from homebot.discovery.topics.use import TopicUse
+from homebot.discovery.topics.use import TopicUse, topic_use
 
 GATEWAY = "mqtt"
 
@@ -25,6 +29,7 @@ def use(
     is_anonymous: bool = False,
     is_native: bool = False,
     asks: bool = False,
+    base: str = "",
 ) -> TopicUse:
     return TopicUse(
         key=(GATEWAY, key or f"{device} {on}"),
@@ -37,6 +42,7 @@ def use(
         is_anonymous=is_anonymous,
         is_native=is_native,
         asks=asks,
+        base=base,
     )
 
 
@@ -62,6 +68,47 @@ def test_below_a_devices_own_topics_nobody_else_is_told_anything(topic: str) -> 
     assert verdicts(door, use("evil", topic, on="evil", bridge="b")) == {"door ": True, "evil evil": False}
     assert verdicts(door, use("door", topic, on="evil")) == {"door ": True, "door evil": False}
     assert verdicts(door, use("door", topic, on="0x17/lock")) == {"door ": True, "door 0x17/lock": True}
+
+
+@pytest.mark.parametrize("topic", ["z/hall group/set", "z/7/set", "z/door/left/set", "z/lamp/set"])
+def test_below_the_base_of_a_bridge_with_a_lock_no_other_program_is_told_anything(topic: str) -> None:
+    """Zigbee2MQTT takes a command to the lock on topics that only it knows, such as those of its groups."""
+    door = use("door", "z/door/set", owns=("z/door",), bridge="b", asks=True, base="z")
+    lamp = use("lamp", "z/lamp/set", on="lamp", bridge="b")
+    assert verdicts(door, lamp, use("evil", topic, on=topic)) == {
+        "door ": True,
+        "lamp lamp": True,
+        f"evil {topic}": False,
+    }
+    assert all(verdicts(door, lamp, use("other", "x/lamp/set", on="other")).values())
+    gone = TopicOwnership()
+    for one in (door, stranger := use("evil", topic, on="evil")):
+        gone.put(one)
+    gone.discard(door.key)
+    assert not gone.owner(stranger.key, topic)
+
+
+@pytest.mark.parametrize(
+    ("topic", "name", "base"),
+    [
+        ("zigbee2mqtt/Front door/set", "Front door", "zigbee2mqtt"),
+        ("home/zigbee/hall/Front door/set", "hall/Front door", "home/zigbee"),
+        ("home/zigbee/Front door/set", "renamed lock", "home/zigbee"),
+    ],
+)
+def test_a_lock_known_by_its_announcement_alone_owns_its_topics_and_tells_the_base(
+    topic: str, name: str, base: str
+) -> None:
+    part = Part(id="lock", service_type="door_lock", writes=(topic,))
+    alone = sighting_of("front_door", part, name=name, identifiers=("eui64:00158d0001abcdef",))
+    via = (KeyValue(key="via_device", value="zigbee2mqtt_bridge_0x1"),)
+    found = topic_use(source_of(alone.model_copy(update={"metadata": via})), "front_door")
+    assert (found.base, found.owns) == (base, (f"{base}/{name}", f"{base}/0x00158d0001abcdef"))
+    assert not topic_use(source_of(alone), "front_door").base
+
+
+def source_of(sighting: Sighting) -> SourceRecord:
+    return SourceRecord(sighting, 0, sighting.seen_at, sighting.seen_at, confirmed=True)
 
 
 def test_a_topic_beside_a_devices_own_is_free() -> None:

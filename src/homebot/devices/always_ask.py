@@ -200,12 +200,18 @@ def _why_beside(device: Device, part: DevicePart, other: DevicePart) -> str:
     """Return why *part* always asks because of *other*; a command on the topic of a lock may unlock it."""
     shares_topic = not frozenset(part.part.writes).isdisjoint(other.part.writes)
     kind = part.part.service_type
-    if not shares_topic and (kind == "light" or (kind == "window_covering" and _has_its_program(part, other))):
+    is_apart = not shares_topic and not _is_of_zigbee2mqtt(device)
+    if is_apart and (kind == "light" or (kind == "window_covering" and _has_its_program(part, other))):
         return ""
     reason = _why_declared(other.part)
     if not reason and shares_topic and part.part.payloads and other.part.service_type in _RELAYS:
         reason = _why_by_itself(device, other)
     return f"beside another part: {reason}" if reason else ""
+
+
+def _is_of_zigbee2mqtt(device: Device) -> bool:
+    """Return whether further topics reach any part of it, such as ``LOCK/left/set`` and that of its address."""
+    return any(one.name == "via_device" and one.value.startswith("zigbee2mqtt_bridge_") for one in device.facts)
 
 
 def _has_its_program(part: DevicePart, other: DevicePart) -> bool:

@@ -120,6 +120,11 @@ class Part(Message):
     payloads: str = ""
     members: tuple[str, ...] = ()
 
+    @property
+    def is_group(self) -> bool:
+        """True for a way to reach several parts, such as a group of Zigbee2MQTT: no second lamp beside them."""
+        return bool(self.members) and self.service_type != "x_scene"
+
     def is_below(self, places: Iterable[str]) -> bool:
         """Return whether one of its topics is in *places* or below one of them."""
         return any(f"{one}/".startswith(f"{place}/") for place in places for one in (*self.reads, *self.writes))

@@ -179,7 +179,8 @@ def _kinds_of(service_type: str, parts: tuple[DevicePart, ...]) -> tuple[frozens
     kinds: set[tuple[str, str]] = set()
     others: set[tuple[str, str]] = set()
     for one in parts:
-        (others if one.part.category else kinds).add((one.part.service_type, one.part.tag))
+        if not one.part.is_group:
+            (others if one.part.category else kinds).add((one.part.service_type, one.part.tag))
     return frozenset(kinds or others), frozenset()
 
 

@@ -67,8 +67,9 @@ class PartFacets:
 
     @property
     def kinds(self) -> frozenset[tuple[str, str]]:
-        """Its type and tag."""
-        return frozenset(((self.part.part.service_type, self.part.part.tag),))
+        """Its type and tag; none for a group, whose members match."""
+        part = self.part.part
+        return frozenset() if part.is_group else frozenset(((part.service_type, part.tag),))
 
     @property
     def advertised(self) -> frozenset[str]:

@@ -2,6 +2,8 @@
 
 Any client may announce anything, such as a lamp with the command topic of a lock. Being first does not count:
 
+- Below the base topic of a Zigbee2MQTT with a device that always asks, no announcement of another program may use a
+  topic: the bridge takes commands to a lock on many topics, also those of groups.
 - A topic below one that a bridge gives to a device belongs to that device alone. Another announcement may use it if it
   describes the same device and was made at a place that names the device.
 - Any other topic belongs to the device announced at the place that names it best; see
@@ -68,7 +70,7 @@ class TopicOwnership:
         touched: dict[TopicNode, None] = {}
         if before is not None:
             self._leave(before, touched)
-        if use.writes or use.reads or use.owns:
+        if use.writes or use.reads or use.owns or use.base:
             self._uses[use.key] = use
             self._enter(use, touched)
         return self._judge(touched, use.device)
@@ -132,6 +134,10 @@ class TopicOwnership:
             node = self._at(use, prefix)
             node.owners = (*node.owners, use)
             touched.update(dict.fromkeys(_used_below(node)))
+        if use.base:
+            node = self._at(use, use.base)
+            node.bases = (*node.bases, use)
+            touched.update(dict.fromkeys(_used_below(node)))
         self._enter_commands(use, touched)
         for topic in use.reads[:MAX_TOPICS]:
             if "+" in topic or "#" in topic or (use.owns and use.has(topic)):
@@ -159,12 +165,13 @@ class TopicOwnership:
     def _leave(self, use: TopicUse, touched: dict[TopicNode, None]) -> None:
         del self._uses[use.key]
         self._over_limit.discard(use.key)
-        for topic in dict.fromkeys((*use.owns, *use.writes, *use.reads)):
+        for topic in dict.fromkeys((*use.owns, *use.writes, *use.reads, *([use.base] if use.base else ()))):
             node = self._find(use.key[0], topic)
             if node is None:
                 continue
-            is_owner, is_user = use in node.owners, use in node.users
+            is_owner, is_user = use in node.owners or use in node.bases, use in node.users
             node.owners, node.users = _without(node.owners, use), _without(node.users, use)
+            node.bases = _without(node.bases, use)
             node.speakers = _without(node.speakers, use)
             touched[node] = None
             if node.children and (is_owner or (is_user and (use.asks or use.rank(topic)))):
@@ -239,6 +246,7 @@ class TopicNode:
     users: tuple[TopicUse, ...] = ()
     speakers: tuple[TopicUse, ...] = ()
     owners: tuple[TopicUse, ...] = ()
+    bases: tuple[TopicUse, ...] = ()
     verdicts: dict[SourceKey, str] | None = None
 
     @property
@@ -254,7 +262,7 @@ class TopicNode:
     @property
     def is_unused(self) -> bool:
         """True if nothing is known of the topic and of those below it."""
-        return not (self.children or self.users or self.speakers or self.owners)
+        return not (self.children or self.users or self.speakers or self.owners or self.bases)
 
 
 def _without(uses: tuple[TopicUse, ...], use: TopicUse) -> tuple[TopicUse, ...]:
@@ -283,7 +291,7 @@ def _is_undisputed(node: TopicNode) -> bool:
         return False
     above = node.parent
     while above is not None:
-        if above.users or above.owners:
+        if above.users or above.owners or above.bases:
             return False
         above = above.parent
     return True
@@ -291,9 +299,23 @@ def _is_undisputed(node: TopicNode) -> bool:
 
 def _verdicts_of(node: TopicNode) -> dict[SourceKey, str]:
     """Return the announcements that may not use a topic, each with the owner."""
-    users = node.users
-    if not users:
+    strangers = _verdicts_on_strangers(node)
+    users = tuple(one for one in node.users if one.key not in strangers) if strangers else node.users
+    return {**strangers, **_verdicts_among(users, node)} if users else strangers
+
+
+def _verdicts_on_strangers(node: TopicNode) -> dict[SourceKey, str]:
+    """Return the announcements of other programs below the base topic of a bridge, each with a device that asks."""
+    above = node.parent
+    while above is not None and not above.bases:
+        above = above.parent
+    if above is None:
         return {}
+    bridges = {one.bridge for one in above.bases}
+    return {one.key: above.bases[0].device for one in node.users if one.bridge not in bridges}
+
+
+def _verdicts_among(users: tuple[TopicUse, ...], node: TopicNode) -> dict[SourceKey, str]:
     if owners := _owners(node):
         return _not_of(owners, users)
     holders = _holders(node)

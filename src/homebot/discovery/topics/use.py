@@ -7,18 +7,24 @@ freely: ``…/kitchen_lamp/config`` has a better claim to ``kitchen_lamp/set`` t
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from itertools import chain
 from operator import attrgetter
 from typing import NamedTuple
 
 from homebot.devices import Sighting
-from homebot.devices.always_ask import ALWAYS_ASK
+from homebot.devices.always_ask import ALWAYS_ASK, asks_by_itself
 from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.words import ALL_THAT_ASK, matching_words
 from homebot.discovery.merging.identity import is_generic
 from homebot.discovery.source_record import SourceKey, SourceRecord
 
 __all__ = ["Place", "TopicUse", "aliases_of", "bridge_of", "is_called", "place_of", "topic_use"]
+
+_ZIGBEE = "zigbee2mqtt_bridge_"
+"""The beginning of the identifier of a Zigbee2MQTT, which takes a command on ``BASE/NAME/set``, and with the name of an
+endpoint, its number, the address of the device, or a group in place of the name."""
 
 _SHORTEST = 4
 _HARDWARE_TAIL = 6
@@ -132,6 +138,7 @@ class TopicUse(NamedTuple):
         is_anonymous: Whether it does not identify the device.
         is_native: Whether its convention is one of devices themselves.
         commands: The type and payloads of its only part; empty for several parts, or if the topics imply them.
+        base: The base topic of its bridge, if a part always asks: the bridge takes commands to it on further topics.
         asks: Whether a part is of a type that always asks, so that other types may not share its topics.
     """
 
@@ -147,6 +154,7 @@ class TopicUse(NamedTuple):
     is_native: bool = False
     commands: tuple[str, ...] = ()
     asks: bool = False
+    base: str = ""
 
     def has(self, topic: str) -> bool:
         """Return whether *topic* belongs to the device."""
@@ -190,20 +198,46 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
     if len(reads) > 1:
         reads = tuple(dict.fromkeys(reads))
     commands = (parts[0].service_type, parts[0].payloads) if len(parts) == 1 and parts[0].payloads and writes else ()
+    bridge, owns = bridge_of(sighting), sighting.owns
+    base = _base_of(sighting, owns or writes) if bridge.startswith(_ZIGBEE) and _asks(sighting) else ""
+    if base and not owns:  # a bridge that is known only by its announcements to Home Assistant
+        owns = tuple([f"{base}/{one}" for one in (sighting.name, *_addresses_of(sighting.identifiers))])
     return TopicUse(
         source.key,
         device,
         sighting.announced_on,
         writes,
         reads,
-        sighting.owns,
-        sighting.identifiers if sighting.owns else (),
-        bridge_of(sighting),
+        owns,
+        sighting.identifiers if owns else (),
+        bridge,
         not sighting.identifiers,
         sighting.native,
         commands,
         not ALWAYS_ASK.isdisjoint(map(_TYPE, parts)),
+        base,
     )
+
+
+def _asks(sighting: Sighting) -> bool:
+    return bool(matching_words(sighting.name, ALL_THAT_ASK)) or any(map(asks_by_itself, sighting.parts))
+
+
+def _base_of(sighting: Sighting, topics: Sequence[str]) -> str:
+    """Return the topic above the name of a device of Zigbee2MQTT, which may have several levels."""
+    for topic in topics:
+        base, name, _ = f"{topic}/".partition(f"/{sighting.name}/")
+        if name:
+            return base
+    return topics[0].removesuffix("/set").rpartition("/")[0] if topics else ""
+
+
+def _addresses_of(identifiers: Iterable[str]) -> Iterator[str]:
+    """Yield the radio addresses as Zigbee2MQTT writes them in topics."""
+    for one in identifiers:
+        kind, _, address = one.partition(":")
+        if kind == "eui64":
+            yield f"0x{address}"
 
 
 def bridge_of(sighting: Sighting) -> str:
