@@ -146,6 +146,23 @@ def test_a_page_that_went_bad_is_found(path: Path) -> None:
     assert IndexFile(path).open(7.0) is not None
 
 
+def test_a_page_of_keys_that_are_not_those_of_the_rows_is_found(path: Path) -> None:
+    """It was found at the first change of such a device, and what was known until then was lost."""
+    file = IndexFile(path)
+    file.open(0.0)
+    file.write(Records(tuple((f"d{one:04}", "x" * 400) for one in range(500))), ())
+    file.close()
+    with sqlite3.connect(path) as other:
+        (page,) = other.execute("SELECT rootpage FROM sqlite_master WHERE name LIKE 'sqlite_autoindex_d%'").fetchone()
+    other.close()
+    content = bytearray(path.read_bytes())
+    keys = content[(page - 1) * 4096 : page * 4096]
+    assert b"d0" in keys
+    content[(page - 1) * 4096 : page * 4096] = keys.replace(b"d0", b"d1")
+    path.write_bytes(content)
+    assert IndexFile(path).open(7.0) is not None
+
+
 def test_a_damaged_file_that_cannot_be_moved_is_told(tmp_path: Path) -> None:
     """As on a disk that can only be read; here its name would be too long."""
     path = tmp_path / ("i" * 245)

@@ -327,7 +327,7 @@ def _apply(connection: sqlite3.Connection, steps: Sequence[str], version: int) -
 
 
 def _check(connection: sqlite3.Connection) -> None:
-    (problem,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+    (problem,) = connection.execute("PRAGMA integrity_check(1)").fetchone()
     if problem != "ok":
         raise sqlite3.DatabaseError(problem)
 

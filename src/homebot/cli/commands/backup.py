@@ -198,7 +198,7 @@ def _check_files(data: Path) -> None:
 def _damage(path: Path) -> str:
     connection = sqlite3.connect(path)
     try:
-        (found,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+        (found,) = connection.execute("PRAGMA integrity_check(1)").fetchone()
     except sqlite3.Error as exc:
         return f"is damaged: {exc}"
     finally:
