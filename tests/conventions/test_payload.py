@@ -4,11 +4,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from homebot.conventions.jinja import compile_template
 from homebot.conventions.payload import (
     DuplicateKeys,
     as_fields,
     clean_text,
     compact_json,
+    fields_of,
     meaning_reader,
     parse_json,
     parse_object,
@@ -215,3 +217,21 @@ def test_json_is_written_without_spaces_and_in_unicode() -> None:
 def test_a_word_of_the_device_for_unknown_counts_beside_the_usual_ones() -> None:
     assert read_number("level", "n/a here", unknown="n/a here") == {"level": None}
     assert read_number("level", "n/a here") == {}
+
+
+@pytest.mark.parametrize("word", ["nan", "NaN", "-nan", "-NaN", "NAN", "inf", "-inf", "Infinity", "-Infinity", "+inf"])
+def test_a_number_that_is_none_is_null_and_the_rest_of_a_state_is_read(word: str) -> None:
+    payload = f'{{"t": {word},"say":"{word}, \\"nan","h":44, "all": [{word}, 1,{word}]}}'
+    expected = {"t": None, "say": f'{word}, "nan', "h": 44, "all": [None, 1, None]}
+    assert parse_json(payload.encode(), lenient=True) == parse_json(payload, lenient=True) == expected
+    assert fields_of(payload) == to_json(payload.encode()) == expected
+    assert compile_template("{{ value_json.h }},{{ value_json.t is none }}").render_value(payload) == "44,True"
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [b'{"t":nancy}', b'{"t":nan', b"nan", b'{"nan"}', b'{"t":"nan}', b'{"a":1e999}', b"\xff[nan]", b'["\xff",nan]'],
+)
+def test_a_state_that_is_no_json_without_these_numbers_is_refused(payload: bytes) -> None:
+    with pytest.raises(WireError):
+        parse_json(payload, lenient=True)

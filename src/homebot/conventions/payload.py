@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Callable, Mapping
 from contextvars import ContextVar
 from functools import lru_cache
@@ -66,9 +67,13 @@ MAX_DEPTH = 64
 
 _SPACES = " \t\n\r"
 _ENDLESS = frozenset((math.inf, -math.inf))
+_NO_NUMBER = re.compile(r'"(?:[^"\\]|\\.)*+"?|([-+]?\b(?:nan|inf(?:inity)?)\b)', re.IGNORECASE | re.DOTALL)
+"""A text, which is left as it is, or what ``printf`` and some libraries write for a number that is none."""
 
 
-def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bool = False) -> object:
+def parse_json(
+    payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bool = False, lenient: bool = False
+) -> object:
     """Return the JSON value of *payload*, with finite numbers.
 
     Of duplicate keys the last one is used, see :class:`DuplicateKeys`.
@@ -77,6 +82,7 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
         payload: Text, or UTF-8.
         limit: Longest length, in bytes or characters.
         unique: Whether a duplicate key is an error.
+        lenient: Whether NaN and infinities in an object or a list are null, in any spelling, as in states of devices.
 
     Raises:
         WireError: It is too long, no JSON as RFC 8259 has it (no NaN, no Infinity), nested deeper than 64 levels, or
@@ -93,14 +99,16 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
             recorded = _recorded.get() is not None
             if _is_plain(payload, value) if recorded else _is_flat_and_finite(value) or _is_finite(value, MAX_DEPTH):
                 return value
-    return _parse_slowly(payload, unique=unique)
+    return _parse_slowly(payload, unique=unique, lenient=lenient)
 
 
-def _parse_slowly(payload: bytes | str, *, unique: bool) -> object:
+def _parse_slowly(payload: bytes | str, *, unique: bool, lenient: bool) -> object:
     """Return the JSON value of *payload*, or raise the reason; records duplicate keys by a call for each object."""
     try:
         text = payload.decode() if isinstance(payload, bytes) else payload
         start = len(text) - len(text.lstrip(_SPACES))
+        if lenient and text.startswith(("{", "["), start):
+            text = _NO_NUMBER.sub(lambda found: "null" if found[1] else found[0], text)
         value, end = (_UNIQUE if unique else _RECORDING_DECODER).raw_decode(text, start)
         if rest := text[end:].lstrip(_SPACES):
             raise json.JSONDecodeError("Extra data", text, len(text) - len(rest))
@@ -110,7 +118,7 @@ def _parse_slowly(payload: bytes | str, *, unique: bool) -> object:
         raise WireError(f"{shown(payload)} is not JSON: {error}") from None
     if text.count("[") + text.count("{") > MAX_DEPTH:
         check_depth(value)
-    if "\\u" in text or (text is payload and not text.isascii()):
+    if "\\u" in text or (isinstance(payload, str) and not text.isascii()):
         check_surrogates(value)
     return value
 
@@ -295,7 +303,7 @@ def to_text(payload: bytes) -> str | None:
 def to_json(payload: bytes) -> object:
     """Return the JSON value of *payload*, not to be changed; None if it is invalid."""
     try:
-        return parse_json(payload)
+        return parse_json(payload, lenient=True)
     except WireError:
         return None
 
@@ -378,7 +386,7 @@ def fields_of(text: str) -> Mapping[str, object]:
     if not text.lstrip().startswith("{"):
         return _NO_FIELDS
     try:
-        message = parse_json(text)
+        message = parse_json(text, lenient=True)
     except WireError:
         return _NO_FIELDS
     return as_fields(message)

@@ -70,7 +70,7 @@ class HttpAnswer:
         Raises:
             WireError: It is none; see :func:`homebot.conventions.payload.parse_json`.
         """
-        return parse_json(self.body, max(len(self.body), 1))
+        return parse_json(self.body, max(len(self.body), 1), lenient=True)
 
 
 class HttpClient:

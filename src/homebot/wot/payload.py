@@ -60,7 +60,7 @@ def _parse_words(payload: bytes) -> object:
     if len(payload) > MAX_STATE_BYTES:
         raise WireError(f"a payload of {len(payload)} bytes is longer than {MAX_STATE_BYTES}")
     try:
-        return parse_json(payload)
+        return parse_json(payload, lenient=True)
     except WireError:
         return payload.decode(errors="replace").strip()
 

@@ -157,6 +157,7 @@ def test_commands_are_made(
         ("number", {"min_value": 0.0, "max_value": 10.0}, "number", 11.0),
         ("number", {"min_value": 0.0, "max_value": 10.0}, "number", math.nan),
         ("text", {"min_length": 2, "max_length": 3}, "text", "long"),
+        ("text", {"max_length": 9, "pattern": "[0-9]+$"}, "text", "12a"),
         ("select", {"options": ["a"]}, "option", "b"),
         ("button", {}, "push", False),
         ("alarm_control_panel", {}, "alarm", "armed_away"),

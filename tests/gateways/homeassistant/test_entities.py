@@ -435,3 +435,10 @@ def test_the_icon_of_what_can_be_set_is_its_kind_without_a_class() -> None:
     assert only("switch.one", "on", icon="mdi:pipe-valve", device_class="outlet").part().tag == "mdi:pipe-valve"
     assert only("cover.one", "open", icon="mdi:gate", device_class="blind").part().tag == "blind"
     assert only("sensor.one", "1", icon="mdi:gate").part().tag == ""
+
+
+def test_a_text_is_checked_by_its_pattern() -> None:
+    code = only("input_text.code", "1234", pattern="[0-9]{4}$", min=0, max=9)
+    assert code.call("text", "4321").data == {"value": "4321"}
+    with pytest.raises(RefusedError, match="it takes a text that matches"):
+        code.call("text", "43a1")

@@ -43,6 +43,7 @@ from homebot.conventions.esphome.entity import (
     write_percent,
 )
 from homebot.conventions.esphome.light import LIGHT
+from homebot.conventions.jinja.patterns import require_match
 from homebot.conventions.payload import shown
 from homebot.conventions.secrets import names_secret
 from homebot.devices.value import PlainValue
@@ -133,10 +134,11 @@ def _is_secret(info: Fields) -> bool:
 
 
 def _write_text(info: Fields, value: PlainValue, _code: str) -> Fields:
-    """Write a text; the device checks the pattern."""
+    """Write a text; the device does not check the pattern."""
     least, most = (int(number_of(info, name) or 0) for name in ("min_length", "max_length"))
     if not isinstance(value, str) or not least <= len(value.encode(errors="replace")) <= most:
         raise RefusedError("text", f"it takes a text of {least} to {most} characters")
+    require_match(value, text_of(info, "pattern") or None)
     return {"state": value}
 
 

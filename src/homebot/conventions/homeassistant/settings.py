@@ -11,6 +11,7 @@ from homebot.conventions.command_values import moment_text, option_writer, requi
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
+from homebot.conventions.jinja.patterns import require_match
 from homebot.conventions.payload import Readings, clean_text, compact_json, fields_of, meaning_reader, unreadable
 from homebot.conventions.units import number_grid
 from homebot.devices.value import PlainValue
@@ -106,10 +107,7 @@ def build_select(config: DiscoveryConfig) -> DescribedPart:
 
 
 def build_text(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a text. A password is sent, but never read.
-
-    The config's ``pattern`` is not checked: it is a foreign regular expression, and the device has its own.
-    """
+    """Describe a text. A password is sent, but never read."""
     least = config.integer("min", 0, least=0)
     most = config.integer("max", _LONGEST_TEXT, least=0, most=_LONGEST_TEXT)
     if least > most:
@@ -138,6 +136,7 @@ def _build_text(
     def write(value: PlainValue, _transition: float) -> Publications:
         if not isinstance(value, str) or not least <= len(value) <= most:
             raise RefusedError("text", f"it takes a text of {least} to {most} characters")
+        require_match(value, config.values.get("pattern"))
         return command.publish(value)
 
     entity = Entity(config, "x_setting")

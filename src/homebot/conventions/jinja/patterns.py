@@ -9,12 +9,15 @@ computed before, and counted as work.
 import math
 import re
 import warnings
+from contextlib import suppress
 from functools import lru_cache
 
 from homebot.conventions.jinja.evaluation import Run
 from homebot.conventions.jinja.values import MAX_TEXT, TemplateError, text, whole
+from homebot.conventions.unreadable import shown
+from homebot.errors import RefusedError
 
-__all__ = ["COMPILING", "find_all", "find_all_index", "matches", "replaces", "searches"]
+__all__ = ["COMPILING", "find_all", "find_all_index", "matches", "replaces", "require_match", "searches"]
 
 _LONGEST = 200
 COMPILING = 200
@@ -31,6 +34,16 @@ def matches(run: Run, value: object, find: object = "", ignorecase: object = Fal
     """Return whether *value* begins with a match of *find*."""
     subject = text(value)
     return _pattern(run, find, subject, ignorecase).match(subject) is not None
+
+
+def require_match(value: str, pattern: object) -> None:
+    """Refuse a text that does not begin with a match of *pattern*, as Home Assistant does.
+
+    A pattern that is none, or whose work has no small bound, is left to the device.
+    """
+    with suppress(TemplateError):
+        if isinstance(pattern, str) and not matches(Run({}), value, pattern):
+            raise RefusedError("text", f"it takes a text that matches {shown(pattern)}")
 
 
 def searches(run: Run, value: object, find: object = "", ignorecase: object = False) -> bool:

@@ -38,7 +38,7 @@ class PayloadContext:
         """JSON value of the text; :data:`UNDEFINED` for invalid JSON."""
         if self._json is _UNREAD:
             try:
-                self._json = parse_json(self.value, MAX_LONG_STATE_BYTES)
+                self._json = parse_json(self.value, MAX_LONG_STATE_BYTES, lenient=True)
             except WireError:
                 self._json = UNDEFINED
         return self._json

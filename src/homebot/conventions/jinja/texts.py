@@ -180,7 +180,7 @@ def _format(_: Run, value: object, *values: object, **named: object) -> str:
 
 def _from_json(_: Run, value: object) -> object:
     try:
-        return parse_json(text(value))
+        return parse_json(text(value), lenient=True)
     except WireError:
         raise TemplateError("from_json is given text that is not JSON") from None
 

@@ -52,6 +52,7 @@ from homebot.conventions.homeassistant.states.rows import (
     reported,
     switch,
 )
+from homebot.conventions.jinja.patterns import require_match
 from homebot.conventions.lamp import LightFeatures, WhiteRange
 from homebot.conventions.payload import shown
 from homebot.devices.value import PlainValue
@@ -214,6 +215,7 @@ def _text_writer(service: str, field: str, longest: int) -> WriteField:
         least, most = (int(one) for one in bounds_of(info, "min", "max") or (0, longest))
         if not isinstance(value, str) or not least <= len(value) <= most:
             raise RefusedError("text", f"it takes a text of {least} to {most} characters")
+        require_match(value, info.get("pattern"))
         return {"service": service, field: value}
 
     return write
