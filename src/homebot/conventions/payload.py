@@ -349,8 +349,8 @@ def meaning_reader(capability: str, meanings: Mapping[TextT, PlainValue]) -> Cal
     def read(text: TextT) -> Readings:
         if text in meanings:
             return {capability: meanings[text]}
-        words = sorted(meanings.items(), key=lambda one: one[1] is False)  # ON or OFF
-        return unreadable(text, [word for word, _ in words])
+        words = list(meanings)
+        return unreadable(text, words if False not in meanings.values() else words[::-1])  # on or off
 
     return read
 

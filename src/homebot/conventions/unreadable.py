@@ -1,6 +1,7 @@
 """Values that a reader expects and cannot read, with what it expects. Pure."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
+from itertools import islice
 from types import MappingProxyType
 from typing import Final, NamedTuple, TypeAlias, final
 
@@ -19,17 +20,13 @@ _MAX_SHOWN = 60
 _MOST_DIGITS = 10**20
 _MOST_WORDS = 6
 _MOST_FOUND = 3
+_MOST_CHECKED = 1000
 _NO_VALUES: Final = frozenset({"", "-", "--", "n/a", "na", "nil", "undefined"})
 """Words of devices without a value, besides those of :func:`means_unknown`."""
 
 
 class Unreadable(NamedTuple):
-    """A value that could not be read.
-
-    Attributes:
-        value: The value on one line, shortened; empty for a failing template.
-        expects: What the reader expects, in words.
-    """
+    """A value that could not be read, on one line, and what the reader expects; no value for a failing template."""
 
     value: str
     expects: str
@@ -44,46 +41,37 @@ class Unreadable(NamedTuple):
 class WholePayload(str):
     """A payload in place of a value that its JSON lacks; it may be for other readers."""
 
-    __slots__ = ()
-
 
 FOUND: Final[list[Unreadable]] = []
-"""What readers could not read, at most three values, until somebody who had a message read empties it.
-
-Readers do not wait, so all are of one message; and it is no context variable, which would cost each message two calls.
-"""
+"""Up to three values that the readers of one message, which do not wait, could not read; their caller empties it."""
 
 
-def unreadable(value: object, expects: str | Iterable[str | bytes], *, is_template: bool = False) -> Readings:
-    """Record a value that the reader cannot read; return no readings.
-
-    What is no value is not recorded: null, an empty text, words such as ``unknown``, and a :class:`WholePayload`.
+def unreadable(value: object, expects: str | Collection[str | bytes], *, is_template: bool = False) -> Readings:
+    """Record a value that the reader cannot read, unless it is none or the word of a device for none.
 
     Args:
-        expects: What it expects in words, or the texts that it knows.
-        is_template: Whether *expects* is the reason why a template failed, and *value* is not shown.
+        expects: What it expects in words, or the texts that it knows; of a failing template, why it fails.
     """
-    if len(FOUND) >= _MOST_FOUND or (not is_template and _is_no_value(value)):
+    if len(FOUND) >= _MOST_FOUND or isinstance(value, WholePayload):
         return NO_READINGS
-    text = value.decode(errors="replace") if isinstance(value, bytes) else value
-    is_secret = isinstance(text, str) and names_secret(text)
-    words = expects if isinstance(expects, str) else _choice(expects)
-    FOUND.append(Unreadable("" if is_template else "a secret" if is_secret else shown(text), words))
+    begin = value[:_MOST_CHECKED] if isinstance(value, (str, bytes)) else value
+    text = begin.decode(errors="replace") if isinstance(begin, bytes) else begin
+    if is_template or not (text is None or (isinstance(text, str) and _is_no_value(text))):
+        words = expects if isinstance(expects, str) else _choice(expects)
+        is_secret = isinstance(text, str) and names_secret(text)
+        FOUND.append(Unreadable("" if is_template else "a secret" if is_secret else shown(text), words))
     return NO_READINGS
 
 
-def _is_no_value(value: object) -> bool:
-    if isinstance(value, (str, bytes)):
-        text = value.decode(errors="replace") if isinstance(value, bytes) else value
-        return isinstance(value, WholePayload) or text.strip().lower() in _NO_VALUES or means_unknown(text)
-    return value is None
+def _is_no_value(text: str) -> bool:
+    return text.strip().lower() in _NO_VALUES or means_unknown(text)
 
 
-def _choice(words: Iterable[str | bytes]) -> str:
-    texts = [one.decode() if isinstance(one, bytes) else one for one in words]
+def _choice(words: Collection[str | bytes]) -> str:
+    texts = [one.decode() if isinstance(one, bytes) else one for one in islice(words, _MOST_WORDS + 3)]
     known = [text[:_MAX_SHOWN] for text in texts if text and text != "None"]
     if len(known) > _MOST_WORDS + 1:
-        return f"{', '.join(known[:_MOST_WORDS])} or {len(known) - _MOST_WORDS} others"
+        return f"{', '.join(known[:_MOST_WORDS])} or {len(words) - _MOST_WORDS} others"
     return " or ".join(filter(None, (", ".join(known[:-1]), *known[-1:])))
 
 

@@ -82,12 +82,7 @@ class FindingKind(Enum):
 
     UNREADABLE = "HB407", "sends what its announcement does not explain", "correct the device or its announcement"
 
-    NAMES = (
-        "HB408",
-        "several names for one identifier: perhaps several devices",
-        "give each device an identifier of its own in its announcements; meanwhile its parts have these names",
-        False,
-    )
+    NAMES = "HB408", "several names for one identifier", "one device or several? docs/operate.md has the remedy", False
 
     def __init__(self, code: str, title: str, next_step: str, is_problem: bool = True) -> None:  # noqa: FBT001, FBT002 - a row
         self.code = code

@@ -124,7 +124,10 @@ class ValueSource(NamedTuple):
             return self.template.render_value(context, self.variables)
         except UndefinedValueError:
             is_json = context.value_json is not UNDEFINED
-            return None if not self.or_payload else WholePayload(context.value) if is_json else context.value
+            if self.or_payload:
+                return WholePayload(context.value) if is_json else context.value
+            unreadable(None if is_json else payload, "the JSON that its template reads")
+            return None
         except TemplateError as error:
             if "NoneType" not in str(error):  # null, for no value
                 unreadable(payload, f"its template fails: {error}", is_template=True)

@@ -82,14 +82,7 @@ def _relative_time(run: Run, value: object) -> object:
     return f"{count} {unit}{'' if count == 1 else 's'}"
 
 
-_UNITS = (
-    (31_536_000, "year"),
-    (2_592_000, "month"),
-    (86_400, "day"),
-    (3_600, "hour"),
-    (60, "minute"),
-    (1, "second"),
-)
+_UNITS = ((31_536_000, "year"), (2_592_000, "month"), (86_400, "day"), (3_600, "hour"), (60, "minute"), (1, "second"))
 
 
 def _as_datetime(_: Run, value: object, default: object = MISSING) -> object:

@@ -123,13 +123,6 @@ class DeviceReporter:
         stream = device.report_stream(REACHABLE, part)
         self.publish_report(device, (_reachable(part, reachable),), address, retained=retained, stream=stream)
 
-    def report_unreadable(
-        self, device: StoredAnnouncement, part: str, address: str, text: str, *, retained: bool
-    ) -> None:
-        """Publish what a part could not read, in words."""
-        stream, unreadable = device.report_stream("unreadable", part), (KeyValue(key=part, value=text),)
-        self.publish_report(device, (), address, retained=retained, stream=stream, unreadable=unreadable)
-
     def dispose_all(self, device: StoredAnnouncement) -> None:
         """Stop keeping reports of a device for late joiners."""
         for stream in device.report_streams.values():

@@ -122,8 +122,8 @@ class StateReader:
             described = part.described
             try:
                 values = described.codec.read(address, payload, retained=retained)
-                if FOUND:
-                    self._unreadable.record(address, part, retained=retained, is_shared=is_shared)
+                if FOUND and not is_shared:
+                    self._unreadable.record(address, part, retained=retained)
                 if not values:
                     continue
                 found = part.readings(values)
@@ -149,16 +149,9 @@ class StateReader:
         yield from texts
 
     async def read_text(
-        self,
-        address: str,
-        payload: bytes,
-        part: AnnouncedPart,
-        *,
-        retained: bool,
-        wait_if_full: bool = True,
-        is_shared: bool = False,
+        self, address: str, payload: bytes, part: AnnouncedPart, *, retained: bool, wait_if_full: bool = True
     ) -> None:
-        """Read a message, perhaps shared with other parts, as the text that *part* itself publishes, and deliver it."""
+        """Read a message as the plain text that *part* publishes itself, and deliver it unchanged."""
         begin_message()
         self._counters.received += 1
         stored, now = part.stored, self._reporter.now
@@ -170,7 +163,7 @@ class StateReader:
         try:
             values = part.described.codec.read(address, payload, retained=retained)
             if FOUND:
-                self._unreadable.record(address, part, retained=retained, is_shared=is_shared)
+                self._unreadable.record(address, part, retained=retained)
             readings = part.readings(values) if values else []
         except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
             self._record_failure(address, stored.described.convention, exc)

@@ -6,6 +6,7 @@ from typing import Final, final
 
 from homebot.clock import Clock
 from homebot.conventions.unreadable import FOUND
+from homebot.devices import KeyValue
 from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.reporter import DeviceReporter
@@ -16,8 +17,7 @@ __all__ = ["UnreadablePayloads"]
 UNREADABLE: Final = "gateway.payload_unreadable"
 _HOUR: Final = 3600.0
 _DIGITS: Final = re.compile("[0-9]")
-_CODED: Final = frozenset({"alarm", "lock"})
-"""Capabilities of parts that may show the digits of a person's code."""
+_CODED: Final = frozenset({"alarm", "lock"})  # may be sent the digits of a person's code
 
 
 @final
@@ -36,7 +36,7 @@ class UnreadablePayloads:
         self._log = log
         self._hourly = LogLimit(clock, _HOUR)
 
-    def record(self, address: str, part: AnnouncedPart, *, retained: bool, is_shared: bool) -> None:
+    def record(self, address: str, part: AnnouncedPart, *, retained: bool) -> None:
         """Record what *part* could not read in a message on *address*, and empty :data:`FOUND`."""
         described, key = part.described.part, part.stored.key
         is_coded = any(one.name in _CODED for one in described.capabilities)
@@ -44,13 +44,14 @@ class UnreadablePayloads:
         why = "; ".join(dict.fromkeys(one.why for one in found))
         FOUND.clear()
         count, before = part.unreadable
-        if is_shared or (retained and before == why):
-            return  # a message for others, or the same one, read again
+        if retained and before == why:
+            return  # the same message, read again
         part.unreadable = count + 1, why
         self._counters.payloads_unreadable += 1
         name = described.name or described.id
         text = f"payloads{name and f' of {name}'} on {address[:100]}: {count + 1}, the last {why}"
-        self._reporter.report_unreadable(part.stored, described.id, address, text, retained=retained)
+        stream, said = part.stored.report_stream("unreadable", described.id), (KeyValue(key=described.id, value=text),)
+        self._reporter.publish_report(part.stored, (), address, retained=retained, stream=stream, unreadable=said)
         if self._hourly.allows(f"{key} {described.id}") is not None:
             words = f"{key} sends what its announcement does not explain: {text}"
             self._log(UNREADABLE, words, f"{key} {described.id}")

@@ -137,12 +137,7 @@ class AnnouncedDevices:
             raw = False
             if payload:
                 await self._states.read_text(
-                    topic,
-                    payload,
-                    route.text,
-                    retained=message.retain,
-                    wait_if_full=message.qos > 0,
-                    is_shared=bool(route.announced_parts),
+                    topic, payload, route.text, retained=message.retain, wait_if_full=message.qos > 0
                 )
             else:
                 self._announcements.remove(route.text.stored.key, "its retained message was deleted")

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
-from typing import Final, final
+from typing import Any, Final, final
 
 import anyio
 
@@ -15,8 +15,6 @@ from homebot.mqtt.options import MqttOptions
 __all__ = ["UnreadTopics"]
 
 LISTENS_FOR: Final = 60.0
-"""Seconds of one look, the first of which begins at the start."""
-
 LISTENS_EVERY: Final = 3600.0
 MOST_MESSAGES: Final = 5_000
 """Messages after which a look ends early."""
@@ -24,11 +22,10 @@ MOST_MESSAGES: Final = 5_000
 MOST_TOPICS: Final = 2_000
 """Topics that one look counts; messages on further ones are left out."""
 
-MOST_BYTES: Final = 64 * 1024
-"""The largest packet: the broker leaves out others, such as pictures."""
+_LIMITS: Final = {"maximum_packet_size": 64 * 1024, "inbox_messages": 1_000, "session_expiry": 0}
+"""Limits of the client: the broker leaves out large messages, such as pictures."""
 
-_BUSY: Final = 3
-_MOST_SHOWN: Final = 5
+_BUSY, _MOST_SHOWN = 3, 5
 
 
 @final
@@ -46,20 +43,14 @@ class UnreadTopics:
 
     def __init__(
         self,
-        client: Callable[[MqttOptions], MqttClient],
+        make_client: Callable[[MqttOptions], MqttClient],
         options: MqttOptions,
         is_read: Callable[[str], object],
         used: Callable[[], Iterable[str]],
         announced: Iterable[str],
     ) -> None:
-        self._make_client = client
-        self._options = replace(
-            options,
-            client_id=f"{options.client_id[:200]}-look",
-            maximum_packet_size=MOST_BYTES,
-            inbox_messages=1_000,
-            session_expiry=0,
-        )
+        own: dict[str, Any] = {"client_id": f"{options.client_id[:200]}-look", **_LIMITS}
+        self._client = make_client(replace(options, **own))
         self._is_read = is_read
         self._used = used
         self._programs = {"homebot", *(one.partition("/")[0] for one in announced)}
@@ -90,15 +81,14 @@ class UnreadTopics:
             )
 
     async def _listen(self) -> None:
-        client = self._make_client(self._options)
-        async with client.connected() as grant:
+        async with self._client.connected() as grant:
             if grant.protocol != "5":
                 return
-            await client.subscribe(MqttSubscription("#", retain_handling=2))
+            await self._client.subscribe(MqttSubscription("#", retain_handling=2))
             self._counts.clear()
             with anyio.move_on_after(LISTENS_FOR):
                 while self._counts.total() < MOST_MESSAGES:
-                    for topic in [one.topic for one in await client.receive()]:
+                    for topic in [one.topic for one in await self._client.receive()]:
                         if topic in self._counts or len(self._counts) < MOST_TOPICS:
                             self._counts[topic] += 1
 
