@@ -5,7 +5,7 @@ import sys
 
 import anyio
 import pytest
-from tests.control.conftest import Home, OpenHome, ignore, report
+from tests.control.conftest import Home, OpenHome, ignore, obey, report
 from tests.control.policies.houses import make_device
 from tests.patience import PATIENCE
 
@@ -13,7 +13,7 @@ from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door, DoorSettings
 from homebot.control.explanations import Explanations
 from homebot.devices import Device
-from homebot.devices.handles import ContactSensor, Handle, Light
+from homebot.devices.handles import ContactSensor, Handle, Light, Thermostat
 from homebot.devices.journal_messages import (
     ExplainDevice,
     ExplainDeviceRequest,
@@ -101,13 +101,53 @@ async def test_a_late_answer_that_is_the_first_live_report_is_explained_by_the_c
 
 
 @virtual_time
-async def test_a_change_long_after_a_failed_command_is_unexplained(home: Home) -> None:
+@pytest.mark.parametrize(("seconds", "is_answer"), [(100.0, True), (880.0, True), (920.0, False)])
+async def test_the_wanted_value_after_minutes_of_silence_is_the_answer(
+    home: Home, seconds: float, *, is_answer: bool
+) -> None:
+    """A battery valve wakes up now and then."""
     lamp = await lamp_in(home)
+    await home.report("lamp", "on_off", False)
     home.behaviours["lamp"] = ignore
     assert isinstance(await lamp.turn_on(), NoAnswer)
-    await anyio.sleep(100)
+    await anyio.sleep(seconds)
     await home.report("lamp", "on_off", True)
     found = await explain(home, lamp.device.id)
+    expected = ("command", [("reported", "command")]) if is_answer else ("change", [("changed", "person")])
+    assert (found.finding, changes(found.entries)) == expected
+
+
+@virtual_time
+@pytest.mark.parametrize("before", ["a newer command", "a person"])
+async def test_only_the_newest_unanswered_command_is_answered_late(home: Home, before: str) -> None:
+    lamp = await lamp_in(home)
+    await home.report("lamp", "on_off", True)
+    await home.report("lamp", "level", 10.0)
+    home.behaviours["lamp"] = ignore
+    assert isinstance(await lamp.set_level(70), NoAnswer)
+    await anyio.sleep(100)
+    if before == "a person":
+        await home.report("lamp", "level", 20.0)
+        await anyio.sleep(100)
+        await home.report("lamp", "level", 30.0)
+    else:
+        home.behaviours["lamp"] = obey
+        assert (await lamp.set_level(30)).succeeded
+    await anyio.sleep(100)
+    await home.report("lamp", "level", 70.0)
+    found = await explain(home, lamp.device.id)
+    assert (found.finding, changes(found.entries)) == ("change", [("changed", "person")])
+
+
+@virtual_time
+async def test_a_value_near_the_wanted_one_minutes_later_is_no_answer(home: Home) -> None:
+    valve = await home.new(Thermostat, "valve", "heating_setpoint", before={"heating_setpoint": 17.0}, behaviour=ignore)
+    assert isinstance(await valve.heat_to(21.0), NoAnswer)
+    await anyio.sleep(100)
+    await home.report("valve", "heating_setpoint", 21.5)
+    await anyio.sleep(100)
+    await home.report("valve", "heating_setpoint", 21.0)
+    found = await explain(home, valve.device.id)
     assert (found.finding, changes(found.entries)) == ("change", [("changed", "person")])
 
 

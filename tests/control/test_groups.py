@@ -21,7 +21,7 @@ pytestmark = pytest.mark.virtual_time
 LAMPS = ("left", "right")
 
 
-async def put_group(home: Home, *members: str, area: str = "", room: str = "", delay: float = 0.2) -> Light:
+async def put_group(home: Home, *members: str, area: str = "", room: str = "", delay: float = 0.2) -> Handle:
     """Put a group, and two lamps that report after it; return the handle of the group."""
     for name in LAMPS:
         home.gateway.devices.put(_device(name, simple_part("light", settable=("on_off",)), room), "it was found")
@@ -31,7 +31,7 @@ async def put_group(home: Home, *members: str, area: str = "", room: str = "", d
         await home.report(name, "on_off", False)
     await anyio.sleep(1.0)
     home.behaviours["group"] = partial(_tell_lamps, delay)
-    return await home.handle(Light, "group")
+    return await home.handle(Handle, "group")
 
 
 def _device(key: str, part: Part, area: str) -> GatewayDevice:
@@ -53,7 +53,7 @@ async def told(home: Home, *names: str) -> list[str]:
 
 async def test_a_lamp_of_a_group_changes_by_the_command_to_the_group(home: Home) -> None:
     group = await put_group(home, *(f"id:{name}" for name in LAMPS))
-    assert isinstance(await group.turn_on(), Confirmed)
+    assert isinstance(await group.command("on_off", True), Confirmed)
     assert await told(home, *LAMPS) == ["command", "command"]
     why = await explain(home, "left")
     names = {one.key: one.value for one in why.names}
@@ -65,14 +65,14 @@ async def test_a_lamp_of_a_group_changes_by_the_command_to_the_group(home: Home)
 @pytest.mark.parametrize("name", ["id:left", "id:left#", "#"])
 async def test_a_member_is_named_by_its_device_or_its_part(home: Home, name: str) -> None:
     group = await put_group(home, name)
-    await group.turn_on()
+    await group.command("on_off", True)
     assert (await told(home, "left"))[0] == "command"
     assert await told(home, "right") == ["command" if name == "#" else "person"]
 
 
 async def test_a_person_at_a_lamp_of_a_group_is_named_seconds_later(home: Home) -> None:
     group = await put_group(home, "id:left", "id:right")
-    await group.turn_on()
+    await group.command("on_off", True)
     await anyio.sleep(20)
     await home.report("left", "on_off", False)
     await anyio.sleep(20)
@@ -86,15 +86,15 @@ async def test_a_command_to_a_group_replaces_that_to_its_lamp(home: Home) -> Non
     home.behaviours["left"] = ignore
     outcomes = home.begin((await home.handle(Light, "left")).turn_off)
     await anyio.sleep(0.1)
-    await group.turn_on()
+    await group.command("on_off", True)
     await anyio.sleep(1)
     assert [type(one) for one in outcomes] == [Superseded]
 
 
-async def command_in_turn(group: Light, times: int) -> None:
+async def command_in_turn(group: Handle, times: int) -> None:
     """Turn *group* on, off, on, and so on."""
     for number in range(times):
-        await (group.turn_off() if number % 2 else group.turn_on())
+        await group.command("on_off", number % 2 == 0)
         await anyio.sleep(30)
 
 
@@ -109,7 +109,7 @@ async def test_a_lamp_that_did_not_follow_the_last_time_is_learnt_anew(home: Hom
     await command_in_turn(group, 4)
     home.behaviours["group"] = obey
     await command_in_turn(group, 2)
-    await group.turn_on()
+    await group.command("on_off", True)
     home.later(0.5, "left", "on_off", True)
     await anyio.sleep(30)
     assert await told(home, "left") == ["unknown"] * 3 + ["command", "unknown"]
@@ -121,11 +121,11 @@ async def test_a_change_against_a_command_near_by_is_unknown_and_not_learnt(home
     await anyio.sleep(30)
     home.behaviours["group"] = obey
     for _ in range(5):
-        await group.turn_on()
+        await group.command("on_off", True)
         home.later(1.0, "left", "on_off", False)
         await anyio.sleep(30)
         await home.report("left", "on_off", True)
-        await group.turn_off()
+        await group.command("on_off", False)
         await anyio.sleep(30)
     assert await told(home, "left") == ["person", *["unknown", "person"] * 5]
 
@@ -133,13 +133,13 @@ async def test_a_change_against_a_command_near_by_is_unknown_and_not_learnt(home
 @pytest.mark.parametrize(("room", "cause"), [("hall", "unknown"), ("attic", "person"), ("", "person")])
 async def test_only_the_room_of_a_command_is_near(home: Home, room: str, cause: str) -> None:
     group = await put_group(home, area="hall", room=room)
-    await group.turn_on()
+    await group.command("on_off", True)
     assert await told(home, "left") == [cause]
 
 
 async def test_a_person_in_the_room_some_seconds_after_a_command_is_named(home: Home) -> None:
     group = await put_group(home, area="hall", room="hall", delay=3.5)
-    await group.turn_on()
+    await group.command("on_off", True)
     await anyio.sleep(5)
     assert await told(home, "left") == ["person"]
 
@@ -197,10 +197,24 @@ async def test_an_empty_room_stays_empty_when_an_app_commands_a_group(open_home:
             await anyio.sleep(1)
         group = await put_group(home, "id:left", room="hall")
         await anyio.sleep(1300)
-        await group.turn_on()
+        await group.command("on_off", True)
         await anyio.sleep(30)
         lamp = await home.handle(Light, "left")
         assert isinstance(await lamp.turn_off(), Confirmed)
         await home.report("left", "on_off", True)
         await anyio.sleep(1)
         assert isinstance(await lamp.turn_off(), Refused)
+
+
+async def test_a_held_lamp_is_commanded_again_after_a_command_to_its_group(home: Home) -> None:
+    """The lease forbids others to turn it off, and they did so past it."""
+    group = await put_group(home, "id:left")
+    await group.command("on_off", True)
+    lamp = await home.handle(Light, "left")
+    async with lamp.hold("on", by="robot", ttl=30) as held:
+        await anyio.sleep(20)
+        home.commands.clear()
+        await group.command("on_off", False)
+        await anyio.sleep(5)
+        assert [(one.key, one.value.plain()) for one in home.commands] == [("group", False), ("left", True)]
+        assert isinstance(held.outcome, Confirmed)

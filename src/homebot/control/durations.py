@@ -29,7 +29,7 @@ Philips Hue reports steps even without a transition (Koenkk/zigbee2mqtt#32050).
 CAME_ALONG: Final = 3.0
 """What changes this soon after a sign of a command may belong to it: other values of the part, and parts near it.
 
-The lamps of a group report one after the other (Koenkk/zigbee2mqtt#764).
+The lamps of a Zigbee group report up to 2 s later (Koenkk/zigbee2mqtt#764).
 """
 
 TAKEN_BACK: Final = 3.0
@@ -39,10 +39,7 @@ deCONZ shows 255 for an Elko RF dimmer that ignored it, until it polls (dresden-
 """
 
 REGULAR: Final = 0.5
-"""Returns that differ by no more than this come from a timer in the device or bridge, rather than from people.
-
-Shelly relays have one: ``auto_off_delay`` (Shelly API, Gen2+, Switch).
-"""
+"""Returns that differ by no more than this come from a timer in the device or bridge, rather than from people."""
 
 ECHO_PATIENCE: Final = 2.0
 """A device's own report follows its first echoes within this time, or never."""
@@ -63,7 +60,22 @@ Others report each second, as Tuya's _TZE200_xuzcvlku (Koenkk/zigbee2mqtt#12679)
 """
 
 LATE: Final = 60.0
-"""A device may answer this long after its command failed; later a person is likelier."""
+"""A device may answer this long after its command failed; later a person is likelier, unless it is the exact value."""
+
+ASLEEP: Final = 900.0
+"""A device that sleeps answers with the exact value, this long after a command without an answer at most.
+
+A Danfoss valve with Z-Wave wakes every five minutes (OpenZWave/Zwave2Mqtt#228).
+"""
+
+HASTY: Final = 15.0
+"""People undo a command within this time so often that two of them coincide by chance."""
+
+TIMED: Final = 900.0
+"""A timer in a device ends a value within this time: most staircase lights are on for 1 to 12 minutes.
+
+Shelly relays have one: ``auto_off_delay`` (Shelly API, Gen2+, Switch).
+"""
 
 FRESH: Final = 60.0
 """For this long a live report counts as the present state: a command for the same value is not sent."""

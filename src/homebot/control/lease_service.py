@@ -14,6 +14,7 @@ from homebot.control.journal.given_codes import without_codes
 from homebot.control.journal.journal import CommandJournal, LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder
 from homebot.control.timeline.cause import Attribution, Cause
+from homebot.control.timeline.facts import ReportRole
 from homebot.control.values import STOPPED, value_text
 from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY
@@ -41,7 +42,7 @@ from homebot.messages import Time
 __all__ = ["LeaseService"]
 
 _AGAIN: Final = 30.0
-"""Seconds after which the value is commanded again if a command had no success."""
+"""Seconds after which the value is commanded again if a command had no success, or the device soon went back."""
 
 _LONGEST: Final = 200
 
@@ -210,14 +211,19 @@ class LeaseService:
             return
         lease.seen = value
         if not lease.lock.locked():
-            self._compare(lease, value)
+            self._compare(lease, value, finding)
 
-    def _compare(self, lease: Lease, value: PlainValue) -> None:
+    def _compare(self, lease: Lease, value: PlainValue, finding: Attribution | None = None) -> None:
         if lease.fits(value):
             self._hand_back(lease)
             lease.set_so()
         elif lease.is_so and lease.departs(value):
-            self._leases.outrank(lease, f"{lease.capability} is {value_text(value)}", self._clock.monotonic())
+            now, saw = self._clock.monotonic(), f"{lease.capability} is {value_text(value)}"
+            if finding is None or finding.cause.may_be_person:
+                self._leases.outrank(lease, saw, now)
+            else:  # the device itself, which may refuse if it went back at once, or a command to a group
+                lease.is_so, lease.again_at = False, now + _AGAIN if finding.role is ReportRole.UNDONE else now
+                self._log("control.held_again", lease, f"is held {lease.held_value}, but {saw}: it is commanded again")
             self._changed.set()
 
     def _outcome(self, lease: Lease, now: float) -> Outcome:

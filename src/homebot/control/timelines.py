@@ -12,7 +12,7 @@ from homebot.control import durations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.learnt import Profiles
 from homebot.control.timeline.cause import Attribution, Cause
-from homebot.control.timeline.facts import Order, PartRef, Reported
+from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole
 from homebot.control.timeline.nearby import MOST_NEARBY, NOWHERE, Nearby, NearbyCommands
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
@@ -209,7 +209,7 @@ class Timelines:
         """Publish the end of a confirmed value, even to listeners that got its last report as an intermediate step."""
         value = entry.timeline.value(undoing.capability)
         for listener in tuple(entry.listeners):
-            listener(undoing.capability, value, Attribution(cause, progress.order.id))
+            listener(undoing.capability, value, Attribution(cause, progress.order.id, ReportRole.UNDONE))
         self.on_undone(progress, undoing, cause)
 
 

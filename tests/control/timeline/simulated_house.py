@@ -32,6 +32,9 @@ Truth: TypeAlias = Literal["command", "along", "device", "person"]
 _SAME = 1.5
 """Seconds by which a change and its entry in the journal may differ."""
 
+_INDISTINCT = 1.0
+"""Seconds around the end of a timer within which nobody can tell a person from it."""
+
 _ON_OFF = (False, True)
 
 
@@ -114,6 +117,7 @@ class SimulatedHouse:
         self._touched: dict[str, float] = defaultdict(lambda: -math.inf)
         self._first_sent: dict[str, float] = {}
         self._ids: dict[str, str] = {}
+        self._timer_at: dict[str, float] = {}
         self._loops: list[Callable[[], Coroutine[None, None, None]]] = []
         self._persons: list[tuple[str, str, tuple[PlainValue, ...]]] = []
         home.app.create_subscription(JournalEntry, JOURNAL_ENTRIES, self.entries.append, 100_000)
@@ -209,6 +213,7 @@ class SimulatedHouse:
             value, after = command.value.plain(), self.random.uniform(0.02, 0.3)
             number = self._later(after, key, "", "on_off", value, "command")
             if value:
+                self._timer_at[key] = self._now() + seconds
                 jitter = self.random.uniform(0.0, 0.15)
                 self._later(after + seconds + jitter, key, "", "on_off", value=False, truth="device", number=number)
 
@@ -218,7 +223,8 @@ class SimulatedHouse:
     def late(self, key: str, area: str) -> None:
         """A battery valve that wakes up every few minutes."""
         values = (17.0, 19.0, 21.0, 22.5)
-        self.put(key, "late", {"heating_setpoint": values}, area=area)
+        by_persons = (16.0, 18.0, 20.0, 24.0)
+        self.put(key, "late", {"heating_setpoint": by_persons}, area=area)
 
         async def obey(_: Home, command: Command) -> None:
             if not command.repeated:
@@ -285,9 +291,10 @@ class SimulatedHouse:
             self._touch(*found[0])
 
     def _touch(self, key: str, capability: str, values: tuple[PlainValue, ...]) -> None:
+        if abs(self._now() - self._timer_at.get(key, -math.inf)) < _INDISTINCT:
+            return
         parts = [part for name, part, one in self._values if (name, one) == (key, capability)]
         value = self.random.choice([one for one in values if one != self._values[key, parts[0], capability]])
-        self._touched[key] = self._now()
         after = self.random.uniform(0.02, 0.3)
         number = None
         for part in parts:  # a person at a mirrored relay changes both
@@ -345,6 +352,8 @@ class SimulatedHouse:
             change = TrueChange(self._now(), (key, part), capability, value, truth, self._kinds[key])
             self.changes.append(change)
         self._values[place] = value
+        if truth == "person":
+            self._touched[key] = self._now()
         await self.home.gateway.devices.report(key, {capability: value}, part)
 
     def _now(self) -> float:

@@ -26,7 +26,8 @@ def furnish(house: SimulatedHouse) -> None:
     house.mirrored("plug", "office")
     house.timer("stairs", "stairs", choose.uniform(20.0, 120.0))
     house.timer("boiler", "cellar", choose.uniform(120.0, 600.0))
-    house.late("valve", "bath")
+    for number in range(3):
+        house.late(f"valve{number}", f"bath{number}")
     for number in range(3):
         house.commanded(f"lamp{number}", f"room{number}")
     house.slow("porch", "porch")
@@ -58,5 +59,11 @@ async def test_nobody_is_blamed_on_a_device_or_overridden(tables: Tables) -> Non
     assert not tables.overridden
 
 
-async def test_persons_are_named(tables: Tables) -> None:
+async def test_persons_are_named_and_hardly_anything_else_is_told_to_be_one(tables: Tables) -> None:
     assert tables.share("person", "person") >= 0.8
+    assert tables.wrong_persons <= 0.03
+
+
+async def test_a_timer_is_learnt_and_an_answer_may_come_after_minutes(tables: Tables) -> None:
+    assert tables.share("device", "device") >= 0.6
+    assert tables.share("command", "command", "late") == 1.0

@@ -1,7 +1,7 @@
 """What a profile knows of the routes to a device."""
 
 from homebot.control.learnt import Profiles
-from homebot.control.timeline.profile import KEPT, DeviceProfile
+from homebot.control.timeline.profile import ENOUGH, KEPT, DeviceProfile
 
 
 def test_a_route_is_ineffective_after_two_commands_in_a_row_and_until_it_works() -> None:
@@ -42,6 +42,27 @@ def test_an_ineffective_route_is_known_after_a_restart() -> None:
     before.save("lamp", before.of("lamp"))
     after.restore("lamp", saved["lamp"])
     assert after.of("lamp").ineffective == {"hub"}
+
+
+def test_timers_and_parts_that_change_along_are_known_after_a_restart() -> None:
+    saved: dict[str, str] = {}
+    before, after = (Profiles(lambda name, record: saved.update({name: record})) for _ in range(2))
+    for _ in range(ENOUGH):
+        before.of("lamp").learn_stay("on_off", value=True, seconds=60.0)
+        before.of("lamp").learn_pair("group", is_missed=False)
+    before.save("lamp", before.of("lamp"))
+    after.restore("lamp", saved["lamp"])
+    assert after.of("lamp").learn_stay("on_off", value=True, seconds=60.0) == ENOUGH
+    assert after.of("lamp").learn_stay("on_off", value=False, seconds=60.0) == 0
+    assert after.of("lamp").learn_pair("group", is_missed=False)
+
+
+def test_a_value_that_lasted_long_or_is_a_number_is_no_timer() -> None:
+    profile = DeviceProfile()
+    for _ in range(5):
+        assert profile.learn_stay("on_off", value=True, seconds=901.0) == 0
+        assert profile.learn_stay("level", value=40.0, seconds=60.0) == 0
+    assert not profile.stays
 
 
 def test_answers_of_this_run_outlast_records_that_are_read_late() -> None:

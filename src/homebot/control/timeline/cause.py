@@ -6,6 +6,7 @@ from typing import Final, NamedTuple
 
 from homebot.control import durations
 from homebot.control.timeline.facts import Reported, ReportRole
+from homebot.control.timeline.profile import ENOUGH
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.values import STOPPED
 
@@ -52,6 +53,7 @@ _RESTS: Final = frozenset({"open", "closed", STOPPED})
 
 _NO_COMMAND: Final = Attribution(Cause.PERSON)
 _NOT_KNOWN: Final = Attribution(Cause.UNKNOWN)
+_TIMED: Final = Attribution(Cause.DEVICE)
 
 
 def cause_of(fact: Reported, commands: Iterable[CommandProgress]) -> Attribution:
@@ -72,6 +74,10 @@ def cause_of(fact: Reported, commands: Iterable[CommandProgress]) -> Attribution
         return _NOT_KNOWN
     if fact.along:
         return Attribution(Cause.COMMAND, fact.along) if fact.is_usual else _NOT_KNOWN
+    if fact.timed >= ENOUGH:
+        return _TIMED
+    if fact.timed and fact.at - fact.since > durations.HASTY:
+        return _NOT_KNOWN
     return answered
 
 

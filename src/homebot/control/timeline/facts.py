@@ -83,6 +83,7 @@ class Reported:
         is_after_loss: Whether the connection was lost since the previous value.
         along: The id of the command to a part near this one that it may belong to; empty for none.
         is_usual: Whether the part usually changes along with such a command.
+        timed: How often the previous value lasted as long the last four times; three times come from a timer.
     """
 
     at: float
@@ -96,6 +97,7 @@ class Reported:
     is_after_loss: bool = False
     along: str = ""
     is_usual: bool = False
+    timed: int = 0
 
     @property
     def is_change(self) -> bool:

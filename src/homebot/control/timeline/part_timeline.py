@@ -11,7 +11,7 @@ from homebot.control.timeline.cause import Attribution, Cause, cause_of, cause_o
 from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole
 from homebot.control.timeline.learning import learn_failure, learn_late_answer, learn_outcome, learn_settled
 from homebot.control.timeline.nearby import NOWHERE, Nearby
-from homebot.control.timeline.profile import DeviceProfile
+from homebot.control.timeline.profile import ENOUGH, DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome
@@ -119,6 +119,7 @@ class PartTimeline:
         self._latest[capability] = value, at, known[2] if known is not None and is_same else at
         active = self._active = [one for one in self._active if one.covers(at)]
         if not active and is_same:
+            self.profile.learn_repetition()
             return None
         self._number += 1
         previous, before, since = (None, math.inf, at) if known is None else known
@@ -129,8 +130,14 @@ class PartTimeline:
             one.report(fact)
             self._learn(one, at)
             is_effect = is_effect or one.roles[fact.number] is ReportRole.EFFECT
+        if is_same:
+            self.profile.learn_repetition()
+        elif self.profile.changes < ENOUGH:
+            self.profile.changes += 1
         if not is_effect and fact.is_change and self.cause_of(fact).cause is Cause.PERSON:
             self.nearby.explain(fact, self.place, self.profile)
+            if not fact.along and (began := self._timed_from(fact)) is not None:
+                fact.timed = self.profile.learn_stay(capability, fact.previous, at - began)
         for one in active:
             self.on_news(one, fact)
         return fact
@@ -187,6 +194,15 @@ class PartTimeline:
     def open_commands(self) -> list[CommandProgress]:
         """Return the commands without an outcome, oldest first, without raw texts."""
         return [one for one in self._active if one.is_open]
+
+    def _timed_from(self, fact: Reported) -> float | None:
+        """Return when a command brought the previous value, or was sent for it again; None if none did."""
+        for one in reversed(self.commands):
+            wanted = one.wanted.get(fact.capability)
+            if wanted is not None and one.sendings and wanted.fits(fact.previous):
+                is_effect = wanted.met_at is not None and fact.since <= wanted.met_at
+                return max(fact.since, one.sent_at) if is_effect or fact.since < one.sent_at else None
+        return None
 
     def _learn(self, progress: CommandProgress, now: float) -> None:
         settling = progress.settling

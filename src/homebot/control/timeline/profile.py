@@ -14,13 +14,13 @@ from homebot.control.values import fits, is_same
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.value import PlainValue
 
-__all__ = ["KEPT", "DeviceProfile", "Return"]
+__all__ = ["ENOUGH", "KEPT", "DeviceProfile", "Return"]
 
 KEPT: Final = 16
 _KEPT_ANSWERS: Final = 8
 """The limit of answers to different values, for each capability."""
 
-_ENOUGH: Final = 3
+ENOUGH: Final = 3
 _IN_VAIN: Final = 2
 """Consecutive commands without effect after which a route is tried last: a person may have undone one."""
 
@@ -63,8 +63,10 @@ class DeviceProfile:
         returns: The ends of confirmed values; empty as long as no value was undone.
         echoes: For each expected echo, whether the device's own report followed it.
         answers: The reported values by commanded value.
+        stays: How long values other than numbers lasted that another followed within a quarter of an hour.
         pairs: How often in a row it changed along with commands to each part near it, at most three times.
         failures: By route, the number of consecutive commands without effect, at most two; see :attr:`Route.name`.
+        changes: The number of live reports since one that repeated a value, at most three.
         is_told_once: Whether it is a dimmer that did not answer several sendings: each may have restarted its ramp.
         is_changed: Whether it has unsaved knowledge.
     """
@@ -73,8 +75,10 @@ class DeviceProfile:
     returns: dict[str, _Newest[Return]] = field(default_factory=dict)
     echoes: dict[str, _Newest[bool]] = field(default_factory=dict)
     answers: dict[str, _Answers] = field(default_factory=dict)
+    stays: dict[str, _Newest[tuple[bool | str, _Seconds]]] = field(default_factory=dict)
     pairs: Annotated[dict[str, int], Field(max_length=KEPT)] = field(default_factory=dict)
     failures: Annotated[dict[str, int], Field(max_length=KEPT)] = field(default_factory=dict)
+    changes: Annotated[int, Field(ge=0, le=ENOUGH)] = 0
     is_told_once: bool = False
     is_changed: bool = False
 
@@ -84,8 +88,10 @@ class DeviceProfile:
         self.returns = earlier.returns | self.returns
         self.echoes = earlier.echoes | self.echoes
         self.answers = earlier.answers | self.answers
+        self.stays = earlier.stays | self.stays
         self.pairs = earlier.pairs | self.pairs
         self.failures = earlier.failures | self.failures
+        self.changes = max(self.changes, earlier.changes)
         self.is_told_once = self.is_told_once or earlier.is_told_once
 
     def answer_time(self, capabilities: Iterable[str], first: float) -> tuple[float, float]:
@@ -98,7 +104,7 @@ class DeviceProfile:
         for capability in capabilities:
             times = self.times.get(capability, ())
             longest = max(longest, max(times, default=0.0))
-            is_known = is_known and len(times) >= _ENOUGH
+            is_known = is_known and len(times) >= ENOUGH
         limit = durations.ANSWER_FACTOR * longest + durations.ANSWER_SPARE
         if not is_known:
             limit, longest = max(limit, first), max(longest, durations.UNKNOWN_ANSWER)
@@ -119,8 +125,13 @@ class DeviceProfile:
         longest, count = max(times, default=0.0), len(times)
         times.append(min(seconds, first) if sendings > 1 else seconds)
         del times[:-KEPT]
-        if count == _ENOUGH - 1 or abs(max(times) - longest) >= durations.ANSWER_SPARE:  # the next wait depends on it
+        if count == ENOUGH - 1 or abs(max(times) - longest) >= durations.ANSWER_SPARE:  # the next wait depends on it
             self.is_changed = True
+
+    def learn_repetition(self) -> None:
+        """Record a live report of the same value as before."""
+        self.is_changed = self.is_changed or self.changes >= ENOUGH
+        self.changes = 0
 
     def learn_return(self, capability: str, after: float | None, *, is_fast: bool) -> None:
         """Record the end of a confirmed value; a device that never reverts one has no record."""
@@ -144,6 +155,17 @@ class DeviceProfile:
         while len(self.failures) > KEPT:
             del self.failures[next(iter(self.failures))]
 
+    def learn_stay(self, capability: str, value: PlainValue, seconds: float) -> int:
+        """Record that *value* lasted for *seconds*; return how often it did so the last four times."""
+        if not isinstance(value, bool | str) or seconds > durations.TIMED:
+            return 0
+        known = self.stays.get(capability, [])
+        times = [lasted for one, lasted in known if one == value][-ENOUGH - 1 :]
+        self.stays[capability], self.is_changed = [*known, (value, seconds)][-KEPT:], True
+        same = [seconds, *(one for one in times if abs(one - seconds) <= durations.REGULAR)]
+        is_regular = max(same) - min(same) <= durations.REGULAR
+        return len(same) - 1 if len(same) <= ENOUGH or is_regular else ENOUGH - 1
+
     def learn_pair(self, other: str, *, is_missed: bool) -> bool:
         """Record that it changed along with a command to the part *other*; return whether it usually does.
 
@@ -151,11 +173,11 @@ class DeviceProfile:
             is_missed: Whether it did not the last time.
         """
         count = 0 if is_missed else self.pairs.pop(other, 0)
-        self.pairs[other] = min(count + 1, _ENOUGH)
+        self.pairs[other] = min(count + 1, ENOUGH)
         if len(self.pairs) > KEPT:
             del self.pairs[next(iter(self.pairs))]
         self.is_changed = self.is_changed or self.pairs[other] != count
-        return count >= _ENOUGH
+        return count >= ENOUGH
 
     @property
     def ineffective(self) -> frozenset[str]:
@@ -187,7 +209,7 @@ class DeviceProfile:
             for wanted, seen in self.answers[capability]
             if isinstance(wanted, float) and isinstance(seen, float)
         ]
-        if len(known) < _ENOUGH or len({seen for _, seen in known}) < 2:
+        if len(known) < ENOUGH or len({seen for _, seen in known}) < 2:
             return 0.0
         largest = max(abs(wanted - seen) for wanted, seen in known)
         return largest + _SLACK if largest <= _LARGEST_ERROR else 0.0
@@ -199,16 +221,16 @@ class DeviceProfile:
         """
         if capability not in self.returns:
             return False
-        fast = [one.after for one in self.returns[capability] if one.is_fast][-_ENOUGH:]
+        fast = [one.after for one in self.returns[capability] if one.is_fast][-ENOUGH:]
         taken_back = [after for after in fast if after is not None and after <= durations.TAKEN_BACK]
-        return len(taken_back) == _ENOUGH and max(taken_back) - min(taken_back) <= durations.REGULAR
+        return len(taken_back) == ENOUGH and max(taken_back) - min(taken_back) <= durations.REGULAR
 
     def usual_return(self, capability: str) -> float | None:
         """Return the seconds after which the device goes back by itself; None if it is not known to."""
         if capability not in self.returns:
             return None
-        known = [one.after for one in self.returns[capability][-_ENOUGH:] if one.after is not None]
-        if len(known) < _ENOUGH or max(known) - min(known) > durations.REGULAR:
+        known = [one.after for one in self.returns[capability][-ENOUGH:] if one.after is not None]
+        if len(known) < ENOUGH or max(known) - min(known) > durations.REGULAR:
             return None
         return sum(known) / len(known)
 

@@ -12,10 +12,10 @@ from typing import Final, final
 from homebot.control import durations
 from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole
 from homebot.control.timeline.goal import NOTHING, Motion, WantedValue, side_role
-from homebot.control.timeline.profile import DeviceProfile
+from homebot.control.timeline.profile import ENOUGH, DeviceProfile
 from homebot.control.timeline.settling import Settling
-from homebot.control.values import MODES, POWERS, STOPPED, changes, is_intermediate, related
-from homebot.devices.outcomes import Confirmed, Outcome
+from homebot.control.values import MODES, POWERS, STOPPED, changes, is_intermediate, is_same, related
+from homebot.devices.outcomes import Confirmed, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 
 __all__ = ["CommandProgress"]
@@ -55,6 +55,7 @@ class CommandProgress:
         is_unacknowledged: Whether the network did not acknowledge the last sending in time.
         is_open: Whether its outcome is not decided yet, and no newer command replaced it.
         ended_at: When its outcome was decided, or it was superseded; inf before.
+        late_until: Until when an answer after its failure may come.
         learns_late: Whether an answer after its failure shows the device's response time.
         followers: The other parts that changed along with it.
         has_echo: Whether a bridge may report the wanted values before the device obeyed.
@@ -89,6 +90,7 @@ class CommandProgress:
         self.superseded_by = self.refusal = ""
         self.is_unacknowledged = self.must_answer = self.learns_late = self.is_learnt = False
         self.is_open, self.ended_at = True, math.inf
+        self.late_until = math.inf
         self.outcome: Outcome | None = None
         self.settling: Settling | None = None
         self.followers: frozenset[PartRef] = frozenset()
@@ -192,7 +194,7 @@ class CommandProgress:
             return at <= self.ended_at + durations.SUPERSEDED
         if self.settling is not None:
             return not self.settling.is_over and at <= self.settling.until
-        return self.sendings > 0 and at <= self.ended_at + durations.LATE
+        return self.sendings > 0 and at <= self.late_until
 
     def send(self, now: float) -> None:
         """Record that the command is sent."""
@@ -219,13 +221,15 @@ class CommandProgress:
     def decide(self, outcome: Outcome, now: float, settle: float) -> None:
         """Record the outcome; a confirmed value has to last for *settle* seconds."""
         self.outcome, self.is_open, self.ended_at = outcome, False, min(self.ended_at, now)
+        is_silent = isinstance(outcome, NoAnswer) and not (outcome.reason or self.is_raw)
+        self.late_until = self.ended_at + (durations.ASLEEP if is_silent else durations.LATE)
         if isinstance(outcome, Confirmed):
             self.settling = Settling(self.order, self.wanted, self.known, self.last, self.roles, now, settle)
 
     def supersede(self, newer: Order, now: float) -> None:
         """End the command, or the watch of some of its values, because of a *newer* command to the same part."""
         self.learns_late = False
-        if self.settling is None and not self.is_open:
+        if not self.is_open and self.settling is None and self.late_until <= self.ended_at + durations.LATE:
             return
         touched = {
             own
@@ -235,9 +239,10 @@ class CommandProgress:
         }
         if not touched:
             return
+        self.late_until = min(self.late_until, self.ended_at + durations.LATE)
         if self.settling is not None:
             self.settling.release(touched, now)
-        else:
+        elif self.is_open:
             self.superseded_by, self.is_open, self.ended_at = newer.id, False, now
 
     def report(self, fact: Reported) -> None:
@@ -262,7 +267,21 @@ class CommandProgress:
             return ReportRole.AGREES  # a lost value proves nothing
         if self.settling is not None:
             return self.settling.report(fact)
+        if fact.at > self.ended_at + durations.LATE:
+            return self._late_role(wanted, fact)
         return self._other_role(fact) if wanted is None else self._wanted_role(wanted, fact)
+
+    def _late_role(self, wanted: WantedValue | None, fact: Reported) -> ReportRole:
+        """Return the role of a report long after a command without an answer: only the exact value is its effect."""
+        self.learns_late = False
+        if wanted is None:
+            return ReportRole.ASIDE
+        is_open = wanted.met_at is None and not wanted.is_overruled
+        if is_open and is_same(fact.capability, wanted.value, fact.value):
+            wanted.met_at = fact.at
+            return ReportRole.EFFECT
+        wanted.is_overruled = wanted.is_overruled or fact.is_change
+        return ReportRole.ASIDE
 
     def _wanted_role(self, wanted: WantedValue, fact: Reported) -> ReportRole:
         if not wanted.shows_obedience(fact.value):
@@ -296,9 +315,14 @@ class CommandProgress:
             self.stopped_at = fact.at
         is_repeated = before == value
         if not is_repeated:
-            wanted.is_overruled = wanted.is_step or self.last.get(capability, value) != value
+            is_new = self.last.get(capability, value) != value or self._is_news(fact)
+            wanted.is_overruled = wanted.is_step or is_new
             wanted.is_step = False
         return _role_against(wanted, was_met=was_met, is_repeated=is_repeated)
+
+    def _is_news(self, fact: Reported) -> bool:
+        """Return whether a device that reports only changes repeats its old value: it changed twice in between."""
+        return fact.previous == fact.value and self._profile.changes >= ENOUGH
 
     def _other_role(self, fact: Reported) -> ReportRole:
         capability, value = fact.capability, fact.value

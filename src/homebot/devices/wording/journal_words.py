@@ -45,6 +45,8 @@ _LONGEST = 900.0
 
 _UNEXPLAINED = "no command explains it: somebody did it by hand, or it did so by itself"
 
+_BY_ITSELF = "it did so by itself, as usual"
+
 _FINDINGS = {
     "command": "It changed {ago}: {reason}.",
     "change": "It changed {ago}: {reason}.",
@@ -175,7 +177,9 @@ _TEXTS: Mapping[str, Callable[[JournalEntry, str], str]] = {
         f"{printable(entry.text, 60)}, which outranks the lease that holds {name} {_wanted(entry)}"
     ),
     "handed_back": lambda entry, name: f"{name} is held {_wanted(entry)} again",
-    "changed": lambda entry, name: f"{name} reported {_wanted(entry)}; no command explains it",
+    "changed": lambda entry, name: (
+        f"{name} reported {_wanted(entry)}; {_BY_ITSELF if entry.cause == 'device' else 'no command explains it'}"
+    ),
 }
 """The clause for each kind of entry, with the name of the device; for other kinds it is that of the outcome."""
 
@@ -218,7 +222,7 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
     """Return a clause that explains why the device changed."""
     last, first = chain[-1], chain[0]
     if first.kind == "changed":
-        return _UNEXPLAINED
+        return _BY_ITSELF if first.cause == "device" else _UNEXPLAINED
     issuer = issuer_text(first.issuer)
     if last.kind == "reverted":
         wanted = settings_text(first.settings)

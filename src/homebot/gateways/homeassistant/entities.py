@@ -181,8 +181,10 @@ class HomeAssistantEntities:
         return described
 
     def _part(self, entity: HomeAssistantEntity) -> Part:
+        if entity.domain != "scene":  # groups are left out, except one that stands for its device
+            return entity.part()
         members = tuple([f"#{self.registries.entity(one).part_id}" for one in entity.members])
-        return entity.part().model_copy(update={"members": members}) if members else entity.part()
+        return entity.part().model_copy(update={"members": members})
 
     def _facts(
         self, key: str, name: str, ids: list[str], sole: list[HomeAssistantEntity], known: Mapping[str, str]
