@@ -127,7 +127,7 @@ def test_a_thermostat_is_harmless_from_5_to_28_degrees(kind: str, capability: st
     allowed = [not why_not_harmless(one, one.parts[0], {capability: value}) for value in (5.0, 28.0, 4.5, 28.5)]
     assert allowed == [True, True, False, False]
     assert is_harmless(one, thermostat_mode="off")
-    assert "heating_setpoint 30.0 is not within 5 to 28 °C" in why_not_harmless(
+    assert "heating_setpoint 30 is not within 5 to 28 °C" in why_not_harmless(
         one, one.parts[0], {"heating_setpoint": 30.0}
     )
 

@@ -3,7 +3,7 @@
 from homebot.devices.device import KeyValue
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 
-__all__ = ["ApproveDevice", "DescribeCommands", "GetUnapproved", "TrustDevice"]
+__all__ = ["ApproveDevice", "ApprovedCommands", "DescribeCommands", "GetUnapproved", "TrustDevice"]
 
 
 class ApproveDeviceRequest(Message):
@@ -34,6 +34,16 @@ class ApproveDeviceResponse(ServiceAnswer):
     commands: tuple[str, ...] = ()
     changes: tuple[str, ...] = ()
     digest: str = ""
+
+
+class ApprovedCommands(Message):
+    """All approvals of the owner; the newest is kept for late joiners.
+
+    Attributes:
+        digests: The digest of each approved :class:`homebot.devices.part.CommandDescription`.
+    """
+
+    digests: tuple[str, ...] = ()
 
 
 class DescribeCommandsRequest(Message):

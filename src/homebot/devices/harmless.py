@@ -8,28 +8,18 @@ class, icon or model says what it moves, or the owner said that it is harmless.
 from collections.abc import Mapping
 from typing import Final
 
+from homebot.devices import words
 from homebot.devices.always_ask import models_of, names_of, why_it_asks
 from homebot.devices.client_rights import HARMLESS
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.names import OWNER
 from homebot.devices.value import PlainValue
-from homebot.devices.words import (
-    ALL_THAT_ASK,
-    BURNS_OR_FLOODS,
-    COVERING,
-    HEAT,
-    LAMP,
-    SIREN,
-    WINDOW,
-    Groups,
-    matching_words,
-)
 from homebot.support.folding import fold
 
 __all__ = ["why_not_harmless"]
 
 _ALWAYS: Final = frozenset({"light", "speaker", "video_player", "x_humidifier"})
-_LOADS: Final = {"fan": BURNS_OR_FLOODS, "room_air_conditioner": HEAT, "thermostat": HEAT}
+_LOADS: Final = {"fan": words.BURNS_OR_FLOODS, "room_air_conditioner": words.HEAT, "thermostat": words.HEAT}
 """What the model or name of a part of a harmless type must not say."""
 
 _SETPOINTS: Final = frozenset({"cooling_setpoint", "heating_setpoint"})
@@ -39,6 +29,7 @@ _COLDEST, _HOTTEST = 5.0, 28.0
 _OF_LAMPS: Final = frozenset({"number", "on_off", "option", "scene"})
 """Settings of a lamp, such as its effect; its buttons may reset it, its texts contain anything."""
 
+_UNKNOWN_COVER: Final = "nothing says that it is a blind, a curtain or an awning"
 _BESIDE_LAMPS: Final = frozenset({"x_scene", "x_setting"})
 
 
@@ -56,11 +47,15 @@ def why_not_harmless(device: Device, part: DevicePart, settings: Mapping[str, Pl
     if kind in _LOADS:
         return _said(device, part, _LOADS[kind]) or _why_out_of_range(settings or {})
     if kind == "window_covering":
-        is_covering = _said(device, part, COVERING) or matching_words(part.part.advertised, COVERING)
-        return _said(device, part, WINDOW) if is_covering else "nothing says that it is a blind, a curtain or an awning"
+        is_covering = _said(device, part, words.COVERING) or words.matching_words(part.part.advertised, words.COVERING)
+        return (
+            _said(device, part, words.WINDOW)
+            if is_covering
+            else "nothing says that it is a blind, a curtain or an awning"
+        )
     if kind not in {"plug", "switch"}:
         return f"its type is {kind}"
-    is_lamp = any(matching_words(one, LAMP, anywhere=True) for one in (part.part.tag, *models_of(device)))
+    is_lamp = any(words.matching_words(one, words.LAMP, anywhere=True) for one in (part.part.tag, *models_of(device)))
     return "" if is_lamp else f"nothing but its name says what this {kind} turns on"
 
 
@@ -70,18 +65,17 @@ def _is_owners_word(device: Device, part: DevicePart) -> bool:
     return HARMLESS in tags or any(route.approved for route in part.routes)
 
 
-def _said(device: Device, part: DevicePart, groups: Groups) -> str:
+def _said(device: Device, part: DevicePart, groups: words.Groups) -> str:
     """Return which class, model or name has a word of *groups*; empty if none has."""
-    found = [(text, matching_words(text, groups, anywhere=True)) for text in (part.part.tag, *models_of(device))]
-    found += [(name, matching_words(name, groups)) for name in names_of(device, part)]
-    return next((f"{text!r} says {words!r}" for text, words in found if words), "")
+    found = [(text, words.matching_words(text, groups, anywhere=True)) for text in (part.part.tag, *models_of(device))]
+    found += [(name, words.matching_words(name, groups)) for name in names_of(device, part)]
+    return next((f"{text!r} says {said!r}" for text, said in found if said), "")
 
 
 def _why_out_of_range(settings: Mapping[str, PlainValue]) -> str:
-    for name, value in settings.items():
-        if name in _SETPOINTS and not (isinstance(value, float) and _COLDEST <= value <= _HOTTEST):
-            return f"{name} {value} is not within {_COLDEST:g} to {_HOTTEST:g} °C"
-    return ""
+    wanted = {name: value for name, value in settings.items() if name in _SETPOINTS and isinstance(value, float)}
+    far = (f"{name} {value:g}" for name, value in wanted.items() if not _COLDEST <= value <= _HOTTEST)
+    return next((f"{one} is not within {_COLDEST:g} to {_HOTTEST:g} °C" for one in far), "")
 
 
 def _is_of_lamp(device: Device, part: DevicePart) -> bool:
@@ -90,4 +84,4 @@ def _is_of_lamp(device: Device, part: DevicePart) -> bool:
     kinds = {one.part.service_type for one in device.parts if one.part.category != "diagnostic"} - _BESIDE_LAMPS
     if part.part.service_type not in _BESIDE_LAMPS or not settable <= _OF_LAMPS or kinds != {"light"}:
         return False
-    return not matching_words(part.part.name or part.id, ALL_THAT_ASK | SIREN, anywhere=True)
+    return not words.matching_words(part.part.name or part.id, words.ALL_THAT_ASK | words.SIREN, anywhere=True)

@@ -103,14 +103,39 @@ def matching_words(text: str, groups: Groups, *, anywhere: bool = False) -> str:
 
 def _matching_words(text: str, groups: Groups, *, anywhere: bool) -> str:
     words = tuple(word.rstrip(_DIGITS) for word in words_of(text) if not word.isdigit())
-    spelled = "$".join((*words, ""))
-    if _VOCABULARY.isdisjoint(words) and not any(ending in spelled for ending in _ENDINGS):
+    if not _has_sign(words, groups):
         return ""  # the usual case
-    for language in _LANGUAGES:
+    for number, language in enumerate(_LANGUAGES):
+        if not _has_sign(words, groups, number):
+            continue
         for clause in _clauses(words, language):
             if found := _match(clause, language, groups, at_end=language.at_end and not anywhere):
                 return found
     return ""
+
+
+def _has_sign(words: tuple[str, ...], groups: Groups, number: int | None = None) -> bool:
+    """Return whether *words* may contain something of *groups*, in the language with *number* or in any."""
+    vocabulary, ends, pieces, ascii_pieces = _signs(groups, number)
+    if not vocabulary.isdisjoint(words):
+        return True
+    for word in words:
+        if word.endswith(ends) or any(piece in word for piece in (ascii_pieces if word.isascii() else pieces)):
+            return True
+    return False
+
+
+@lru_cache(maxsize=1024)
+def _signs(
+    groups: Groups, number: int | None
+) -> tuple[frozenset[str], tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
+    """Return the words of phrases, the ends, the pieces, and the pieces in ASCII, of words that belong to *groups*."""
+    languages = _LANGUAGES if number is None else _LANGUAGES[number : number + 1]
+    words = (phrase.words for one in languages for phrase in one.phrases if phrase.group in groups)
+    endings = [ending for one in languages for ending, group in one.endings if group in groups]
+    pieces = tuple(one for one in endings if not one.endswith("$"))
+    ends = tuple(one[:-1] for one in endings if one.endswith("$"))
+    return frozenset().union(*words), ends, pieces, tuple(filter(str.isascii, pieces))
 
 
 def _clauses(words: tuple[str, ...], language: _Language) -> Iterator[tuple[str, ...]]:
@@ -154,13 +179,10 @@ def _is_head(phrase: _Phrase, content: tuple[str, ...]) -> bool:
     return is_end or (phrase.group == "open" and len(phrase.words) == 1 and content[:1] == (*phrase.words,))
 
 
-def _read_tables() -> tuple[tuple[_Language, ...], frozenset[str], tuple[str, ...]]:
-    """Return the languages, and all words and endings of their phrases."""
+def _read_tables() -> tuple[_Language, ...]:
     tables = json.loads(Path(__file__).with_name("words.json").read_text(encoding="utf-8")).values()
     beside = tuple(word for table in tables for word in table.get("beside", ()))  # people mix languages
-    languages = tuple(_language(table, () if table.get("at_end") else beside) for table in tables)
-    vocabulary = frozenset(word for one in languages for phrase in one.phrases for word in phrase.words)
-    return languages, vocabulary, tuple(ending for one in languages for ending, _ in one.endings)
+    return tuple(_language(table, () if table.get("at_end") else beside) for table in tables)
 
 
 def _language(table: dict[str, list[str]], beside: tuple[str, ...]) -> _Language:
@@ -178,4 +200,4 @@ def _language(table: dict[str, list[str]], beside: tuple[str, ...]) -> _Language
     )
 
 
-_LANGUAGES, _VOCABULARY, _ENDINGS = _read_tables()
+_LANGUAGES = _read_tables()

@@ -1,6 +1,6 @@
 """Approvals of announced parts, each bound to the announced description of its commands. Pure."""
 
-from collections.abc import Collection, Container, Iterable, Iterator
+from collections.abc import Callable, Collection, Container, Iterable, Iterator
 from itertools import islice
 from typing import NamedTuple, final
 
@@ -31,9 +31,14 @@ class Approval(NamedTuple):
 
 @final
 class ApprovalRegistry:
-    """The approvals by gateway, key and part; they never belong to a device id or an identifier."""
+    """The approvals by gateway, key and part; they never belong to a device id or an identifier.
+
+    Attributes:
+        on_change: Called after each change.
+    """
 
     def __init__(self) -> None:
+        self.on_change: Callable[[], object] = lambda: None
         self._by_place: dict[PartPlace, Approval] = {}
 
     def __len__(self) -> int:
@@ -51,6 +56,7 @@ class ApprovalRegistry:
         changes = [(place[1], change) for place, _, change in self.of(sources) if change]
         self.discard(sources, present)
         self._by_place.update({place: Approval(description, now) for place, description in found.items()})
+        self.on_change()
         return tuple([f"{key}: {change}" for key, change in changes])
 
     def discard(self, sources: Iterable[SourceRecord], present: Container[SourceKey]) -> bool:
@@ -65,7 +71,13 @@ class ApprovalRegistry:
         places = [place for place in together if place[:2] in keys or place[:2] not in present]
         for place in places:
             del self._by_place[place]
+        self.on_change()
         return bool(places)
+
+    @property
+    def digests(self) -> tuple[str, ...]:
+        """The digests of all approved descriptions."""
+        return tuple({one.description.digest for one in self._by_place.values()})
 
     def of(self, sources: Iterable[SourceRecord]) -> Iterator[tuple[PartPlace, Approval, str]]:
         """Yield each approved part of *sources*, its approval, and the changes since then in words, empty for none."""

@@ -13,7 +13,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.clock import SLICE, TimeSlice
 from homebot.devices import GatewayNames, GatewayState, Sighting, gateway_of
+from homebot.devices.approval_messages import ApprovedCommands
 from homebot.devices.gateway_messages import Report
+from homebot.devices.names import APPROVED_COMMANDS
 from homebot.devices.services import IndexRow
 from homebot.discovery.house_rooms import HouseRooms
 from homebot.discovery.index import MAX_DEVICES, DeviceIndex
@@ -23,7 +25,15 @@ from homebot.discovery.publication import FEW, ChangePublisher
 from homebot.discovery.services import DirectoryServices
 from homebot.discovery.source_record import LostLink
 from homebot.errors import TypeMismatchError
-from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
+from homebot.graph import (
+    DurabilityPolicy,
+    EndpointInfo,
+    EntityKind,
+    Node,
+    QoSProfile,
+    Subscription,
+    qos_profile_latched,
+)
 from homebot.log import LogLimit, more_like_this
 from homebot.messages import Time
 from homebot.places import Places
@@ -98,6 +108,7 @@ class Directory:
         self._publisher = ChangePublisher(node, self.index)
         self._persistence = IndexPersistence(node, self.index, file if settings.persist else None, known)
         self._services = DirectoryServices(node, self.index, self._persistence, self._publisher.publish_some)
+        self._approved = node.create_publisher(ApprovedCommands, APPROVED_COMMANDS, qos_profile_latched)
         self._sources: set[str] = set()
         self._wakes_at = math.inf
         self._rejected = 0
@@ -111,6 +122,8 @@ class Directory:
         restarted directory do not see an empty house.
         """
         await self._persistence.load()
+        self._publish_approvals()
+        self.index.owner.approvals.on_change = self._publish_approvals
         with self._node.graph.watch() as changes:
             self._follow_all()
             self._services.register()
@@ -129,6 +142,9 @@ class Directory:
                         self._follow_all()
                     elif change.change == "added" and change.entity.kind is EntityKind.PUBLISHER:
                         self._follow(change.entity)
+
+    def _publish_approvals(self) -> None:
+        self._approved.publish(ApprovedCommands(digests=self.index.owner.approvals.digests))
 
     async def reconfigure(self, places: Places, rooms: HouseRooms) -> None:
         """Replace the statements of the configuration on rooms and devices."""

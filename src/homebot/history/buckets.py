@@ -37,12 +37,16 @@ def buckets_of(
 
     Args:
         times: Milliseconds since the Unix epoch, in the order of arrival; they may go back if the clock was set.
-        values: The value at each time; it lasts until the next one, and no longer than its bucket.
+        values: The value at each time; it lasts until the next one, and no longer than its bucket. NaN is none, and the
+            next one is no rise.
         width: Width of a bucket, in milliseconds.
     """
     sums: dict[int, list[float]] = {}
     before = values[0] if values else 0.0
     for at, value, after in zip(times, values, (*times[1:], until), strict=True):
+        if value != value:
+            before = value
+            continue
         number = at // width
         end = min((number + 1) * width, max(until, at))
         lasted = max((after if at <= after < end else end) - at, 1)

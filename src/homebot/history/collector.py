@@ -9,6 +9,7 @@ from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.house_view import HouseWatcher
 from homebot.history.batch import Batch, Place, Series, StateRow, StoredState
 from homebot.history.buckets import COUNTERS
+from homebot.history.counter import CounterTotal
 from homebot.history.sealing import MASK
 
 if TYPE_CHECKING:
@@ -34,12 +35,11 @@ _LONGEST_WORD: Final = 100
 class _CollectedValue:
     """A series with its newest value."""
 
-    __slots__ = ("changes", "is_counter", "last", "opened_at", "series", "told_at", "value")
+    __slots__ = ("changes", "opened_at", "series", "told_at", "total", "value")
 
     def __init__(self, series: Series, last: float | None) -> None:
         self.series = series
-        self.is_counter = series.place[2] in COUNTERS
-        self.last = last  # the number before a gap
+        self.total = CounterTotal(last) if series.place[2] in COUNTERS else None
         self.value: float | StoredState | None = None
         self.told_at = 0  # for a number
         self.opened_at = 0  # for a word or flag
@@ -171,10 +171,15 @@ class Collector(HouseWatcher):
         if followed.opened_at:
             self._close_state(followed, at)
         is_gap = followed.value is None or at < followed.told_at  # the clock may have been set back
-        if followed.is_counter and is_gap and followed.last is not None:
-            self._add(followed, at, followed.last)  # it may have risen in the gap
-        followed.value = followed.last = value
-        self._add(followed, at, value)
+        recorded: tuple[float, ...] = (value,)
+        if (total := followed.total) is not None:
+            if is_gap and total.last is not None:
+                self._add(followed, at, total.last)  # it may have risen in the gap
+            recorded = total.record(value, at)
+            value = value if total.last is None else total.last
+        followed.value = value
+        for one in recorded:
+            self._add(followed, at, one)
 
     def _record_state(self, followed: _CollectedValue, value: StoredState, at: int) -> None:
         if followed.opened_at:

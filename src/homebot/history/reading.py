@@ -1,5 +1,6 @@
 """Reading of the history's file: values, summaries and states in a span of time. Blocking."""
 
+import math
 import sqlite3
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
@@ -99,7 +100,8 @@ class HistoryReader:
                 pairs += zip(*decode_values(hour * HOUR, data), strict=True)
         if unsealed is not None:
             pairs += zip(*unsealed, strict=True)
-        pairs = sorted((pair for pair in pairs if span.since <= pair[0] <= span.until), key=lambda pair: pair[0])
+        fitting = (pair for pair in pairs if span.since <= pair[0] <= span.until and not math.isnan(pair[1]))
+        pairs = sorted(fitting, key=lambda pair: pair[0])
         return [at for at, _ in pairs], [value for _, value in pairs]
 
     def _fives(self, series: int, span: Span, unsealed: Points | None) -> dict[int, Bucket]:

@@ -204,3 +204,49 @@ def test_a_sleeper_has_no_last_will_and_is_not_asked() -> None:
     device = device_in(take(discovery(), "config", config(dslp=1)))
     assert device.availability is None
     assert [part.state_requests for part in device.parts] == [(), ()]
+
+
+def bus(*temperatures: float, name: str = "DS18B20", sign: str = "-") -> dict[str, Any]:
+    """Probes whose addresses are their temperatures: Tasmota numbers them in order, unless there is only one."""
+    numbered = {f"{name}{sign}{number}": one for number, one in enumerate(sorted(temperatures), 1)}
+    named = {name: temperatures[0]} if len(temperatures) == 1 else numbered
+    return {**{one: {"Id": f"3C{of:06.1f}", "Temperature": of} for one, of in named.items()}, "TempUnit": "C"}
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected"),
+    [
+        ((20.0, 60.0), (5.0, 20.0, 60.0), {"DS18B20-1": 20.0, "DS18B20-2": 60.0, "DS18B20-3C0005.0": 5.0}),
+        ((20.0, 60.0), (20.0, 30.0, 60.0), {"DS18B20-1": 20.0, "DS18B20-2": 60.0, "DS18B20-3C0030.0": 30.0}),
+        ((20.0, 60.0), (20.0, 60.0, 70.0), {"DS18B20-1": 20.0, "DS18B20-2": 60.0, "DS18B20-3": 70.0}),
+        ((20.0, 60.0, 70.0), (60.0, 70.0), {"DS18B20-2": 60.0, "DS18B20-3": 70.0}),  # one fails
+        ((20.0, 60.0), (60.0,), {"DS18B20-2": 60.0}),
+        ((20.0,), (5.0, 20.0), {"DS18B20": 20.0, "DS18B20-1": 5.0}),
+        ((20.0, 60.0), (10.0, 60.0), {"DS18B20-3C0010.0": 10.0, "DS18B20-2": 60.0}),  # one is replaced
+    ],
+)
+@pytest.mark.parametrize("sign", ["-", "_"])
+def test_a_probe_on_a_bus_keeps_its_part_when_others_come_or_go(
+    before: tuple[float, ...], after: tuple[float, ...], expected: dict[str, float], sign: str
+) -> None:
+    convention = discovery()
+    take(convention, "config", config())
+    take(convention, "sensors", {"sn": bus(*before, sign=sign), "ver": 1})
+    taken = take(convention, "sensors", {"sn": bus(*after, sign=sign), "ver": 1})
+    told = json.dumps({"Time": "now", **bus(*after, sign=sign)}).encode()
+    read = {
+        part.part.id: part.codec.read("tele/tasmota_000011/SENSOR", told, retained=False).get("temperature")
+        for part in device_in(taken).parts
+        if part.part.id.endswith("_Temperature")
+    }
+    known = {one.replace("-3C", "#").replace("-", sign).replace("#", "-3C"): of for one, of in expected.items()}
+    assert read == {f"{one}_Temperature": of for one, of in known.items()}
+
+
+def test_a_message_with_new_numbers_is_read_by_addresses_before_it_is_announced() -> None:
+    convention = discovery()
+    take(convention, "config", config())
+    (first, *_) = device_in(take(convention, "sensors", {"sn": bus(20.0, 60.0), "ver": 1})).parts[1:]
+    assert first.part.id == "DS18B20-1_Temperature"
+    told = json.dumps(bus(5.0, 20.0, 60.0)).encode()
+    assert first.codec.read("tele/tasmota_000011/SENSOR", told, retained=False) == {"temperature": 20.0}

@@ -31,7 +31,7 @@ def built(sensors: dict[str, Any] | None = None, *, fan: int = 0, **more: Any) -
         **more,
     }
     config = read_config(MAC, json.dumps(fields).encode())
-    leaves = read_leaves({"ver": 1, "sn": sensors or {}})
+    leaves = read_leaves({"ver": 1, "sn": sensors or {}}, {})
     return {one.part.id: one for one in build_parts(config, leaves) if one.part.id != "wifi"}
 
 
@@ -328,7 +328,7 @@ def test_a_blind_begins_with_its_shutter_and_a_thermometer_with_its_temperature(
 
 def test_other_leaves_are_left_out() -> None:
     assert built({"Time": "now", "Switch1": "ON", "PN532": {"UID": "1"}, "TempUnit": "C"}) == {}
-    assert read_leaves({"ver": 2, "sn": {"A": {"b": 1}}}) == ()
+    assert read_leaves({"ver": 2, "sn": {"A": {"b": 1}}}, {}) == ()
 
 
 def test_sensors_are_bounded() -> None:

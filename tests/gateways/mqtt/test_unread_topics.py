@@ -19,12 +19,17 @@ USED = ("dev/a/state", "plug/set", "+/5/+/$state")
 
 
 @asynccontextmanager
-async def looking(protocol: MqttProtocol = "auto") -> AsyncIterator[tuple[UnreadTopics, MqttClient]]:
+async def looking(protocol: MqttProtocol = "auto", **limits: int) -> AsyncIterator[tuple[UnreadTopics, MqttClient]]:
     """Listen on a broker with retained messages; a program publishes there."""
     async with MemoryBroker(random=Random(1)) as broker, anyio.create_task_group() as tasks:  # noqa: S311 - the same run each time
         options = MqttOptions.from_url(broker.url, protocol=protocol, client_id="homebot")
         unread = UnreadTopics(
-            broker.make_client, options, USED.__contains__, lambda: USED, ("zigbee2mqtt/bridge/devices", "+/+/$homie")
+            broker.make_client,
+            options,
+            USED.__contains__,
+            lambda: USED,
+            ("zigbee2mqtt/bridge/devices", "+/+/$homie"),
+            **limits,
         )
         program = broker.make_client(MqttOptions.from_url(broker.url, client_id="program"))
         async with program.connected():
@@ -92,10 +97,8 @@ async def test_a_look_lasts_a_minute_and_is_taken_again_after_an_hour() -> None:
         assert [("early" in one, "late" in one) for one in unread.notes()] == [(False, True)]
 
 
-async def test_a_flood_ends_a_look_and_names_few(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(unread_topics, "MOST_MESSAGES", 60)
-    monkeypatch.setattr(unread_topics, "MOST_TOPICS", 10)
-    async with looking() as (unread, program):
+async def test_a_flood_ends_a_look_and_names_few() -> None:
+    async with looking(most_messages=60, most_topics=10) as (unread, program):
         await publish(program, *(f"p{number}/x" for number in range(20)), times=3)
         await publish(program, *(f"p{number}/x" for number in range(20)), times=10)
         (note,) = unread.notes()

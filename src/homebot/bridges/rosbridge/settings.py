@@ -62,12 +62,11 @@ class ClientToken(BaseModel):
 class DoorSettings(AccessSettings):
     """The settings of the door.
 
-    If there is a ``token``, or others can reach the ``host``, every client must send one of the tokens.
+    If there is a ``token``, or others can reach the ``host``, every client must send one of the tokens. Of 64 clients,
+    one token has at most 48 from one address, and two are kept for the right ``manage``.
 
     Attributes:
         tokens: Tokens of single programs by name. The ``token`` has every right.
-        max_clients: Most clients at a time; one more is refused. Of 64, one token has at most 48 from one address, and
-            two are kept for the right ``manage``.
         scope: Rights of a client without a token. By default ``read`` and what is known to be harmless.
         max_frame_bytes: Largest frame from a client; a larger one closes its connection. A frame has at most 20,000
             values, plus a million numbers in long lists.

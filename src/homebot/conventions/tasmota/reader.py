@@ -53,6 +53,7 @@ class TasmotaReader:
         self._prefix = prefix
         self._waiting: BoundedMap[str, tuple[Leaf, ...]] = BoundedMap(MAX_WAITING)
         self._known: dict[str, _KnownTasmota] = {}
+        self._probes: BoundedMap[str, dict[str, str]] = BoundedMap(MAX_DEVICES)
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - announcements are retained
         """Return the description of a device; nothing before its ``config``."""
@@ -75,7 +76,8 @@ class TasmotaReader:
         return self._announce(mac, config, self._waiting.pop(mac, ()))
 
     def _on_sensors(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        leaves = read_leaves(parse_object(payload)) if payload else ()
+        self._probes[mac] = probes = self._probes.get(mac, {})
+        leaves = read_leaves(parse_object(payload), probes) if payload else ()
         known = self._known.get(mac)
         if known is not None:
             return () if leaves == known.leaves else self._announce(mac, known.config, leaves)

@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, as_fields, clean_text, is_unknown
+from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, as_fields, clean_text, is_unknown, text_of
 from homebot.conventions.tasmota.config import TasmotaConfig, sensor_values
 from homebot.conventions.units import Quantity, quantity
 from homebot.conventions.unreadable import unreadable
@@ -115,28 +115,35 @@ class Leaf:
     Attributes:
         is_number: Whether it is announced as a number.
         is_internal: Whether it is the temperature of the device itself, not of the room.
+        probe: The address of its probe on a bus, by which it is found in messages; empty for none.
     """
 
     path: Path
     quantity: Quantity
     is_number: bool
     is_internal: bool = False
+    probe: str = ""
 
 
-def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
-    """Return the leaves of the ``sensors`` message; empty for another version. Long names are ignored."""
+def read_leaves(message: Mapping[str, object], probes: dict[str, str]) -> tuple[Leaf, ...]:
+    """Return the leaves of the ``sensors`` message; empty for another version. Long names are ignored.
+
+    Args:
+        probes: The names of probes on a bus by address, which keep those of their first message: Tasmota numbers them
+            anew when one is added. New ones are added to it.
+    """
     sensors = message.get("sn")
     if message.get("ver") != 1 or not isinstance(sensors, dict):
         return ()
     leaves: list[Leaf] = []
-    for path, value in _leaves(sensors):
+    for path, value, probe in _leaves(sensors, probes):
         if len(leaves) == MOST_SENSORS:
             break
         if any(len(step) > _MAX_KEY for step in path if isinstance(step, str)):
             continue
         found = _quantity_of(path, sensors)
         is_internal = found.capability == "temperature" and _is_inside(str(path[0]), sensors)
-        leaves.append(Leaf(path, found, finite_number(value) is not None, is_internal))
+        leaves.append(Leaf(path, found, finite_number(value) is not None, is_internal, probe))
     return tuple(leaves)
 
 
@@ -159,7 +166,7 @@ def describe_sensors(config: TasmotaConfig, leaves: Iterable[Leaf]) -> Iterable[
         )
         capability = quantity.capability if is_number else "value"
         for topic in config.sensors:
-            part.read_from(topic, partial(_read, leaf.path, capability, quantity))
+            part.read_from(topic, partial(_read, leaf, capability))
         part.add_capability(capability, unit=quantity.unit if is_number else "")
         part.add_state_request(*config.sensor_requests)
         yield part.build()
@@ -189,21 +196,33 @@ _MAX_ID = 255
 _MAX_VALUE = 255
 
 
-def _leaves(sensors: Mapping[str, object]) -> Iterable[tuple[Path, object]]:
-    for name, sensor in sensors.items():
-        if name in _IGNORED or not isinstance(sensor, dict):
+def _leaves(sensors: Mapping[str, object], probes: dict[str, str]) -> Iterable[tuple[Path, object, str]]:
+    for announced, sensor in sensors.items():
+        if announced in _IGNORED or not isinstance(sensor, dict):
             continue
+        probe = text_of(sensor.get("Id"), _MAX_KEY)
+        name = _name_of(announced, probe, probes) if probe else announced
         for key, value in sensor.items():
             if isinstance(value, dict):
-                yield from (((name, key, inner), one) for inner, one in value.items())
+                yield from (((name, key, inner), one, probe) for inner, one in value.items())
             elif isinstance(value, list):
-                yield from (((name, key, place), one) for place, one in enumerate(value))
+                yield from (((name, key, place), one, probe) for place, one in enumerate(value))
             else:
-                yield (name, key), value
+                yield (name, key), value, probe
 
 
-def _read(path: Path, capability: str, quantity: Quantity, message: JsonMessage) -> Readings:
-    found, value = _at(path, sensor_values(message))
+def _name_of(announced: str, probe: str, probes: dict[str, str]) -> str:
+    by_address = f"{re.split('[-_]', announced)[0]}-{probe}"  # SetOption64 is the sign between
+    if probe not in probes and len(probes) < MOST_SENSORS:
+        probes[probe] = by_address if announced in probes.values() else announced
+    return probes.get(probe, by_address)
+
+
+def _read(leaf: Leaf, capability: str, message: JsonMessage) -> Readings:
+    sensors = sensor_values(message)
+    if leaf.probe:
+        sensors = {str(leaf.path[0]): one for one in sensors.values() if as_fields(one).get("Id") == leaf.probe}
+    found, value = _at(leaf.path, sensors)
     if not found:
         return NO_READINGS
     if value is None:
@@ -213,7 +232,7 @@ def _read(path: Path, capability: str, quantity: Quantity, message: JsonMessage)
     number = finite_number(value)
     if number is None:
         return {capability: None} if is_unknown(value) else unreadable(value, "a number")
-    return {capability: quantity.value(number)}
+    return {capability: leaf.quantity.value(number)}
 
 
 def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:

@@ -170,6 +170,7 @@ class StoredAnnouncement:
 
     Attributes:
         excess: Bytes beyond the length that its number of parts justifies.
+        since: Its place in the order of announcements with these topics; 0 if it was retained, as their order is lost.
         stale_after: Seconds of silence after which it counts as stale; 0 for the gateway's default.
         reachability: Reported reachability of the device (``""``) and of the parts that report it.
         is_confirmed: Whether the last sighting was a sign of life of the device itself.
@@ -184,6 +185,7 @@ class StoredAnnouncement:
     key: str
     described: DeviceAnnounced
     excess: int = 0
+    since: int = 0
     stale_after: float = 0.0
     parts: dict[str, AnnouncedPart] = field(init=False)
     reachability: Mapping[str, SharedReachability] = field(init=False)
@@ -208,6 +210,16 @@ class StoredAnnouncement:
     def publishes_the_same(self, other: StoredAnnouncement) -> bool:
         """Return whether the graph would see no difference."""
         return self.template.model_copy(update=_UNPUBLISHED) == other.template.model_copy(update=_UNPUBLISHED)
+
+    def has_topics_of(self, other: StoredAnnouncement) -> bool:
+        """Return whether it reads and writes the topics of *other*, and no more."""
+        return self._topics() == other._topics()
+
+    def _topics(self) -> frozenset[str]:
+        one = self.described
+        available = [two for two in (one.availability, *(part.availability for part in one.parts)) if two is not None]
+        parts = [topic for part in one.parts for topic in (*part.part.reads, *part.part.writes)]
+        return frozenset((*parts, *(source.topic for two in available for source in two.sources)))
 
     def report_stream(self, *source: object) -> str:
         """Return the name of the report stream of *source*: an address, and the names of the reported values.

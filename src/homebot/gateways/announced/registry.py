@@ -165,7 +165,7 @@ class DeviceRegistry:
         self.by_key: dict[str, StoredAnnouncement] = {}
         self.derived = DerivedAnnouncements()
         self._limits = limits
-        self._parts = 0
+        self._parts = self._announced = 0
         self._devices: dict[tuple[str, ...], int] = {}  # announcements by identifiers; one without any is a device
         self.excess = 0
 
@@ -174,11 +174,12 @@ class DeviceRegistry:
         """Estimated bytes of all announcements."""
         return _ANNOUNCEMENT * len(self.by_key) + _PART * self._parts + _DEVICE * len(self._devices)
 
-    def put(self, described: DeviceAnnounced, length: int = 0) -> RegistryChange:
+    def put(self, described: DeviceAnnounced, length: int = 0, *, is_retained: bool = False) -> RegistryChange:
         """Register *described*, replacing an earlier one of the same key.
 
         Args:
             length: Bytes of its message; 0 if unknown, or if the message describes several devices.
+            is_retained: Whether it was announced before, nobody knows when.
 
         Raises:
             WireError: It exceeds a limit: of parts, announcements, length or memory. The earlier announcement stays.
@@ -189,7 +190,10 @@ class DeviceRegistry:
         excess = excess_of(described, length)
         if excess:
             self._check_excess(described.key, excess, 0 if before is None else before.excess)
-        stored = StoredAnnouncement(self.gateway, key, described, excess)
+        self._announced += 1
+        stored = StoredAnnouncement(self.gateway, key, described, excess, 0 if is_retained else self._announced)
+        if before is not None and stored.has_topics_of(before):
+            stored.since = before.since
         refused, readers = self._enter(stored, before)
         if before is not None:
             stored.copy_state(before)

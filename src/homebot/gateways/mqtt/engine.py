@@ -18,8 +18,9 @@ from homebot.conventions.convention import Convention, ProblemReportingConventio
 from homebot.conventions.description import begin_message
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.devices import RawCommand, RawMessage
+from homebot.devices.approval_messages import ApprovedCommands
 from homebot.devices.health import Count, HealthResponse
-from homebot.devices.names import ROBOTS_NODE
+from homebot.devices.names import APPROVED_COMMANDS, ROBOTS_NODE
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader
 from homebot.gateways.announced.command_server import CommandServer
@@ -38,6 +39,7 @@ from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber
 from homebot.gateways.mqtt.unread_topics import UnreadTopics
+from homebot.graph import qos_profile_latched
 from homebot.mqtt.client import MqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
@@ -102,6 +104,12 @@ class AnnouncedDevices:
         self._subscriber = Subscriber(engine, self._topics, self._registry, conventions)
         self._announcements = AnnouncementHandler(
             gateway.node.graph.clock, engine, self._registry, reserved, self._subscriber
+        )
+        gateway.node.create_subscription(
+            ApprovedCommands,
+            APPROVED_COMMANDS,
+            lambda approved: self._registry.set_approved(approved.digests),
+            qos_profile_latched,
         )
         self.offers = Offers(gateway, publishers, self.quarantine)
         publisher = CommandPublisher(engine, connection, responses)

@@ -187,7 +187,7 @@ class AnnouncementHandler:
                 RESERVED, f"{described.key} receives no commands on {told}", source=message.topic
             )
         try:
-            change = self._registry.put(described, length)
+            change = self._registry.put(described, length, is_retained=message.retain)
         except WireError:
             self._counters.devices_refused += 1
             raise

@@ -90,6 +90,11 @@ class AnnouncementRegistry(DeviceRegistry):
         self._routes = _Routes(self._find)
         self.route = self._routes.__getitem__
 
+    def set_approved(self, digests: Iterable[str]) -> None:
+        """Read nothing more where approved commands may contain codes: those with *digests*."""
+        self.commands.approved = frozenset(digests)
+        self._routes.clear()
+
     def is_read(self, topic: str) -> bool:
         """Return whether a part or an availability reader reads *topic*."""
         return topic in self._texts or self._readers.has_match(topic)

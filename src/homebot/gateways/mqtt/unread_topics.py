@@ -16,12 +16,6 @@ __all__ = ["UnreadTopics"]
 
 LISTENS_FOR: Final = 60.0
 LISTENS_EVERY: Final = 3600.0
-MOST_MESSAGES: Final = 5_000
-"""Messages after which a look ends early."""
-
-MOST_TOPICS: Final = 2_000
-"""Topics that one look counts; messages on further ones are left out."""
-
 _LIMITS: Final = {"maximum_packet_size": 64 * 1024, "inbox_messages": 1_000, "session_expiry": 0}
 """Limits of the client: the broker leaves out large messages, such as pictures."""
 
@@ -39,6 +33,8 @@ class UnreadTopics:
         is_read: Returns whether a topic is read.
         used: Returns all topics and filters that are read or commanded.
         announced: The filters of announcements.
+        most_messages: Messages after which a look ends early.
+        most_topics: Topics that one look counts; messages on further ones are left out.
     """
 
     def __init__(
@@ -48,11 +44,14 @@ class UnreadTopics:
         is_read: Callable[[str], object],
         used: Callable[[], Iterable[str]],
         announced: Iterable[str],
+        most_messages: int = 5_000,
+        most_topics: int = 2_000,
     ) -> None:
         own: dict[str, Any] = {"client_id": f"{options.client_id[:200]}-look", **_LIMITS}
         self._client = make_client(replace(options, **own))
         self._is_read = is_read
         self._used = used
+        self._most_messages, self._most_topics = most_messages, most_topics
         self._programs = {"homebot", *(one.partition("/")[0] for one in announced)}
         self._counts: Counter[str] = Counter()
 
@@ -87,9 +86,9 @@ class UnreadTopics:
             await self._client.subscribe(MqttSubscription("#", retain_handling=2))
             self._counts.clear()
             with anyio.move_on_after(LISTENS_FOR):
-                while self._counts.total() < MOST_MESSAGES:
+                while self._counts.total() < self._most_messages:
                     for topic in [one.topic for one in await self._client.receive()]:
-                        if topic in self._counts or len(self._counts) < MOST_TOPICS:
+                        if topic in self._counts or len(self._counts) < self._most_topics:
                             self._counts[topic] += 1
 
 
