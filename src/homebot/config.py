@@ -12,7 +12,8 @@
     [discovery]
     [control]                        # how long commands wait for devices to answer
     [history]                        # how long measurements are kept
-    [notify]                         # where notifications of apps are sent
+    [notify]                         # where notifications of apps and alerts are sent
+    [alerts]                         # after how long people are told of what is wrong
     [places.rooms.Hall]              # rooms, and the devices in them
     floor = "Downstairs"
     [robots.rosie]                   # one table per robot: where its pose comes from
@@ -22,16 +23,18 @@
 The table of a gateway or app belongs to its plug-in: :func:`parse_settings` checks it with the plug-in's model.
 """
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Self, TypeAlias, TypeVar, get_args, get_origin
+from typing import Annotated, Literal, Self, TypeAlias, TypeVar, get_args, get_origin
 from zoneinfo import available_timezones
 
 from pydantic import (
     AfterValidator,
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     ValidationError,
@@ -48,9 +51,11 @@ from homebot.errors import ConfigError, HomebotError, InvalidNameError, UsageErr
 from homebot.names import validate_node_name
 from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean, unknown_key
+from homebot.units import DURATION
 
 __all__ = [
     "UNNAMED",
+    "AlertKey",
     "Config",
     "FilePath",
     "HomeSettings",
@@ -131,6 +136,16 @@ class HomeSettings(BaseModel):
         return self
 
 
+def _or_never(value: object) -> object:
+    return math.inf if value is False else value
+
+
+AlertKey: TypeAlias = Literal[
+    "smoke", "co", "gas", "leak", "alarm", "gateway", "tamper", "problem", "door", "unreachable", "silent", "battery"
+]
+_Delay: TypeAlias = Annotated[float, DURATION, BeforeValidator(_or_never), Field(ge=0)]
+
+
 class Config(BaseModel):
     """The configuration of a homebot, as in ``homebot.toml``.
 
@@ -138,6 +153,7 @@ class Config(BaseModel):
         door: The address at which rosbridge clients reach this homebot; empty for the default.
         history: The table ``[history]``: which measurements are kept, and how long; None for the defaults.
         notify: The table ``[notify]``: where notifications of apps are sent; None to only log them.
+        alerts: The table ``[alerts]``: seconds after which people are told of each kind; false for never.
         thing_directory: The table ``[thing_directory]``, which serves the devices over HTTP; None for none.
         source: The file, or another source of the values, for error messages.
         folder: The base folder of relative paths: that of the file.
@@ -153,6 +169,7 @@ class Config(BaseModel):
     control: Table = Field(default_factory=dict)
     history: Table | None = None
     notify: Table | None = None
+    alerts: dict[AlertKey, _Delay] = Field(default_factory=dict)
     places: Table = Field(default_factory=dict)
     robots: dict[str, Table] = Field(default_factory=dict)
     ros: Table = Field(default_factory=dict)
@@ -188,8 +205,8 @@ def load_tables(path: Path, *, may_be_cut: bool = False) -> dict[str, object]:
             raise ConfigError(
                 source,
                 name,
-                "unknown key; known are home, gateways, apps, door, discovery, control, history, notify, places, "
-                "robots, ros, thing_directory",
+                "unknown key; known are home, gateways, apps, door, discovery, control, history, notify, alerts, "
+                "places, robots, ros, thing_directory",
             )
     return tables
 
@@ -274,7 +291,7 @@ def _shortened(value: object) -> str:
 
 def _config_error(model: type[BaseModel], error: ErrorDetails, source: str, key: str) -> ConfigError:
     """Return *error*, about a value in the table *key*, with a text for people."""
-    path = ".".join(part for part in (key, *(str(part) for part in error["loc"])) if part)
+    path = ".".join(part for part in (key, *(str(part) for part in error["loc"])) if part and part != "[key]")
     table = _model_at(model, error["loc"][:-1])
     if error["type"] in _TABLE_ERRORS:
         reason = _table_reason(path, is_element=isinstance(error["loc"][-1], int))

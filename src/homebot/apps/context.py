@@ -27,6 +27,7 @@ class AppContext:
         store_of: Returns the store of an app by its name; in memory by default.
         keeps_values: Returns whether an app may have values from an earlier run.
         notify: Sends people a message, with its title and the name of the app; returns whether it was sent.
+        notifies: Whether there is a way to send messages; else they are only logged.
         asleep: Returns the seconds for which the computer was suspended, while the monotonic clock stood still.
     """
 
@@ -36,6 +37,7 @@ class AppContext:
     store_of: Callable[[str], Store] = Store
     keeps_values: Callable[[], bool] = lambda: False
     notify: Callable[[str, str, str], Awaitable[bool]] = _send_nowhere
+    notifies: bool = False
     asleep: Callable[[], float] = float
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import logging
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime, tzinfo
 from functools import partial
@@ -106,7 +107,7 @@ class Notifier:
         self.trouble = ""
 
     async def send(self, message: str, title: str, app: str, zone: tzinfo) -> bool:
-        """Send a message of *app*, truncated to 4,000 characters; return whether each service accepted it."""
+        """Send a message of *app*, truncated to 4,000 characters; return whether a service accepted it."""
         time = datetime.fromtimestamp(self._clock.now(), zone)
         one = Notification(str(message)[:_LONGEST], str(title)[:_LONGEST_TITLE], app, time)
         limit = self._limits[app] = self._limits.get(app) or RateLimit(_PER_SECOND, _AT_ONCE)
@@ -119,33 +120,34 @@ class Notifier:
         hint = "" if self._settings or self.recent else f" ({_LOG_ALONE})"
         self.recent.append(one)
         self._node.log.info(SENT, message=f"{app} notifies: {one.text}{hint}", app=app)
-        problems = [problem for problem in (await self._publish(one), await self._push(one)) if problem]
-        self.trouble = "; ".join(problems)
+        problems = [*await self._publish(one), *await self._push(one)]
+        self.trouble = "; ".join(dict.fromkeys(problems))
         if problems:
             self.failed += 1
             self._node.log.error(NOT_SENT, message=f"a notification of {app} was not sent: {self.trouble}", app=app)
-        return self._settings is not None and not problems
+        return self._settings is not None and len(problems) < bool(self._output) + len(self._settings.urls)
 
-    async def _publish(self, notification: Notification) -> str:
+    async def _publish(self, notification: Notification) -> tuple[str, ...]:
         if self._output is None or self._settings is None:
-            return ""
+            return ()
         if problem := self._output.refusal() or self._output.unavailable:
-            return f"{self._settings.gateway}: {problem}"
+            return (f"{self._settings.gateway}: {problem}",)
         payload = asdict(notification) | {"time": notification.time.isoformat(timespec="seconds")}
         text = json.dumps(payload, ensure_ascii=False)
         await self._output.out.send(RawCommand(address=self._settings.address, payload=text, issuer=notification.app))
-        return "" if self._output.out.reaches(self._output.node) else f"gateway {self._settings.gateway} is not running"
+        is_running = self._output.out.reaches(self._output.node)
+        return () if is_running else (f"gateway {self._settings.gateway} is not running",)
 
-    async def _push(self, notification: Notification) -> str:
+    async def _push(self, notification: Notification) -> Sequence[str]:
         if self._settings is None or not self._settings.urls:
-            return ""
+            return ()
         send = partial(_push, self._settings.urls, notification.message, notification.title)
         with anyio.move_on_after(_APPRISE_LIMIT):
             return await to_thread.run_sync(send, limiter=self._threads, abandon_on_cancel=True)
-        return f"apprise did not answer within {_APPRISE_LIMIT:g} s"
+        return [f"apprise did not answer within {_APPRISE_LIMIT:g} s"] * len(self._settings.urls)
 
 
-def _push(urls: tuple[SecretStr, ...], message: str, title: str) -> str:
+def _push(urls: tuple[SecretStr, ...], message: str, title: str) -> list[str]:
     """Send a message to each of *urls* with apprise, blocking; return the problems.
 
     The addresses contain passwords, so neither problems nor log lines show them.
@@ -165,4 +167,4 @@ def _push(urls: tuple[SecretStr, ...], message: str, title: str) -> str:
                 problems.append(f"{service.service_name} ({name}) did not answer, or refused it")
         except Exception as exc:  # noqa: BLE001 - a plug-in of apprise; its text may have the address
             problems.append(f"{name} failed ({type(exc).__name__})")
-    return "; ".join(problems)
+    return problems

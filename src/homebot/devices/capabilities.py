@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from homebot.devices.value import PlainValue
 
 __all__ = [
+    "ALERTING",
     "CAPABILITIES",
     "EVENTS",
     "LIGHTS_UP",
@@ -347,6 +348,14 @@ SETTABLE: frozenset[str] = frozenset(
     }
 )
 """Names of capabilities that people and programs set; measurements change all the time and need no reason."""
+
+ALERTING: frozenset[str] = frozenset(
+    {
+        *("smoke", "heat", "carbon_monoxide_alarm", "gas", "water_leak", "tamper", "problem", "safety", "freeze"),
+        *("contact", "battery", "battery_low"),
+    }
+)
+"""Names of further capabilities that :data:`homebot.devices.alerts.ALERTS` are about."""
 
 LIGHTS_UP: Final = frozenset({"level", "color", "color_temperature", "effect"})
 """Capabilities that turn a light on."""

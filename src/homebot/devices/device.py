@@ -246,6 +246,8 @@ class DeviceChange(Message):
 class ChangedSetting(Message):
     """A new value of something that people and programs set (:data:`homebot.devices.capabilities.SETTABLE`).
 
+    Or of something that alerts are about (:data:`homebot.devices.capabilities.ALERTING`).
+
     Attributes:
         was_absent: Whether the device was unreachable since the value before, so that it may have changed by itself.
     """

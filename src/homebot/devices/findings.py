@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 from homebot.messages.message import Message, UInt32
 
-__all__ = ["Finding", "FindingKind", "FindingRow", "Row"]
+__all__ = ["Finding", "FindingKind", "FindingRow", "Findings", "Row"]
 
 Row: TypeAlias = tuple[str, str]
 """The fields of a :class:`FindingRow`."""
@@ -43,8 +43,14 @@ class Finding(Message):
     hint: str = ""
 
 
+class Findings(Message):
+    """The present alerts of the house, the worst first."""
+
+    findings: tuple[Finding, ...]
+
+
 class FindingKind(Enum):
-    """The table of all kinds; a code is never reused.
+    """The table of all kinds, the worst first; a code is never reused.
 
     Attributes:
         title: With ``{}`` for the part of homebot; empty if the reason says everything.
@@ -52,37 +58,43 @@ class FindingKind(Enum):
         is_problem: Whether it is a problem rather than a note.
     """
 
+    SMOKE = "HB421", "smoke or heat", "is there a fire? get out, and call the fire brigade"
+    CO = "HB422", "carbon monoxide", "open windows, get out, and call for help"
+    GAS = "HB423", "gas", "no flame and no switch; open windows, get out, and call for help"
+    LEAK = "HB424", "leak", "turn the water off"
+    ALARM = "HB425", "alarm", "homebot why DEVICE shows the reports"
     CONFIGURATION = "HB101", "wrong configuration", "correct it, then: homebot config check"
     EXTRA = "HB102", "missing library", ""
     FOLDER = "HB103", "folder for data", "make it yours, or name another one in HOMEBOT_DATA"
     FILE = "HB104", "kept file", "install the newer homebot again, or: homebot restore BACKUP"
     PORT = "HB105", "port", "if homebot is already running, ask it: homebot doctor"
-    SECRET = "HB106", "secret", "", False
     NETWORK = "HB107", "not reachable", ""
+    GATEWAY = "HB302", "", ""
+    SILENT_GATEWAY = "HB301", "", "wait a minute, then see homebot's log"
     TROUBLE = "HB201", "problem of {}", ""
     GIVEN_UP = "HB202", "given up by {}", "fix the cause in the log, then: homebot app reload APP, or restart homebot"
+    TAMPER = "HB426", "tampering", "is its case open, or is it off the wall?"
+    PROBLEM = "HB427", "problem", "homebot show DEVICE"
+    DOOR = "HB428", "open for long", "close it"
+    UNREACHABLE = "HB402", "unreachable", "battery, power, range?"
+    STALE = "HB401", "stale", "battery, power, range? if it is gone for good: homebot forget DEVICE"
+    DISPUTED = "HB403", "disputed", "homebot show DEVICE shows both sides; homebot forget DEVICE ends it"
+    BATTERY = "HB404", "weak battery", "change or charge it"
     FAILURE = "HB203", "failures in {} since it started", "the log has each with its traceback: report or fix it"
     LOSS = "HB204", "counted by {} in the last ten minutes", "the log and homebot journal tell more"
     QUARANTINE = "HB205", "quarantined by {}, which reads only some of their messages", "fix or remove the sender"
+    UNREADABLE = "HB407", "sends what its announcement does not explain", "correct the device or its announcement"
+    SECRET = "HB106", "secret", "", False
     NOTE = "HB206", "note on {}", "", False
     COUNT = "HB207", "counted by {} since it started", "", False
-    SILENT_GATEWAY = "HB301", "", "wait a minute, then see homebot's log"
-    GATEWAY = "HB302", "", ""
-    STALE = "HB401", "stale", "battery, power, range? if it is gone for good: homebot forget DEVICE"
-    UNREACHABLE = "HB402", "unreachable", "battery, power, range?"
-    DISPUTED = "HB403", "disputed", "homebot show DEVICE shows both sides; homebot forget DEVICE ends it"
-    BATTERY = "HB404", "weak battery", "change or charge it", False
-    NO_ROOM = "HB405", "without room", "homebot place DEVICE ROOM", False
-    NO_GATEWAY = (
-        "HB406",
-        "found, and not used yet",
-        "restart homebot after a new table; docs/protocols.md has each gateway",
+    NAMES = (
+        "HB408",
+        "several names for one identifier: perhaps several devices",
+        "give each device an identifier of its own in its announcements; meanwhile its parts have these names",
         False,
     )
-
-    UNREADABLE = "HB407", "sends what its announcement does not explain", "correct the device or its announcement"
-
-    NAMES = "HB408", "several names for one identifier", "one device or several? docs/operate.md has the remedy", False
+    NO_ROOM = "HB405", "without room", "homebot place DEVICE ROOM", False
+    NO_GATEWAY = "HB406", "found, and not used yet", "restart homebot after a new table: docs/protocols.md", False
 
     def __init__(self, code: str, title: str, next_step: str, is_problem: bool = True) -> None:  # noqa: FBT001, FBT002 - a row
         self.code = code

@@ -23,6 +23,7 @@ DEVICE_CHANGES = "/discovery/changes"
 DEVICE_STATES = "/discovery/states"
 DEVICE_SETTINGS = "/discovery/settings"
 APPROVED_COMMANDS = "/discovery/approved"
+ALERT_FINDINGS = "/alerts/findings"
 DISCOVERY_HEALTH = "/discovery/health"
 RUNTIME_HEALTH = "/homebot/health"
 EXPORT_INDEX = "/discovery/export_index"
@@ -58,6 +59,7 @@ READ_RECORDING = "/homebot/recorder/read"
 ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
 OWN_NAMESPACES = frozenset(
     {
+        "alerts",
         "apps",
         "broker",
         "control",

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Container, Generator, Iterable, Iterator
 from math import inf
 from operator import attrgetter
 from typing import Final, TypeAlias, final
 
 from homebot.devices import DevicePart, Fact
-from homebot.devices.capabilities import EVENTS, SETTABLE
+from homebot.devices.capabilities import ALERTING, EVENTS, SETTABLE
 from homebot.devices.device import ChangedSetting
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.names import UNREADABLE
@@ -35,6 +35,8 @@ _NewValue: TypeAlias = tuple[tuple[str, str], Reading, StoredValue]
 
 _MOST_CHANGED: Final = 10_000
 """Most changed settings waiting to be popped; further ones are dropped and counted as lost states."""
+
+_REPORTED: Final = SETTABLE | ALERTING
 
 _Waiting: TypeAlias = tuple[Entry, SourceRecord, Reading, Time, bool, StoredValue]
 """The device, its announcement, the first new value, the time of that, whether it was away, and the newest value."""
@@ -199,8 +201,8 @@ class StateRecorder:
         if len(entry.sources) > 1:
             for place, _, stored in new:
                 self._post(entry, source, place, stored)
-        if live and table.changes.collects_settings:
-            self._settings.record(entry, source, new)
+        if table.changes.collects_settings:
+            self._settings.record(entry, source, new, _REPORTED if live else ALERTING)
         if not table.changes.collects_states:
             return
         merged = entry.parts(table.topics)
@@ -307,11 +309,11 @@ class SettingChanges:
         self._table = table
         self.waiting: dict[int, _Waiting] = {}
 
-    def record(self, entry: Entry, source: SourceRecord, new: Iterable[_NewValue]) -> None:
-        """Record the new live values of *source*."""
+    def record(self, entry: Entry, source: SourceRecord, new: Iterable[_NewValue], wanted: Container[str]) -> None:
+        """Record the new values of *source* for the *wanted* capabilities."""
         waiting = self.waiting
         for place, reading, stored in new:
-            if place[1] not in SETTABLE or id(stored) in waiting:
+            if place[1] not in wanted or id(stored) in waiting:
                 continue
             if len(waiting) < _MOST_CHANGED:
                 waiting[id(stored)] = entry, source, reading, stored.since, stored.was_absent, stored

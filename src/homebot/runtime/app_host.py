@@ -53,6 +53,7 @@ class AppHost:
             store_of=lambda app: self._app_stores().of(app),
             keeps_values=lambda: self._stores is not None,
             notify=self._notify,
+            notifies=plan.notify is not None,
             asleep=clock.asleep if isinstance(clock, LoopClock) else float,
         )
 

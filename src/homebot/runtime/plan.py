@@ -55,6 +55,7 @@ _DOORS = "control.presence_guard.doors"
 
 OWN_NODES = frozenset(
     {
+        "alerts",
         "apps",
         "control",
         "discovery",

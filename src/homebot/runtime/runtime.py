@@ -11,6 +11,7 @@ from dataclasses import KW_ONLY, dataclass, replace
 from datetime import datetime
 from functools import partial
 from http import HTTPStatus
+from importlib import import_module
 from pathlib import Path
 from random import Random
 from types import TracebackType
@@ -63,8 +64,8 @@ APPS = "runtime.apps"
 NO_OWNER = "runtime.no_owner_token"
 STOPPING = "runtime.stopping"
 
-_HISTORY_AFTER = 2.0
-"""Seconds after which the history begins, so that it does not delay the start, and devices are known."""
+_LATER = 2.0
+"""Seconds after which alerts and the history begin, so that they do not delay the start, and devices are known."""
 
 ServiceT = TypeVar("ServiceT")
 
@@ -280,6 +281,8 @@ class Runtime:
         if self.record_into is not None:
             yield running("recorder", partial(self._record, self.record_into))
         yield self.app_manager.running(self._plan.apps, lambda: self._start_is_cut)
+        if not self.is_dry_run and self.rehearsal is None:
+            yield running("alerts", self._alerts)
         if self.watches_apps:
             yield running("app_watch", self.app_manager.reload_changed)
         if self._plan.keeps_history(by_default=self.index_file is not None or self.house is not None):
@@ -342,9 +345,16 @@ class Runtime:
             )
             await run_as(node.full_name, partial(self._controller.serve, task_status=task_status))
 
+    async def _alerts(self, *, task_status: TaskStatus[None]) -> None:
+        task_status.started()
+        await anyio.sleep(_LATER)
+        module = import_module("homebot.apps.alerts")
+        component = PlannedComponent("alerts", module.Alerts, module.AlertsSettings(told_after=self.config.alerts))
+        await self.app_host.serve(component, task_status=anyio.TASK_STATUS_IGNORED)
+
     async def _history(self, *, task_status: TaskStatus[None]) -> None:
         task_status.started()
-        await anyio.sleep(_HISTORY_AFTER)
+        await anyio.sleep(_LATER)
         from homebot.history.history import keep_history  # noqa: PLC0415 - the start does without
 
         index = self.index_file if self._plan.discovery.persist else None

@@ -5,19 +5,21 @@ from __future__ import annotations
 import re
 from collections import deque
 from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping
+from operator import attrgetter
 from typing import NamedTuple, TypeVar
 
 import anyio
 
 from homebot.devices import QUERY_DEVICES, Device, GatewayState, QueryDevices
+from homebot.devices.alerts import ALERTS, MOST_SHOWN, alerts_of, findings_of
 from homebot.devices.findings import Finding, FindingKind, Row
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
 from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, SENDS_NOTHING, SEVERAL_NAMES, UNREADABLE, GatewayNames
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.terms import Query
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.devices.wording.time_format import age, ago
-from homebot.devices.wording.values import plain_value
 from homebot.errors import ServiceError
 from homebot.graph import EntityKind, Node, qos_profile_latched
 from homebot.messages.message import Message, ServiceType, UInt32
@@ -28,19 +30,8 @@ _ANSWERS_WITHIN = 2.0
 """Seconds for the state of a gateway that has just started, which is kept for late joiners, and for a node's health."""
 
 _FAULTS = (
-    "rejected",
-    "refused",
-    "failed",
-    "dropped",
-    "oversize",
-    "failures",
-    "ignored",
-    "deferred",
-    "quarantines",
-    "damaged",
-    "cut",
-    "lost",
-    "late",
+    *("rejected", "refused", "failed", "dropped", "oversize", "failures", "ignored"),
+    *("deferred", "quarantines", "damaged", "cut", "lost", "late"),
 )
 """How the names of counts begin or end that should be 0."""
 
@@ -50,8 +41,10 @@ _ILLS = ("commands_failed", "failures", "dropped", "lost")
 _LOOK_EVERY = 300.0
 """Seconds between two looks at the counts: what they count since the look before the last is new."""
 
-_MOST, _FEW = 20, 5
+_FEW = 5
 _DAY = 86_400.0
+
+_RANKS = {kind.code: rank for rank, kind in enumerate(FindingKind)}
 
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
@@ -123,7 +116,7 @@ class _Doctor:
 
     async def examine(self, request: ExamineRequest) -> ExamineResponse:
         now = self._node.graph.clock.now()
-        total, unconfirmed = [(await self._find(query, 1)).total for query in ("", "unconfirmed")]
+        total, unconfirmed = [(await self._find(parse_query(one), 1)).total for one in ("", "unconfirmed")]
         states = await _ask_all(self._state, self._gateways())
         findings = [one for name, state in states.items() for one in gateway_finding(name, state)]
         if not request.gateways_only:
@@ -134,6 +127,7 @@ class _Doctor:
                 findings += health_findings(name, health, now, counted, everything=request.counts)
             lost = [name for name, state in states.items() if state is None or state.state != "active"]
             findings += await self._device_findings(now, lost)
+        findings.sort(key=lambda one: _RANKS[one.code])
         gateways = tuple(
             ExaminedGateway(name=name, state="silent" if one is None else one.state, text=_gateway_line(name, one))
             for name, one in states.items()
@@ -160,8 +154,8 @@ class _Doctor:
         except ServiceError as exc:
             return HealthResponse(counts=(), troubles=(str(exc),))
 
-    async def _find(self, query: str, limit: int) -> QueryDevicesResponse:
-        request = QueryDevicesRequest(query=query_terms(parse_query(query)), limit=limit)
+    async def _find(self, query: Query, limit: int) -> QueryDevicesResponse:
+        request = QueryDevicesRequest(query=query_terms(query), limit=limit)
         return await self._call(QueryDevices, QUERY_DEVICES, request)
 
     async def _call(
@@ -178,19 +172,27 @@ class _Doctor:
             client.close()
 
     async def _device_findings(self, now: float, lost: Iterable[str]) -> list[Finding]:
-        """Return the findings about devices; those of *lost* gateways are unreachable, as these' finding says."""
-        linked = "".join(f" not gateway={name}" for name in lost)
-        findings = []
-        for kind, query, detail, most in _DEVICE_CHECKS:
-            asked = query + linked if kind is FindingKind.UNREACHABLE else query
-            found = await self._find(asked, most)
-            if found.total:
-                devices = sorted((one.device for one in found.results), key=lambda one: one.id)
-                rows = [(one.id, text) for one in devices if (text := detail(one, now)) is not None]
-                hint = f"; all: homebot find --limit {found.total} '{asked}'"
-                if rows:
-                    findings.append(kind.finding(rows, total=found.total - len(devices) + len(rows), hint=hint))
+        """Return the alerts of the house, and the other findings about devices."""
+        findings: list[Finding] = []
+        for kind in ALERTS:
+            found = await self._find(kind.query(lost), MOST_SHOWN)
+            alerts = [alert for one in found.results for alert in alerts_of(kind, one.device, now, lost)]
+            shown = sorted((one for one in alerts if one.is_shown(now)), key=attrgetter("target"))
+            total = found.total if found.total > MOST_SHOWN else 0
+            findings += [_finding(kind.text, one, max(one.total, total)) for one in findings_of(shown)]
+        for check, query, detail, most in _DEVICE_CHECKS:
+            found = await self._find(parse_query(query), most)
+            rows = sorted(
+                (one.device.id, text) for one in found.results if (text := detail(one.device, now)) is not None
+            )
+            if rows:
+                findings.append(_finding(query, check.finding(rows), found.total - len(found.results) + len(rows)))
         return findings
+
+
+def _finding(query: str, finding: Finding, total: int) -> Finding:
+    hint = f"; all: homebot find --limit {total} '{query}'"
+    return finding.model_copy(update={"total": total, "hint": hint})
 
 
 async def _ask_all(ask: Callable[[str], Awaitable[AnswerT]], names: Iterable[str]) -> dict[str, AnswerT]:
@@ -230,23 +232,14 @@ def health_findings(
         counted: Its counts of about ten minutes ago.
         everything: Whether counts are told that are no fault.
     """
-    found: dict[FindingKind, list[Row]] = {kind: [] for kind in _OF_A_NODE}
+    found: dict[FindingKind, list[Row]] = {kind: [] for kind in FindingKind}
     for kind, row in _health_rows(health, now, counted, everything=everything):
         found[kind].append(row)
     for kind, rows in found.items():
         if rows:
-            yield kind.finding(rows[:_MOST] if kind in _CUT else rows, name, len(rows))
+            yield kind.finding(rows[:MOST_SHOWN] if kind in _CUT else rows, name, len(rows))
 
 
-_OF_A_NODE = (
-    FindingKind.TROUBLE,
-    FindingKind.NOTE,
-    FindingKind.COUNT,
-    FindingKind.LOSS,
-    FindingKind.GIVEN_UP,
-    FindingKind.FAILURE,
-    FindingKind.QUARANTINE,
-)
 _CUT = {FindingKind.FAILURE, FindingKind.QUARANTINE}
 
 
@@ -302,11 +295,6 @@ def _dispute(device: Device, _now: float) -> str:
     return device.conflicts[0] + (f" (and {more} more: homebot show '{device.id}')" if more else "")
 
 
-def _charge(device: Device, _now: float) -> str:
-    values = {one.capability: plain_value(one.value) for one in device.states}
-    return f"{values['battery']:.0f} %" if isinstance(values.get("battery"), int | float) else "it says so"
-
-
 def _unread(device: Device, now: float) -> str | None:
     """Return what *device* sent in the last day that could not be read."""
     found = [one for one in device.facts if one.name == UNREADABLE]
@@ -336,13 +324,10 @@ _UNUSED = (
 )
 
 _DEVICE_CHECKS = (
-    _DeviceCheck(FindingKind.STALE, "stale", lambda one, now: f"last seen {ago(one.last_seen, now)}", _MOST),
-    _DeviceCheck(FindingKind.UNREACHABLE, "offline not stale", lambda one, _now: one.reachable.why, _MOST),
-    _DeviceCheck(FindingKind.DISPUTED, "disputed", _dispute, _MOST),
-    _DeviceCheck(FindingKind.UNREADABLE, UNREADABLE, _unread, _MOST),
-    _DeviceCheck(FindingKind.BATTERY, "low battery", _charge, _FEW),
-    _DeviceCheck(FindingKind.NAMES, f'"{SEVERAL_NAMES}"=names', _several_names, _MOST),
-    _DeviceCheck(FindingKind.NO_GATEWAY, _UNUSED, _step, _MOST),
+    _DeviceCheck(FindingKind.DISPUTED, "disputed", _dispute, MOST_SHOWN),
+    _DeviceCheck(FindingKind.UNREADABLE, UNREADABLE, _unread, MOST_SHOWN),
+    _DeviceCheck(FindingKind.NAMES, f'"{SEVERAL_NAMES}"=names', _several_names, MOST_SHOWN),
+    _DeviceCheck(FindingKind.NO_GATEWAY, _UNUSED, _step, MOST_SHOWN),
     _DeviceCheck(FindingKind.NO_ROOM, "without area", lambda one, _now: one.name, _FEW),
 )
 

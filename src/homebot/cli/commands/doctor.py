@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Mapping, Sequence
-from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -89,7 +88,6 @@ def _ask(door: DoorClient, options: argparse.Namespace) -> int:
 def _show(
     title: str, facts: Mapping[str, object], findings: Sequence[Mapping[str, object]], options: argparse.Namespace
 ) -> int:
-    findings = sorted(findings, key=itemgetter("is_problem"))  # the important ones are just above the prompt
     is_well = not any(one["is_problem"] for one in findings)
     if options.json:
         print(json.dumps({**facts, "is_well": is_well, "findings": findings}, indent=2))
@@ -98,7 +96,7 @@ def _show(
     for one in findings:
         print_finding(cast("Finding", JsonMessage(one)))
     print()
-    print_line("all is well" if is_well else "problems found, see above", "bold green" if is_well else "bold red")
+    print_line("all is well" if is_well else "problems found, the worst above", "bold green" if is_well else "bold red")
     return 0 if is_well else 1
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, final
 
 from homebot.control.device_lookup import DeviceLookup
 from homebot.devices import Device, GatewayNames, RawCommand
+from homebot.devices.capabilities import SETTABLE
 from homebot.devices.device import ChangedSettings
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
 from homebot.devices.value import PlainValue
@@ -92,7 +93,7 @@ class HouseWatch:
     async def _on_settings(self, changed: ChangedSettings) -> None:
         for change in changed.changes:
             place, value = (change.device, change.part, change.capability), change.value.plain()
-            if value is None:
+            if value is None or change.capability not in SETTABLE:
                 continue  # it says nothing; the known value counts until the next
             at, (before, before_at) = change.told_at.to_seconds(), self._values.get(place, (None, 0.0))
             self._values[place] = value, at

@@ -1,0 +1,167 @@
+"""Alerts: tells people what is wrong in the house, once for each cause, and when it is over."""
+
+import math
+from collections.abc import Container, Iterable, Mapping
+from functools import partial
+from typing import Final, NamedTuple
+
+import anyio
+from pydantic import Field
+
+from homebot.apps.base import App, AppSettings
+from homebot.devices.alerts import ALERTS, GATEWAY, WATCHED, Alert, alerts_of, findings_of, is_over
+from homebot.devices.device import ChangedSettings, Device, DeviceChange
+from homebot.devices.findings import FindingKind, Findings
+from homebot.devices.gateway_messages import GatewayState
+from homebot.devices.names import (
+    ALERT_FINDINGS,
+    DEVICE_CHANGES,
+    DEVICE_SETTINGS,
+    FIND_DEVICES,
+    GatewayNames,
+    gateway_of,
+)
+from homebot.devices.query.term_messages import QueryTerm, query_terms
+from homebot.devices.query.terms import Or
+from homebot.devices.services import FindDevices, FindDevicesRequest
+from homebot.errors import ServiceError
+from homebot.graph import qos_profile_latched
+
+__all__ = ["Alerts", "AlertsSettings", "Incident", "update_incidents"]
+
+MOST_INCIDENTS: Final = 100
+"""The limit of those that last, the worst first, and of all others; of more alerts people are not told."""
+
+_GATHER, _AGAIN, _LONGEST_PAUSE = 0.5, 60.0, 3600.0
+"""Seconds for which changes are gathered, between looks while something is wrong, and after unsent notifications."""
+
+_CALM, _LONG_CALM, _DAY = 300.0, 3600.0, 86_400.0
+"""Seconds for which it must be over before people are told so; the longer time if it came back within a day."""
+
+_MOST_LINES: Final = 10
+
+
+class AlertsSettings(AppSettings):
+    """Seconds after which people are told of a kind, by its key, in place of those of the table."""
+
+    told_after: dict[str, float] = Field(default_factory=dict)
+
+
+class Incident(NamedTuple):
+    """One cause of alerts, until a day after its end at *over_at*; times in seconds since the Unix epoch, or 0."""
+
+    since: float
+    end_text: str = ""
+    is_told: bool = False
+    over_at: float = 0.0
+    times: int = 0
+
+    def due(self, told_after: float) -> float:
+        """Return when people are to be told that it began or, if they were, that it is over."""
+        if self.is_told == (not self.over_at):
+            return math.inf
+        return self.since + told_after if not self.is_told else self.over_at + (_CALM if self.times < 2 else _LONG_CALM)
+
+
+def update_incidents(
+    before: Mapping[str, Incident], alerts: Mapping[str, Alert], ended: Container[str], now: float
+) -> dict[str, Incident]:
+    """Return the incidents by key with the present *alerts*, and those that have *ended*. Pure."""
+    found: dict[str, Incident] = {}
+    for key, known in before.items():
+        is_ending = key not in alerts and not known.over_at and (not known.is_told or key in ended)
+        one = known._replace(over_at=now) if is_ending else known
+        if one.is_told or not one.over_at or (one.times and now < one.over_at + _DAY):
+            found[key] = one
+    for key, alert in list(alerts.items())[:MOST_INCIDENTS]:
+        known = found.pop(key, Incident(0.0))
+        is_new = not known.since or (known.over_at and not known.is_told)
+        since = min(alert.since or now, now) if is_new else known.since
+        found[key] = known._replace(since=since, over_at=0.0, end_text=f"{alert.name} no longer {alert.kind.words}")
+    return dict(list(found.items())[-2 * MOST_INCIDENTS :])
+
+
+class Alerts(App[AlertsSettings]):
+    """Publishes what is wrong on ``/alerts/findings``, and tells people of it through ``[notify]``."""
+
+    async def run(self) -> None:
+        """Look at the house whenever something may be wrong, or over."""
+        node = self.node
+        self._find = node.create_client(FindDevices, FIND_DEVICES)
+        self._findings = node.create_publisher(Findings, ALERT_FINDINGS, qos_profile_latched)
+        self._incidents = {key: Incident(*fields) for key, fields in self.store.get("incidents", {}).items()}
+        self._gateways: dict[str, Alert | None] = {}
+        self._changed, self._pause = anyio.Event(), _AGAIN / 2
+        node.create_subscription(ChangedSettings, DEVICE_SETTINGS, self._on_values, 100)
+        node.create_subscription(DeviceChange, DEVICE_CHANGES, lambda _: self._changed.set(), 1)
+        for gateway in filter(None, map(gateway_of, node.graph.get_node_names())):
+            on_state = partial(self._on_gateway, gateway)
+            node.create_subscription(GatewayState, GatewayNames(gateway).state, on_state, qos_profile_latched)
+        while True:
+            await anyio.sleep(_GATHER)
+            self._changed = anyio.Event()
+            with anyio.move_on_after(await self._look()):
+                await self._changed.wait()
+
+    def _on_values(self, changed: ChangedSettings) -> None:
+        if any(one.capability in WATCHED for one in changed.changes):
+            self._changed.set()
+
+    def _on_gateway(self, name: str, state: GatewayState) -> None:
+        known = self._gateways.get(name) or Alert(GATEWAY, name, f"gateway {name}", self.clock.now(), "")
+        self._gateways[name] = None if state.state == "active" else known._replace(detail=f": {state.reason}")
+        self._changed.set()
+
+    async def _look(self) -> float:
+        """Look at the house, publish what is wrong and tell the news; return the seconds until the next look."""
+        now = self.clock.now()
+        try:
+            alerts = await self._alerts(now)
+            ended = await self._ended(self._incidents.keys() - alerts.keys())
+        except ServiceError:
+            return _AGAIN
+        self._incidents = update_incidents(self._incidents, alerts, ended, now)
+        self._findings.publish(Findings(findings=findings_of(one for one in alerts.values() if one.is_shown(now))))
+        due = [key for key in self._incidents if self._due(key) <= now]
+        began = [key for key in due if not self._incidents[key].is_told]
+        is_told = await self._tell("Alert", began, [alerts[key].text for key in began])
+        ended_texts = {key: self._incidents[key].end_text for key in due if key not in began}
+        is_told = await self._tell("Over", ended_texts, [*ended_texts.values()]) and is_told
+        self.store["incidents"] = self._incidents
+        self._pause = _AGAIN / 2 if is_told else min(2 * self._pause, _LONGEST_PAUSE)
+        wait = min(map(self._due, self._incidents), default=math.inf) - now
+        return max(0.0, min(wait, _AGAIN if alerts else math.inf)) if is_told else self._pause
+
+    async def _alerts(self, now: float) -> dict[str, Alert]:
+        """Return the present alerts by cause, the worst first."""
+        lost = [name for name, alert in self._gateways.items() if alert is not None]
+        devices = await self._devices(query_terms(Or(tuple(kind.query(lost) for kind in ALERTS))), ())
+        alerts = [one for one in self._gateways.values() if one is not None]
+        alerts += [one for kind in ALERTS for device in devices for one in alerts_of(kind, device, now, lost)]
+        return {one.key: one for one in sorted(alerts, key=lambda one: [*FindingKind].index(one.kind.finding))}
+
+    async def _ended(self, keys: Iterable[str]) -> set[str]:
+        """Return those of *keys* that are known to be over."""
+        targets = {key: key.partition(" ")[2].partition("#")[0] for key in keys}
+        devices = {one.id: one for one in await self._devices((), tuple(targets.values()))} if targets else {}
+        working = {f"{GATEWAY.key} {name}" for name, alert in self._gateways.items() if alert is None}
+        return working | {key for key, one in targets.items() if one in devices and is_over(key, devices[one])}
+
+    async def _devices(self, query: tuple[QueryTerm, ...], ids: tuple[str, ...]) -> tuple[Device, ...]:
+        return (await self._find.call(FindDevicesRequest(query=query, ids=ids))).devices
+
+    async def _tell(self, title: str, keys: Iterable[str], texts: list[str]) -> bool:
+        """Tell people *texts*, the news about *keys*; return False if that failed, to be tried again."""
+        more = [f"… and {len(texts) - _MOST_LINES} more: homebot doctor"] if len(texts) > _MOST_LINES else []
+        text = "\n".join(texts[:_MOST_LINES] + more)
+        if text and not await self.notify(text, title=title) and self.context.notifies:
+            return False
+        for key in keys:
+            one = self._incidents[key]
+            self._incidents[key] = one._replace(is_told=not one.is_told, times=one.times + (not one.is_told))
+        return True
+
+    def _due(self, key: str) -> float:
+        kind = key.partition(" ")[0]
+        told_after = next(one.told_after for one in (*ALERTS, GATEWAY) if one.key == kind)
+        return self._incidents[key].due(self.settings.told_after.get(kind, told_after))

@@ -1,0 +1,348 @@
+"""Alerts: what is wrong in the house is told to people once, with its end, and shown as long as it lasts."""
+
+import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from random import Random
+from typing import get_args
+
+import anyio
+import pytest
+from tests.sizes import NIGHTLY
+
+from homebot.apps.alerts import MOST_INCIDENTS, update_incidents
+from homebot.clock import LoopClock
+from homebot.config import AlertKey, parse_config
+from homebot.devices.alerts import ALERTS, GATEWAY, WATCHED, Alert
+from homebot.devices.capabilities import ALERTING, CAPABILITIES, SETTABLE
+from homebot.devices.findings import Finding, Findings
+from homebot.devices.gateway_messages import GatewayState
+from homebot.devices.names import ALERT_FINDINGS, GatewayNames
+from homebot.errors import ConfigError
+from homebot.graph import Node, qos_profile_latched
+from homebot.house import World
+from homebot.house.description import load_world
+from homebot.mqtt.clients import HostedBroker
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.mqtt.options import MqttOptions
+from homebot.runtime import Runtime
+from homebot.testing import VirtualHouse, virtual_house_of
+
+pytestmark = pytest.mark.virtual_time
+
+HOUSES = Path(__file__).parents[2] / "examples" / "houses"
+NOTIFY: dict[str, dict[str, object]] = {"notify": {}}
+
+
+SINK = json.dumps(
+    {
+        "name": "Sink",
+        "unique_id": "sink",
+        "device_class": "moisture",
+        "state_topic": "home/sink",
+    }
+)
+
+
+async def announce(house: VirtualHouse, name: str, kind: str, **more: object) -> None:
+    """Announce a binary sensor of the class *kind*, which reports on ``home/NAME``."""
+    config = {
+        "name": None,
+        "unique_id": name,
+        "device_class": kind,
+        "state_topic": f"home/{name}",
+        "device": {"identifiers": [name], "name": name},
+        **more,
+    }
+    await house.says(f"homeassistant/binary_sensor/{name}/config", json.dumps(config))
+    await house.run_for("4s")
+
+
+@pytest.fixture
+def world(request: pytest.FixtureRequest) -> World:
+    return load_world(HOUSES / f"{request.param}.toml", seed=3)
+
+
+def told(house: VirtualHouse) -> list[str]:
+    return [one.text for one in house.notifications if one.app == "alerts"]
+
+
+async def shown(house: VirtualHouse) -> tuple[Finding, ...]:
+    """Return what the page shows."""
+    async with Node(house.runtime.graph, "page") as page:
+        return (await page.create_subscription(Findings, ALERT_FINDINGS, None, qos_profile_latched).receive()).findings
+
+
+@pytest.mark.parametrize(
+    ("kind", "begin", "end", "code"),
+    [
+        ("moisture", "is wet", "no longer is wet", "HB424"),
+        ("smoke", "reports smoke or heat", "no longer reports smoke or heat", "HB421"),
+        ("heat", "reports smoke or heat", "no longer reports smoke or heat", "HB421"),
+        ("gas", "reports gas", "no longer reports gas", "HB423"),
+        ("carbon_monoxide", "reports carbon monoxide", "no longer reports carbon monoxide", "HB422"),
+    ],
+)
+@pytest.mark.house(config=NOTIFY)
+async def test_a_danger_is_told_within_two_seconds_and_once_and_so_is_its_end(
+    house: VirtualHouse, kind: str, begin: str, end: str, code: str
+) -> None:
+    await announce(house, "Sink", kind)
+    await house.says("home/Sink", "OFF")
+    await house.run_for("1m")
+    assert told(house) == []
+    assert await shown(house) == ()
+    await house.says("home/Sink", "ON")
+    await house.run_for("2s")
+    assert told(house) == [f"Alert: Sink {begin}"]
+    assert json.loads(await house.hears("homebot/notifications"))["message"] == f"Sink {begin}"
+    (finding,) = await shown(house)
+    assert (finding.code, finding.is_problem, finding.rows[0].why) == (code, True, begin)
+    await house.run_for("50m")
+    assert (await shown(house))[0].rows[0].why == f"{begin}, for 49 min"
+    await house.says("home/Sink", "OFF")
+    await house.run_for("2s")
+    assert await shown(house) == ()
+    assert len(told(house)) == 1
+    await house.run_for("6m")
+    assert told(house) == [f"Alert: Sink {begin}", f"Over: Sink {end}"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "wait", "text"),
+    [("tamper", 60, "reports tampering"), ("problem", 300, "reports a problem"), ("safety", 300, "reports a problem")],
+)
+@pytest.mark.house(config=NOTIFY)
+async def test_what_is_less_urgent_is_shown_at_once_and_told_later(
+    house: VirtualHouse, kind: str, wait: float, text: str
+) -> None:
+    await announce(house, "Hall", kind)
+    await house.says("home/Hall", "ON")
+    await house.run_for(wait - 5)
+    assert [one.rows[0].why.split(",")[0] for one in await shown(house)] == [text]
+    assert told(house) == []
+    await house.run_for("10s")
+    assert len(told(house)) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "is_door"),
+    [
+        ("Hall", "door", True),
+        ("Hall", "garage_door", True),
+        ("Front door", "opening", True),
+        ("Haustür", "opening", True),
+        ("Bath", "opening", False),
+        ("Bath", "window", False),
+    ],
+)
+@pytest.mark.house(config=NOTIFY)
+async def test_a_door_is_told_after_a_quarter_of_an_hour_and_a_window_never(
+    house: VirtualHouse, name: str, kind: str, *, is_door: bool
+) -> None:
+    await announce(house, name, kind)
+    await house.says(f"home/{name}", "ON")
+    await house.run_for("14m")
+    assert (await shown(house), told(house)) == ((), [])
+    await house.run_for("70s")
+    assert len(await shown(house)) == is_door
+    assert told(house) == ([f"Alert: {name} is open, for 15 min"] if is_door else [])
+
+
+@pytest.mark.house(config=NOTIFY | {"alerts": {"leak": "10m", "smoke": False, "door": "1h"}})
+async def test_the_delay_of_each_kind_can_be_set(house: VirtualHouse) -> None:
+    for name, kind in (("Sink", "moisture"), ("Roof", "smoke"), ("Hall", "door")):
+        await announce(house, name, kind)
+        await house.says(f"home/{name}", "ON")
+    await house.run_for("5m")
+    assert told(house) == []
+    await house.run_for("10m")
+    assert told(house) == ["Alert: Sink is wet, for 10 min"]
+    await house.run_for("1h")
+    assert [one.partition(",")[0] for one in told(house)[1:]] == ["Alert: Hall is open"]
+    assert {one.code for one in await shown(house)} == {"HB401", "HB421", "HB424", "HB428"}
+
+
+def test_an_unknown_kind_is_an_error() -> None:
+    with pytest.raises(ConfigError, match=r"alerts\.leek"):
+        parse_config({"alerts": {"leek": 5}}, "homebot.toml")
+
+
+@pytest.mark.house(config=NOTIFY)
+async def test_a_sensor_that_flaps_is_told_twice_an_hour_at_most(house: VirtualHouse) -> None:
+    await announce(house, "Sink", "moisture")
+    for number in range(720):  # for twelve hours, half a minute wet and half a minute dry, or ten and ten minutes
+        await house.says("home/Sink", "ON" if number % 2 else "OFF")
+        await house.run_for("30s" if number < 240 else "75s")
+    assert told(house) == ["Alert: Sink is wet"]
+    for _ in range(12):
+        await house.says("home/Sink", "OFF")
+        await house.run_for("10m")
+        await house.says("home/Sink", "ON")
+        await house.run_for("10m")
+    assert told(house) == ["Alert: Sink is wet", "Over: Sink no longer is wet", "Alert: Sink is wet"]
+
+
+@pytest.mark.house(config=NOTIFY)
+async def test_silence_does_not_end_an_alert(house: VirtualHouse) -> None:
+    await announce(house, "Sink", "moisture", availability_topic="home/Sink/status", value_template="{{ value }}")
+    await house.says("home/Sink/status", "online")
+    await house.says("home/Sink", "ON")
+    await house.run_for("5s")
+    assert told(house) == ["Alert: Sink is wet"]
+    await house.says("home/Sink", "None")
+    await house.run_for("1h")
+    assert told(house) == ["Alert: Sink is wet"]
+    await house.says("home/Sink/status", "offline")
+    await house.run_for("1h")
+    assert told(house) == ["Alert: Sink is wet"]
+    await house.says("home/Sink/status", "online")
+    await house.says("home/Sink", "OFF")
+    await house.run_for("6m")
+    assert told(house)[1:] == ["Over: Sink no longer is wet"]
+
+
+@pytest.mark.house(config=NOTIFY)
+async def test_the_old_word_of_an_unreachable_sensor_is_told_as_such(house: VirtualHouse) -> None:
+    await announce(house, "Sink", "moisture", availability_topic="home/Sink/status")
+    await house.says("home/Sink/status", "offline")
+    await house.run_for("1m")
+    async with house.client("old") as old:
+        await old.wait_connected()
+        await old.publish("home/Sink", b"ON", qos=1, retain=True)
+    await house.run_for("1m")
+    (text,) = told(house)
+    assert text == "Alert: Sink is wet, by an old report: it is unreachable now"
+
+
+@pytest.mark.house(config=NOTIFY)
+async def test_each_part_of_a_panel_is_told(house: VirtualHouse) -> None:
+    for zone in ("Kitchen", "Cellar"):
+        config = {
+            "name": zone,
+            "unique_id": zone,
+            "device_class": "moisture",
+            "state_topic": f"panel/{zone}",
+            "device": {"identifiers": ["panel"], "name": "Panel"},
+        }
+        await house.says(f"homeassistant/binary_sensor/panel/{zone}/config", json.dumps(config))
+    await house.run_for("5s")
+    await house.says("panel/Kitchen", "ON")
+    await house.run_for("1m")
+    await house.says("panel/Cellar", "ON")
+    await house.run_for("1m")
+    assert told(house) == ["Alert: Panel is wet", "Alert: Panel Cellar is wet"]
+
+
+@pytest.mark.house(config=NOTIFY)
+async def test_a_weak_battery_is_told_after_a_day_but_not_that_of_a_vacuum_cleaner(house: VirtualHouse) -> None:
+    for name, more in (("Sink", {}), ("Robby", {"component": "vacuum"})):
+        device = {"identifiers": [name], "name": name}
+        config = {"name": None, "unique_id": f"{name} battery", "device": device, "state_topic": f"{name}/battery"}
+        config |= {"device_class": "battery", "unit_of_measurement": "%"}
+        await house.says(f"homeassistant/sensor/{name}_battery/config", json.dumps(config))
+        if more:
+            vacuum = {"name": None, "unique_id": name, "device": device, "command_topic": f"{name}/set"}
+            await house.says(f"homeassistant/vacuum/{name}/config", json.dumps(vacuum))
+    await house.run_for("5s")
+    for hour in range(30):
+        for name in ("Sink", "Robby"):
+            await house.says(f"{name}/battery", str(19 - hour / 10))
+        await house.run_for("1h")
+    assert told(house) == ["Alert: Sink has a weak battery (17 %)"]
+
+
+@pytest.mark.house
+async def test_a_gateway_that_is_away_is_shown_at_once_and_told_after_two_minutes(house: VirtualHouse) -> None:
+    async with Node(house.runtime.graph, "hub", namespace="/gateway") as node:
+        states = node.create_publisher(GatewayState, GatewayNames("hub").state, qos_profile_latched)
+        states.publish(GatewayState(state="active", reason="", acts=True))
+        await house.run_for("10s")
+        states.publish(GatewayState(state="unavailable", reason="the connection was refused", acts=True))
+        await house.run_for("100s")
+        (finding,) = await shown(house)
+        text = "gateway hub is away: the connection was refused"
+        assert (finding.code, finding.rows[0].why, told(house)) == ("HB302", text, [])
+        await house.run_for("1m")
+        assert told(house) == [f"Alert: {text}"]
+        states.publish(GatewayState(state="active", reason="", acts=True))
+        await house.run_for("10m")
+        assert told(house)[1:] == ["Over: gateway hub no longer is away"]
+
+
+@pytest.mark.house(config={"notify": {}, "gateways": {"mqtt": {"act": False}}})
+async def test_a_message_that_was_not_sent_is_repeated_less_and_less_often(house: VirtualHouse) -> None:
+    await announce(house, "Sink", "moisture")
+    await house.says("home/Sink", "ON")
+    await house.run_for("10m")
+    assert 4 <= len(told(house)) <= 6
+
+
+@asynccontextmanager
+async def homebot(folder: Path, broker: MemoryBroker, clock: LoopClock) -> AsyncIterator[Runtime]:
+    """Run a homebot that remembers."""
+    config = parse_config({"gateways": {"mqtt": {}}}, "test")
+    services, index = [HostedBroker.in_memory(broker)], folder / "index.sqlite"
+    async with Runtime(config, with_door=False, clock=clock, services=services, index_file=index) as runtime:
+        await anyio.sleep(10)
+        yield runtime
+
+
+async def test_a_restart_tells_nothing_again_and_what_ended_meanwhile(tmp_path: Path) -> None:
+    clock, random = LoopClock(), Random(0)  # noqa: S311 - a test has no secrets
+    async with MemoryBroker(clock=clock, random=random) as broker:
+        options = MqttOptions(host=broker.host, port=broker.port, client_id="field")
+        async with MqttConnection(options, broker.make_client, status_topic=None, clock=clock, random=random) as field:
+            await field.wait_connected()
+            await field.publish("homeassistant/binary_sensor/sink/config", SINK.encode(), qos=1, retain=True)
+            async with homebot(tmp_path, broker, clock) as runtime:
+                await field.publish("home/sink", b"ON", qos=1)
+                await anyio.sleep(10)
+                assert [one.text for one in runtime.app_host.notifier.recent] == ["Alert: Sink is wet"]
+            async with homebot(tmp_path, broker, clock) as runtime:  # not a word of the sensor
+                await anyio.sleep(600)
+                assert [*runtime.app_host.notifier.recent] == []
+                await field.publish("home/sink", b"ON", qos=1)
+                await anyio.sleep(600)
+                assert [*runtime.app_host.notifier.recent] == []
+            await field.publish("home/sink", b"OFF", qos=1, retain=True)
+            async with homebot(tmp_path, broker, clock) as runtime:
+                await anyio.sleep(600)
+                assert [one.text for one in runtime.app_host.notifier.recent] == ["Over: Sink no longer is wet"]
+
+
+@pytest.mark.parametrize(("world", "days"), [("family", 21 if NIGHTLY else 1), ("mixed", 1)], indirect=["world"])
+async def test_a_family_lives_for_weeks_without_a_false_alarm(world: World, days: int) -> None:
+    async with virtual_house_of("light_service", world=world, config=NOTIFY) as house:
+        await house.run_for(f"{days}d")
+        assert told(house) == []
+        assert await shown(house) == ()
+
+
+def incident(key: str, since: float = 100.0) -> Alert:
+    return Alert(ALERTS[0], key, key, since, "")
+
+
+def test_of_more_alerts_than_a_hundred_the_first_are_told() -> None:
+    alerts = {str(number): incident(str(number)) for number in range(MOST_INCIDENTS + 5)}
+    found = update_incidents({}, alerts, (), 200.0)
+    assert list(found) == [str(number) for number in range(MOST_INCIDENTS)]
+    for number in range(5):
+        alerts = {f"{number} {place}": incident("") for place in range(MOST_INCIDENTS)}
+        told = {key: one._replace(is_told=True) for key, one in found.items()}
+        found = update_incidents(told, alerts, told.keys(), 300.0)
+    assert len(found) == 2 * MOST_INCIDENTS
+
+
+def test_the_time_of_an_alert_that_nobody_knows_is_now() -> None:
+    """Nor is one of the future late."""
+    found = update_incidents({}, {"a": incident("a", 0.0), "b": incident("b", 1e9)}, (), 200.0)
+    assert {one.since for one in found.values()} == {200.0}
+
+
+def test_the_directory_reports_changes_of_all_that_alerts_are_about() -> None:
+    assert WATCHED - SETTABLE == ALERTING
+    assert CAPABILITIES.keys() >= WATCHED
+    assert {one.key for one in (*ALERTS, GATEWAY)} == set(get_args(AlertKey))
