@@ -70,9 +70,9 @@ async def running_api(folder: Path) -> AsyncIterator[Api]:
         tokens[name] = {"token_file": str(folder / name), "scope": scope}
     tables = {
         "home": {"name": "villa"},
-        "places": {"devices": {"home425/lights/lamp4": {"aliases": ["Door stop"]}}},
+        "places": {"devices": {"lights/lamp4": {"aliases": ["Door stop"]}}},
         "door": {"port": 0, "tokens": tokens},
-        "gateways": {"mqtt": {}},
+        "gateways": {"mqtt": {"root": "home425"}},
         "history": {"enabled": True},
     }
     lamps = [SimulatedLamp(f"lamp{number}") for number in range(1, 5)]

@@ -129,7 +129,7 @@ async def test_a_presence_sensor_sees_sooner_that_nobody_is_there(
 
 @pytest.mark.parametrize(
     ("written", "motion", "presence"),
-    [(1200, 1200, 60), (30, 30, 30), ({"presence": 120}, 1200, 120), ({"motion": 600}, 600, 60)],
+    [(1200, 1200, 60), (30, 30, 60), ("8s", 8, 60), ({"presence": 120}, 1200, 120), ({"motion": 600}, 600, 60)],
 )
 def test_the_time_is_given_by_kind_or_as_that_of_motion_sensors(
     written: object, motion: float, presence: float

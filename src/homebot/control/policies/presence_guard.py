@@ -53,14 +53,12 @@ class AbsentAfter(BaseModel):
 
     def of(self, reading: SensorReading) -> float:
         """Return the seconds for the sensor of *reading*."""
-        return self.presence if reading.is_presence else self.motion
+        return min(self.presence, self.motion) if reading.is_presence else self.motion
 
 
 def _by_kind(value: object) -> object:
-    """Return a number as the time of motion sensors, which no presence sensor exceeds."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return value
-    return {"motion": value, "presence": min(value, AbsentAfter().presence)}
+    """Return a time such as ``1200`` or ``20min`` as that of motion sensors."""
+    return {"motion": value} if isinstance(value, int | float | str) and not isinstance(value, bool) else value
 
 
 class PresenceGuardSettings(PolicyTable):
