@@ -194,7 +194,7 @@ async def house(tmp_path: Path, kind: str, *, trusts_apps: bool = False, **contr
         home.reach(entity, "hall")
         tables = {
             "gateways": {"homeassistant": {"url": home.url, "token_file": str(files["home"])}},
-            "door": {"port": 0, "tokens": {"panel": panel}},
+            "door": {"port": 0, "tokens": {"panel": panel}, "scope": ["read", "act: harmless", "manage"]},
             "control": control,
             "discovery": {"persist": False},
         }
