@@ -17,9 +17,9 @@ pytestmark = pytest.mark.virtual_time
 
 
 class Unplugged(MemoryGateway):
-    """A gateway whose radio is plugged in after a while, if ever."""
+    """A gateway whose radio is plugged in long after the hour of a run."""
 
-    connects_after = CONNECTS_WITHIN * 10
+    connects_after = CONNECTS_WITHIN * 20
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         self.set_unavailable("there is no radio")
@@ -28,6 +28,8 @@ class Unplugged(MemoryGateway):
             task_status.started()
             await anyio.sleep(self.connects_after)
             self.set_available()
+            await anyio.sleep(1)
+            self.set_unavailable("somebody took it")
 
 
 class Late(Unplugged):
@@ -58,15 +60,29 @@ async def test_a_service_that_never_connected_fails_after_five_minutes(monkeypat
     assert line["message"].startswith("no gateway was connected within 5 minutes (unplugged); the service ends")
 
 
-@pytest.mark.parametrize("kinds", [(Unplugged, Late), ()])
+@pytest.mark.parametrize(("kinds", "code"), [((Unplugged, Late), 1), ((Late,), 0), ((), 0)])
 async def test_a_service_that_connected_once_or_has_nothing_to_connect_goes_on(
-    monkeypatch: pytest.MonkeyPatch, kinds: tuple[type[MemoryGateway], ...]
+    monkeypatch: pytest.MonkeyPatch, kinds: tuple[type[MemoryGateway], ...], code: int
 ) -> None:
+    """At its end a gateway that never did counts."""
     monkeypatch.setenv("HOMEBOT_SERVICE", "1")
-    code, seconds = await run(*kinds)
-    assert code == 0
+    found, seconds = await run(*kinds)
+    assert found == code
     assert seconds >= 3600
 
 
-async def test_what_a_person_started_waits_for_ever() -> None:
-    assert (await run(Unplugged))[0] == 0
+async def test_a_run_for_a_time_fails_if_a_gateway_never_connected_and_names_it_with_the_reason() -> None:
+    with capture_logs() as lines:
+        code, seconds = await run(Unplugged, Late)
+    assert code == 1
+    assert seconds >= 3600
+    (line,) = [one["message"] for one in lines if one["event"] == "runtime.never_connected"]
+    assert line == "never connected in 3600 s: gateway unplugged: there is no radio"
+
+
+async def test_a_run_for_a_time_in_which_each_gateway_connected_once_is_well() -> None:
+    """Also if its link was lost later."""
+    with capture_logs() as lines:
+        code, _ = await run(Late)
+    assert code == 0
+    assert "runtime.never_connected" not in [one["event"] for one in lines]

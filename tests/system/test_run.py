@@ -247,6 +247,14 @@ def test_an_absent_broker_is_told_and_does_not_delay_the_stop(start: Start) -> N
     assert "Traceback" not in run.text
 
 
+def test_a_run_for_a_time_without_its_broker_fails_and_names_the_gateway_and_the_reason_at_the_end(
+    start: Start,
+) -> None:
+    run = start("--mqtt", f"mqtt://127.0.0.1:{reserve_port()}", "--for", "0.5")
+    assert run.end() == 1
+    assert "never connected in 0.5 s: gateway mqtt: mqtt://127.0.0.1:" in run.log[-1]
+
+
 @pytest.mark.parametrize("moment", ["while it starts", "while it runs"])
 def test_a_broker_that_takes_the_connection_and_says_nothing_does_not_delay_the_stop(start: Start, moment: str) -> None:
     """It hangs; we do not."""

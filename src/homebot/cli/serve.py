@@ -66,8 +66,8 @@ async def serve(
     cut_start_short: Callable[[], None] | None = None,
     reload: Callable[[], Awaitable[object]] | None = None,
     until: Callable[[], Awaitable[None]] | None = None,
-) -> None:
-    """Enter *service*, wait for SIGINT, SIGTERM or the end of *seconds*, and leave it.
+) -> bool:
+    """Enter *service*, wait for SIGINT, SIGTERM or the end of *seconds*, leave it, and return whether they were over.
 
     Leaving takes at most 4.8 s: then the process is ended with code 1 in any case. The service manager that started the
     process, if any, is notified.
@@ -89,12 +89,13 @@ async def serve(
             async with anyio.create_task_group() as tasks:
                 if until is not None:
                     tasks.start_soon(_stop_after, until, requests)
-                with anyio.move_on_after(seconds):
+                with anyio.move_on_after(seconds) as time:
                     while await requests.wait() and reload is not None:
                         with reloading():
                             await reload()
                 watchdog.start()
                 tasks.cancel_scope.cancel()
+    return time.cancelled_caught
 
 
 async def _stop_after(until: Callable[[], Awaitable[None]], requests: _Requests) -> None:

@@ -3,8 +3,9 @@
 import os
 import socket
 import time
-from collections.abc import AsyncIterator, Collection, Iterator
-from contextlib import asynccontextmanager, contextmanager, suppress
+from collections.abc import AsyncIterator, Iterable, Iterator
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager, suppress
+from functools import partial
 from typing import final
 
 import anyio
@@ -73,36 +74,53 @@ async def service_manager() -> AsyncIterator[ServiceManager]:
 
 @final
 class FirstConnection:
-    """Waits until one of the *gateways* is active."""
+    """The *gateways* that were never active, and why.
 
-    def __init__(self, graph: Graph, gateways: Collection[str]) -> None:
+    Args:
+        is_service: Whether one of them must become active within five minutes.
+    """
+
+    def __init__(self, graph: Graph, gateways: Iterable[str], *, is_service: bool) -> None:
         self.is_missing = False
         self._graph = graph
-        self._gateways = gateways
+        self._missing = dict.fromkeys(gateways, "it has not answered yet")
+        self._limit = CONNECTS_WITHIN if is_service and self._missing else None
+        self._connected = anyio.Event()
+
+    @asynccontextmanager
+    async def watched(self, service: AbstractAsyncContextManager[None]) -> AsyncIterator[None]:
+        """Enter *service*, and note the states of its gateways from the first one on."""
+        async with Node(self._graph, "first_connection", namespace="/homebot") as node:
+            for name in self._missing:
+                topic = GatewayNames(name).state
+                node.create_subscription(GatewayState, topic, partial(self._note, name), qos_profile_latched)
+            async with service:
+                yield
 
     async def wait_in_vain(self) -> None:
-        """Return if no gateway became active in time; otherwise, or without gateways, wait forever."""
-        if self._gateways and not await self._is_made():
-            self.is_missing = True
-            minutes = f"{CONNECTS_WITHIN / 60:g} minutes"
-            _log.critical(
-                NEVER_CONNECTED,
-                message=f"no gateway was connected within {minutes} ({', '.join(self._gateways)}); "
-                "the service ends, so that it is restarted; homebot doctor --offline --reach looks for the cause",
-            )
-            return
-        await anyio.sleep_forever()
+        """Return if no gateway of a service became active in time; otherwise wait forever."""
+        with anyio.move_on_after(self._limit):
+            await self._connected.wait()
+        if self._connected.is_set():
+            await anyio.sleep_forever()
+        self.is_missing = True
+        minutes = f"{CONNECTS_WITHIN / 60:g} minutes"
+        _log.critical(
+            NEVER_CONNECTED,
+            message=f"no gateway was connected within {minutes} ({', '.join(self._missing)}); "
+            "the service ends, so that it is restarted; homebot doctor --offline --reach looks for the cause",
+        )
 
-    async def _is_made(self) -> bool:
-        connected = anyio.Event()
+    def tell_missing(self, seconds: float | None) -> None:
+        """Log which gateways were not connected once in *seconds*, if any."""
+        self.is_missing = bool(self._missing)
+        if self.is_missing:
+            reasons = "; ".join(f"gateway {name}: {reason}" for name, reason in self._missing.items())
+            _log.critical(NEVER_CONNECTED, message=f"never connected in {seconds:g} s: {reasons}")
 
-        def check(state: GatewayState) -> None:
-            if state.state == "active":
-                connected.set()
-
-        async with Node(self._graph, "first_connection", namespace="/homebot") as node:
-            for name in self._gateways:
-                node.create_subscription(GatewayState, GatewayNames(name).state, check, qos_profile_latched)
-            with anyio.move_on_after(CONNECTS_WITHIN):
-                await connected.wait()
-        return connected.is_set()
+    def _note(self, name: str, state: GatewayState) -> None:
+        if state.state == "active":
+            self._missing.pop(name, None)
+            self._connected.set()
+        elif name in self._missing:
+            self._missing[name] = state.reason

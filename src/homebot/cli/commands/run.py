@@ -28,7 +28,6 @@ from homebot.support.production_loop import ProductionLoop
 if TYPE_CHECKING:
     from contextlib import AbstractAsyncContextManager
 
-    from homebot.cli.service_manager import FirstConnection
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
     from homebot.runtime import Runtime
@@ -69,7 +68,7 @@ _EXAMPLES = """\
 
 Without --config, homebot.toml in the working directory is used if it exists. Ctrl-C shuts down cleanly.
 A service (NOTIFY_SOCKET or HOMEBOT_SERVICE is set) needs a configuration; it exits with 2 if that is wrong, and with 1
-if no gateway was connected within five minutes.
+if no gateway was connected within five minutes. With --for, 1 also means that a gateway was never connected.
 Devices are remembered in HOMEBOT_DATA (default: the user's data directory), except those of a simulated house.
 """
 
@@ -154,7 +153,7 @@ def _app(text: str) -> str:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run until told to stop; return 0, or 1 if a component was given up, or a service never connected."""
+    """Run until told to stop; return 0, or 1 if a component was given up, or what was to connect never did."""
     try:
         return run_configured(options)
     except UsageError as exc:
@@ -353,17 +352,17 @@ async def _run(
     watch = loop.watch if isinstance(loop, ProductionLoop) else None
     with gc_paused():  # loads the plug-ins of the plan
         runtime = make_runtime(loop_watch=watch)
-    reload, first = partial(runtime.reload, read), _first_connection(runtime)
-    await serve((view or _settled)(runtime), seconds, runtime.cut_start_short, reload, first and first.wait_in_vain)
-    return 1 if runtime.supervisor.given_up or (first and first.is_missing) else 0
+    service, reload = (view or _settled)(runtime), partial(runtime.reload, read)
+    if seconds is None and not is_service():
+        await serve(service, None, runtime.cut_start_short, reload)
+        return 1 if runtime.supervisor.given_up else 0
+    from homebot.cli.service_manager import FirstConnection  # noqa: PLC0415 - others need none
 
-
-def _first_connection(runtime: Runtime) -> FirstConnection | None:
-    if not is_service():
-        return None
-    from homebot.cli.service_manager import FirstConnection  # noqa: PLC0415 - for a service alone
-
-    return FirstConnection(runtime.graph, runtime.config.gateways)
+    first = FirstConnection(runtime.graph, runtime.config.gateways, is_service=is_service())
+    watched = first.watched(service)
+    if await serve(watched, seconds, runtime.cut_start_short, reload, first.wait_in_vain):
+        first.tell_missing(seconds)
+    return 1 if runtime.supervisor.given_up or first.is_missing else 0
 
 
 @asynccontextmanager
