@@ -13,6 +13,7 @@ from websockets.asyncio.client import ClientConnection, connect
 
 from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door, DoorSettings
+from homebot.clock import Clock
 from homebot.graph import Graph, Node
 
 
@@ -80,8 +81,10 @@ def open_house() -> Callable[..., AbstractAsyncContextManager[House]]:
     """Give what opens a house with a door on a free port."""
 
     @asynccontextmanager
-    async def opened(settings: DoorSettings | None = None, open_timeout: float = 10.0) -> AsyncIterator[House]:
-        graph = Graph()
+    async def opened(
+        settings: DoorSettings | None = None, open_timeout: float = 10.0, clock: Clock | None = None
+    ) -> AsyncIterator[House]:
+        graph = Graph(clock)
         async with Node(graph, "rosbridge_websocket") as node, anyio.create_task_group() as tasks:
             door = Door(node, settings or DoorSettings(port=0), open_timeout=open_timeout)
             RosApi(Node(graph, "rosapi"))

@@ -80,13 +80,13 @@ def test_doubled_headers_are_refused() -> None:
     assert refusal(LOCAL, ["127.0.0.1"], ["http://localhost", "https://evil.example"]) is not None
 
 
-def test_the_token_comes_in_the_header_or_in_the_query() -> None:
-    assert token_of("/", ["Bearer abc"]) == "abc"
-    assert token_of("/?token=a%20b", []) == "a b"
-    assert token_of("/?token=query", ["bearer header"]) == "header"
-    assert token_of("/?token=query", ["Basic xyz"]) == "query"
-    assert token_of("/", []) == ""
-    assert token_of("//[?token=x", []) == "x"
+def test_the_token_comes_in_the_header_or_in_the_query_of_a_websocket() -> None:
+    assert token_of(["Bearer abc"]) == "abc"
+    assert token_of([], "/?token=a%20b") == "a b"
+    assert token_of(["bearer header"], "/?token=query") == "header"
+    assert token_of(["Basic xyz"], "/?token=query") == "query"
+    assert token_of([], "/") == token_of([]) == ""
+    assert token_of([], "//[?token=x") == "x"
 
 
 def test_only_the_right_token_opens() -> None:

@@ -116,6 +116,11 @@ async def test_a_token_cut_anywhere_is_no_token(file: Path, read: Callable[[], C
         ("[door]\nport = 1", "", ""),
         ("[door.tokens.a]\nx = 1\n[door.tokens.b]", "[door.tokens.b]\ny = 1", ""),
         ("[door.tokens.a]\nx = 1", "[door]\nport = 1", "[door.tokens]"),
+        (
+            "[door.tokens.a]\ntoken_file = 'a'\nuntil = '2099-12-31'",
+            "[door.tokens.a]\ntoken_file = 'a'",
+            "door.tokens.a.until",
+        ),
         ("[door]\ntoken = 'a'\n[door.tokens.a]\nx = 1", "[door]\ntoken = 'a'", ""),
         ("[apps.a]\nact = 'light'\nroom = 'hall'", "[apps.a]\nact = 'lock'", ""),
         ("[apps.a]\nact = 'light'", "[apps.a]\nroom = 'hall'", "apps.a.act"),

@@ -34,7 +34,7 @@ class AccessSettings(BaseModel):
     Attributes:
         host: Name or address to listen on. Any other than a loopback one needs a token.
         port: TCP port; 0 takes a free one.
-        token: The required token, as ``Authorization: Bearer TOKEN`` or, for browsers, as ``?token=TOKEN``.
+        token: The required token, as ``Authorization: Bearer TOKEN``.
         allowed_origins: Web pages that may connect in addition to those of the same host and of loopback, for example
             ``https://panel.example.org``; ``null`` is a page opened from a file. If every client needs a token, their
             host names also count as names of this server, such as behind a proxy.
@@ -108,13 +108,18 @@ def is_same_origin(host: str, origin: str) -> bool:
     return urlsplit(origin).netloc.lower() == host.lower()
 
 
-def token_of(path: str, authorizations: Sequence[str]) -> str:
-    """Return the token of a request, from its Authorization header or its query; empty for none."""
+def token_of(authorizations: Sequence[str], websocket_path: str = "") -> str:
+    """Return the token in the Authorization header of a request; empty for none.
+
+    Args:
+        websocket_path: The path of a WebSocket handshake, whose query may have it instead: some clients can send no
+            header. That of other requests has none, as it would stay in histories and logs.
+    """
     for value in authorizations:
         scheme, _, token = value.partition(" ")
         if scheme.lower() == "bearer":
             return token.strip()
-    return parse_qs(path.partition("?")[2]).get("token", [""])[-1]
+    return parse_qs(websocket_path.partition("?")[2]).get("token", [""])[-1]
 
 
 def name_of_token(tokens: Mapping[str, SecretStr], shown: str) -> str:

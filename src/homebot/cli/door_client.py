@@ -390,7 +390,7 @@ class DoorClient:
 
 def _reason(response: Response) -> str:
     text = (response.body or b"").decode(errors="replace").strip()[:200] or f"HTTP status {response.status_code}"
-    hint = "; give it with --token-file or HOMEBOT_DOOR_TOKEN" if response.status_code == 401 else ""
+    hint = "; give it with --token-file or HOMEBOT_DOOR_TOKEN" if text == "a valid token is needed" else ""
     return f"{text}{hint}"
 
 

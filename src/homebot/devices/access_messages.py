@@ -3,7 +3,16 @@
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
-__all__ = ["AccessRefused", "DefineType", "DefineTypeRequest", "DefineTypeResponse"]
+__all__ = [
+    "AccessRefused",
+    "DefineType",
+    "DefineTypeRequest",
+    "DefineTypeResponse",
+    "ListTokens",
+    "ListTokensRequest",
+    "ListTokensResponse",
+    "ListedToken",
+]
 
 
 class AccessRefused(Message):
@@ -32,6 +41,38 @@ class AccessRefused(Message):
     wanted: str = ""
 
 
+class ListedToken(Message):
+    """A token of the door, without its secret.
+
+    Attributes:
+        scope: Its rights as they are written; empty for the owner's, which has every one.
+        until: When it ends, in seconds since 1970; 0 for never.
+        used_at: When a client last showed it; 0 for never since the start.
+        is_connected: Whether a client with it is connected now.
+    """
+
+    name: str
+    scope: tuple[str, ...] = ()
+    until: float = 0.0
+    used_at: Time
+    is_connected: bool = False
+
+
+class ListTokensRequest(Message):
+    """Request for the tokens of the door."""
+
+
+class ListTokensResponse(Message):
+    """The tokens of the door.
+
+    Attributes:
+        since: The start, since which their uses are known.
+    """
+
+    since: Time
+    tokens: tuple[ListedToken, ...] = ()
+
+
 class DefineTypeRequest(Message):
     """A type that a client wants to use by name.
 
@@ -57,4 +98,5 @@ class DefineTypeResponse(ServiceAnswer):
     type_hash: str = ""
 
 
+ListTokens = ServiceType("homebot/srv/ListTokens", ListTokensRequest, ListTokensResponse)
 DefineType = ServiceType("homebot/srv/DefineType", DefineTypeRequest, DefineTypeResponse)

@@ -56,6 +56,7 @@ START_RECORDER = "/homebot/start_recorder"
 COPY_FILES = "/homebot/copy_files"
 RELOAD = "/homebot/reload"
 READ_RECORDING = "/homebot/recorder/read"
+LIST_TOKENS = "/rosbridge_websocket/tokens"
 ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
 OWN_NAMESPACES = frozenset(
     {

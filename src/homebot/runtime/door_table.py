@@ -1,13 +1,16 @@
 """The table ``[door]``, and the access tokens of servers, read from the files that contain them."""
 
 from collections.abc import Mapping
+from datetime import datetime, timedelta
+from math import inf
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, SecretStr, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, SecretStr, ValidationError
 
 from homebot.bridges.admission import AccessSettings
 from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
+from homebot.clock import read_zone
 from homebot.config import Config, FilePath, parse_settings
 from homebot.errors import ConfigError, UsageError
 from homebot.support.addresses import is_loopback
@@ -26,17 +29,27 @@ class DoorTable(DoorSettings):
     token_file: FilePath | None = None
 
 
+def _checked_end(text: str) -> str:
+    try:
+        _end_of(text, "")
+    except (ValueError, OverflowError):
+        raise ValueError(f"{text[:40]!r} is no date; write it like 2026-12-31 or 2026-12-31 18:00") from None
+    return text
+
+
 class TokenTable(BaseModel):
     """The keys of a table ``[door.tokens.NAME]``.
 
     Attributes:
         token_file: File with the token in its first line, readable by its owner only.
+        until: When it ends: ``2026-12-31``, at the end of that day, or ``2026-12-31 18:00``, in the zone of the home.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     token_file: FilePath
     scope: Scope
+    until: Annotated[str, AfterValidator(_checked_end)] = ""
 
 
 def read_door(config: Config) -> DoorSettings:
@@ -47,7 +60,7 @@ def read_door(config: Config) -> DoorSettings:
     """
     source = config.source
     table = {key: value for key, value in config.door.items() if key != "tokens"}
-    tokens = _tokens(config.door.get("tokens", {}), source, config.folder)
+    tokens = _tokens(config.door.get("tokens", {}), config)
     given = parse_settings(DoorTable, table, source, "door", config.folder)
     values = read_access(given, given.token_file, source, "door", "HOMEBOT_DOOR_TOKEN", has_other_tokens=bool(tokens))
     try:
@@ -85,7 +98,8 @@ def read_access(
     return values
 
 
-def _tokens(tables: object, source: str, folder: Path) -> dict[str, ClientToken]:
+def _tokens(tables: object, config: Config) -> dict[str, ClientToken]:
+    source = config.source
     if not isinstance(tables, Mapping):
         raise ConfigError(source, "door.tokens", "must be tables, [door.tokens.NAME]")
     found = {}
@@ -93,9 +107,23 @@ def _tokens(tables: object, source: str, folder: Path) -> dict[str, ClientToken]
         key = f"door.tokens.{name}"
         if not isinstance(table, Mapping):
             raise ConfigError(source, key, f"must be a table, [{key}]")
-        given = parse_settings(TokenTable, table, source, key, folder)
-        found[str(name)] = ClientToken(token=_secret(given.token_file, source, key), scope=given.scope)
+        given = parse_settings(TokenTable, table, source, key, config.folder)
+        found[str(name)] = ClientToken(
+            token=_secret(given.token_file, source, key),
+            scope=given.scope,
+            until=_end_of(given.until, config.home.zone) if given.until else inf,
+        )
     return found
+
+
+def _end_of(text: str, zone: str) -> float:
+    """Return the moment *text* in seconds since 1970; for a date without a time the end of that day."""
+    moment = datetime.fromisoformat(text)
+    if len(text) <= len("2026-12-31"):
+        moment += timedelta(days=1)
+    if moment.tzinfo is None:
+        moment = moment.replace(tzinfo=read_zone(zone))
+    return moment.timestamp()
 
 
 def _secret(token_file: Path, source: str, key: str) -> SecretStr:

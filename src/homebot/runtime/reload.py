@@ -106,7 +106,7 @@ def _lost(old: Mapping[str, Any], new: Mapping[str, Any], *path: str, is_last: b
     for key, value in old.items():
         here, other, others = (*path, key), new.get(key), new.keys() & _TOKEN
         tables, left = _tables_in(value), _tables_in(other)
-        is_token = here[:2] == ("door", "tokens") and (len(here) == 3 or bool(others))
+        is_token = here[:2] == ("door", "tokens") and (len(here) == 3 or (len(here) == 2 and bool(others)))
         if _is_empty(value) or (is_token and not other):
             continue
         is_gone = other in (None, {}) or 0 < len(left) < len(tables)

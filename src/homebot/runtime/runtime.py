@@ -25,11 +25,12 @@ from homebot.bridges.rosbridge import Door
 from homebot.clock import Clock, LoopClock, home_time, read_zone
 from homebot.config import Config
 from homebot.control import Control
+from homebot.devices.access_messages import ListTokens
 from homebot.devices.app_messages import ChangeAppResponse, Reload
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.devices.health import GetHealth
-from homebot.devices.names import COPY_FILES, RELOAD, START_RECORDER
+from homebot.devices.names import COPY_FILES, LIST_TOKENS, RELOAD, START_RECORDER
 from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import UsageError
 from homebot.gateways import Gateway, GatewayContext
@@ -394,6 +395,7 @@ class Runtime:
             owners, home = self._plan.robot_owners, self._plan.home
             self.door = Door(node, self._plan.door, announce, self._local_rights, owners, home, site=_page, owner=owner)
             node.create_service(GetHealth, "~/health", self.door.health)
+            node.create_service(ListTokens, LIST_TOKENS, self.door.list_tokens)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
 
     async def _owner_token(self) -> OwnerToken | None:

@@ -282,15 +282,26 @@ async def test_a_client_with_the_token_is_let_in(open_house: Any, path: str, hea
         await peer.settle()
 
 
-async def get(port: int) -> str:
+async def get(port: int, path: str = "/", header: str = "Accept: */*") -> str:
     """What a plain HTTP client such as curl is answered."""
     async with await anyio.connect_tcp("127.0.0.1", port) as stream:
-        await stream.send(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nAccept: */*\r\n\r\n")
+        await stream.send(f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1\r\n{header}\r\n\r\n".encode())
         answer = b""
         with anyio.fail_after(PATIENCE), suppress(anyio.EndOfStream):
             while True:
                 answer += await stream.receive()
     return answer.decode()
+
+
+@pytest.mark.parametrize("path", ["/", "/api/home", "/api/devices"])
+async def test_the_address_of_a_plain_request_has_no_token_that_counts(open_house: Any, path: str) -> None:
+    """It stays in histories and logs of proxies; each client of HTTP can send a header."""
+    with capture_logs() as logs:
+        async with open_house(DoorSettings(port=0, token=SecretStr("hunter2"))) as house:
+            assert (await get(house.door.port, f"{path}?token=hunter2")).startswith("HTTP/1.1 401 ")
+            authorized = await get(house.door.port, path, "Authorization: Bearer hunter2")
+    assert not authorized.startswith("HTTP/1.1 401 ")
+    assert "hunter2" not in repr(logs)
 
 
 async def test_a_plain_http_client_gets_a_greeting(open_house: Any) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Mapping
 from http import HTTPStatus
+from math import inf, isinf
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 from weakref import WeakKeyDictionary
 
@@ -21,11 +22,13 @@ from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.bridges.token_check import TokenCheck
 from homebot.devices.client_rights import LOCAL_CLIENT, OWNER_CLIENT, ClientRights
 from homebot.errors import ConfigError
+from homebot.messages.builtin_interfaces import Time
 from homebot.support.addresses import is_loopback
 from homebot.support.owner_token import OWNER_HEADER, OwnerToken, is_owner_proof
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.access import ClientAccess
+    from homebot.devices.access_messages import ListedToken
 
 __all__ = ["LOG_IN", "Entrance", "Site", "address_of", "is_for_api", "is_for_websocket", "token_in"]
 
@@ -80,24 +83,47 @@ class Entrance:
                 "host",
                 f"{settings.host} can be reached by others, so it needs a token; set one or listen on 127.0.0.1",
             )
-        self.tokens = TokenCheck(self._tokens_of(settings), shared.node.graph.clock)
+        self._clock = shared.node.graph.clock
+        self.tokens = TokenCheck(self._tokens_of(settings), self._clock)
         self._settings = settings
         self._local_rights = local_rights
         self._shared = shared
         self._site = site
         self._open_timeout = open_timeout
         self._names: WeakKeyDictionary[DoorConnection, str] = WeakKeyDictionary()
+        self._used: dict[str, float] = {}
+        """When each token was last shown, by name; in seconds since 1970."""
 
     def update_tokens(self, settings: DoorSettings) -> frozenset[str]:
         """Use the tokens and rights of *settings*; return the names with changes."""
-        old, old_tokens = self._rights, self._tokens_of(self._settings)
-        new = settings.rights(self._local_rights, has_owner=self._owner is not None)
-        tokens = self._tokens_of(settings)
-        self._rights, self.tokens = new, TokenCheck(tokens, self._shared.node.graph.clock)
+        before = self._clients
+        self._rights = settings.rights(self._local_rights, has_owner=self._owner is not None)
         self._settings = self._settings.model_copy(
             update={"token": settings.token, "tokens": settings.tokens, "scope": settings.scope}
         )
-        return frozenset(name for name in old if new.get(name) != old[name] or tokens.get(name) != old_tokens.get(name))
+        self.tokens = TokenCheck(self._tokens_of(settings), self._clock)
+        after = self._clients
+        return frozenset(name for name, one in before.items() if after.get(name) != one)
+
+    def listed(self, connected: Collection[str]) -> tuple[ListedToken, ...]:
+        """Return what is known of each token; *connected* are the names of clients."""
+        from homebot.devices.access_messages import ListedToken  # noqa: PLC0415 - few ask
+
+        named = self._settings.tokens
+        return tuple(
+            ListedToken(
+                name=name,
+                scope=named[name].scope if name in named else (),
+                until=0.0 if isinf(end := self._end_of(name)) else end,
+                used_at=Time.from_seconds(self._used.get(name, 0.0)),
+                is_connected=name in connected,
+            )
+            for name in self._tokens_of(self._settings)
+        )
+
+    def seconds_left(self, connection: DoorConnection) -> float:
+        """Return the seconds until the token of an admitted client ends; infinite without an end."""
+        return self._end_of(self._names[connection]) - self._clock.now()
 
     def access_of(self, connection: DoorConnection) -> ClientAccess:
         """Return the name and the rights of an admitted client."""
@@ -130,9 +156,12 @@ class Entrance:
                     return None
             elif (file := await self._file(request)) is not None:
                 return file
-        token = token_of("" if is_api else request.path, headers.get_all("Authorization"))
+        token = token_of(
+            headers.get_all("Authorization"), request.path if is_for_websocket(request) and not is_api else ""
+        )
         if not token and self._is_owner(connection, headers):
             self._names[connection] = OWNER_CLIENT
+            self._used[OWNER_CLIENT] = self._clock.now()
             return None
         return await self._check_token(connection, token) or self._check_page(connection, request)
 
@@ -170,13 +199,22 @@ class Entrance:
     def _tokens_of(self, settings: DoorSettings) -> Mapping[str, SecretStr]:
         return settings.all_tokens(None if self._owner is None else SecretStr(self._owner.secret))
 
+    @property
+    def _clients(self) -> Mapping[str, tuple[object, ...]]:
+        """Each client's rights, token and end, by name."""
+        tokens = self._tokens_of(self._settings)
+        return {name: (rights, tokens.get(name), self._end_of(name)) for name, rights in self._rights.items()}
+
+    def _end_of(self, name: str) -> float:
+        token = self._settings.tokens.get(name)
+        return inf if token is None else token.until
+
     def _is_owner(self, connection: DoorConnection, headers: Headers) -> bool:
         """Return whether the client proves that it can read the owner's token."""
         if self._owner is None or not (proof := headers.get(OWNER_HEADER)):
             return False
         key, port = headers.get("Sec-WebSocket-Key", ""), connection.local_address[1]
-        now = self._shared.node.graph.clock.now()
-        return is_owner_proof(proof, self._owner.secret, key, port, now)
+        return is_owner_proof(proof, self._owner.secret, key, port, self._clock.now())
 
     async def _file(self, request: Request) -> Response | None:
         """Return the file of the page for *request*, or None."""
@@ -197,6 +235,10 @@ class Entrance:
         if not name:
             return self.turn_away(connection, HTTPStatus.UNAUTHORIZED, "a valid token is needed")
         self._names[connection] = name
+        if self.seconds_left(connection) <= 0:
+            problem = f"the token has ended; change until in [door.tokens.{name}], or make another"
+            return self.turn_away(connection, HTTPStatus.UNAUTHORIZED, problem)
+        self._used[name] = self._clock.now()
         return None
 
     def _check_page(self, connection: DoorConnection, request: Request) -> Response | None:

@@ -32,12 +32,14 @@ from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.names import HOME_HEADER
 from homebot.errors import UsageError
 from homebot.graph import Node
+from homebot.messages.builtin_interfaces import Time
 from homebot.support.logger import get_logger
 from homebot.support.owner_token import OwnerToken
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.http_requests import HttpRequests
     from homebot.bridges.rosbridge.session import ClientSession
+    from homebot.devices.access_messages import ListTokensRequest, ListTokensResponse
     from homebot.devices.robot_owners import RobotOwners
 
 __all__ = ["Door"]
@@ -110,6 +112,7 @@ class Door:
         self._announce = announce
         self._home = quote(home)
         self._open_timeout = open_timeout
+        self._since = node.graph.clock.now()
 
     @property
     def port(self) -> int:
@@ -136,6 +139,13 @@ class Door:
             "clients_now": self.client_count,
         }
         return HealthResponse(counts=Count.each(counts), troubles=self._entrance.tokens.problems())
+
+    def list_tokens(self, _request: ListTokensRequest) -> ListTokensResponse:
+        """Return the tokens, with their rights and uses."""
+        from homebot.devices.access_messages import ListTokensResponse  # noqa: PLC0415 - few ask
+
+        connected = {session.client.access.name for session in self._sessions.values()}
+        return ListTokensResponse(since=Time.from_seconds(self._since), tokens=self._entrance.listed(connected))
 
     def update_tokens(self, settings: DoorSettings) -> None:
         """Use the tokens and rights of *settings*, and disconnect clients whose token or rights have changed."""
@@ -283,7 +293,10 @@ class Door:
         session = ClientSession(asking, link, is_roslibpy=is_roslibpy(connection))
         self._sessions[connection] = session
         try:
-            await session.run(texts)
+            with anyio.move_on_after(entrance.seconds_left(connection)) as term:
+                await session.run(texts)
+            if term.cancelled_caught:
+                await connection.close(CloseCode.POLICY_VIOLATION, "its token has ended")
             end = connection.protocol.close_sent
             if end is not None and (limit := _LIMITS.get(end.code)):
                 asking.log_refusal(f" was cut off: {end.reason}, the {limit} of [door]", "frame", end.reason)

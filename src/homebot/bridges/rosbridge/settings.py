@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping
+from math import inf
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Final, Self, TypeAlias
 
@@ -51,12 +52,14 @@ class ClientToken(BaseModel):
     Attributes:
         token: The token of the program.
         scope: Its rights.
+        until: When it ends, in seconds since 1970.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     token: Annotated[SecretStr, Field(min_length=1)]
     scope: Scope
+    until: float = inf
 
 
 class DoorSettings(AccessSettings):

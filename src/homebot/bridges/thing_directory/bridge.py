@@ -162,7 +162,7 @@ class ThingDirectoryBridge:
     async def _check_token(self, exchange: HttpExchange) -> None:
         if self._settings.token is None:
             return
-        token = token_of(exchange.target, exchange.headers("Authorization"))
+        token = token_of(exchange.headers("Authorization"))
         name = await self._tokens.check(exchange.address, token)
         if name is None:
             problem = "too many wrong tokens from this address"

@@ -1,23 +1,39 @@
-"""``homebot token new``."""
+"""``homebot token new`` and ``homebot token list``."""
+
+from __future__ import annotations
 
 import argparse
 import json
 import secrets
+import time
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
 from homebot.bridges.rosbridge.settings import check_token_name
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, set_command
 from homebot.cli.commands.run import with_environment
+from homebot.cli.device_json import json_text, list_text
+from homebot.cli.device_queries import house_time
+from homebot.cli.door_client import DoorClient, set_door_command
+from homebot.cli.terminal import print_table
 from homebot.config import parse_config
-from homebot.errors import ConfigError, UsageError
+from homebot.devices.names import LIST_TOKENS
+from homebot.devices.wording.json_message import JsonMessage
+from homebot.devices.wording.time_format import ago, iso, to_seconds
+from homebot.errors import UsageError
 from homebot.runtime.plan import make_plan
 from homebot.support.toml_file import parse_toml
+
+if TYPE_CHECKING:
+    from homebot.devices.access_messages import ListedToken, ListTokensResponse
 
 __all__ = ["add_arguments"]
 
 _EXAMPLES = """\
   homebot token new rosie --scope read --scope 'act: harmless' --scope 'robot: rosie'
   homebot token new wall_panel --scope read
+  homebot token new guest --scope 'act: light in hall' --until 2026-12-31
 
 The token is written to the file NAME.token next to the configuration, which only you can read, and the table
 [door.tokens.NAME] is appended to the configuration; without a configuration, the table is printed. A running homebot
@@ -26,7 +42,13 @@ reads it at SIGHUP (`systemctl [--user] reload homebot`), without a restart.
 _SENDING = """\
 A client sends the token, the only line of that file, in one of two ways:
   the header   Authorization: Bearer TOKEN
-  the address  ws://HOST:PORT/?token=TOKEN    for clients that cannot set headers, such as browsers and Foxglove"""
+  the address  ws://HOST:PORT/?token=TOKEN    for WebSockets of clients that cannot set headers, such as Foxglove"""
+_LISTED = """\
+  homebot token list
+
+The tokens of a running homebot, without their secrets: rights, end, and when a client last showed it. The last uses are
+known since the start of homebot, and those of a token that is connected are `now`. It needs the right `manage`.
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,7 +63,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         required=True,
         help="one right: read, 'act: QUERY', 'act: harmless', 'act: all', manage, raw or 'robot: NAME'; repeatable",
     )
+    new.add_argument("--until", metavar="DATE", default="", help="its end: 2026-12-31, or '2026-12-31 18:00'")
     new.add_argument("--config", metavar="FILE", default=DEFAULT_CONFIG, help="the file (default: homebot.toml)")
+    listed = add_verb(verbs, "list", "list the tokens, and when each was last used")
+    set_door_command(listed, _list, _LISTED)
+    listed.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
 
 
 def _new(options: argparse.Namespace) -> int:
@@ -50,6 +76,7 @@ def _new(options: argparse.Namespace) -> int:
     token_file = config.parent / f"{options.name}.token"
     rights = ", ".join(map(json.dumps, options.scope))
     table = f"[door.tokens.{options.name}]\ntoken_file = {json.dumps(token_file.name)}\nscope = [{rights}]\n"
+    table += f"until = {json.dumps(options.until)}\n" if options.until else ""
     try:
         before = config.read_text(encoding="utf-8-sig") if config.exists() else ""
     except (OSError, UnicodeDecodeError) as exc:
@@ -63,12 +90,11 @@ def _new(options: argparse.Namespace) -> int:
         raise UsageError(f"{token_file} cannot be written: {exc.strerror}{hint}") from exc
     try:
         token_file.write_text(f"{secrets.token_urlsafe(32)}\n", encoding="ascii")
-        tables = parse_toml(f"{before}\n{table}", str(config))
-        make_plan(with_environment(parse_config(tables, str(config), config.parent)))
+        _check_table(f"{before}\n{table}", config, options.name)
         if config.exists():
             with config.open("a", encoding="utf-8") as file:
                 file.write(f"\n{table}")
-    except (ConfigError, OSError) as exc:
+    except (UsageError, OSError) as exc:
         token_file.unlink()
         raise UsageError(f"{exc}; no token was created") from exc
     print(f"the token is in {token_file}, which only you can read")
@@ -79,3 +105,45 @@ def _new(options: argparse.Namespace) -> int:
     )
     print(_SENDING)
     return 0
+
+
+def _check_table(text: str, config: Path, name: str) -> None:
+    plan = make_plan(with_environment(parse_config(parse_toml(text, str(config)), str(config), config.parent)))
+    if plan.door.tokens[name].until <= time.time():
+        raise UsageError("its end (--until) is over")
+
+
+def _list(door: DoorClient, options: argparse.Namespace) -> int:
+    found = cast("ListTokensResponse", JsonMessage(door.call(LIST_TOKENS)))
+    if options.json:
+        print(list_text([json_text(_json(one)) for one in found.tokens]))
+        return 0
+    now, unused = house_time(door), f"not since {_moment(to_seconds(found.since))}, the start of homebot"
+    rows = [
+        (
+            one.name,
+            ", ".join(one.scope) or "every right",
+            f"{_moment(one.until)}{' (over)' * (one.until <= now)}" if one.until else "",
+            "now" if one.is_connected else ago(one.used_at, now) if one.used_at.sec else unused,
+        )
+        for one in found.tokens
+    ]
+    if rows:
+        print_table(("TOKEN", "RIGHTS", "UNTIL", "LAST USED"), rows, if_any=("UNTIL",))
+    else:
+        print("there are no tokens; `homebot token new` makes one")
+    return 0
+
+
+def _moment(seconds: float) -> str:
+    return f"{datetime.fromtimestamp(seconds).astimezone():%Y-%m-%d %H:%M}"
+
+
+def _json(token: ListedToken) -> dict[str, object]:
+    return {
+        "token": token.name,
+        "rights": list(token.scope),
+        "until": datetime.fromtimestamp(token.until, UTC).isoformat() if token.until else None,
+        "used_at": iso(token.used_at) if token.used_at.sec else None,
+        "connected": token.is_connected,
+    }
