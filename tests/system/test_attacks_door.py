@@ -26,6 +26,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from homebot.devices.names import DEFINE_TYPE
 from homebot.mqtt.packets import Connect, MqttSubscription, ProtocolVersion, Publish, Subscribe
+from homebot.support.owner_token import OWNER_FILE
 
 pytestmark = [pytest.mark.system, pytest.mark.no_cover]
 
@@ -377,6 +378,11 @@ def guest(homebot: Attacked, token: str = "") -> Iterator[ClientConnection]:
         yield peer
 
 
+def owner_of(folder: Path) -> str:
+    """Return the owner's token of the homebot in *folder*."""
+    return (folder / "data" / OWNER_FILE).read_text().strip()
+
+
 def call(peer: ClientConnection, service: str, **arguments: object) -> dict[str, Any]:
     send(peer, op="call_service", id="call", service=service, args=arguments, timeout=PATIENCE)
     while (frame := json.loads(peer.recv(timeout=PATIENCE))).get("id") != "call":
@@ -407,7 +413,7 @@ def test_a_program_without_the_right_opens_no_lock_and_forges_nothing(tmp_path: 
         (tmp_path / f"{name}.token").write_text(f"{name}-secret")
     with attacked(tmp_path, "--config", "homebot.toml") as homebot:
         opened = socket.create_connection(("127.0.0.1", homebot.broker), timeout=PATIENCE)
-        with opened, guest(homebot) as watcher:
+        with opened, guest(homebot, owner_of(tmp_path)) as watcher:
             lock = Mqtt(opened, Connect("lock", ProtocolVersion.V5))
             config = json.dumps(LOCK).encode()
             lock.send(Subscribe(1, (MqttSubscription("front/set", 0),)))

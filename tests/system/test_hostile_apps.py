@@ -59,7 +59,7 @@ def test_no_app_is_the_end_of_the_house_and_the_doctor_names_each(tmp_path: Path
             assert any(line.startswith(" ".join(words.split())) for line in squeezed), (words, doctor.stdout)
         (given_up,) = (line for line in squeezed if line.startswith("cancels_task"))
         assert given_up.endswith("; now given up")
-        assert doctor.stdout.endswith("problems found, see above\n")
+        assert doctor.stdout.endswith("problems found, the worst above\n")
         assert doctor.returncode == 1
 
         on = "{address: home425/lights/roomlights405/in, payload: on}"

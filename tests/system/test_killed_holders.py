@@ -14,7 +14,7 @@ import pytest
 from tests.patience import PATIENCE
 from tests.system.attack_probe import Attacked, attacked
 from tests.system.broker_probe import Client as Mqtt
-from tests.system.test_attacks_door import call, guest, send
+from tests.system.test_attacks_door import call, guest, owner_of, send
 from websockets.sync.client import ClientConnection
 
 from homebot.mqtt.packets import Connect, MqttSubscription, ProtocolVersion, Publish, Subscribe
@@ -116,7 +116,7 @@ def house(folder: Path) -> Iterator[tuple[Attacked, dict[str, Any], MqttDoor, Cl
     (folder / "robot.token").write_text("robot-secret")
     with attacked(folder, "--config", "homebot.toml") as homebot:
         opened = socket.create_connection(("127.0.0.1", homebot.broker), timeout=PATIENCE)
-        with opened, guest(homebot) as owner, guest(homebot, "robot-secret") as person:
+        with opened, guest(homebot, owner_of(folder)) as owner, guest(homebot, "robot-secret") as person:
             door = MqttDoor(opened)
             while not (known := call(owner, "/discovery/find_devices")["values"]["devices"]):
                 pass

@@ -611,8 +611,8 @@ from homebot.house import SimulatedLamp
 
 @pytest.mark.house("light_service", world=lambda: World.of(SimulatedLamp("hall")))
 async def test_it(house):
-    for _ in range(30):
-        await house.run_for("10m")
+    for number in range(30):
+        await house.run_for(f"{10 + number}m")
         await house.press("hall", "on")
     await house.becomes("hall", on=True, within="5m")
 """

@@ -153,7 +153,7 @@ class Runtime:
             *self.services,
             random=self.random,
             is_dry_run=self.is_dry_run,
-            home=self._plan.home,
+            home=self._house.home if self._house is not None else self._plan.home,
         )
         self._owner: OwnerFacts
         self._controller: Control | None = None

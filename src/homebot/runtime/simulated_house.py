@@ -40,13 +40,16 @@ class HouseOfRun:
 
     Args:
         robot: The name of its ROS robot; empty for none. A house without any room extents has no robot.
+
+    Attributes:
+        home: The first level of its devices' topics.
     """
 
     def __init__(self, world: World, configured: Collection[str], robot: str = "") -> None:
         self._world = world
         self.robot = robot if any(room.corners for room in world.rooms.rooms.values()) else ""
         self._configured = frozenset(configured)
-        self._home = _THESIS_HOME
+        self.home = _THESIS_HOME
         self.network = HouseNetwork(world.families())
 
     def completed(self, plan: Plan, source: str) -> Plan:
@@ -59,7 +62,7 @@ class HouseOfRun:
         if not any(map(_is_host, plan.gateways)):
             raise ConfigError(source, "gateways", SimulatedHouse.WITHOUT_HOST)
         homes = (gateway.kind.home(gateway.settings) for gateway in plan.gateways)
-        self._home = next(filter(None, homes), self._home)
+        self.home = next(filter(None, homes), self.home)
         if plan.places is NO_PLACES:
             places = self.places()
             HousePlan(plan.home, places.rooms, source, places.doors)  # validates the names
@@ -77,7 +80,7 @@ class HouseOfRun:
     def places(self) -> Places:
         """Return the devices in their rooms; with a robot, also the rooms that have an extent, and their doors."""
         rooms, devices = self._world.rooms, self._world.devices
-        known_by = {name: identifiers(placed, self._home) for name, placed in devices.items()}
+        known_by = {name: identifiers(placed, self.home) for name, placed in devices.items()}
         facts = {known_by[name]: tuple(_facts(name, placed)) for name, placed in devices.items()}
         if not self.robot:
             return Places((), facts)
@@ -107,7 +110,7 @@ class HouseOfRun:
         host = context.service(SimulatedHouse.Host)
         assert host is not None  # noqa: S101 - its plan has one
         house = SimulatedHouse.hosted_by(
-            host, self._home, self._world, graph.clock, random=context.random, network=self.network
+            host, self.home, self._world, graph.clock, random=context.random, network=self.network
         )
         if not self.robot:
             await house.serve(task_status=task_status)

@@ -17,7 +17,7 @@ from homebot.errors import RefusedError
 from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
 from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo, state_of
 from homebot.house.dialects import DIALECTS
-from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, PresenceSensor, SimulatedContactSensor
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.mqtt.topics import topic_matches
 
@@ -37,6 +37,7 @@ KINDS: Mapping[str, Callable[[], SimulatedDevice]] = {
     "lock": lambda: SimulatedDoorLock("desk"),
     "contact": lambda: SimulatedContactSensor("desk"),
     "motion": lambda: MotionSensor("desk"),
+    "presence": lambda: PresenceSensor("desk"),
     "lux": lambda: LuxSensor("desk"),
     "power_meter": lambda: PowerMeter("desk"),
     "thermostat": lambda: SimulatedThermostat("desk"),
@@ -120,6 +121,7 @@ TYPES = {
     "lock": {"door_lock"},
     "contact": {"contact_sensor", "x_binary_sensor"},
     "motion": {"occupancy_sensor", "x_binary_sensor"},
+    "presence": {"occupancy_sensor"},
     "lux": {"light_sensor"},
     "power_meter": {"electrical_meter"},
     "thermostat": {"thermostat"},

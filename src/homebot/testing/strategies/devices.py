@@ -24,6 +24,7 @@ PAYLOADS: Final[Mapping[str, Sequence[str]]] = {
     "lock": ("lock", "unlock"),
     "contact": (),
     "motion": (),
+    "presence": (),
     "lux": (),
     "power_meter": (),
     "thermostat": ("20", "5", "30"),
@@ -50,6 +51,7 @@ KIND_SETTINGS: Final[Mapping[str, Settings]] = {
     "lock": {"is_locked": _switch, "travel_time": _seconds, "jams": _share},
     "contact": {},
     "motion": {"hold": _seconds},
+    "presence": {"hold": _seconds},
     "lux": {"share": _share},
     "power_meter": {"step": _watts},
     "thermostat": {
