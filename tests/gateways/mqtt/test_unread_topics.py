@@ -12,6 +12,7 @@ from homebot.gateways.mqtt.unread_topics import UnreadTopics
 from homebot.mqtt.client import MqttClient
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions, MqttProtocol
+from homebot.mqtt.packets import ReasonCode
 
 pytestmark = pytest.mark.virtual_time
 
@@ -95,6 +96,15 @@ async def test_a_look_lasts_a_minute_and_is_taken_again_after_an_hour() -> None:
         await anyio.sleep(unread_topics.LISTENS_EVERY)
         await publish(program, "late/x")
         assert [("early" in one, "late" in one) for one in unread.notes()] == [(False, True)]
+
+
+async def test_a_look_that_is_ended_hides_no_missing_subscriber_and_keeps_its_counts() -> None:
+    async with looking() as (unread, program):
+        await publish(program, "early/x")
+        assert await program.publish("plug/set", b"on", qos=1) != ReasonCode.NO_MATCHING_SUBSCRIBERS
+        await unread.end()
+        assert await program.publish("plug/set", b"on", qos=1) == ReasonCode.NO_MATCHING_SUBSCRIBERS
+        assert [("early" in one) for one in unread.notes()] == [True]
 
 
 async def test_a_flood_ends_a_look_and_names_few() -> None:

@@ -16,6 +16,7 @@ __all__ = ["UnreadTopics"]
 
 LISTENS_FOR: Final = 60.0
 LISTENS_EVERY: Final = 3600.0
+_ENDS_WITHIN: Final = 1.0
 _LIMITS: Final = {"maximum_packet_size": 64 * 1024, "inbox_messages": 1_000, "session_expiry": 0}
 """Limits of the client: the broker leaves out large messages, such as pictures."""
 
@@ -54,6 +55,15 @@ class UnreadTopics:
         self._most_messages, self._most_topics = most_messages, most_topics
         self._programs = {"homebot", *(one.partition("/")[0] for one in announced)}
         self._counts: Counter[str] = Counter()
+        self._look = anyio.CancelScope()
+        self._is_over = anyio.Event()
+        self._is_over.set()
+
+    async def end(self) -> None:
+        """End a look that goes on: to the broker, it is a client that may receive every command."""
+        self._look.cancel()
+        with anyio.move_on_after(_ENDS_WITHIN):
+            await self._is_over.wait()
 
     async def serve(self) -> None:
         """Listen at intervals until cancelled; a broker that refuses is asked again after the next one."""
@@ -83,13 +93,21 @@ class UnreadTopics:
         async with self._client.connected() as grant:
             if grant.protocol != "5":
                 return
-            await self._client.subscribe(MqttSubscription("#", retain_handling=2))
             self._counts.clear()
-            with anyio.move_on_after(LISTENS_FOR):
-                while self._counts.total() < self._most_messages:
-                    for topic in [one.topic for one in await self._client.receive()]:
-                        if topic in self._counts or len(self._counts) < self._most_topics:
-                            self._counts[topic] += 1
+            self._is_over = anyio.Event()
+            try:
+                with anyio.move_on_after(LISTENS_FOR) as self._look:
+                    await self._client.subscribe(MqttSubscription("#", retain_handling=2))
+                    await self._count()
+                await self._client.unsubscribe("#")
+            finally:
+                self._is_over.set()
+
+    async def _count(self) -> None:
+        while self._counts.total() < self._most_messages:
+            for topic in [one.topic for one in await self._client.receive()]:
+                if topic in self._counts or len(self._counts) < self._most_topics:
+                    self._counts[topic] += 1
 
 
 def _levels(topic: str) -> tuple[str, str]:
