@@ -1,7 +1,7 @@
 """Commands to devices: encoded by their convention, checked and published; and the devices' responses."""
 
 import math
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from secrets import token_hex
 from typing import Final, final
@@ -16,6 +16,7 @@ from homebot.gateways.announced.engine import GatewayEngine
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.packets import NO_PROPERTIES, Properties, ReasonCode
+from homebot.mqtt.topic_census import TopicCensus
 from homebot.mqtt.topics import validate_topic
 from homebot.support.bounded_map import BoundedMap
 
@@ -124,19 +125,19 @@ class CommandPublisher:
     """Publishes commands.
 
     Args:
-        end_look: Ends what could hide that no client subscribes to a topic.
+        census: Its counts could hide that no client subscribes to a topic.
     """
 
     def __init__(
         self,
         engine: GatewayEngine[MqttMessage],
         connection: MqttConnection,
-        end_look: Callable[[], Awaitable[None]],
+        census: TopicCensus,
         responses: Responses | None = None,
     ) -> None:
         self._find_part, self._quarantine = engine.find_part, engine.quarantine
         self._connection = connection
-        self._end_look = end_look
+        self._census = census
         self._responses = responses
 
     async def perform(self, command: Command) -> None:
@@ -159,13 +160,12 @@ class CommandPublisher:
         except HomebotError as exc:
             raise UnableError(str(exc)) from exc
         await self._connection.require_link()
-        reports = announced_part.reports(command.capability)
-        if not reports:
-            await self._end_look()
+        if self._census.is_counting and not announced_part.reports(command.capability):
+            await self._census.end()
         if command.code:
             publications = tuple(one._replace(retain=False) for one in publications)  # no code stays on the broker
         is_heard = await self._publish(command, publications)
-        if publications and not is_heard and not reports:
+        if publications and not is_heard and not announced_part.reports(command.capability):
             raise LinkError(f"no client subscribes to {publications[0].topic[:100]}")
 
     async def _publish(self, command: Command, publications: Iterable[Publication]) -> bool:

@@ -38,13 +38,14 @@ from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber
-from homebot.gateways.mqtt.unread_topics import UnreadTopics
+from homebot.gateways.mqtt.unread_topics import unread_notes
 from homebot.graph import qos_profile_latched
 from homebot.mqtt.client import MqttClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import NO_PROPERTIES
+from homebot.mqtt.topic_census import TopicCensus
 from homebot.mqtt.topics import validate_topic
 from homebot.support.isolation import run_as
 
@@ -60,7 +61,7 @@ class AnnouncedDevices:
         text_filters: The filters of texts that devices publish.
         route: Returns the readers of a topic, or None.
         tick: Reads the clock; called once before each batch of messages.
-        unread: A look at the topics that nothing reads.
+        census: A count of all topics on the broker.
     """
 
     def __init__(
@@ -98,7 +99,7 @@ class AnnouncedDevices:
         self.tick = self._reporter.refresh_time
         self.route = self._registry.route
         self.read_text = self._states.read_text
-        self.unread = UnreadTopics(make_client, settings.options(), self.route, self._used_topics, self.filters)
+        self.census = TopicCensus(make_client, settings.options())
         self._last_messages = LastMessageCache()
         self._taking = asyncio.Lock()  # anyio's costs as much as a tenth of an announcement
         self._subscriber = Subscriber(engine, self._topics, self._registry, conventions)
@@ -112,7 +113,7 @@ class AnnouncedDevices:
             qos_profile_latched,
         )
         self.offers = Offers(gateway, publishers, self.quarantine)
-        publisher = CommandPublisher(engine, connection, self.unread.end, responses)
+        publisher = CommandPublisher(engine, connection, self.census, responses)
         self.texts = CommandServer(engine, publisher.perform, self, self._health, keeps_states=False)
 
     async def serve(self) -> None:
@@ -320,7 +321,7 @@ class AnnouncedDevices:
         troubled = (one for one in self._conventions if isinstance(one, ProblemReportingConvention))
         troubles = tuple(trouble for one in troubled for trouble in one.problems())
         rivals = (self._lease.trouble,) if self._lease.trouble else ()
-        notes = tuple(self.unread.notes())
+        notes = tuple(unread_notes(self.census.counts, self.route, self._used_topics(), self.filters))
         return HealthResponse(counts=Count.each(counts), troubles=(*rivals, *troubles), notes=notes)
 
 

@@ -169,7 +169,7 @@ class MqttGateway(Gateway):
                 await connection.subscribe(MqttSubscription(self._responses.topic, qos=1, no_local=True))
             report = LinkReport(self, connection, self._settings.root or "every home", (*texts, *announcements))
             tasks.start_soon(self._receive, connection)
-            looks = () if self.context.service(HostedBroker) else (self._described.unread.serve,)
+            looks = () if self.context.service(HostedBroker) else (self._described.census.serve,)
             for work in (report.watch, self._described.serve, self._lease.serve, *looks):
                 tasks.start_soon(run_as, self.node.full_name, work)
             await report.wait_for_first_try()
