@@ -18,11 +18,13 @@ from homebot.devices.alerts import ALERTS, GATEWAY, WATCHED, Alert
 from homebot.devices.capabilities import ALERTING, CAPABILITIES, SETTABLE
 from homebot.devices.findings import Finding, Findings
 from homebot.devices.gateway_messages import GatewayState
-from homebot.devices.names import ALERT_FINDINGS, GatewayNames
+from homebot.devices.names import ALERT_FINDINGS, OPEN_QUESTIONS, GatewayNames
+from homebot.devices.question_messages import OpenQuestion, OpenQuestions
 from homebot.errors import ConfigError
 from homebot.graph import Node, qos_profile_latched
 from homebot.house import World
 from homebot.house.description import load_world
+from homebot.messages import Time
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
@@ -33,6 +35,7 @@ from homebot.testing import VirtualHouse, virtual_house_of
 pytestmark = pytest.mark.virtual_time
 
 HOUSES = Path(__file__).parents[2] / "examples" / "houses"
+NEVER = Time(sec=0, nanosec=0)
 NOTIFY: dict[str, dict[str, object]] = {"notify": {}}
 
 
@@ -346,3 +349,24 @@ def test_the_directory_reports_changes_of_all_that_alerts_are_about() -> None:
     assert WATCHED - SETTABLE == ALERTING
     assert CAPABILITIES.keys() >= WATCHED
     assert {one.key for one in (*ALERTS, GATEWAY)} == set(get_args(AlertKey))
+
+
+@pytest.mark.house(config=NOTIFY)
+async def test_what_a_program_asks_is_sent_once_with_the_way_to_answer(house: VirtualHouse) -> None:
+    question = OpenQuestion(
+        question="1-2",
+        text="the client agent wants: door → unlocked",
+        device="door",
+        issuer="client:agent",
+        until=NEVER,
+    )
+    async with Node(house.runtime.graph, "asking") as node:
+        asked = node.create_publisher(OpenQuestions, OPEN_QUESTIONS, qos_profile_latched)
+        await house.run_for("10s")
+        for _ in range(2):
+            asked.publish(OpenQuestions(questions=(question,)))
+            await house.run_for("1s")
+    assert [one.text for one in house.notifications] == [
+        "Question: the client agent wants: door → unlocked? Answer: homebot answer 1-2 yes (or no), or on the page, "
+        "within a minute"
+    ]

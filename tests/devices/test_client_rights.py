@@ -517,3 +517,16 @@ def test_an_invalid_right_is_refused_with_the_valid_ones(right: str, problem: st
     with pytest.raises(UsageError) as caught:
         read_scope(["read", right])
     assert problem in str(caught.value)
+
+
+def test_ask_gives_what_act_does_for_what_it_names_and_has_a_person_asked_for_all_that_fits() -> None:
+    rights = read_scope(["read", "act: light", "ask: lock in hall", "ask: in kitchen"])
+    assert may(rights, HALL_LOCK)
+    assert may(rights, HALL_LAMP)
+    asked = {one.id for one in (HALL_LOCK, HALL_LAMP, KITCHEN_LAMP, VALVE) if rights.must_ask(one, one.parts[0])}
+    assert asked == {HALL_LOCK.id, KITCHEN_LAMP.id}
+    assert not may(read_scope(["ask: in hall"]), HALL_LOCK)
+    assert (rights.text, rights.act_scope) == ("read, act, ask", ("act: light", "ask: lock in hall", "ask: in kitchen"))
+    assert all(may(read_scope(["ask: all"]), one) for one in (HALL_LOCK, VALVE, ALARM))
+    with pytest.raises(UsageError, match="'ask: harmless': "):
+        read_scope(["ask: harmless"])

@@ -74,10 +74,10 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
             assert (await call(session, "command", device="front_door", do="unlock"))["outcome"] == "confirmed"
             assert asked == ["locks/front_door: unlock? It always asks: its type is door_lock."] * 2
 
-        async with client("keys") as session:  # one that can ask nobody
+        async with client("keys") as session, api.answering(False) as questions:  # one that can ask nobody
             refused = await call(session, "command", device="front_door", do="lock")
-            reason = "this device always asks, and this client cannot ask its person"
-            assert refused == {"outcome": "refused", "reason": reason}
+        assert (refused["outcome"], refused["reason"]) == ("refused", "client:local said no")
+        assert questions == ["the client keys wants: locks/front_door → locked"]
 
 
 @pytest.mark.parametrize("mode", ["auto", "legacy"])
@@ -166,7 +166,7 @@ async def test_one_command_is_for_several_devices_of_which_a_person_is_asked_abo
 
     async with mcp.Client(server.house_server(Devices()), elicitation_callback=person) as session:
         lamps = await session.call_tool("command", {"device": ["lamp1", "lamp2#left"], "do": "off"})
-        assert json.loads(lamps.content[0].text) == {"device": ["id-lamp1", "id-lamp2#left"], "do": "off"}
+        assert json.loads(lamps.content[0].text) == {"device": ["id-lamp1", "id-lamp2#left"], "do": "off", "ask": False}
         assert not asked
         await session.call_tool("command", {"device": ["lamp1", "door"], "do": "lock"})
     assert set(asked) == {"id-door: lock? It always asks: it is a lock."}

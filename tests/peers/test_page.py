@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import aiohttp
 import anyio
 import pytest
 from anyio import to_thread
@@ -413,3 +414,25 @@ async def test_the_committed_page_is_what_its_source_builds(tmp_path: Path) -> N
     assert done.returncode == 0, done.stderr[-2000:]
     for name in ("page.js", "page.css"):
         assert (tmp_path / name).read_bytes() == (BUILT / name).read_bytes(), f"{name}: run make page"
+
+
+async def test_the_question_of_a_program_is_answered_with_a_button(page: OpenPage, tmp_path: Path) -> None:
+    (tmp_path / "token").write_text("of-the-agent")
+    tokens = {"agent": {"token_file": str(tmp_path / "token"), "scope": ["read", "ask: light"]}}
+    outcomes: list[str] = []
+    async with page(tokens=tokens) as own, aiohttp.ClientSession() as session:
+
+        async def ask(word: str) -> None:
+            url, headers = f"http://127.0.0.1:{own.door.port}/api/command", {"Authorization": "Bearer of-the-agent"}
+            async with session.post(url, headers=headers, json={"device": "philips165", "do": word}) as answer:
+                outcomes.append((await answer.json())["outcome"])
+
+        await own.open(shows="3 devices")
+        for word, button, outcome in (("on", 1, "confirmed"), ("off", 2, "refused")):
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(ask, word)
+                await own.shows(f"the client agent wants: lights/philips165 → {word}?", "[aria-label=question]")
+                await own.click(f"[aria-label=question] button:nth-of-type({button})")
+                await own.hides("the client agent wants")
+            assert outcomes[-1] == outcome
+        assert own.problems() == []

@@ -125,6 +125,10 @@ def test_the_token_of_the_environment_is_not_one_more_beside_named_ones(
             {"token": "hunter2", "tokens": {"robot": {"token_file": "robot.token", "scope": []}}},
             "homebot.toml: door.tokens: the tokens owner and robot are the same; each needs a secret of its own",
         ),
+        (
+            {"scope": ["read", "manage", "raw"]},
+            "homebot.toml: door.scope: a program without a token may not have manage and raw; give it one: ",
+        ),
         ({"scope": ["act"]}, "homebot.toml: door.scope: 'act': act needs a query, or all: 'act: light in hall'"),
     ],
 )

@@ -1,4 +1,4 @@
-"""Alerts: tells people what is wrong in the house, once for each cause, and when it is over."""
+"""Alerts: tells people what is wrong in the house, once for each cause, when it is over, and what a program asks."""
 
 import math
 from collections.abc import Container, Iterable, Mapping
@@ -18,14 +18,17 @@ from homebot.devices.names import (
     DEVICE_CHANGES,
     DEVICE_SETTINGS,
     FIND_DEVICES,
+    OPEN_QUESTIONS,
     GatewayNames,
     gateway_of,
 )
 from homebot.devices.query.term_messages import QueryTerm, query_terms
 from homebot.devices.query.terms import Or
+from homebot.devices.question_messages import OpenQuestions
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import qos_profile_latched
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["Alerts", "AlertsSettings", "Incident", "update_incidents"]
 
@@ -39,6 +42,7 @@ _CALM, _LONG_CALM, _DAY = 300.0, 3600.0, 86_400.0
 """Seconds for which it must be over before people are told so; the longer time if it came back within a day."""
 
 _MOST_LINES: Final = 10
+_MOST_ASKED: Final = 100
 
 
 class AlertsSettings(AppSettings):
@@ -97,6 +101,8 @@ class Alerts(App[AlertsSettings]):
         for gateway in filter(None, map(gateway_of, node.graph.get_node_names())):
             on_state = partial(self._on_gateway, gateway)
             node.create_subscription(GatewayState, GatewayNames(gateway).state, on_state, qos_profile_latched)
+        self._asked = BoundedMap[str, None](_MOST_ASKED)
+        node.create_subscription(OpenQuestions, OPEN_QUESTIONS, self._on_questions, qos_profile_latched)
         while True:
             await anyio.sleep(_GATHER)
             self._changed = anyio.Event()
@@ -106,6 +112,14 @@ class Alerts(App[AlertsSettings]):
     def _on_values(self, changed: ChangedSettings) -> None:
         if any(one.capability in WATCHED for one in changed.changes):
             self._changed.set()
+
+    async def _on_questions(self, asked: OpenQuestions) -> None:
+        """Send the new questions, of which a flood holds no alert back."""
+        for one in asked.questions:
+            if one.question not in self._asked:
+                self._asked[one.question] = None
+                how = f"homebot answer {one.question} yes (or no), or on the page, within a minute"
+                await self.context.notify(f"{one.text}? Answer: {how}", "Question", f"{self.node.name} (questions)")
 
     def _on_gateway(self, name: str, state: GatewayState) -> None:
         known = self._gateways.get(name) or Alert(GATEWAY, name, f"gateway {name}", self.clock.now(), "")

@@ -37,7 +37,6 @@ _GUIDE: Final = (
 _READS: Final = ToolAnnotations(read_only_hint=True, open_world_hint=False)
 _ACTS: Final = ToolAnnotations(read_only_hint=False, destructive_hint=True, open_world_hint=False)
 _UNCONFIRMED: Final = "this device always asks, and no person confirmed the command"
-_NOBODY: Final = "this device always asks, and this client cannot ask its person"
 
 _LONGEST: Final = 900.0
 """Seconds; homebot answers sooner, after the usual response time of the slowest device."""
@@ -64,10 +63,10 @@ class Sure(BaseModel):
     confirm: bool = Field(description="whether to do it")
 
 
-class _Unsent(Sure):
-    """No person can be asked."""
+class _Unasked(Sure):
+    """This client cannot ask its person, so homebot asks those in the house."""
 
-    confirm: bool = False
+    confirm: bool = True
 
 
 class ApiClient:
@@ -179,10 +178,10 @@ def house_server(api: ApiClient) -> MCPServer:
     ) -> str:
         """Command a device, or several at once: `on`, `40 %`, `2700 K`, `heating_setpoint 21`, `open`, `lock`."""
         if not isinstance(sure, AcceptedElicitation) or not sure.data.confirm:
-            cannot = isinstance(sure, AcceptedElicitation) and isinstance(sure.data, _Unsent)
-            return _problem("refused", _NOBODY if cannot else _UNCONFIRMED)
-        targets = _targets(details, device)
-        return await api.post("/api/command", {"device": targets if len(targets) > 1 else targets[0], "do": do})
+            return _problem("refused", _UNCONFIRMED)
+        targets, ask = _targets(details, device), isinstance(sure.data, _Unasked)
+        wanted = {"device": targets if len(targets) > 1 else targets[0], "do": do, "ask": ask}
+        return await api.post("/api/command", wanted)
 
     server = _HouseServer("homebot", instructions=_GUIDE, version=__version__, log_level="WARNING")
     for tool in (home, find_devices, why, history):
@@ -203,7 +202,7 @@ def _question(targets: list[str], details: list[Any], do: str, context: Context)
     if not reasons:
         return Sure(confirm=True)
     if (can := context.client_capabilities) is None or can.elicitation is None:
-        return _Unsent()
+        return _Unasked()
     why = "; ".join(dict.fromkeys(reasons.values()))
     return Elicit(printable(f"{', '.join(reasons)}: {do}? It always asks: {why}.", 2000), Sure)
 

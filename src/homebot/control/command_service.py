@@ -125,5 +125,6 @@ def _part_request(
         code=request.code,
         issuer=request.issuer or UNNAMED_CLIENT,
         scope=request.scope,
+        ask_first=request.ask_first,
         cause=request.cause,
     )

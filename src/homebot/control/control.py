@@ -24,6 +24,7 @@ from homebot.devices.command_messages import CommandDevices, PerformCommand, Sen
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.journal_messages import ExplainDevice, ExplainMissingState, ReadJournal
 from homebot.devices.misspelt_names import ConfiguredNames, StatedNames
+from homebot.devices.question_messages import AnswerQuestion, GetQuestions
 from homebot.graph import Node, QoSProfile
 
 if TYPE_CHECKING:
@@ -133,6 +134,8 @@ class Control:
         create(leases.EndLeases, names.END_LEASES, lambda request: self._layer.leases.end(request))
         create(GetUnapproved, names.GET_UNAPPROVED, lambda request: self._layer.policies.unapproved(request))
         create(TrustDevice, names.TRUST_DEVICE, lambda request: self._layer.executor.witnesses.trust(request))
+        create(GetQuestions, names.GET_QUESTIONS, lambda _: self._layer.executor.questions.listed())
+        create(AnswerQuestion, names.ANSWER_QUESTION, lambda request: self._layer.executor.questions.answer(request))
         create(GetHealth, "~/health", self.health)
         create(ReadJournal, names.READ_JOURNAL, lambda request: self._layer.journal.read(request), concurrent=True)
         create(

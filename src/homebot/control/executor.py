@@ -23,6 +23,7 @@ from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
 from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
+from homebot.control.questions import Questions
 from homebot.control.sending import OpenCommand, Sending
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.cause import Attribution, Cause
@@ -115,6 +116,7 @@ class CommandExecutor:
         feed.on_answer = self._on_answer
         self.witnesses = Witnesses(node, settings, feed, lookup)
         self.codes = CodeGuesses(self._clock)
+        self.questions = Questions(node, lookup, policies, journal)
 
     async def perform(self, request: CommandRequest) -> Outcome:
         """Carry out a command, and return its outcome."""
@@ -133,15 +135,20 @@ class CommandExecutor:
             outcome = no_such_part(request.device, request.part, device, name)
         else:
             command = self._issued(name, request, device, part, asked_at)
-            outcome = await self._carry_out(command)
-            if command.nearest and outcome.succeeded:
-                command.warnings["steps"] = command.nearest
-            if command.code:
-                self.codes.end(command, outcome)
-            if command.warnings:
-                outcome = replace(outcome, warning="; ".join(command.warnings.values()))
+            agreed: IssuedCommand | Outcome = command
+            if request.ask_first or self._policies.must_ask(command):
+                agreed = self.check(command, is_preview=True) or await self.questions.agreed(command, shown)
+            outcome = agreed if isinstance(agreed, Outcome) else await self._perform(agreed)
         self._journal.decided(request.issuer, place, outcome)
         return outcome
+
+    async def _perform(self, command: IssuedCommand) -> Outcome:
+        outcome = await self._carry_out(command)
+        if command.nearest and outcome.succeeded:
+            command.warnings["steps"] = command.nearest
+        if command.code:
+            self.codes.end(command, outcome)
+        return replace(outcome, warning="; ".join(command.warnings.values())) if command.warnings else outcome
 
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         """Return the refusal of *request* by the current rights and policies; nothing is recorded."""

@@ -82,6 +82,8 @@ class TextCommands:
             scope=request.scope,
         )
         refused = self._refusal(command)
+        if refused is None and self._policies.must_ask(command):
+            refused = await self._executor.questions.ask(command, (shown,)) or self._refusal(command)
         if refused is not None:
             return self._ended(request, part.id, refused)
         if self._executor.rehearsal is not None and (assumed := self._executor.rehearse(command)) is not None:

@@ -1,4 +1,4 @@
-"""Rights of external programs in the owner's words: ``read``, ``act: light in hall``, ``manage``, ``raw``. Pure."""
+"""Rights of external programs in the owner's words: ``read``, ``act: light in hall``, ``ask: lock``. Pure."""
 
 from collections.abc import Iterable
 from enum import Enum
@@ -16,6 +16,7 @@ __all__ = [
     "ALL_RIGHTS",
     "ALL_ROBOTS",
     "APP_RIGHTS",
+    "ASK",
     "CLIENT_RIGHTS",
     "HARMLESS",
     "LOCAL_CLIENT",
@@ -40,6 +41,9 @@ OWNER_CLIENT = "owner"
 CLIENT_RIGHTS = "rights"
 """The name of the policy that refuses clients of the door."""
 
+ASK = "ask"
+"""The name of the policy that refuses what no person agreed to."""
+
 HARMLESS = "harmless"
 """In place of a query: everything on the list of :mod:`homebot.devices.harmless`."""
 
@@ -51,7 +55,9 @@ _ALL = "all"
 ALL_ROBOTS = "all"
 """In place of a robot's name: every robot."""
 
-_KNOWN = "known are read, act: QUERY, act: harmless, act: ordinary, act: all, manage, raw, robot: NAME"
+_KNOWN = (
+    "known are read, act: QUERY, act: harmless, act: ordinary, act: all, ask: QUERY, ask: all, manage, raw, robot: NAME"
+)
 
 _WORDS = frozenset({HARMLESS, ORDINARY, _ALL})
 
@@ -65,6 +71,9 @@ class Right(Enum):
     ACT = "act"
     """Command devices, and communicate with apps and other clients."""
 
+    ASK = "ask"
+    """Command devices once a person agrees, to each command; as :attr:`ACT` otherwise."""
+
     MANAGE = "manage"
     """Change homebot itself: its parameters, its index."""
 
@@ -77,6 +86,7 @@ class Right(Enum):
 
 _NEEDS = {
     Right.ACT: "needs a query, or all: 'act: light in hall'",
+    Right.ASK: "needs a query, or all: 'ask: lock in hall'",
     Right.ROBOT: "needs the name of a robot: 'robot: rosie'",
 }
 
@@ -91,7 +101,10 @@ class ClientRights(NamedTuple):
         acts_on_harmless: Whether it may command what is on the list of harmless parts.
         acts_on_ordinary: Whether it may command all that does not always ask.
         acts_on_all: Whether it may command every device.
-        act_scope: The four above as they were written, for commands; empty for the rights without a scope.
+        asks_on: A person must agree to each of its commands to devices that fit any of these queries; it may command
+            them, as with *acts_on*, even if no other right covers them.
+        asks_on_all: Whether a person must agree to each of its commands.
+        act_scope: The six above as they were written, for commands; empty for the rights without a scope.
         robots: The names of the robots that it may act as; :data:`ALL_ROBOTS` for any.
     """
 
@@ -100,6 +113,8 @@ class ClientRights(NamedTuple):
     acts_on_harmless: bool = False
     acts_on_ordinary: bool = False
     acts_on_all: bool = False
+    asks_on: tuple[Query, ...] = ()
+    asks_on_all: bool = False
     act_scope: tuple[str, ...] = ()
     robots: tuple[str, ...] = ()
 
@@ -111,14 +126,23 @@ class ClientRights(NamedTuple):
         """Return whether it may act as *robot*, or as any robot if that is empty."""
         return bool(self.robots) and (not robot or robot in self.robots or ALL_ROBOTS in self.robots)
 
+    def must_ask(self, device: Device, part: DevicePart) -> bool:
+        """Return whether a person must agree to each command to *part* of *device*; a room of a tag counts here."""
+        return self.asks_on_all or any(fits(query, PartFacets(device, part)) for query in self.asks_on)
+
     def may_command(self, device: Device, part: DevicePart, *, asks: bool, is_harmless: bool) -> bool:
-        """Return whether it may command *part* of *device*.
+        """Return whether it may command *part* of *device*, perhaps only if a person agrees.
 
         Args:
             asks: Whether the part always asks.
             is_harmless: Whether it is on the list of harmless parts.
         """
-        if self.acts_on_all or (is_harmless and self.acts_on_harmless) or (not asks and self.acts_on_ordinary):
+        if (
+            self.acts_on_all
+            or self.asks_on_all
+            or (is_harmless and self.acts_on_harmless)
+            or (not asks and self.acts_on_ordinary)
+        ):
             return True
         facets = PartFacets(without_taught_room(device), part)
         declared = is_declared(part)
@@ -134,7 +158,7 @@ class ClientRights(NamedTuple):
                 case _:
                     return False
 
-        return any(fits(query, facets) and (not asks or names_it(query)) for query in self.acts_on)
+        return any(fits(query, facets) and (not asks or names_it(query)) for query in self.acts_on + self.asks_on)
 
     @property
     def text(self) -> str:
@@ -178,14 +202,16 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
     for text in scope:
         right, query = _read_right(text)
         found.setdefault(right, []).append(query)
-    wanted = found.get(Right.ACT, [])
+    wanted, asked = found.get(Right.ACT, []), found.get(Right.ASK, [])
     return ClientRights(
-        kinds=frozenset(found),
+        kinds=frozenset(found) | ({Right.ACT} if asked else frozenset()),
         acts_on=tuple(_parse(query) for query in wanted if query not in _WORDS),
         acts_on_harmless=not _WORDS.isdisjoint(wanted),
         acts_on_ordinary=ORDINARY in wanted or _ALL in wanted,
         acts_on_all=_ALL in wanted,
-        act_scope=tuple(f"act: {query}" for query in wanted),
+        asks_on=tuple(_parse(query, "ask") for query in asked if query != _ALL),
+        asks_on_all=_ALL in asked,
+        act_scope=(*(f"act: {query}" for query in wanted), *(f"ask: {query}" for query in asked)),
         robots=tuple(found.get(Right.ROBOT, ())),
     )
 
@@ -222,10 +248,10 @@ def _check_robot(text: str, name: str) -> None:
         raise UsageError(f"{text!r}: {exc}") from exc
 
 
-def _parse(text: str) -> Query:
+def _parse(text: str, right: str = "act") -> Query:
     from homebot.devices.query.exact import parse_exact_query  # noqa: PLC0415 - few clients have a scope
 
     try:
         return parse_exact_query(text)
     except UsageError as exc:
-        raise UsageError(f"'act: {text}': {exc}") from exc
+        raise UsageError(f"'{right}: {text}': {exc}") from exc

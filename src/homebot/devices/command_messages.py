@@ -93,6 +93,7 @@ class CommandRequest(Message):
         scope: The rights of a client of the door, by its token: ``read``, ``act: all``, ``act: light in hall``; empty
             if it has no token. The door sets it, overwriting the client's. It is ignored for a node: the rights of apps
             are in the configuration.
+        ask_first: Whether a person must agree first, as to commands of clients with the right ``ask``.
         cause: The id of its cause, such as a report; empty for a person's command.
         trigger: The cause with its facts, as far as the issuer knows them.
     """
@@ -106,6 +107,7 @@ class CommandRequest(Message):
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
     issuer: str
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
+    ask_first: bool = False
     cause: ShortText = ""
     trigger: Trigger = NO_TRIGGER
 
@@ -203,6 +205,7 @@ class CommandDevicesRequest(Message):
         code: The code that an alarm or a lock requires; a secret.
         issuer: The issuer of the command; the door sets it for its clients.
         scope: As for :class:`CommandRequest`.
+        ask_first: Whether a person must agree first.
         cause: The id of its cause; may be empty.
     """
 
@@ -215,6 +218,7 @@ class CommandDevicesRequest(Message):
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
     issuer: str = ""
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
+    ask_first: bool = False
     cause: str = ""
 
 

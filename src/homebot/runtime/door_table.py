@@ -12,6 +12,7 @@ from homebot.bridges.admission import AccessSettings
 from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
 from homebot.clock import read_zone
 from homebot.config import Config, FilePath, parse_settings
+from homebot.devices.client_rights import Right, read_scope
 from homebot.errors import ConfigError, UsageError
 from homebot.support.addresses import is_loopback
 from homebot.support.file_access import read_secret
@@ -62,6 +63,11 @@ def read_door(config: Config) -> DoorSettings:
     table = {key: value for key, value in config.door.items() if key != "tokens"}
     tokens = _tokens(config.door.get("tokens", {}), config)
     given = parse_settings(DoorTable, table, source, "door", config.folder)
+    unsafe = read_scope(given.scope or ()).kinds & {Right.MANAGE, Right.RAW}
+    if unsafe:
+        words = " and ".join(sorted(one.value for one in unsafe))
+        problem = f"a program without a token may not have {words}; give it one: homebot token new NAME --scope …"
+        raise ConfigError(source, "door.scope", problem)
     values = read_access(given, given.token_file, source, "door", "HOMEBOT_DOOR_TOKEN", has_other_tokens=bool(tokens))
     try:
         return DoorTable(**{**values, "tokens": tokens})

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import aiohttp
 import anyio
 from tests.patience import PATIENCE
+from websockets.asyncio.client import ClientConnection, connect
 
 from homebot.config import parse_config
 from homebot.house import SimulatedLamp, World
@@ -17,6 +18,7 @@ from homebot.runtime import Runtime
 
 TOKENS = {
     "agent": ("agent-token-1234567", ["read", "act: harmless"]),
+    "asker": ("asker-token-1234567", ["read", "act: harmless", "ask: lock"]),
     "keys": ("keys-token-12345678", ["read", "act: all"]),
 }
 
@@ -43,6 +45,23 @@ class Api:
     async def command(self, device: str | list[str], do: str, **headers: str) -> Answer:
         return await self._ask("POST", "/api/command", headers, json={"device": device, "do": do})
 
+    @asynccontextmanager
+    async def answering(self, *answers: bool) -> AsyncIterator[list[str]]:
+        """Answer as many questions at the door, as the person who has its rights; yield their texts."""
+        asked: list[str] = []
+
+        async def answer() -> None:
+            async with connect(f"ws://127.0.0.1:{self.port}", proxy=None) as door:
+                for yes in answers:
+                    while not (found := (await _called(door, "/control/get_questions"))["questions"]):  # noqa: ASYNC110
+                        await anyio.sleep(0.05)
+                    asked.append(found[0]["text"])
+                    await _called(door, "/control/answer", question=found[0]["question"], yes=yes)
+
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(answer)
+            yield asked
+
     async def until(self, path: str, is_so: Callable[[Any], bool]) -> None:
         with anyio.fail_after(PATIENCE):
             while not is_so((await self.get(path)).values):  # noqa: ASYNC110 - it is seen from outside
@@ -54,6 +73,12 @@ class Api:
         async with self._session.request(method, url, headers=given, **more) as answer:
             body = await answer.read()
             return Answer(answer.status, json.loads(body), len(body), answer.content_type)
+
+
+async def _called(door: ClientConnection, service: str, **args: object) -> Any:
+    await door.send(json.dumps({"op": "call_service", "service": service, "args": args}))
+    with anyio.fail_after(PATIENCE):
+        return json.loads(await door.recv())["values"]
 
 
 def bearer(name: str) -> str:

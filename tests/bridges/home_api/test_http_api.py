@@ -62,6 +62,20 @@ async def test_a_session_that_may_not_unlock_cannot_and_hears_why(tmp_path: Path
         assert (unlocked.status, unlocked.values["outcome"]) == (200, "confirmed")
 
 
+async def test_a_token_with_the_right_ask_unlocks_once_a_person_says_yes(tmp_path: Path) -> None:
+    async with running_api(tmp_path) as api:
+        async with api.answering(False, True) as asked:
+            refused = await api.command("front_door", "unlock", Authorization=bearer("asker"))
+            opened = await api.command("front_door", "lock", Authorization=bearer("asker"))
+        assert (refused.status, refused.values["outcome"], refused.values["policy"]) == (200, "refused", "ask")
+        assert refused.values["reason"] == "client:local said no"
+        assert opened.values["outcome"] in {"confirmed", "already_so"}
+        assert asked == [f"the client asker wants: locks/front_door → {to}" for to in ("unlocked", "locked")]
+        why = (await api.get("/api/why/front_door?state=unlocked")).values
+        assert "refused (ask): client:local said no" in str(why)
+        assert (await api.command("lamp1", "on", Authorization=bearer("asker"))).values["outcome"] == "confirmed"
+
+
 async def test_several_devices_are_commanded_at_once_and_nothing_is_sent_if_one_is_unknown(tmp_path: Path) -> None:
     async with running_api(tmp_path) as api:
         unknown = await api.command(["lamp1", "lamp9"], "on")

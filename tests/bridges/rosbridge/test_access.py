@@ -430,6 +430,8 @@ def test_each_token_has_a_secret_of_its_own_which_no_error_shows() -> None:
         ("/control/hold", Right.ACT),
         ("/control/renew", Right.ACT),
         ("/control/release", Right.ACT),
+        ("/control/answer", Right.ACT),
+        ("/control/get_questions", Right.READ),
         ("/my_app/go", Right.ACT),
         ("/rosapi/set_param", Right.MANAGE),
         ("/robot/set_parameters", Right.MANAGE),

@@ -106,7 +106,7 @@ async def command(home: HomeCalls, asked: shapes.CommandQuestion) -> shapes.Outc
 
     async def send(device: Device, target: str) -> None:
         try:
-            answers.append(await _commanded(home, device, target, asked.do))
+            answers.append(await _commanded(home, device, target, asked))
         except ProblemError as exc:
             problems.append(exc)
             answers.append(shapes.OutcomeAnswer(id=device.id, outcome="refused", text=str(exc), reason=str(exc)))
@@ -120,8 +120,11 @@ async def command(home: HomeCalls, asked: shapes.CommandQuestion) -> shapes.Outc
     return worst if len(answers) == 1 else worst.model_copy(update={"devices": tuple(answers)})
 
 
-async def _commanded(home: HomeCalls, device: Device, target: str, words: str) -> shapes.OutcomeAnswer:
-    found = await home.call(names.COMMAND_DEVICES, {"target": target, "command": words})
+async def _commanded(
+    home: HomeCalls, device: Device, target: str, asked: shapes.CommandQuestion
+) -> shapes.OutcomeAnswer:
+    request = {"target": target, "command": asked.do, "ask_first": asked.ask}
+    found = await home.call(names.COMMAND_DEVICES, request)
     answer = cast("CommandDevicesResponse", found)
     if not answer.results:
         raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)

@@ -94,10 +94,14 @@ class HistoryQuestion(_Question):
 
 
 class CommandQuestion(_Question):
-    """A command in words to one device, or to each of several: `on`, `40 %`, `level 40`, `unlock`."""
+    """A command in words to one device, or to each of several: `on`, `40 %`, `level 40`, `unlock`.
+
+    With `ask`, a person in the house must agree first, as to all that the token has the right `ask` for.
+    """
 
     device: _Name | _Names
     do: Annotated[str, Field(min_length=1, max_length=300)]
+    ask: bool = False
 
 
 class DeviceLine(_Answer):

@@ -37,6 +37,7 @@ _READING: Final = frozenset(
         names.GET_INDEX_DATA,
         names.GET_LEASES,
         names.GET_PLACES,
+        names.GET_QUESTIONS,
         names.GET_UNAPPROVED,
         names.LIST_APPS,
         names.LIST_DEVICES,
@@ -50,6 +51,7 @@ _READING: Final = frozenset(
 )
 _ACTING: Final = frozenset(
     {
+        names.ANSWER_QUESTION,
         names.COMMAND_DEVICES,
         names.DEFINE_TYPE,
         names.HOLD_DEVICE,

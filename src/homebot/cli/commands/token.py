@@ -61,7 +61,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="RIGHT",
         action="append",
         required=True,
-        help="one right: read, 'act: QUERY', 'act: harmless', 'act: all', manage, raw or 'robot: NAME'; repeatable",
+        help="one right: read, 'act: QUERY', 'act: harmless', 'act: all', 'ask: QUERY', manage, raw or 'robot: NAME'; "
+        "repeatable",
     )
     new.add_argument("--until", metavar="DATE", default="", help="its end: 2026-12-31, or '2026-12-31 18:00'")
     new.add_argument("--config", metavar="FILE", default=DEFAULT_CONFIG, help="the file (default: homebot.toml)")

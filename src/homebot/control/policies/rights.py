@@ -24,7 +24,7 @@ from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 
-__all__ = ["check_approval", "check_grants", "client_refusal", "is_safe"]
+__all__ = ["check_approval", "check_grants", "client_refusal", "is_safe", "must_ask"]
 
 GRANTS: Final = "grants"
 ALWAYS_ASK: Final = "always_ask"
@@ -95,6 +95,8 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
         rights = _rights(command.scope)
     except UsageError as exc:
         return str(exc)
+    if command.trigger.kind == "lease" and must_ask(command):
+        return f"a person must agree to each command of {command.issuer} to {device.id}, so it cannot hold it"
     limit = _limit(command, rights)
     if limit is None or (limit and _may_make_safe(command, rights)):
         return ""
@@ -107,6 +109,22 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
     step += _tag_advice(device) if limit and not asks else ""
     has += _place_advice(device, scope)
     return f"{command.issuer} may not command {device.id}: {why}, and {has}; {step}{_client_advice(command, right)}"
+
+
+def must_ask(command: IssuedCommand) -> bool:
+    """Return whether a person must agree to *command*: a client gave it whose right for the part is ``ask``.
+
+    For a raw text that no part explains, all parts count.
+    """
+    if not command.is_client:
+        return False
+    try:
+        rights = _rights(command.scope)
+    except UsageError:
+        return True
+    device, part = command.device, command.part
+    parts = device.parts if device.part(part.id) is None else (part,)
+    return any(rights.must_ask(device, one) for one in parts)
 
 
 def is_safe(device: Device, part: DevicePart, settings: Mapping[str, PlainValue], *, knows_load: bool = True) -> bool:

@@ -5,6 +5,7 @@ import { outcome } from "./acting.js";
 import { connect, connection, logIn, logOut, missing, token } from "./door.js";
 import { count, follow } from "./house.js";
 import { html } from "./html.js";
+import { Questions } from "./questions.js";
 import { Device } from "./views/device.js";
 import { Graph } from "./views/graph.js";
 import { House } from "./views/house.js";
@@ -54,6 +55,7 @@ function Page() {
         : html`<button type="button" aria-expanded=${isLoggingIn.value} onClick=${() => (isLoggingIn.value = !isLoggingIn.value)}>log in</button>`}
     </header>
     ${(mustLogIn || isLoggingIn.value || missing.value) && html`<${LogIn} reason=${mustLogIn ? reason : missing.value} />`}
+    <${Questions} />
     <main class=${state === "open" ? "" : "old"}>${view === "device" ? html`<${Device} key=${id} id=${id} />` : View ? html`<${View} />` : html`<p class="empty">There is no such view.</p>`}</main>
     <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>
       ${outcome.value?.text} ${outcome.value && !outcome.value.isGood && html`<button type="button" onClick=${() => (outcome.value = null)}>close</button>`}

@@ -1,0 +1,153 @@
+"""Questions: a command of a client that must ask waits until a person with the right to give it says yes."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Final, final
+
+import anyio
+
+from homebot.control.command import IssuedCommand
+from homebot.control.device_lookup import DeviceLookup
+from homebot.control.journal.journal import CommandJournal
+from homebot.control.policies.facts import Verdict
+from homebot.control.policy_engine import PolicyEngine
+from homebot.devices.client_rights import ASK
+from homebot.devices.command_messages import Setting
+from homebot.devices.names import OPEN_QUESTIONS
+from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
+from homebot.devices.question_messages import AnswerQuestionRequest, AnswerQuestionResponse, OpenQuestion, OpenQuestions
+from homebot.devices.wording.journal_words import issuer_text, settings_text
+from homebot.errors import ServiceError
+from homebot.graph import Node, Publisher, qos_profile_latched
+from homebot.messages import Time
+from homebot.support.bounded_map import BoundedMap
+from homebot.support.printable import printable
+
+__all__ = ["Questions"]
+
+ASKED: Final = "control.asked"
+
+_PATIENCE: Final = 60.0
+"""Seconds until an open question is refused, and for which a no holds for the same command."""
+
+_MOST, _MOST_OF_ONE = 20, 5
+"""The limits of open questions, and of those of one client."""
+
+_MOST_DENIED: Final = 100
+
+
+@dataclass(slots=True, eq=False)
+class _Question:
+    command: IssuedCommand
+    message: OpenQuestion
+    by: str = ""
+    yes: bool = False
+    answered: anyio.Event = field(default_factory=anyio.Event)
+
+
+@final
+class Questions:
+    """The open questions, and their answers."""
+
+    def __init__(self, node: Node, lookup: DeviceLookup, policies: PolicyEngine, journal: CommandJournal) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._lookup = lookup
+        self._policies = policies
+        self._journal = journal
+        self._open: dict[str, _Question] = {}
+        self._denied: BoundedMap[tuple[object, ...], tuple[str, float]] = BoundedMap(_MOST_DENIED)
+
+    async def agreed(self, command: IssuedCommand, wanted: Iterable[Setting]) -> IssuedCommand | Outcome:
+        """As :meth:`ask`, but return *command* for the device as it is by then, instead of None."""
+        refused = await self.ask(command, wanted)
+        if refused is not None:
+            return refused
+        try:
+            device = await self._lookup.device(command.device.id)
+        except ServiceError as exc:
+            return NoAnswer(0.0, str(exc), command_id=command.id)
+        part = None if device is None else device.part(command.part.id)
+        if device is None or part is None:
+            return Gone(command_id=command.id)
+        return replace(command, device=device, part=part, issued_at=self._clock.now())
+
+    async def ask(self, command: IssuedCommand, wanted: Iterable[Setting]) -> Refused | None:
+        """Ask people whether *command* may be sent; return its refusal, or None if one agrees within a minute.
+
+        Args:
+            wanted: Its settings, without codes.
+        """
+        text = f"{issuer_text(command.issuer)} wants: {printable(command.label, 100)} → {settings_text(wanted)}"
+        key = (command.issuer, command.place, text)
+        if problem := self._why_not_asked(command.issuer, key):
+            return Refused(ASK, problem, command_id=command.id)
+        until = Time.from_seconds(self._clock.now() + _PATIENCE)
+        message = OpenQuestion(
+            question=command.id, text=printable(text, 300), device=command.device.id, issuer=command.issuer, until=until
+        )
+        question = self._open[command.id] = _Question(command, message)
+        self._node.log.info(
+            ASKED, message=f"{message.text}? answer: homebot answer {command.id} yes", command=command.id
+        )
+        self._publish()
+        try:
+            with anyio.move_on_after(_PATIENCE):
+                await question.answered.wait()
+        except anyio.get_cancelled_exc_class():
+            self._journal.decided(
+                command.issuer, command.place, NoAnswer(0.0, "it was cancelled", command_id=command.id)
+            )
+            raise
+        finally:
+            del self._open[command.id]
+            self._publish()
+        if question.yes:
+            self._journal.judged(command, Verdict(ASK, allowed=True, reason=f"{question.by} said yes"))
+            return None
+        if question.by:
+            self._denied[key] = question.by, self._clock.monotonic() + _PATIENCE
+        nobody = f"nobody answered within {_PATIENCE:.0f} s: a person does on the page, or with `homebot answer`"
+        return Refused(ASK, f"{question.by} said no" if question.by else nobody, command_id=command.id)
+
+    def answer(self, request: AnswerQuestionRequest) -> AnswerQuestionResponse:
+        """Answer an open question, once, unless who answers may not give the command without asking."""
+        question = self._open.get(request.question)
+        if question is None or question.answered.is_set():
+            problem = "there is no such question now; `homebot answer` lists those that are open"
+        else:
+            problem = self._why_not_answered(question.command, request)
+            if not problem:
+                question.by, question.yes = request.issuer, request.yes
+                question.answered.set()
+        return AnswerQuestionResponse(success=not problem, message=problem)
+
+    def listed(self) -> OpenQuestions:
+        """Return the open questions."""
+        return OpenQuestions(questions=tuple(one.message for one in self._open.values()))
+
+    def _why_not_asked(self, issuer: str, key: tuple[object, ...]) -> str:
+        by, until = self._denied.get(key, ("", 0.0))
+        if by and self._clock.monotonic() < until:
+            return f"{by} said no a moment ago"
+        own = sum(one.command.issuer == issuer for one in self._open.values())
+        is_full = own >= _MOST_OF_ONE or len(self._open) >= _MOST
+        return f"{len(self._open)} questions wait for an answer already" if is_full else ""
+
+    def _why_not_answered(self, command: IssuedCommand, request: AnswerQuestionRequest) -> str:
+        answering = replace(command, issuer=request.issuer, scope=request.scope)
+        if not answering.is_client:
+            return "only a person answers, through the door"
+        if request.issuer == command.issuer:
+            return f"{request.issuer} asks, so another answers: use the owner's token, and give programs their own"
+        if self._policies.must_ask(answering):
+            return f"{request.issuer} must ask itself"
+        return self._policies.client_refusal(answering)
+
+    def _publish(self) -> None:
+        self._publisher.publish(self.listed())
+
+    @cached_property
+    def _publisher(self) -> Publisher[OpenQuestions]:
+        return self._node.create_publisher(OpenQuestions, OPEN_QUESTIONS, qos_profile_latched)
