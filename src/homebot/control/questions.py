@@ -38,7 +38,7 @@ _MOST_DENIED: Final = 100
 
 
 @dataclass(slots=True, eq=False)
-class _Question:
+class _Asked:
     command: IssuedCommand
     message: OpenQuestion
     by: str = ""
@@ -56,7 +56,7 @@ class Questions:
         self._lookup = lookup
         self._policies = policies
         self._journal = journal
-        self._open: dict[str, _Question] = {}
+        self._open: dict[str, _Asked] = {}
         self._denied: BoundedMap[tuple[object, ...], tuple[str, float]] = BoundedMap(_MOST_DENIED)
 
     async def agreed(self, command: IssuedCommand, wanted: Iterable[Setting]) -> IssuedCommand | Outcome:
@@ -87,7 +87,7 @@ class Questions:
         message = OpenQuestion(
             question=command.id, text=printable(text, 300), device=command.device.id, issuer=command.issuer, until=until
         )
-        question = self._open[command.id] = _Question(command, message)
+        question = self._open[command.id] = _Asked(command, message)
         self._node.log.info(
             ASKED, message=f"{message.text}? answer: homebot answer {command.id} yes", command=command.id
         )

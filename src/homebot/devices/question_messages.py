@@ -62,7 +62,7 @@ class AnswerQuestionRequest(Message):
 
 
 class AnswerQuestionResponse(ServiceAnswer):
-    """Whether the answer counts; the message says why it does not."""
+    """A success if the answer counts; else the message says why it does not."""
 
 
 GetQuestions = ServiceType("homebot/srv/GetQuestions", GetQuestionsRequest, OpenQuestions)
