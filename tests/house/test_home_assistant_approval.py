@@ -154,11 +154,11 @@ class House:
         entity: The entity.
     """
 
-    def __init__(self, runtime: Runtime, node: Node, entity: KnownEntity, token: Path) -> None:
+    def __init__(self, runtime: Runtime, node: Node, entity: KnownEntity, files: dict[str, Path]) -> None:
         self.entity = entity
         self._door = "" if runtime.door is None else f"127.0.0.1:{runtime.door.port}"
         self._devices = Devices(node)
-        self._token = token
+        self._files = files
 
     async def handle(self) -> Handle:
         with anyio.fail_after(PATIENCE):
@@ -166,9 +166,9 @@ class House:
                 await anyio.sleep(0.05)
         return found[0]
 
-    async def run(self, capsys: pytest.CaptureFixture[str], *words: str, with_token: bool = False) -> str:
+    async def run(self, capsys: pytest.CaptureFixture[str], *words: str, token: str = "keeper") -> str:
         """Run a command in a terminal; return what it prints."""
-        login = ["--token-file", str(self._token)] if with_token else []
+        login = ["--token-file", str(self._files[token])] if token else []
         capsys.readouterr()
         await asyncio.to_thread(main, [*words, "--door", self._door, *login])
         out, err = capsys.readouterr()
@@ -176,25 +176,26 @@ class House:
 
     async def do(self, capsys: pytest.CaptureFixture[str], *, with_token: bool) -> str:
         """Open it, as a person does in a terminal."""
-        return await self.run(capsys, "do", "Thing", self.entity.kind.word, with_token=with_token)
+        return await self.run(capsys, "do", "Thing", self.entity.kind.word, token="panel" if with_token else "")
 
 
 @asynccontextmanager
 async def house(tmp_path: Path, kind: str, *, trusts_apps: bool = False, **control: object) -> AsyncIterator[House]:
     home = SimulatedHomeAssistant()
     entity = KnownEntity(KINDS[kind], home)
-    tokens = {"home": home.token, "panel": "only for the thing"}
+    tokens = {"home": home.token, "panel": "only for the thing", "keeper": "who approves"}
     files = {name: tmp_path / name for name in tokens}
     for name, file in files.items():
         file.touch(mode=0o600)
         file.write_text(tokens[name])
-    panel = {"token_file": str(files["panel"]), "scope": ["read", 'act: id="thing"']}
+    scopes = {"panel": ["read", 'act: id="thing"'], "keeper": ["read", "manage"]}
+    named = {name: {"token_file": str(files[name]), "scope": scope} for name, scope in scopes.items()}
     async with alone_on_loopback(), anyio.create_task_group() as tasks:
         await tasks.start(home.serve)
         home.reach(entity, "hall")
         tables = {
             "gateways": {"homeassistant": {"url": home.url, "token_file": str(files["home"])}},
-            "door": {"port": 0, "tokens": {"panel": panel}, "scope": ["read", "act: harmless", "manage"]},
+            "door": {"port": 0, "tokens": named},
             "control": control,
             "discovery": {"persist": False},
         }
@@ -202,7 +203,7 @@ async def house(tmp_path: Path, kind: str, *, trusts_apps: bool = False, **contr
             Runtime(parse_config(tables, "test"), trusts_apps=trusts_apps) as runtime,
             Node(runtime.graph, "app") as node,
         ):
-            found = House(runtime, node, entity, files["panel"])
+            found = House(runtime, node, entity, files)
             await found.handle()
             yield found
         tasks.cancel_scope.cancel()
