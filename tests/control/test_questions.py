@@ -1,8 +1,11 @@
 """The right ``ask``: nothing is sent before a person who may give the command says yes; in virtual time."""
 
+from functools import partial
+
 import anyio
 import pytest
 from tests.control.conftest import Home, hold_request, ignore
+from tests.control.test_groups import put_group
 
 from homebot.devices.command_messages import (
     CommandDevices,
@@ -274,3 +277,16 @@ async def test_the_questions_are_published_with_their_end_for_who_comes_later_to
     assert question.until.to_seconds() - now == pytest.approx(60, abs=0.5)
     await answer(home, yes=False)
     assert (await told.receive()).questions == ()
+
+
+async def test_a_group_is_commanded_by_an_answer_if_one_of_its_members_is(home: Home) -> None:
+    """Otherwise the group would be the way around."""
+    group = await put_group(home, "id:left", "id:right", room="bedroom")
+    setting = Setting(capability="on_off", value=Value.of(True))
+    for scope, is_asked in ((("act: all", "ask: in bedroom"), True), (("act: all", "ask: in hall"), False)):
+        request = CommandRequest(device=group.device.id, settings=(setting,), issuer="client:agent", scope=scope)
+        home.begin(partial(home.control.perform, request))
+        await anyio.sleep(0.1)
+        assert (len(await open_questions(home)), len(home.commands)) == ((1, 0) if is_asked else (0, 1))
+        if is_asked:
+            assert await answer(home, yes=False) == ""

@@ -136,7 +136,7 @@ class CommandExecutor:
         else:
             command = self._issued(name, request, device, part, asked_at)
             agreed: IssuedCommand | Outcome = command
-            if request.ask_first or self._policies.must_ask(command):
+            if request.ask_first or await self.questions.must_ask(command):
                 agreed = self.check(command, is_preview=True) or await self.questions.agreed(command, shown)
             outcome = agreed if isinstance(agreed, Outcome) else await self._perform(agreed)
         self._journal.decided(request.issuer, place, outcome)

@@ -82,7 +82,7 @@ class TextCommands:
             scope=request.scope,
         )
         refused = self._refusal(command)
-        if refused is None and self._policies.must_ask(command):
+        if refused is None and await self._executor.questions.must_ask(command):
             refused = await self._executor.questions.ask(command, (shown,)) or self._refusal(command)
         if refused is not None:
             return self._ended(request, part.id, refused)
