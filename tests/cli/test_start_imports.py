@@ -4,7 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-_MOST_MODULES = 327
+_MOST_MODULES = 324
 """Modules of homebot; of more each should be needed before a start is done."""
 
 IDLE = """
@@ -41,8 +41,10 @@ NOT_NEEDED = (
     "homebot.conventions.shelly.reader",
     "homebot.conventions.table_codec",
     "homebot.conventions.tasmota.reader",
+    "homebot.conventions.units",
     "homebot.conventions.zigbee2mqtt.reader",
     "homebot.devices.handles.appliances",
+    "homebot.devices.misspelt_names",
     "homebot.devices.outcomes",
     "homebot.devices.query.parse",
     "homebot.devices.robot_owners",
@@ -50,6 +52,7 @@ NOT_NEEDED = (
     "homebot.discovery.nearness",
     "homebot.places.path",
     "homebot.discovery.store",
+    "homebot.gateways.mqtt.unread_topics",
     "homebot.house.description",
     "homebot.house.kinds",
     "homebot.house.robot",

@@ -23,7 +23,6 @@ from homebot.devices.approval_messages import GetUnapproved, TrustDevice
 from homebot.devices.command_messages import CommandDevices, PerformCommand, SendText
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.journal_messages import ExplainDevice, ExplainMissingState, ReadJournal
-from homebot.devices.misspelt_names import ConfiguredNames, StatedNames
 from homebot.devices.question_messages import AnswerQuestion, GetQuestions
 from homebot.graph import Node, QoSProfile
 
@@ -34,6 +33,7 @@ if TYPE_CHECKING:
     from homebot.control.journal.store import JournalStore
     from homebot.control.settings import ControlSettings
     from homebot.devices.command_messages import CommandRequest
+    from homebot.devices.misspelt_names import ConfiguredNames
     from homebot.devices.outcomes import Outcome
 
 __all__ = ["Control"]
@@ -196,6 +196,8 @@ class Control:
     @cached_property
     def _names(self) -> ConfiguredNames:
         """The check of the rooms and devices that the settings name, after a reload too."""
+        from homebot.devices.misspelt_names import ConfiguredNames, StatedNames  # noqa: PLC0415 - see _begin_check
+
         return ConfiguredNames(
             self._node,
             lambda: StatedNames() if self._given_settings is None else self._given_settings.stated_names,

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 
 from homebot.conventions.description import Availability
 from homebot.conventions.payload import shown
-from homebot.conventions.units import number_grid
 from homebot.errors import WireError
 from homebot.support.numbers import to_number
 
@@ -56,6 +55,8 @@ class Range:
     @property
     def grid(self) -> tuple[float, ...]:
         """The allowed numbers; see :attr:`homebot.devices.part.Capability.grid`."""
+        from homebot.conventions.units import number_grid  # noqa: PLC0415 - a start reads no range
+
         return number_grid(self.most if self.least is None else self.least, self.step)
 
     def holds(self, number: float) -> bool:

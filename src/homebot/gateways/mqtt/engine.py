@@ -38,7 +38,6 @@ from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber
-from homebot.gateways.mqtt.unread_topics import unread_notes
 from homebot.graph import qos_profile_latched
 from homebot.mqtt.client import MqttClient
 from homebot.mqtt.connection import MqttConnection
@@ -309,6 +308,8 @@ class AnnouncedDevices:
                 yield from (*part.described.part.reads, *part.described.part.writes)
 
     def _health(self) -> HealthResponse:
+        from homebot.gateways.mqtt.unread_topics import unread_notes  # noqa: PLC0415 - few runs are asked
+
         lost = self._connection.counters
         counts = {
             "announcements_excess_bytes": self._registry.excess,
