@@ -161,6 +161,24 @@ def test_what_mdns_found_and_no_gateway_uses_is_no_problem_and_has_its_next_step
     assert finding["rows"] == [{"what": "bridge", "why": "press its button"}, {"what": "hall", "why": "pair it"}]
 
 
+def test_a_vacuum_that_is_no_robot_has_the_table_that_makes_it_one(
+    homebot_with: Callable[..., Homebot], capsys: Text
+) -> None:
+    class WithVacuum(StillHouse):
+        def _devices(self) -> tuple:  # type: ignore[type-arg]
+            fact = Fact(name="origin", value="Valetudo", gateway="mqtt", convention="", key="a", said_at=ago(5))
+            (one,) = attic().parts[:1]
+            part = one.part.model_copy(update={"reads": ("valetudo/Big Dog/hass/state",)})
+            parts = (one.model_copy(update={"part": part}),)
+            return (attic().model_copy(update={"facts": (fact,), "parts": parts}),)
+
+    homebot = homebot_with(WithVacuum().node, None)
+    main(["--door", homebot.door, "doctor", "--json"])
+    finding = findings(capsys.readouterr().out)["HB409"]
+    assert finding["is_problem"] is False
+    assert finding["rows"] == [{"what": "attic", "why": 'add [robots.big_dog] with vacuum = "valetudo/Big Dog"'}]
+
+
 def test_a_homebot_without_a_gateway_is_told_how_to_get_one(homebot_with: Callable[..., Homebot], capsys: Text) -> None:
     """A configuration of tokens alone found no device, and all was well."""
 

@@ -94,6 +94,7 @@ class FindingKind(Enum):
         False,
     )
     NO_ROOM = "HB405", "without room", "homebot place DEVICE ROOM", False
+    VACUUM = "HB409", "vacuums that are no robots yet", "add the table, and restart homebot: docs/robots.md", False
     NO_GATEWAY = "HB406", "found, and not used yet", "restart homebot after a new table: docs/protocols.md", False
 
     def __init__(self, code: str, title: str, next_step: str, is_problem: bool = True) -> None:  # noqa: FBT001, FBT002 - a row

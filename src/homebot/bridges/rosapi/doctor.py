@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import deque
-from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping
+from collections.abc import Awaitable, Callable, Collection, Iterable, Iterator, Mapping
 from operator import attrgetter
 from typing import NamedTuple, TypeVar
 
@@ -23,6 +23,7 @@ from homebot.devices.wording.time_format import age, ago
 from homebot.errors import ServiceError
 from homebot.graph import EntityKind, Node, qos_profile_latched
 from homebot.messages.message import Message, ServiceType, UInt32
+from homebot.support.folding import fold
 
 __all__ = ["gateway_finding", "health_findings", "serve"]
 
@@ -93,16 +94,16 @@ class ExamineResponse(Message):
 Examine = ServiceType("homebot/srv/Examine", ExamineRequest, ExamineResponse)
 
 
-def serve(node: Node) -> None:
-    """Offer the service on *node*."""
-    node.create_service(Examine, "/rosapi/doctor", _Doctor(node).examine)
+def serve(node: Node, vacuums: Collection[str] = ()) -> None:
+    """Offer the service on *node*; *vacuums* are the topics of those that are robots."""
+    node.create_service(Examine, "/rosapi/doctor", _Doctor(node, vacuums).examine)
 
 
 class _Doctor:
     """Asks the parts of homebot, and the directory, as any node can."""
 
-    def __init__(self, node: Node) -> None:
-        self._node = node
+    def __init__(self, node: Node, vacuums: Collection[str]) -> None:
+        self._node, self._vacuums = node, vacuums
         self._looks: deque[dict[str, HealthResponse]] = deque([{}], maxlen=2)
         node.create_timer(_LOOK_EVERY, self._look)
 
@@ -180,7 +181,8 @@ class _Doctor:
             shown = sorted((one for one in alerts if one.is_shown(now)), key=attrgetter("target"))
             total = found.total if found.total > MOST_SHOWN else 0
             findings += [_finding(kind.text, one, max(one.total, total)) for one in findings_of(shown)]
-        for check, query, detail, most in _DEVICE_CHECKS:
+        vacuums = _DeviceCheck(FindingKind.VACUUM, '"origin"=Valetudo', self._table, MOST_SHOWN)
+        for check, query, detail, most in (*_DEVICE_CHECKS, vacuums):
             found = await self._find(parse_query(query), most)
             rows = sorted(
                 (one.device.id, text) for one in found.results if (text := detail(one.device, now)) is not None
@@ -188,6 +190,15 @@ class _Doctor:
             if rows:
                 findings.append(_finding(query, check.finding(rows), found.total - len(found.results) + len(rows)))
         return findings
+
+    def _table(self, device: Device, _now: float) -> str | None:
+        """Return the table that makes the vacuum *device* a robot, if it is none."""
+        topics = [topic.split("/") for one in device.parts for topic in (*one.part.reads, *one.part.writes)]
+        for base, name in sorted((one[0], one[1]) for one in topics if len(one) > 2):
+            robot = re.sub(r"[^a-z0-9]+", "_", fold(name)).strip("_")
+            table = f"[robots.{robot if robot[:1].isalpha() else f'vacuum_{robot}'}]"
+            return None if f"{base}/{name}" in self._vacuums else f'add {table} with vacuum = "{base}/{name}"'
+        return None
 
 
 def _finding(query: str, finding: Finding, total: int) -> Finding:

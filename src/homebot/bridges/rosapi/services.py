@@ -3,7 +3,7 @@
 Source: RobotWebTools rosbridge_suite, branch ros2, ``rosapi_msgs/srv`` and ``rosapi_msgs/msg``.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import partial
 from importlib import import_module
 from typing import Any, Final, TypeAlias
@@ -245,20 +245,23 @@ class RosApi:
 
     Args:
         node: The node that serves; its name should be ``rosapi``, though the services have that name in any case.
+        vacuums: The topics of vacuums that are robots, for the doctor.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, vacuums: Collection[str] = ()) -> None:
         error_log = ClientErrorLog(node)
         for name in _SERVICES:
             node.offer_service(_ros_type(name), f"/rosapi/{name}", partial(_serve, node, name, error_log))
         node.create_service(DefineType, DEFINE_TYPE, partial(define_type, node.graph))
+        facts = {"doctor": (vacuums,)}
         for name, kind in _OWN.items():
-            node.offer_service(f"homebot/srv/{kind}", f"/rosapi/{name}", partial(_serve_own, node, name))
+            serve = partial(_serve_own, node, name, *facts.get(name, ()))
+            node.offer_service(f"homebot/srv/{kind}", f"/rosapi/{name}", serve)
 
 
-def _serve_own(node: Node, name: str) -> None:
-    """Offer a service of our own, from the module that is called as it."""
-    import_module(f"homebot.bridges.rosapi.{name}").serve(node)
+def _serve_own(node: Node, name: str, *facts: Collection[str]) -> None:
+    """Offer a service of our own, from the module that is called as it, which takes the *facts*."""
+    import_module(f"homebot.bridges.rosapi.{name}").serve(node, *facts)
 
 
 def _serve(node: Node, name: str, error_log: ClientErrorLog) -> None:
