@@ -224,6 +224,14 @@ def test_an_accessory_is_described_with_its_first_report(say: Say) -> None:
     assert say(topic, "21.6") == ()
 
 
+def test_85_degrees_of_an_external_probe_are_no_reading(say: Say) -> None:
+    say("shellies/announce", PLUG)
+    topic = "shellies/shellyplug-s-122881/ext_temperature/0"
+    probe = part_in(say(topic, "21.5"), "ext_temperature:0")
+    read = [probe.codec.read(topic, told, retained=False) for told in (b"85", b"84.9", b"999")]
+    assert read == [{}, {"temperature": 84.9}, {"temperature": None}]
+
+
 def test_a_device_without_announcement_is_described_once_online(say: Say) -> None:
     assert say("shellies/hall/relay/0", "on") == ()
     assert ids(say("shellies/hall/online", "true", retained=True)) == {"relay:0": "switch"}

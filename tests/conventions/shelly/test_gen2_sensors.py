@@ -242,3 +242,14 @@ def test_a_boolean_of_the_user_is_no_zone_in_any_role(say: Say) -> None:
 def test_a_meter_counts_both_ways(say: Say, part_id: str, topic: str, status: object, expected: object) -> None:
     meter = part_in(introduce(say, part_id.partition("/")[0], {"a_act_power": 1, "act_power": 1}, {}), part_id)
     assert heard(meter, f"x/status/{topic}", status) == expected
+
+
+@pytest.mark.parametrize(("key", "expected"), [("temperature:100", None), ("temperature:0", 85.0)])
+def test_85_degrees_of_a_probe_of_the_add_on_are_no_reading(say: Say, key: str, expected: float | None) -> None:
+    say("homebot/rpc", {"id": 1, "src": "x", "result": {"id": "x", "mac": "A8032ABE54DC"}})
+    status = {"sys": {"mac": "A8"}, "switch:0": {"output": True}, key: {"tC": 21.5}}
+    codec = part_in(say("homebot/rpc", {"id": 1, "src": "x", "result": status}), key).codec
+    read = [
+        codec.read(f"x/status/{key}", b'{"tC": %s}' % of, retained=False).get("temperature") for of in (b"85", b"85.2")
+    ]
+    assert read == [expected, 85.2]

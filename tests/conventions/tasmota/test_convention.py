@@ -9,6 +9,7 @@ from tests.conventions.announced_parts import device_in
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, LastWillAvailability
 from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
 from homebot.conventions.tasmota.reader import MAX_DEVICES, MAX_WAITING
+from homebot.conventions.unreadable import FOUND
 from homebot.errors import WireError
 
 MAC = "2462AB000011"
@@ -250,3 +251,30 @@ def test_a_message_with_new_numbers_is_read_by_addresses_before_it_is_announced(
     assert first.part.id == "DS18B20-1_Temperature"
     told = json.dumps(bus(5.0, 20.0, 60.0)).encode()
     assert first.codec.read("tele/tasmota_000011/SENSOR", told, retained=False) == {"temperature": 20.0}
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "told", "expected"),
+    [
+        ("DS18B20", "C", 85.0, None),
+        ("DS18B20-1", "C", -127.0, None),
+        ("DS18S20", "F", 185.0, None),
+        ("DS1822", "F", -196.6, None),
+        ("DS18B20", "C", 84.9, 84.9),
+        ("MAX31855", "C", 85.0, 85.0),
+        ("BME280", "F", 185.0, 85.0),
+    ],
+)
+def test_only_the_known_errors_of_a_probe_are_no_readings(
+    name: str, unit: str, told: float, expected: float | None
+) -> None:
+    convention = discovery()
+    take(convention, "config", config())
+    message = {name: {"Temperature": told}, "TempUnit": unit}
+    parts = device_in(take(convention, "sensors", {"sn": message, "ver": 1})).parts
+    (codec,) = (part.codec for part in parts if part.part.id == f"{name}_Temperature")
+    FOUND.clear()
+    read = codec.read("tele/tasmota_000011/SENSOR", json.dumps(message).encode(), retained=False)
+    assert read.get("temperature") == (None if expected is None else pytest.approx(expected))
+    assert [one.why.split(": ")[0] for one in FOUND] == (["85" if told > 0 else "-127"] if expected is None else [])
+    FOUND.clear()

@@ -11,6 +11,7 @@ from homebot.conventions.command_values import number_writer
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import BytesPart, JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, read_number, to_json, to_text
+from homebot.conventions.probe_errors import read_probe
 from homebot.conventions.shelly.status import Fields, StatusDecoder, reader_of
 from homebot.conventions.units import sensor_type, to_celsius, to_fahrenheit
 from homebot.conventions.unreadable import unreadable
@@ -52,7 +53,9 @@ class Gen1Sensor:
         found = read_number(self.capability, text)
         number = found.get(self.capability)
         is_out = isinstance(number, float) and not self.least <= number <= self.most
-        return {self.capability: None} if is_out else found
+        if is_out:
+            return {self.capability: None}
+        return read_probe("shelly add-on", found) if self.suffix == "ext_temperature" else found
 
 
 _FLAG_VALUES: Mapping[str, PlainValue] = {"true": True, "false": False, "1": True, "0": False, "-1": None}

@@ -9,6 +9,7 @@ from functools import partial
 
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import Readings, as_fields, text_of
+from homebot.conventions.probe_errors import read_probe
 from homebot.conventions.shelly.gen2_component import LONGEST_UNIT, PRESSES, ShellyComponent
 from homebot.conventions.shelly.status import Fields, StatusDecoder, reader_of
 from homebot.conventions.units import sensor_type
@@ -61,14 +62,21 @@ def build_sensor(component: ShellyComponent) -> Parts:
         field = "value"  # from firmware 1.8 on
     tag = "presence" if component.kind == "presencezone" else ""
     part = component.part("", sensor_type(capability), category="diagnostic" if component.is_inside else "", tag=tag)
-    component.read_status(part, partial(_decode_sensor, reader_of(field, capability), capability))
+    is_probe = component.kind == "temperature" and component.index in _OF_ADD_ON
+    component.read_status(part, partial(_decode_sensor, reader_of(field, capability), capability, is_probe=is_probe))
     part.add_capability(capability)
     return (part,)
 
 
-def _decode_sensor(read: StatusDecoder, capability: str, status: Fields) -> Readings:
+_OF_ADD_ON = range(100, 200)
+"""Numbers of components that an add-on measures."""
+
+
+def _decode_sensor(read: StatusDecoder, capability: str, status: Fields, *, is_probe: bool) -> Readings:
     """Read a sensor; the number beside an error is invalid: a display without sensor reports -275 °C."""
-    return {capability: None} if status.get("errors") else read(status)
+    if status.get("errors"):
+        return {capability: None}
+    return read_probe("shelly add-on", read(status)) if is_probe else read(status)
 
 
 _FURTHER: Mapping[str, tuple[tuple[str, str, str], ...]] = {

@@ -14,6 +14,7 @@ from typing import TypeAlias
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, as_fields, clean_text, is_unknown, text_of
+from homebot.conventions.probe_errors import read_probe
 from homebot.conventions.tasmota.config import TasmotaConfig, sensor_values
 from homebot.conventions.units import Quantity, quantity
 from homebot.conventions.unreadable import unreadable
@@ -232,7 +233,11 @@ def _read(leaf: Leaf, capability: str, message: JsonMessage) -> Readings:
     number = finite_number(value)
     if number is None:
         return {capability: None} if is_unknown(value) else unreadable(value, "a number")
-    return {capability: leaf.quantity.value(number)}
+    readings = {capability: leaf.quantity.value(number)}
+    return read_probe("tasmota DS18x20", readings) if _DS18X20.match(str(leaf.path[0])) else readings
+
+
+_DS18X20 = re.compile("DS18[BS]20|DS1822")
 
 
 def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:
