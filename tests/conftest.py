@@ -36,7 +36,7 @@ settings.load_profile("nightly" if NIGHTLY else "usual")
 _SLOW = {
     Path(__file__).parent / folder
     for folder in (
-        *("bridges/home_api", "bridges/rosbridge", "bridges/thing_directory", "cli", "days", "fuzz", "mqtt/broker"),
+        *("bridges/home_api", "bridges/rosbridge", "cli", "days", "fuzz", "mqtt/broker"),
         *(f"gateways/{name}" for name in ("ble", "coap", "drivers", "matter", "mdns", "nfc", "thing_directory")),
         *("packages", "system", "testing"),
     )

@@ -18,7 +18,6 @@
     floor = "Downstairs"
     [robots.rosie]                   # one table per robot: where its pose comes from
     [ros]                            # ROS interfaces of clients, besides the built-in ones
-    [thing_directory]                # serves the devices over HTTP as W3C Thing Descriptions
 
 The table of a gateway or app belongs to its plug-in: :func:`parse_settings` checks it with the plug-in's model.
 """
@@ -28,7 +27,7 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Literal, Self, TypeAlias, TypeVar, get_args, get_origin
+from typing import Annotated, Final, Literal, Self, TypeAlias, TypeVar, get_args, get_origin
 from zoneinfo import available_timezones
 
 from pydantic import (
@@ -75,6 +74,9 @@ _HERE = Path()
 _FOLDER = "folder"
 _LONGEST_SHOWN = 200
 _MOST_ERRORS = 100
+
+_GONE: Final = {"thing_directory": "is gone; programs read and command the devices at the door (docs/agents.md)"}
+"""Tables that homebot had once, and the ways to what they offered."""
 
 
 def folder_of(context: object) -> Path:
@@ -154,7 +156,6 @@ class Config(BaseModel):
         history: The table ``[history]``: which measurements are kept, and how long; None for the defaults.
         notify: The table ``[notify]``: where notifications of apps are sent; None to only log them.
         alerts: The table ``[alerts]``: seconds after which people are told of each kind; false for never.
-        thing_directory: The table ``[thing_directory]``, which serves the devices over HTTP; None for none.
         source: The file, or another source of the values, for error messages.
         folder: The base folder of relative paths: that of the file.
     """
@@ -173,7 +174,6 @@ class Config(BaseModel):
     places: Table = Field(default_factory=dict)
     robots: dict[str, Table] = Field(default_factory=dict)
     ros: Table = Field(default_factory=dict)
-    thing_directory: Table | None = None
     source: str = Field(default="configuration", exclude=True)
     folder: Path = Field(default=_HERE, exclude=True)
 
@@ -206,7 +206,7 @@ def load_tables(path: Path, *, may_be_cut: bool = False) -> dict[str, object]:
                 source,
                 name,
                 "unknown key; known are home, gateways, apps, door, discovery, control, history, notify, alerts, "
-                "places, robots, ros, thing_directory",
+                "places, robots, ros",
             )
     return tables
 
@@ -221,6 +221,8 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
     Raises:
         ConfigError: A key is unknown or a value invalid; the message names *source*, the key and the reason.
     """
+    for name in _GONE.keys() & tables.keys():
+        raise ConfigError(source, name, _GONE[name])
     config = parse_settings(Config, {**tables, "source": source, "folder": str(folder)}, source, "")
     for section, names in (("gateways", config.gateways), ("apps", config.apps), ("robots", config.robots)):
         for name in names:

@@ -75,16 +75,6 @@ def test_the_address_is_that_of_the_environment_where_the_file_has_none(
         assert f"  rosbridge: 127.0.0.1:{port}\n" in capsys.readouterr().out
 
 
-def test_the_directory_of_things_is_told_where_there_is_one(capsys: Text, monkeypatch: pytest.MonkeyPatch) -> None:
-    Path("homebot.toml").write_text("[thing_directory]\n")
-    assert main(["config", "check"]) == 0
-    assert "  things:    127.0.0.1:8081\n" in capsys.readouterr().out
-    Path("homebot.toml").write_text('[thing_directory]\nhost = "0.0.0.0"\n')
-    monkeypatch.setenv("HOMEBOT_THINGS_TOKEN", "sesame")
-    assert main(["config", "check"]) == 0
-    assert "  things:    0.0.0.0:8081 (token required)\n" in capsys.readouterr().out
-
-
 def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("homebot.toml").write_text('[door]\nhost = "0.0.0.0"\n')
     assert main(["config", "check"]) == 1
@@ -149,11 +139,7 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
             "door.allowed_origins: 'house.example' is no origin; write it like https://house.example",
         ),
         ('[door]\ntoken = ""\n', "door.token: value should have at least 1 item after validation, not 0"),
-        (
-            '[thing_directory]\nhost = "0.0.0.0"\n',
-            "thing_directory.host: 0.0.0.0 can be reached by others, so it needs",
-        ),
-        ("[apps.thing_directory]\n", "apps.thing_directory: is the name of one of homebot's own nodes"),
+        ("[thing_directory]\n", "thing_directory: is gone; programs read and command the devices at the door"),
         (
             "[control]\nrate_limit = 5\n",
             "control.rate_limit: must be true, false or a table such as {changes = 30, seconds = 10}, got 5",

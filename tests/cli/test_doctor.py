@@ -254,7 +254,7 @@ def test_before_the_start_the_configuration_and_its_secrets_are_checked(folder: 
 def test_before_the_start_a_missing_extra_is_named_with_its_command(
     folder: Path, capsys: Text, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (folder / "homebot.toml").write_text("[thing_directory]\n")
+    (folder / "homebot.toml").write_text("[gateways.mdns]\n")
     monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
     code, found = offline(capsys)
     assert code == 1

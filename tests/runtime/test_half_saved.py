@@ -125,8 +125,6 @@ async def test_a_token_cut_anywhere_is_no_token(file: Path, read: Callable[[], C
         ("[apps.a]\nact = 'light'\nroom = 'hall'", "[apps.a]\nact = 'lock'", ""),
         ("[apps.a]\nact = 'light'", "[apps.a]\nroom = 'hall'", "apps.a.act"),
         ("[apps.a]\nact = 'light'", "", "[apps]"),
-        ("[thing_directory]\nact = 'light'", "", "[thing_directory]"),
-        ("[thing_directory]\ntoken = 'a'\nport = 1", "[thing_directory]\nport = 1", "thing_directory.token"),
         ("[control]\npresence_guard = true", "[control]", "control.presence_guard"),
         ("[control]\npresence_guard = true", "[control]\npresence_guard = false", ""),
         ("[control]\npresence_guard = {absent_after = 1}", "[control]\npresence_guard = false", ""),

@@ -19,7 +19,7 @@ def test_it_stays_the_same_over_a_restart_and_each_part_has_its_own(file: Path) 
     first = Installation(file)
     found = first.id_of("/gateway/mdns")
     assert re.fullmatch("[0-9a-f]{16}", found)
-    assert first.id_of("/thing_directory") != found
+    assert first.id_of("/network_services") != found
     first.close()
     assert Installation(file).id_of("/gateway/mdns") == found
 

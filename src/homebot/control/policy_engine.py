@@ -19,11 +19,10 @@ from homebot.control.timelines import Timelines
 from homebot.devices import Device, DeviceChange, KeyValue, StateChange
 from homebot.devices.always_ask import always_asks, waits_for_approval, why_device_asks
 from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
-from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
+from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, ClientRights, is_client, read_scope
 from homebot.devices.device import is_commanded
 from homebot.devices.harmless import why_not_harmless
 from homebot.devices.house_view import HouseView, HouseWatcher
-from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.devices.outcomes import Refused
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
@@ -192,7 +191,7 @@ class PolicyEngine(HouseWatcher):
             return read_scope(scope)
         if self._trusts_apps or not self._settings.always_ask:
             return ALL_RIGHTS
-        return LOCAL_RIGHTS if issuer == THING_DIRECTORY_NODE else APP_RIGHTS
+        return APP_RIGHTS
 
     def _watch(self) -> None:
         if not self._watches:

@@ -80,7 +80,6 @@ OWN_NAMESPACES = frozenset(
         "rosbridge_websocket",
         "rosout",
         "subscribe_to_mqtt_topic",
-        "thing_directory",
     }
 )
 """First parts of the names of homebot's own topics and services."""
@@ -99,9 +98,6 @@ DIRECTORY_NODE = "/discovery"
 
 ROBOTS_NODE = "/robots"
 """The node of the tracker of robots, the only one that publishes their poses."""
-
-THING_DIRECTORY_NODE = "/thing_directory"
-"""The node of homebot's Thing Description Directory, which commands devices for its clients."""
 
 RUNTIME_NODE = "/homebot"
 """The node of a runtime; all its commands pass the control layer."""

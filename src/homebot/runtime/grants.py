@@ -1,17 +1,15 @@
-"""The key ``act`` in tables of the configuration: the devices that an app or a bridge may command."""
+"""The key ``act`` in tables of the configuration: the devices that an app may command."""
 
 from collections.abc import Iterator
 
 from homebot.config import Config, Table
 from homebot.devices.client_rights import read_scope
-from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.errors import ConfigError, UsageError
 
 __all__ = ["ACT", "grants_of", "scope_of", "without_act"]
 
 ACT = "act"
-"""The key for the devices that an app, or a client of the directory of things, may command, and for whether a gateway
-sends commands at all."""
+"""The key for the devices that an app may command, and for whether a gateway sends commands at all."""
 
 
 def grants_of(config: Config) -> Iterator[tuple[str, tuple[str, ...]]]:
@@ -20,12 +18,9 @@ def grants_of(config: Config) -> Iterator[tuple[str, tuple[str, ...]]]:
     Raises:
         ConfigError: The grants of a table are wrong.
     """
-    tables = {f"/{name}": (f"apps.{name}", table) for name, table in config.apps.items()}
-    if config.thing_directory is not None:
-        tables[THING_DIRECTORY_NODE] = ("thing_directory", config.thing_directory)
-    for node, (key, table) in tables.items():
-        if (scope := scope_of(key, table, config)) is not None:
-            yield node, scope
+    for name, table in config.apps.items():
+        if (scope := scope_of(f"apps.{name}", table, config)) is not None:
+            yield f"/{name}", scope
 
 
 def scope_of(key: str, table: Table, config: Config) -> tuple[str, ...] | None:

@@ -21,14 +21,13 @@ from homebot.gateways import Gateway
 from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
-from homebot.runtime.door_table import read_access, read_door
+from homebot.runtime.door_table import read_door
 from homebot.runtime.grants import grants_of, scope_of, without_act
 from homebot.runtime.settings_parameters import declare_settings
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.apps.notifier import NotifySettings
-    from homebot.bridges.thing_directory import DirectoryBridgeSettings
     from homebot.control import ControlSettings
     from homebot.devices.robot_owners import RobotOwners
     from homebot.history.settings import HistorySettings
@@ -64,7 +63,6 @@ OWN_NODES = frozenset(
         "robots",
         "rosapi",
         "rosbridge_websocket",
-        "thing_directory",
     }
 )
 
@@ -92,9 +90,7 @@ class Plan:
     Attributes:
         config: The configuration as it was read.
         control: The control layer's settings; None for the defaults.
-        grants: The scope of each app, and of the directory of things, that may not command everything, by the full name
-            of its node; updated by a reload.
-        thing_directory: The settings of the directory that is served over HTTP; None for none.
+        grants: The scope of each app that may not command everything, by the name of its node; a reload updates it.
         interfaces: The ROS interfaces that clients may name; None for those built into homebot.
         places: The rooms and the owner's statements about devices.
         history: The settings of the history; None for the defaults.
@@ -109,7 +105,6 @@ class Plan:
     discovery: DirectorySettings
     control: ControlSettings | None
     door: DoorSettings
-    thing_directory: DirectoryBridgeSettings | None = None
     interfaces: Interfaces | None = None
     places: Places = NO_PLACES
     grants: dict[str, tuple[str, ...]] = field(default_factory=dict)
@@ -120,8 +115,7 @@ class Plan:
     @property
     def tokens(self) -> Mapping[str, SecretStr]:
         """The tokens of clients by name."""
-        things = self.thing_directory and self.thing_directory.token
-        return {**self.door.all_tokens(), **({"of [thing_directory]": things} if things else {})}
+        return self.door.all_tokens()
 
     def robot_owners(self) -> RobotOwners:
         """Return the robots named in a table or in the right of a token, with their topics and frames."""
@@ -259,21 +253,6 @@ def _check_door_contacts(doors: Mapping[str, tuple[str, ...]], plan: HousePlan, 
             raise ConfigError(source, f"{_DOORS}.{name}", problem)
 
 
-def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
-    key = "thing_directory"
-    if config.thing_directory is None:
-        return None
-    from homebot.bridges.thing_directory import settings  # noqa: PLC0415 - only with the table
-
-    scope_of(key, config.thing_directory, config)
-    own = without_act(config.thing_directory)
-    given = parse_settings(settings.ThingDirectoryTable, own, config.source, key, config.folder)
-    _check_extra(config.source, key, "the directory of things", "mdns", "aiohttp")
-    return settings.DirectoryBridgeSettings(
-        **read_access(given, given.token_file, config.source, key, "HOMEBOT_THINGS_TOKEN")
-    )
-
-
 def _check_extra(source: str, key: str, *needed: str) -> None:
     try:
         check_extra(*needed)
@@ -343,7 +322,6 @@ _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "discovery": _discovery,
     "control": _control,
     "door": read_door,
-    "thing_directory": _thing_directory,
     "interfaces": _interfaces,
     "places": _places,
     "robots": _robots,

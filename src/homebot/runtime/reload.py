@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 from anyio import to_thread
 from pydantic import SecretStr
@@ -24,9 +24,6 @@ from homebot.runtime.grants import ACT
 from homebot.runtime.plan import Plan
 from homebot.support.logger import get_logger
 
-if TYPE_CHECKING:
-    from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge
-
 __all__ = ["RunningParts", "keys_for_restart", "lost_keys", "reload_configuration"]
 
 RELOADED = "runtime.reloaded"
@@ -41,7 +38,6 @@ _LIVE: Final[Mapping[str, frozenset[str]]] = {
     "door": _TOKEN | {"tokens", "scope"},
     "control": frozenset(PolicySettings.model_fields),
     "apps": frozenset({ACT}),
-    "thing_directory": _TOKEN | {ACT},
 }
 """The keys that take effect without a restart; so do all of ``[places]``."""
 
@@ -61,13 +57,11 @@ class RunningParts(NamedTuple):
         door: Returns the door; None before it listens.
         control: None before it runs.
         directory: None before it runs.
-        things: None before it runs.
     """
 
     door: Callable[[], Door | None]
     control: Control | None
     directory: Directory | None
-    things: ThingDirectoryBridge | None
 
 
 def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
@@ -168,8 +162,6 @@ async def reload_configuration(
         return plan, ChangeAppResponse(success=False, message=str(exc))
     if (server := parts.door()) is not None:
         server.update_tokens(new.door)
-    if parts.things is not None and new.thing_directory is not None:
-        parts.things.update_token(new.thing_directory)
     plan.grants.clear()  # in place: other components refer to it
     plan.grants.update(new.grants)
     needs_approval = parts.control is None or parts.control.update_policies(new.control)
@@ -181,6 +173,5 @@ async def reload_configuration(
     rest = f"; restart homebot for the changes of {waiting}" if waiting else ""
     message = f"tokens, rights, policies and places were reloaded{rest}"
     _log.info(RELOADED, message=message)
-    things = new.thing_directory or plan.thing_directory
     done = replace(plan, config=new.config, door=new.door, control=new.control, places=new.places)
-    return replace(done, thing_directory=things), ChangeAppResponse(success=True, message=message)
+    return done, ChangeAppResponse(success=True, message=message)

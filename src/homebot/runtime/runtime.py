@@ -1,6 +1,6 @@
 """The runtime: builds the graph from a configuration, starts all components in order, stops them in reverse.
 
-The order is: embedded broker, gateways, directory, apps, robots, door, directory of things, simulated house.
+The order is: embedded broker, gateways, directory, apps, robots, door, simulated house.
 """
 
 from __future__ import annotations
@@ -49,8 +49,6 @@ from homebot.support.owner_token import OwnerToken, make_owner_token
 from homebot.support.production_loop import LoopWatch
 
 if TYPE_CHECKING:
-    from homebot.bridges.thing_directory import DirectoryBridgeSettings
-    from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge
     from homebot.control.executor import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.house import World
@@ -158,7 +156,6 @@ class Runtime:
         self._owner: OwnerFacts
         self._controller: Control | None = None
         self._index: Directory | None = None
-        self._things: ThingDirectoryBridge | None = None
         self._stack = AsyncExitStack()
         self._clock = self.clock or LoopClock()
         self.graph = Graph(self._clock)
@@ -215,7 +212,7 @@ class Runtime:
         """Apply the configuration that *read* returns, called in a thread, unless it has a mistake or lacks limits."""
         from homebot.runtime.reload import RunningParts, reload_configuration  # noqa: PLC0415 - few runs are reloaded
 
-        parts = RunningParts(lambda: self.door, self._controller, self._index, self._things)
+        parts = RunningParts(lambda: self.door, self._controller, self._index)
         async with self._reloading:
             self._plan, self._reloaded = await reload_configuration(
                 self.config, self._plan, parts, read, self._make_plan, may_lose=may_lose
@@ -291,8 +288,6 @@ class Runtime:
         yield running("robots", partial(track_robots, self.graph, self._plan, lambda: self._owner.plan))
         if self.with_door:
             yield running("door", self._open_door)
-        if self._plan.thing_directory is not None:
-            yield running("thing_directory", partial(self._serve_things, self._plan.thing_directory))
         if self._house is not None:
             yield running("house", partial(self._house.serve, self._context, self.graph))
 
@@ -406,17 +401,6 @@ class Runtime:
         except UsageError as exc:
             _log.warning(NO_OWNER, message=f"the command line can only read and give harmless commands: {exc}")
             return None
-
-    async def _serve_things(self, settings: DirectoryBridgeSettings, *, task_status: TaskStatus[None]) -> None:
-        from homebot.bridges.thing_directory.bridge import ThingDirectoryBridge  # noqa: PLC0415 - an extra
-
-        async with Node(self.graph, "thing_directory") as node:
-            owner = await to_thread.run_sync(self._installation.id_of, node.full_name)
-            announce = self._network_services.publish
-            settings = self._plan.thing_directory or settings  # after a crash with its newest token
-            self._things = things = ThingDirectoryBridge(node, settings, self._plan.home, owner, announce)
-            node.create_service(GetHealth, "~/health", things.health)
-            await run_as(node.full_name, partial(things.run, task_status=task_status))
 
 
 async def _page(path: str, etag: str) -> tuple[HTTPStatus, Mapping[str, str], bytes] | None:

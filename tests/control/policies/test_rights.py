@@ -112,10 +112,8 @@ def test_a_thermostat_of_who_may_do_what_is_harmless_stays_within_its_range() ->
     assert refused_by((), thermostat, heating_setpoint=30.0) == ""
 
 
-@pytest.mark.parametrize(
-    ("issuer", "table"), [("/light_service", "apps.light_service"), ("/thing_directory", "thing_directory")]
-)
-def test_a_refusal_of_what_is_not_on_the_list_says_so_and_how_to_put_it_there(issuer: str, table: str) -> None:
+def test_a_refusal_of_what_is_not_on_the_list_says_so_and_how_to_put_it_there() -> None:
+    issuer, table = "/light_service", "apps.light_service"
     command = make_command(FREEZER, {"on_off": True}, scope=("act: harmless",), issuer=issuer)
     reason = Policies(ControlSettings()).check(command, make_facts())[-1].reason
     why = "it is not on the list of harmless devices (nothing but its name says what this plug turns on)"
@@ -134,10 +132,8 @@ def test_a_refusal_of_what_is_not_on_the_list_says_so_and_how_to_put_it_there(is
         (("read",), """['id="front_door"']"""),
     ],
 )
-@pytest.mark.parametrize(
-    ("issuer", "table"), [("/light_service", "apps.light_service"), ("/thing_directory", "thing_directory")]
-)
-def test_a_refusal_has_the_line_that_allows_it(scope: tuple[str, ...], act: str, issuer: str, table: str) -> None:
+def test_a_refusal_has_the_line_that_allows_it(scope: tuple[str, ...], act: str) -> None:
+    issuer, table = "/light_service", "apps.light_service"
     command = make_command(LOCK, {"lock": "unlocked"}, scope=scope, issuer=issuer)
     reason = Policies(ControlSettings(approvals=False)).check(command, make_facts())[-1].reason
     line = f"[{table}] act = {act}"
@@ -155,13 +151,11 @@ def test_the_table_of_an_app_says_what_it_may_command() -> None:
 
 
 @pytest.mark.parametrize("act", [5, "(light"])
-@pytest.mark.parametrize("table", ["apps.light_service", "thing_directory"])
-def test_a_wrong_grant_is_an_error_of_the_configuration(table: str, act: object) -> None:
-    own: dict[str, object] = {"act": act}
-    tables = {"thing_directory": own} if table == "thing_directory" else {"apps": {"light_service": own}}
+def test_a_wrong_grant_is_an_error_of_the_configuration(act: object) -> None:
+    tables: dict[str, object] = {"apps": {"light_service": {"act": act}}}
     with pytest.raises(ConfigError) as raised:
         make_plan(parse_config(tables, "homebot.toml"))
-    assert raised.value.key == f"{table}.act"
+    assert raised.value.key == "apps.light_service.act"
 
 
 @pytest.mark.virtual_time

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import anyio
 
-from homebot.bridges.admission import AccessSettings
 from homebot.cli.arguments import add_verb, add_verbs, set_command
 from homebot.cli.commands.run import config_errors, with_environment
 from homebot.config import load_config, load_tables
@@ -53,9 +52,6 @@ def _check(options: argparse.Namespace) -> int:
     print(f"  gateways:  {_list(map(_gateway_text, plan.gateways))}")
     print(f"  apps:      {_list(app.name for app in plan.apps)}")
     print(f"  rosbridge: {plan.door.host}:{plan.door.port}{' (token required)' if plan.door.token else ''}")
-    if plan.thing_directory is not None:
-        things = plan.thing_directory
-        print(f"  things:    {things.host}:{things.port}{' (token required)' if things.token else ''}")
     return 0
 
 
@@ -126,10 +122,8 @@ def _readable_secrets(tables: Mapping[str, object], folder: Path) -> Iterator[Ro
 
 
 def _taken_ports(plan: Plan) -> Iterator[Row]:
-    servers: dict[str, AccessSettings | None] = {"door": plan.door, "thing_directory": plan.thing_directory}
-    for name, settings in servers.items():
-        if settings is not None and (problem := settings.why_not_free(f"[{name}] port")):
-            yield ("", f"{name}: {problem}")
+    if problem := plan.door.why_not_free("[door] port"):
+        yield ("", f"door: {problem}")
 
 
 def _folder_problem(folder: Path) -> Iterator[Row]:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, cast
 from homebot.cli.arguments import DEFAULT_CONFIG, door_address, door_of_environment, seconds, set_command
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
-from homebot.config import Config, Table, load_config, load_tables, parse_config
+from homebot.config import Config, load_config, load_tables, parse_config
 from homebot.errors import ConfigError, UsageError
 from homebot.log import LogFormat, configure_logging
 from homebot.plugins import add_app, check_extra, is_file, name_in_file
@@ -51,7 +51,7 @@ APPS_OF_THE_SIMULATED_HOUSE = ("light_service",)
 
 ROBOT_OF_THE_SIMULATED_HOUSE = "robot"
 
-_TOKENS = {"door": "HOMEBOT_DOOR_TOKEN", "thing_directory": "HOMEBOT_THINGS_TOKEN"}
+_TOKEN = "HOMEBOT_DOOR_TOKEN"  # noqa: S105 - the name of a variable
 
 _EXAMPLES = """\
   homebot run                                     embedded broker, a simulated family's house, live in the terminal
@@ -281,18 +281,13 @@ def configuration(options: argparse.Namespace, *, may_be_cut: bool = False) -> t
 
 
 def with_environment(config: Config) -> Config:
-    """Return *config*, with the door's address and the tokens of servers from the environment if it has none."""
-    tables = {"door": config.door}
-    if not config.door.keys() & {"host", "port"} and (address := door_of_environment()):
-        tables["door"] = {**config.door, "host": address[0], "port": address[1]}
-    if config.thing_directory is not None:
-        tables["thing_directory"] = config.thing_directory
-    return config.model_copy(update={name: _with_token(table, _TOKENS[name]) for name, table in tables.items()})
-
-
-def _with_token(table: Table, variable: str) -> Table:
-    token = os.environ.get(variable)
-    return table if not token or table.keys() & {"token", "token_file", "tokens"} else {**table, "token": token}
+    """Return *config*, with the door's address and token from the environment if it has none."""
+    door = config.door
+    if not door.keys() & {"host", "port"} and (address := door_of_environment()):
+        door = {**door, "host": address[0], "port": address[1]}
+    if (token := os.environ.get(_TOKEN)) and not door.keys() & {"token", "token_file", "tokens"}:
+        door = {**door, "token": token}
+    return config.model_copy(update={"door": door})
 
 
 def _base(options: argparse.Namespace, *, may_be_cut: bool) -> tuple[Config, World | None]:

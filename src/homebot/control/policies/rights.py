@@ -20,7 +20,6 @@ from homebot.devices.client_rights import (
 )
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.harmless import why_not_harmless
-from homebot.devices.names import THING_DIRECTORY_NODE
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 
@@ -173,8 +172,7 @@ def _place_advice(device: Device, scope: str) -> str:
 
 def _grant_advice(command: IssuedCommand) -> str:
     """Return the line of the configuration that also lets the issuer command this device."""
-    table = command.issuer.removeprefix("/")
-    key = table if command.issuer == THING_DIRECTORY_NODE else f"apps.{table}"
+    key = f"apps.{command.issuer.removeprefix('/')}"
     rights = command.rights
     scope = [one.removeprefix("act: ") for one in rights.act_scope]
     own = scope or [ORDINARY if rights.acts_on_ordinary else HARMLESS] * rights.acts_on_harmless
