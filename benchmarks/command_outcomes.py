@@ -22,7 +22,7 @@ from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import load_world
 from homebot.house.devices import SimulatedLamp
-from homebot.house.dialects import DIALECTS
+from homebot.house.family import dialects
 from homebot.house.faults import unwrap
 from homebot.testing import VirtualTimeLoop, virtual_house_of
 from outcome_counts import FAULTS, HEADINGS, OutcomeCount, row
@@ -57,7 +57,7 @@ def run(plan: Plan) -> Report:
     rows: list[tuple[str, ...]] = [HEADINGS]
     for fault, (settings, witness) in ({one: (text, "") for one, text in FAULTS.items()} | WITNESSED).items():
         forgotten, told = OutcomeCount(), OutcomeCount()
-        for dialect in sorted(DIALECTS):
+        for dialect in sorted(dialects()):
             for found, forgets in ((forgotten, True), (told, False)):
                 world, count = _world(dialect, settings, witness), plan.count(COMMANDS)
                 name = next((one for one in NAMES if f"devices.{one} " in witness), "")
@@ -65,7 +65,7 @@ def run(plan: Plan) -> Report:
                     runner.run(_measure(world, count, found, name, forgets=forgets))
         rows.append(row(fault, forgotten, told))
     lamps = (
-        f"A lamp of each dialect: {', '.join(sorted(DIALECTS))}. Where no second device sees it, a liar is believed and"
+        f"A lamp of each dialect: {', '.join(dialects())}. Where no second device sees it, a liar is believed and"
         " graded reported."
     )
     return Report("Commands to devices with faults", (), (lamps,), rows)

@@ -24,10 +24,9 @@ from homebot.house import SimulatedHouse, World
 from homebot.house.description import parse_world
 from homebot.house.devices import SimulatedLamp
 from homebot.house.dialect import SimulatedDeviceInfo
-from homebot.house.dialects import DIALECTS
-from homebot.house.dialects.wire import hardware_address
+from homebot.house.family import dialects, family_names, family_of
 from homebot.house.faults import unwrap
-from homebot.house.network import FAMILIES
+from homebot.house.wire import hardware_address
 from homebot.runtime import Runtime
 from homebot.support.toml_file import parse_toml
 from mosquitto import mosquitto
@@ -95,10 +94,11 @@ def run(plan: Plan) -> Report:
         sys.stderr.write("Mosquitto is not installed: commands over it are NOT measured.\n")
     else:
         with mosquitto(plan.mosquitto) as port:
-            lamps = Lamps(sorted(DIALECTS), MOSQUITTO)
+            lamps = Lamps(sorted(dialects()), MOSQUITTO)
             asyncio.run(_measure(lamps, _on_mosquitto(f"mqtt://127.0.0.1:{port}", lamps.world), count))
         counts |= lamps.counts
-    families = sorted(name for name, family in FAMILIES.items() if "lamp" in family.kinds)
+    found = ((name, family_of(name)) for name in family_names())
+    families = [name for name, one in found if isinstance(one, type) and "lamp" in one.kinds]
     lamps = Lamps(one for one in families if one not in FOUND_AS_PLUGS)
     asyncio.run(_measure(lamps, _on_own_networks(lamps.world), count))
     counts |= lamps.counts

@@ -20,7 +20,7 @@ from homebot.config import parse_config
 from homebot.graph import Graph
 from homebot.house.connected_device import ConnectedDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.dialects import DIALECTS
+from homebot.house.family import dialects
 from homebot.house.mqtt_device import HouseCounters, MqttDevice
 from homebot.house.network import HouseNetwork
 from homebot.log import LogLimit
@@ -143,7 +143,7 @@ class _MqttHouse(House):
         self._spec = spec
 
     def join(self, name: str) -> Joined:
-        info, dialect, clock = _info(self._spec, name), DIALECTS[self._spec.family], LoopClock()
+        info, dialect, clock = _info(self._spec, name), dialects()[self._spec.family], LoopClock()
         will = dialect.will(info)
         options = MqttOptions.from_url(
             self._url,
@@ -175,7 +175,7 @@ async def house_of(spec: HouseSpec) -> AsyncIterator[House]:
     elif spec.family == "homekit":
         async with _homekit_house(spec) as house:
             yield house
-    elif spec.family in DIALECTS:
+    elif spec.family in dialects():
         async with _running({"mqtt": {"root": HOME}}) as runtime, anyio.create_task_group() as tasks:
             broker = runtime.service(HostedBroker)
             assert broker is not None
@@ -198,7 +198,7 @@ def _running(gateways: Mapping[str, object], *services: object) -> Runtime:
 
 @asynccontextmanager
 async def _matter_house(spec: HouseSpec) -> AsyncIterator[House]:
-    from homebot.house.matter import ServedMatterNode, SimulatedMatterServer  # noqa: PLC0415 - an extra
+    from homebot.integrations.matter.simulated import ServedMatterNode, SimulatedMatterServer  # noqa: PLC0415 - an extra
 
     server = SimulatedMatterServer()
 
@@ -240,7 +240,7 @@ async def _thing_house(spec: HouseSpec) -> AsyncIterator[House]:
 
 @asynccontextmanager
 async def _homekit_house(spec: HouseSpec) -> AsyncIterator[House]:
-    from homebot.house.homekit import ServedAccessory, SimulatedHomekitBridge  # noqa: PLC0415 - an extra
+    from homebot.integrations.homekit.simulated import ServedAccessory, SimulatedHomekitBridge  # noqa: PLC0415 - an extra
 
     network = HouseNetwork([spec.family])
     gateways = network.gateways()

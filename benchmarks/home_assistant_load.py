@@ -20,8 +20,8 @@ from websockets.asyncio.client import connect
 from websockets.asyncio.server import ServerConnection, serve
 
 from homebot.devices import GatewayState
-from homebot.gateways.homeassistant import HomeAssistantGateway, HomeAssistantGatewaySettings
 from homebot.graph import Graph, Node
+from homebot.integrations.homeassistant.gateway import HomeAssistantGateway, HomeAssistantGatewaySettings
 from plan import Plan
 from report import Aim, Report, compare
 from rounds import measure_interleaved

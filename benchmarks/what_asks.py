@@ -15,11 +15,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from homebot.conventions.description import DeviceAnnounced
-from homebot.conventions.zigbee2mqtt.reader import Zigbee2MqttReader
 from homebot.devices import Device, DevicePart, Endpoint, KeyValue, Route
 from homebot.devices.always_ask import models_of, why_it_asks
 from homebot.devices.harmless import why_not_harmless
 from homebot.devices.part import Capability, Part
+from homebot.integrations.zigbee2mqtt.formats.reader import Zigbee2MqttReader
 from homebot.messages import Time
 from plan import Plan
 from report import Report

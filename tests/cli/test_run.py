@@ -17,7 +17,7 @@ from homebot.cli.serve import Watchdog
 from homebot.config import Config
 from homebot.errors import ConfigError
 from homebot.house import World
-from homebot.house.dialects import DIALECTS
+from homebot.house.family import dialects
 from homebot.runtime.plan import make_plan
 
 
@@ -49,7 +49,7 @@ def test_without_anything_it_is_the_family_house() -> None:
     assert "kitchen_lamp" in house.devices
     assert house.time.pace == 60.0
     speech = {placed.dialect for placed in house.devices.values()}
-    assert speech == {*DIALECTS}
+    assert speech == {*dialects()}
 
 
 @pytest.mark.parametrize("option", [("--house", "thesis"), ("--root", "home425")])

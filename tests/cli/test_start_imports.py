@@ -4,7 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-_MOST_MODULES = 324
+_MOST_MODULES = 332
 """Modules of homebot; of more each should be needed before a start is done."""
 
 IDLE = """
@@ -34,15 +34,15 @@ NOT_NEEDED = (
     "homebot.control.journal.journal",
     "homebot.control.policies",
     "homebot.control.settings",
-    "homebot.conventions.homeassistant.publisher",
-    "homebot.conventions.homeassistant.reader",
-    "homebot.conventions.homie.reader",
+    "homebot.integrations.homeassistant.formats.publisher",
+    "homebot.integrations.homeassistant.formats.reader",
+    "homebot.integrations.homie.formats.reader",
     "homebot.conventions.jinja",
-    "homebot.conventions.shelly.reader",
+    "homebot.integrations.shelly.formats.reader",
     "homebot.conventions.table_codec",
-    "homebot.conventions.tasmota.reader",
+    "homebot.integrations.tasmota.formats.reader",
     "homebot.conventions.units",
-    "homebot.conventions.zigbee2mqtt.reader",
+    "homebot.integrations.zigbee2mqtt.formats.reader",
     "homebot.devices.handles.appliances",
     "homebot.devices.misspelt_names",
     "homebot.devices.outcomes",
@@ -66,8 +66,8 @@ NOT_NEEDED = (
     "homebot.replay",
     "homebot.testing",
     "homebot.support.virtual_time",
-    "homebot.wot.mqtt.reader",
-    "homebot.wot.parse",
+    "homebot.integrations.things.formats.mqtt.reader",
+    "homebot.integrations.things.formats.parse",
     "homebot.robots",
 )
 

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.conventions.announced_parts import homeassistant_part, homie_part, thing_part, zigbee2mqtt_part
+from tests.integrations.announced_parts import homeassistant_part, homie_part, thing_part, zigbee2mqtt_part
 from tests.sizes import examples
 
 from homebot.conventions.description import DescribedPart

@@ -4,9 +4,9 @@ import pytest
 
 from homebot.conventions.description import Publication
 from homebot.conventions.text_codec import TextCodec
-from homebot.conventions.thesis import thesis_part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
+from homebot.integrations.thesis.formats import thesis_part
 
 
 def codec(service_type: str) -> TextCodec:

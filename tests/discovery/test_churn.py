@@ -41,7 +41,7 @@ ONLINE_FOR = 86_400.0
 GRACE = 11.0
 """Seconds after which a taken-back announcement counts."""
 
-CONVENTIONS = ("homeassistant", "homebot.conventions.zigbee2mqtt:Zigbee2Mqtt")
+CONVENTIONS = ("homeassistant", "homebot.integrations.zigbee2mqtt.formats:Zigbee2Mqtt")
 NAMES = [
     f"{room} {thing}" for room in ("Kitchen", "Küche", "hall", "0x00158d00000000ff") for thing in ("lamp", "light")
 ]

@@ -6,12 +6,12 @@ from tests.fuzz.conftest import Fuzz
 from homebot.conventions.bluetooth.beacons import APPLE, EDDYSTONE, BeaconParser
 from homebot.conventions.bluetooth.broadcast import Advertisement, full_uuid
 from homebot.conventions.bluetooth.gatt_profile import BUILT_IN
-from homebot.conventions.bthome.encryption import seal
-from homebot.conventions.bthome.parser import BTHomeParser
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.gateways.announced.gateway_device import can_report
+from homebot.integrations.bthome.formats.encryption import seal
+from homebot.integrations.bthome.formats.parser import BTHomeParser
 
 BTHOME = full_uuid("fcd2")
 KEY = bytes.fromhex("231d39c1d7cc1ab1aee224cd096db932")
@@ -117,7 +117,7 @@ def test_damaged_beacons_are_refused_or_read(fuzz: Fuzz) -> None:
 def test_damaged_advertisements_of_other_sensors_are_refused_or_read(fuzz: Fuzz) -> None:
     """The libraries that read them raise whatever they like."""
     pytest.importorskip("ruuvitag_ble")
-    from homebot.conventions.bluetooth.sensor_libraries import SensorLibraryParser  # noqa: PLC0415 - an extra
+    from homebot.integrations.sensor_libraries.formats import SensorLibraryParser  # noqa: PLC0415 - an extra
 
     for damage, rng in fuzz("sensor-libraries"):
         parser = SensorLibraryParser({SEALED: KEY})

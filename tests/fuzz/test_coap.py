@@ -9,13 +9,13 @@ from homebot.conventions.cbor import decode_cbor, encode_cbor
 from homebot.conventions.coap.endpoint import endpoint_of_link
 from homebot.conventions.coap.link_format import parse_links
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.coap.session import COAP_BINDING
-from homebot.wot.classify import parts_of
-from homebot.wot.coap.content_formats import coap_formats
-from homebot.wot.coap.resource_types import thing_of_links
-from homebot.wot.parse import CONTEXT, read_thing
-from homebot.wot.payload import decode_document, encode_document
-from homebot.wot.thing import Thing
+from homebot.integrations.things.coap_session import COAP_BINDING
+from homebot.integrations.things.formats.classify import parts_of
+from homebot.integrations.things.formats.content_formats import coap_formats
+from homebot.integrations.things.formats.parse import CONTEXT, read_thing
+from homebot.integrations.things.formats.payload import decode_document, encode_document
+from homebot.integrations.things.formats.resource_types import thing_of_links
+from homebot.integrations.things.formats.thing import Thing
 
 LINKS = (
     b'</a/light>;rt="oic.r.switch.binary";if="oic.if.a oic.if.baseline";obs;ct="50 60",'

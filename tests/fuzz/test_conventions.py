@@ -9,11 +9,11 @@ import pytest
 from tests.fuzz.conftest import Fuzz, fuzz_convention, rows_of
 
 from homebot.conventions.convention import Convention
-from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.conventions.homie import Homie, HomieSettings
-from homebot.conventions.shelly import Shelly, ShellySettings
-from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
-from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+from homebot.integrations.homeassistant.formats import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.integrations.homie.formats import Homie, HomieSettings
+from homebot.integrations.shelly.formats import Shelly, ShellySettings
+from homebot.integrations.tasmota.formats import TasmotaDiscovery, TasmotaSettings
+from homebot.integrations.zigbee2mqtt.formats import Zigbee2Mqtt, Zigbee2MqttSettings
 
 CONVENTIONS: dict[str, Callable[[], Convention]] = {
     "homeassistant": lambda: HomeAssistantDiscovery(HomeAssistantSettings()),
@@ -24,7 +24,7 @@ CONVENTIONS: dict[str, Callable[[], Convention]] = {
 }
 
 
-COMPONENTS = Path(__file__).parents[1] / "conventions" / "homeassistant" / "components.jsonl"
+COMPONENTS = Path(__file__).parents[1] / "integrations" / "homeassistant" / "formats" / "components.jsonl"
 
 
 def components() -> list[dict[str, Any]]:

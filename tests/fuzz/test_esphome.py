@@ -7,11 +7,11 @@ from aioesphomeapi import model
 from aioesphomeapi.model_conversions import STATE_TYPE_TO_INFO_TYPE
 from tests.fuzz.conftest import Fuzz, Mutator
 
-from homebot.conventions.esphome.device import EsphomeDevice
 from homebot.devices.part import check_setting
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.announced.gateway_device import can_report
+from homebot.integrations.esphome.formats.device import EsphomeDevice
 
 KINDS = {kind: info for kind, info in model.COMPONENT_TYPE_TO_INFO.items() if kind != "camera"}
 STATES = {info: state for state, info in STATE_TYPE_TO_INFO_TYPE.items()}

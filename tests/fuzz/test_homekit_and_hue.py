@@ -5,20 +5,20 @@ from contextlib import suppress
 
 from tests.fuzz.conftest import Fuzz
 from tests.gateways.checked_command import checked_command
-from tests.gateways.homekit.fake_accessories import PERMS, accessory, characteristic, service
+from tests.integrations.homekit.gateway.fake_accessories import PERMS, accessory, characteristic, service
 
-from homebot.conventions.homekit.accessory import parse_accessories
-from homebot.conventions.homekit.climate import CLIMATE_ROWS
-from homebot.conventions.homekit.lights_and_power import POWER_ROWS
-from homebot.conventions.homekit.openings import OPENING_ROWS
-from homebot.conventions.homekit.parts import parts_of
-from homebot.conventions.hue.devices import devices_of
-from homebot.conventions.hue.resources import HueResources
-from homebot.conventions.hue.service_rows import press_of
 from homebot.errors import PeerError, WireError
 from homebot.gateways.announced.gateway_device import can_report
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.hue.resources import device_resources, group_resources, scene_resource
+from homebot.integrations.homekit.formats.accessory import parse_accessories
+from homebot.integrations.homekit.formats.climate import CLIMATE_ROWS
+from homebot.integrations.homekit.formats.lights_and_power import POWER_ROWS
+from homebot.integrations.homekit.formats.openings import OPENING_ROWS
+from homebot.integrations.homekit.formats.parts import parts_of
+from homebot.integrations.hue.formats.devices import devices_of
+from homebot.integrations.hue.formats.resources import HueResources
+from homebot.integrations.hue.formats.service_rows import press_of
+from homebot.integrations.hue.simulated.resources import device_resources, group_resources, scene_resource
 
 ROWS = (*CLIMATE_ROWS, *OPENING_ROWS, *POWER_ROWS)
 SERVICES = [one for row in ROWS for one in row.services.split()]

@@ -10,7 +10,6 @@ from homebot.conventions.nfc.ndef_message import NdefRecord, TagError, read_ndef
 from homebot.conventions.nfc.pointer import pointer_of_code, pointer_of_records
 from homebot.errors import WireError
 from homebot.house.nfc import Type4Card
-from homebot.wot.parse import read_thing
 
 THING = json.dumps(
     {
@@ -43,14 +42,14 @@ def test_damaged_messages_are_refused_or_read(fuzz: Fuzz) -> None:
     for mutate, rng in fuzz("nfc messages"):
         message = mutate.damaged_bytes(rng.choice(MESSAGES))
         with suppress(WireError):
-            pointer_of_records(read_ndef(message), read_thing)
+            pointer_of_records(read_ndef(message))
 
 
 def test_damaged_codes_are_refused_or_read(fuzz: Fuzz) -> None:
     for mutate, rng in fuzz("nfc codes"):
         code = mutate.damaged_bytes(rng.choice(CODES).encode()).decode(errors="replace")
         with suppress(WireError):
-            pointer_of_code(code, read_thing)
+            pointer_of_code(code)
 
 
 def test_tags_that_answer_what_they_like_cost_a_bounded_number_of_steps(fuzz: Fuzz) -> None:

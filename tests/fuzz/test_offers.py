@@ -4,11 +4,11 @@ import json
 
 from tests.fuzz.conftest import Fuzz, check_value
 
-from homebot.conventions.homeassistant.publisher import HomeAssistantPublisher
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.exposure import ExposedDevice
 from homebot.devices.part import Capability, Part
+from homebot.integrations.homeassistant.formats.publisher import HomeAssistantPublisher
 
 ORDERS = (
     '{"state":"ON","brightness":102,"color":{"h":300,"s":50},"color_temp":250,"effect":"x","transition":2}',

@@ -4,12 +4,12 @@ import json
 import math
 
 from pydantic import SecretStr
-from tests.conventions.shelly.rpc_documents import MODELS
 from tests.fuzz.conftest import Fuzz
+from tests.integrations.shelly.formats.rpc_documents import MODELS
 
 from homebot.conventions.payload import as_fields, parse_object
-from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, RpcLogin, is_setup_change
 from homebot.errors import RefusedError, WireError
+from homebot.integrations.shelly.formats.gen2_rpc import Gen2RpcDevice, RpcLogin, is_setup_change
 
 CHALLENGE = '{"auth_type":"digest","nonce":1625038762,"nc":1,"realm":"shellypro4pm-f008d1d8b8b8","algorithm":"SHA-256"}'
 EVENTS = '{"method":"NotifyEvent","params":{"ts":1.0,"events":[{"component":"input:0","event":"single_push"}]}}'

@@ -4,12 +4,12 @@ from contextlib import suppress
 
 from tests.fuzz.conftest import Fuzz, Mutator, check_value
 
-from homebot.conventions.thesis import Thesis, ThesisSettings
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Part
 from homebot.devices.text.commands import decode_command, encode_command
 from homebot.devices.text.states import decoder_for
 from homebot.errors import RefusedError, WireError
+from homebot.integrations.thesis.formats import Thesis, ThesisSettings
 
 LEVELS = ("lights", "windows", "locks", "plugs", "fans", "thermostats", "out", "in", "", "home425", *DEVICE_TYPES)
 SPOKEN = ("on", "off", "0.4", "2700 K", "open", "closed, 0 %", "21.5", "locked", "nan", "1e999", "-5", "300 50")

@@ -5,8 +5,8 @@ from typing import Any
 
 from tests.fuzz.conftest import Fuzz, fuzz_convention
 
-from homebot.wot.mqtt import ThingDescriptions, ThingSettings
-from homebot.wot.parse import CONTEXT
+from homebot.integrations.things.formats.mqtt import ThingDescriptions, ThingSettings
+from homebot.integrations.things.formats.parse import CONTEXT
 
 
 def prop(topic: str, **more: Any) -> dict[str, Any]:

@@ -11,10 +11,17 @@ from homebot.conventions.long_json import parse_in_slices
 from homebot.conventions.payload import parse_json
 from homebot.errors import WireError
 from homebot.gateways.event_stream import EventStreamParser
-from homebot.gateways.thing_directory.documents import id_of, lifetime_of, members_of, next_page, read_event, text_of
-from homebot.gateways.things.http_port import HTTP_BINDING
-from homebot.gateways.things.thing_device import describe_thing
-from homebot.wot.parse import CONTEXT, read_thing
+from homebot.integrations.things.directory.documents import (
+    id_of,
+    lifetime_of,
+    members_of,
+    next_page,
+    read_event,
+    text_of,
+)
+from homebot.integrations.things.formats.parse import CONTEXT, read_thing
+from homebot.integrations.things.http.http_port import HTTP_BINDING
+from homebot.integrations.things.http.thing_device import describe_thing
 
 LIMIT = 200_000
 WORDS = ("id", "members", "next", "rel", "forms", "href", "http://x", "registration", "ttl")

@@ -2,13 +2,19 @@
 
 import json
 
-from tests.conventions.wled.wled_documents import BEFORE_0_13, RGB_0_15, RGBW_0_14, TWO_SEGMENTS_0_15, WHITES_0_13
 from tests.fuzz.conftest import Fuzz
+from tests.integrations.wled.formats.wled_documents import (
+    BEFORE_0_13,
+    RGB_0_15,
+    RGBW_0_14,
+    TWO_SEGMENTS_0_15,
+    WHITES_0_13,
+)
 
 from homebot.conventions.payload import parse_object
-from homebot.conventions.wled.strip import WledStrip, effect_names
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.announced.gateway_device import can_report
+from homebot.integrations.wled.formats.strip import WledStrip, effect_names
 
 TEXTS = [json.dumps(one) for one in (RGB_0_15, RGBW_0_14, TWO_SEGMENTS_0_15, WHITES_0_13, BEFORE_0_13)]
 WORDS = ("seg", "seglc", "lc", "col", "cct", "bri", "on", "id", "state", "info", "leds")

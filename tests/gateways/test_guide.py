@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from homebot.cli.main import main
-from homebot.gateways.matter.server_link import OLDEST_SCHEMA, SCHEMA
 from homebot.gateways.mdns.own_services import DOOR, HOMEBOT
+from homebot.integrations.matter.gateway.server_link import OLDEST_SCHEMA, SCHEMA
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "protocols.md").read_text()
 SECRETS = {"key": f"{'A' * 43}="}

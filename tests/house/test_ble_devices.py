@@ -20,14 +20,13 @@ from homebot.house.ble_devices import (
     LIGHT_SERVICE,
     LIGHT_STATE,
     BluetoothLight,
-    BroadcastingButton,
-    BroadcastingSensor,
     address_of,
 )
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.virtual_bleak import backend_of
 from homebot.house.virtual_radio import VirtualRadio
+from homebot.integrations.bthome.simulated import BroadcastingButton, BroadcastingSensor
 
 pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
 

@@ -10,10 +10,9 @@ from tests.turns import slowness
 
 from homebot.errors import ConfigError
 from homebot.house.description import load_world, parse_world
-from homebot.house.dialects import DIALECTS
+from homebot.house.family import family_names
 from homebot.house.faults import Reverter, Slow, unwrap
 from homebot.house.kinds import FAULTS, KINDS
-from homebot.house.network import FAMILIES
 from homebot.house.robot import Robot
 from homebot.house.rooms import DAY
 
@@ -35,7 +34,7 @@ def test_the_family_home_is_a_house_to_test_with() -> None:
 TIMED = """
 import sys, time
 from pathlib import Path
-from homebot.house.dialects import DIALECTS
+from homebot.house.family import dialects
 from homebot.house.description import load_world
 world = load_world(Path(sys.argv[1]))
 began = time.process_time()
@@ -84,7 +83,7 @@ def test_faults_are_put_on_in_the_order_of_the_file() -> None:
         (
             f"{HALL}[house]\ndialect = 'klingon'\n",
             "house.dialect",
-            f"must be one of {', '.join((*DIALECTS, *FAMILIES))}, got 'klingon'",
+            f"must be one of {', '.join(family_names())}, got 'klingon'",
         ),
         (
             "[rooms.hall]\n[devices.r2]\nkind = 'robot'\nroom = 'hall'\ndialect = 'shelly_rpc'\n",
@@ -94,7 +93,7 @@ def test_faults_are_put_on_in_the_order_of_the_file() -> None:
         (
             f"{LAMP}dialect = 'klingon'\n",
             "devices.lamp.dialect",
-            f"must be one of {', '.join((*DIALECTS, *FAMILIES))}, got 'klingon'",
+            f"must be one of {', '.join(family_names())}, got 'klingon'",
         ),
         (f"{HALL}[house]\nlatitude = 91.0\n", "house.latitude", "less than or equal to 90"),
         (f"{HALL}window = 2.0\n", "rooms.hall.window", "less than or equal to 1"),

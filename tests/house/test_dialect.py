@@ -5,7 +5,7 @@ import pytest
 from homebot.errors import UsageError
 from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat
 from homebot.house.dialect import DeviceState, OutgoingMessage, SimulatedDeviceInfo, state_of
-from homebot.house.dialects import DIALECTS
+from homebot.house.family import dialects
 from homebot.house.kinds import KINDS
 from homebot.house.sensors import LuxSensor
 from homebot.house.simulated_device import SimulatedDevice
@@ -15,7 +15,7 @@ LAMP = SimulatedDeviceInfo("villa", "lamp", "desk", "lights", "study")
 
 def test_the_thesis_says_words_as_they_are_and_announces_nothing() -> None:
     """On the device's own topics."""
-    thesis = DIALECTS["thesis"]
+    thesis = dialects()["thesis"]
     assert thesis.filters(LAMP) == ("villa/lights/desk/in",)
     assert thesis.state_messages(LAMP, DeviceState(text="21.5")) == (
         OutgoingMessage("villa/lights/desk/out", b"21.5", retain=False, qos=1),
@@ -27,7 +27,7 @@ def test_the_thesis_says_words_as_they_are_and_announces_nothing() -> None:
 
 def test_the_thesis_takes_any_payload_for_a_word() -> None:
     """What it means is for the device."""
-    told = DIALECTS["thesis"].parse_command
+    told = dialects()["thesis"].parse_command
     assert told(LAMP, "villa/lights/desk/in", b"on") == ("on",)
     assert told(LAMP, "villa/lights/desk/in", b"\xff") == ("�",)
 

@@ -22,13 +22,13 @@ from homebot.house import SimulatedHouse, SimulatedLamp, WindowMotor, World
 from homebot.house.description import parse_world
 from homebot.house.devices import SimulatedDoorLock
 from homebot.house.dialect import Dialect, OutgoingMessage, SimulatedDeviceInfo
-from homebot.house.dialects import DIALECTS
-from homebot.house.dialects.thesis import ThesisDialect
+from homebot.house.family import dialects
 from homebot.house.faults import Chatterbox, Unplugged
 from homebot.house.mqtt_device import QUEUED
 from homebot.house.rooms import DAY, Room, Rooms
 from homebot.house.sensors import PowerMeter
 from homebot.house.simulated_device import Placed, ScheduledCommand, SimulatedDevice
+from homebot.integrations.thesis.simulated import ThesisDialect
 from homebot.mqtt.broker import Broker, BrokerPolicy
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
@@ -85,7 +85,7 @@ async def street(
     start: float = 0.0,
     heartbeat: float = 300.0,
     policy: BrokerPolicy | None = None,
-    dialects: Mapping[str, Dialect] = DIALECTS,
+    dialects: Mapping[str, Dialect] = dialects(),
 ) -> AsyncIterator[Street]:
     clock = LoopClock(start)
     async with (

@@ -14,7 +14,7 @@ from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world
 from homebot.house.devices import SimulatedLamp
-from homebot.house.dialects import DIALECTS
+from homebot.house.family import dialects
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.simulated_device import Placed
 from homebot.testing import EventLog, virtual_house_of
@@ -28,7 +28,7 @@ def hall(*lamps: Placed) -> World:
     return World(Rooms({OUTSIDE: Room(window=1.0), "hall": Room()}, []), lamps)
 
 
-@pytest.mark.parametrize("dialect", DIALECTS)
+@pytest.mark.parametrize("dialect", dialects())
 async def test_the_light_service_switches_lamps_of_every_family(dialect: str) -> None:
     """One that is lit by hand, and one that shone before anybody looked."""
     world = hall(
@@ -62,10 +62,10 @@ async def test_a_day_of_a_mixed_house_loses_nothing() -> None:
     assert (counters.unsaid, counters.overflowed, counters.refused) == (0, 0, 0)
 
 
-@pytest.mark.parametrize("dialect", DIALECTS)
+@pytest.mark.parametrize("dialect", dialects())
 async def test_a_device_is_in_its_room_and_has_its_name_whatever_it_speaks(dialect: str) -> None:
     """Most makers' protocols carry no room, and some no name: the owner states them."""
-    kinds = sorted(DIALECTS[dialect].kinds - {"robot", "tag"})
+    kinds = sorted(dialects()[dialect].kinds - {"robot", "tag"})
     devices = {f"hall_{kind}": {"kind": kind, "room": "hall", "dialect": dialect} for kind in kinds}
     world = parse_world({"rooms": {"hall": {}}, "devices": devices}, "hall.toml")
     async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "judge") as judge:
@@ -74,10 +74,10 @@ async def test_a_device_is_in_its_room_and_has_its_name_whatever_it_speaks(diale
     assert {(device.name, device.area) for device in found} == {(name, "hall") for name in devices}
 
 
-@pytest.mark.parametrize("dialect", DIALECTS)
+@pytest.mark.parametrize("dialect", dialects())
 async def test_the_effects_of_commands_are_no_hand_whatever_a_device_speaks(dialect: str) -> None:
     """A lamp that is on again as it was, and a cover that rests where it was sent, are confirmed and explained."""
-    kinds = {"lamp", "cover"} & DIALECTS[dialect].kinds
+    kinds = {"lamp", "cover"} & dialects()[dialect].kinds
     devices = {kind: {"kind": kind, "room": "hall", "dialect": dialect} for kind in kinds}
     world = parse_world({"rooms": {"hall": {}}, "devices": devices}, "hall.toml")
     async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "judge") as judge:

@@ -7,7 +7,7 @@ import pytest
 
 from homebot.clock import LoopClock
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.dialects import DIALECTS
+from homebot.house.family import dialects
 from homebot.house.mqtt_device import HouseCounters, MqttDevice
 from homebot.log import LogLimit
 from homebot.mqtt.connection import MqttConnection
@@ -24,7 +24,7 @@ async def test_it_may_be_cancelled_at_any_step_of_a_lost_link() -> None:
             connection = MqttConnection(
                 MqttOptions.from_url(url, client_id="lamp"), broker.make_client, status_topic=None, clock=clock
             )
-            dialect = DIALECTS["homeassistant"]
+            dialect = dialects()["homeassistant"]
             info = SimulatedDeviceInfo("home", "lamp", "lamp", "lights", "hall")
             device = MqttDevice(info, dialect, connection, lambda _, __: None, HouseCounters(), LogLimit(clock))
             device.begin(DeviceState(text="on"), has_power=True)

@@ -7,9 +7,9 @@ import anyio
 from tests.things.thing import ServedThing
 
 from homebot.house.dialect import SimulatedDeviceInfo
-from homebot.house.esphome import EsphomeServedDevice
-from homebot.house.http.shelly import ServedShelly
-from homebot.house.http.wled import ServedWled
+from homebot.integrations.esphome.simulated import EsphomeServedDevice
+from homebot.integrations.shelly.simulated.web_device import ServedShelly
+from homebot.integrations.wled.simulated import ServedWled
 
 
 def _ignore(command: str) -> None:

@@ -1,7 +1,8 @@
 """homebot finds, reads and commands ESPHome's own firmware, compiled for this computer and announced by Avahi.
 
 The firmware is ``peer-light.yaml`` for ESPHome's ``host`` platform, which has no mDNS of its own and cannot be compiled
-with encryption without a package from a registry of boards; encryption is tested against ``homebot.house.esphome``.
+with encryption without a package from a registry of boards; encryption is tested against
+``homebot.integrations.esphome.simulated``.
 ESPHome is installed into an environment of its own, with Python 3.12, unless it is on the path or ``HOMEBOT_ESPHOME``
 names it.
 """

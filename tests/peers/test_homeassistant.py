@@ -23,8 +23,8 @@ from homebot.devices.gateway_messages import Command, Report, SendCommand, SendC
 from homebot.devices.names import GatewayNames
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue, Value
-from homebot.gateways.homeassistant import HomeAssistantGateway, HomeAssistantGatewaySettings
 from homebot.graph import Graph, Node
+from homebot.integrations.homeassistant.gateway import HomeAssistantGateway, HomeAssistantGatewaySettings
 from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT
 

@@ -16,10 +16,10 @@ from tests.peers.network import Lan, Machine, Program
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import SendCommandResponse
 from homebot.devices.value import PlainValue
-from homebot.gateways.homekit import HomekitGateway, HomekitGatewaySettings
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
 from homebot.gateways.pairing import PairResponse
 from homebot.graph import Graph, Node
+from homebot.integrations.homekit.gateway import HomekitGateway, HomekitGatewaySettings
 from homebot.testing.gateway_contract import running
 
 ACCESSORY = Path(__file__).parent / "homekit" / "accessory.py"

@@ -10,8 +10,8 @@ from tests.peers.network import Lan, Machine
 from tests.peers.other_python import python_with
 
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.http.shelly import ServedShelly
-from homebot.house.http.wled import ServedWled
+from homebot.integrations.shelly.simulated.web_device import ServedShelly
+from homebot.integrations.wled.simulated import ServedWled
 
 WLED_CLIENT = """
 import asyncio

@@ -7,12 +7,12 @@ from dataclasses import replace
 import anyio
 import anyio.to_thread
 import pytest
-from tests.gateways.hue.bridges import bridge_with_certificate, button, buttons
+from tests.integrations.hue.gateway.bridges import bridge_with_certificate, button, buttons
 from tests.patience import PATIENCE
 from tests.peers.other_python import python_with
 
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.hue import HueHouseDevice, SimulatedHueBridge
+from homebot.integrations.hue.simulated import HueHouseDevice, SimulatedHueBridge
 
 CLIENT = """
 import asyncio

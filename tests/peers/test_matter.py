@@ -17,15 +17,15 @@ from homebot.devices import GatewayState, Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
 from homebot.devices.names import GatewayNames
 from homebot.devices.value import PlainValue, Value
-from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
-from homebot.gateways.matter.commissioning import (
+from homebot.graph import Graph, Node
+from homebot.integrations.matter.gateway import MatterGateway, MatterGatewaySettings
+from homebot.integrations.matter.gateway.commissioning import (
     Commission,
     CommissioningNames,
     CommissionRequest,
     Decommission,
     DecommissionRequest,
 )
-from homebot.graph import Graph, Node
 from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT
 

@@ -14,10 +14,10 @@ from tests.peers.network import Lan, Machine, Program
 
 from homebot.errors import LinkError
 from homebot.gateways.drivers import Driver, FoundService
-from homebot.gateways.drivers.esphome import EsphomeDriver
-from homebot.gateways.drivers.shelly import ShellyDriver
-from homebot.gateways.drivers.thing import ThingDriver
-from homebot.gateways.drivers.wled import WledDriver
+from homebot.integrations.esphome.driver import EsphomeDriver
+from homebot.integrations.shelly.driver import ShellyDriver
+from homebot.integrations.things.driver import ThingDriver
+from homebot.integrations.wled.driver import WledDriver
 from homebot.support.isolation import first_cause
 
 DRIVERS: dict[str, tuple[type[Driver], str]] = {

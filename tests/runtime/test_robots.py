@@ -14,7 +14,6 @@ from tests.robots.test_tracker import stamped
 from tests.robots.test_vacuum import DREAME
 
 from homebot.config import parse_config
-from homebot.conventions.valetudo import read_map
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.names import EXPORT_PLACES, ROBOT_POSES, WHERE_IS_ROBOT, GatewayNames
 from homebot.devices.places_messages import ExportPlaces, ExportPlacesRequest
@@ -23,6 +22,7 @@ from homebot.devices.services import SubscribeToTopic, SubscribeToTopicRequest, 
 from homebot.devices.tags import TagTap
 from homebot.errors import ConfigError
 from homebot.graph import Node, qos_profile_latched
+from homebot.integrations.valetudo.formats import read_map
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import PoseStamped
 from homebot.places import HouseRoom, read_places

@@ -1,7 +1,6 @@
 """Hosts on a network of a test: one that lies about the addresses of others, and one that is lied about."""
 
 import sys
-from urllib.parse import quote
 
 import aiocoap
 import anyio
@@ -13,7 +12,7 @@ from tests.things.thing import ServedThing
 from homebot.conventions.coap.link_format import WebLink, format_links
 from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.wot.parse import CONTEXT
+from homebot.integrations.things.formats.parse import CONTEXT
 
 DIRECTORY_PORT, LAMP_PORT = 8081, 5700
 
@@ -58,8 +57,8 @@ async def victim(*arguments: str) -> None:
 
 
 async def liar(*arguments: str) -> None:
-    """List two lamps of its own among lies, and register the address and the name of another host at the hub."""
-    own, hub, other, *lies = arguments
+    """List two lamps of its own among lies."""
+    own, *lies = arguments
     directory = ThingDirectoryServer(own, DIRECTORY_PORT)
     lamp = ServedThing(_info("Honest"), _obey, address=own)
     lamp.begin(DeviceState(text="off"), has_power=True)
@@ -78,21 +77,8 @@ async def liar(*arguments: str) -> None:
         for number, one in enumerate(lies):
             directory.register(_described(number, f"http://{one}/on"))
         directory.register(lamp.description())
-        print("ready", flush=True)
-        await _register_others(hub, f"coap://{other}", own)
         print("has lied", flush=True)
         await anyio.sleep_forever()
-    await context.shutdown()
-
-
-async def _register_others(hub: str, victim_uri: str, own: str) -> None:
-    context = await aiocoap.Context.create_client_context(transports=["udp6"])
-    for ep, base in (("stolen", victim_uri), (victim_uri, victim_uri), (victim_uri, f"coap://{own}:{LAMP_PORT}")):
-        uri = f"coap://{hub}/rd?ep={quote(ep, safe='')}&lt=1&base={base}"
-        message = aiocoap.Message(code=aiocoap.POST, uri=uri, payload=b"</on>;rt=light", content_format=40)
-        answer = await context.request(message, handle_blockwise=False).response
-        print("registered", ep, "for", base, answer.code.dotted, flush=True)
-    await anyio.sleep(3.0)  # the leases are over
     await context.shutdown()
 
 

@@ -93,15 +93,13 @@ def test_what_a_host_lists_leads_neither_to_this_computer_nor_to_the_devices_of_
             [gateways.coap]
             devices = ["coap://{victim.address}"]
             resource_directory = ["coap://{liar.address}"]
-            serve_directory = "{hub.address}:5683"
-            directory_is_open = true
 
             [gateways.thing_directory]
             url = "http://{liar.address}:{DIRECTORY_PORT}"
             """,
             encoding="utf-8",
         )
-        arguments = (liar.address, hub.address, victim.address, *lies)
+        arguments = (liar.address, *lies)
         with program(victim, tmp_path, "victim", victim.address), attacked(tmp_path) as homebot:
             until(lambda: "Victim" in listed(homebot).values() or None, PATIENCE)
             with program(liar, tmp_path, "liar", *arguments) as printed:
@@ -109,11 +107,10 @@ def test_what_a_host_lists_leads_neither_to_this_computer_nor_to_the_devices_of_
                 names = {"Victim", "Honest", "Honest CoAP"}
                 until(lambda: names <= set(listed(homebot).values()) or None, PATIENCE)
                 until(lambda: "leads to this computer" in homebot.text() or None, PATIENCE)
-                known, answers = listed(homebot), printed()
+                known = listed(homebot)
             toll = homebot.toll()
         print(f"\n{len(lies)} lies over HTTP and over CoAP: {toll}")
         assert count() == 0
-        assert answers.count("4.03") == 2, answers  # a misleading name for its own address is only a name
         assert {one for one in known.values() if one in names} == names
         assert toll.busy < LONGEST_TURN
 

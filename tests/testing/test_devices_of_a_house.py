@@ -5,7 +5,7 @@ import pytest
 from homebot.errors import UsageError
 from homebot.house import SimulatedLamp, World
 from homebot.house.description import parse_world
-from homebot.house.dialects import DIALECTS
+from homebot.house.family import dialects
 from homebot.house.sensors import MotionSensor
 from homebot.testing import virtual_house_of
 
@@ -22,9 +22,9 @@ NAMELESS = {("tasmota", "motion"), ("tasmota", "contact")}
 """A switch of Tasmota does not say what it is on, so that its part is of no type with a handle."""
 
 
-@pytest.mark.parametrize("dialect", DIALECTS)
+@pytest.mark.parametrize("dialect", dialects())
 async def test_what_a_sensor_senses_arrives_whatever_it_speaks(dialect: str) -> None:
-    kinds = sorted(DIALECTS[dialect].kinds & SENSED.keys())
+    kinds = sorted(dialects()[dialect].kinds & SENSED.keys())
     devices = {f"hall_{kind}": {"kind": kind, "room": "hall", "dialect": dialect} for kind in kinds}
     async with virtual_house_of(world=parse_world({"rooms": {"hall": {}}, "devices": devices}, "hall.toml")) as house:
         await house.run_for("20s")
@@ -35,7 +35,7 @@ async def test_what_a_sensor_senses_arrives_whatever_it_speaks(dialect: str) -> 
                     await house.becomes(f"hall_{kind}", within="2s", **value)
 
 
-@pytest.mark.parametrize("dialect", DIALECTS)
+@pytest.mark.parametrize("dialect", dialects())
 async def test_a_hand_on_a_switch_arrives_whatever_it_speaks(dialect: str) -> None:
     devices = {"lamp": {"kind": "lamp", "room": "hall", "dialect": dialect}}
     async with virtual_house_of(world=parse_world({"rooms": {"hall": {}}, "devices": devices}, "hall.toml")) as house:

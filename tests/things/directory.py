@@ -9,8 +9,8 @@ from hashlib import blake2b
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.house.dialects.wire import as_json, json_value
 from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+from homebot.house.wire import as_json, json_value
 from homebot.support.numbers import to_number
 
 TD_TYPE = "application/td+json"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from homebot.house.dialect import DeviceState
-from homebot.house.dialects.wire import lamp_order
+from homebot.house.wire import lamp_order
 from homebot.support.numbers import to_number
 
 

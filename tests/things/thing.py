@@ -10,10 +10,10 @@ from collections.abc import Callable, Mapping
 from tests.things.properties import THING_PROPERTIES, ThingProperty
 
 from homebot.house.dialect import SimulatedDeviceInfo
-from homebot.house.dialects.wire import as_json, hardware_address, json_value
 from homebot.house.dns_sd import DnsSdService
 from homebot.house.http.served_web_device import ServedWebDevice
 from homebot.house.http.web_server import WebPeer, WebReply, WebRequest
+from homebot.house.wire import as_json, hardware_address, json_value
 
 TD_TYPE = "application/td+json"
 WELL_KNOWN = "/.well-known/wot"

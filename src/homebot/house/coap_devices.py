@@ -17,7 +17,7 @@ from aiocoap.numbers.codes import Code
 
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.dialects.wire import lamp_order
+from homebot.house.wire import lamp_order
 from homebot.support.isolation import run_as
 from homebot.support.numbers import to_number
 

@@ -42,11 +42,10 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.config import Table, parse_settings
 from homebot.errors import ConfigError, UsageError
-from homebot.house.dialects import DIALECTS
+from homebot.house.family import family_names, kinds_of
 from homebot.house.faults import unwrap
 from homebot.house.household import Habit, Person
 from homebot.house.kinds import FAULTS, KINDS, Surroundings
-from homebot.house.network import FAMILIES, kinds_of
 from homebot.house.rooms import DAY, OUTSIDE, Room, Rooms, WorldTime
 from homebot.house.sensors import PowerMeter
 from homebot.house.simulated_device import Placed, ScheduledCommand, SimulatedDevice
@@ -249,7 +248,7 @@ def _person(name: str, table: Table, rooms: Rooms, source: str) -> Person:
 
 def _known_dialect(dialect: str, source: str, key: str) -> None:
     if kinds_of(dialect) is None:
-        raise ConfigError(source, key, f"must be one of {', '.join((*DIALECTS, *FAMILIES))}, got {dialect!r}")
+        raise ConfigError(source, key, f"must be one of {', '.join(family_names())}, got {dialect!r}")
 
 
 def _known(room: str, rooms: Mapping[str, Room], source: str, key: str) -> None:

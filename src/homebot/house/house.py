@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from random import Random
+from types import MappingProxyType
 from typing import ClassVar
 
 import anyio
@@ -17,11 +18,11 @@ from homebot.clock import Clock
 from homebot.errors import UsageError
 from homebot.house.connected_device import ConnectedDevice
 from homebot.house.dialect import BridgeDialect, DeviceState, Dialect, SimulatedDeviceInfo, state_of
-from homebot.house.dialects import DIALECTS
 from homebot.house.event_log import Event
+from homebot.house.family import family_names, family_of
 from homebot.house.faults import unwrap
 from homebot.house.mqtt_device import HouseCounters, MqttDevice
-from homebot.house.network import FAMILIES, HouseNetwork, kinds_of
+from homebot.house.network import HouseNetwork
 from homebot.house.simulated_device import Placed
 from homebot.house.world import World
 from homebot.log import LogLimit
@@ -62,7 +63,7 @@ class SimulatedHouse:
         world: The world, which only this object may advance.
         random: Source of the jitter of reconnects, seeded for reproducible runs.
         heartbeat: Seconds after which devices repeat their last state, as real ones do.
-        dialects: Families of devices on MQTT, by the names used in the world.
+        dialects: Families of devices on MQTT by the names used in the world, besides the installed ones.
         network: The networks of served families; by default its own.
 
     Attributes:
@@ -89,7 +90,7 @@ class SimulatedHouse:
         make_client: Callable[[MqttOptions], MqttClient] = NativeClient,
         random: Random | None = None,
         heartbeat: float = HEARTBEAT,
-        dialects: Mapping[str, Dialect] = DIALECTS,
+        dialects: Mapping[str, Dialect] = MappingProxyType({}),
         network: HouseNetwork | None = None,
     ) -> None:
         if not heartbeat > 0:
@@ -102,7 +103,8 @@ class SimulatedHouse:
         self._make_client = make_client
         self._random = Random() if random is None else random  # noqa: S311 - jitter is no secret
         self._heartbeat = heartbeat
-        self._dialects = dialects
+        found = ((name, family_of(name)) for name in world.families())
+        self._dialects = {name: one for name, one in found if isinstance(one, Dialect)} | dict(dialects)
         self._lines = LogLimit(clock)
         self._midnight = world.time.first_midnight(clock.now(), world.now)
         self._changed = anyio.Event()
@@ -208,13 +210,12 @@ class SimulatedHouse:
 
     def _device_info(self, placed: Placed) -> SimulatedDeviceInfo:
         device = placed.device
-        dialect = self._dialects.get(placed.dialect)
-        kinds = kinds_of(placed.dialect) if dialect is None else dialect.kinds
-        if kinds is None:
-            known = ", ".join((*self._dialects, *FAMILIES))
+        family = self._dialects.get(placed.dialect) or family_of(placed.dialect)
+        if family is None:
+            known = ", ".join((*family_names(), *self._dialects))
             raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}; known are {known}")
         kind = unwrap(device).kind
-        if kind not in kinds:
+        if kind not in family.kinds:
             raise UsageError(f"{device.device_id!r} speaks {placed.dialect!r}, which has no {kind}")
         return SimulatedDeviceInfo(self._home, kind, device.device_id, device.service_type, placed.room)
 

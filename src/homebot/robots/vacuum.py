@@ -7,7 +7,7 @@ from typing import Final
 import anyio
 from anyio import to_thread
 
-from homebot.conventions.valetudo import VacuumMap, VacuumSegment, read_map
+from homebot.conventions.vacuum_map import VacuumMap, VacuumSegment, map_reader
 from homebot.devices.devices import Devices
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.names import CHANGE_ROOM, IMPORT_PLACES
@@ -69,11 +69,12 @@ class Vacuum:
             ("MapData/map-data", self._on_map),
         ):
             await listen(self._node, self._devices, self._robot.settings.gateway, f"{base}/{name}", handle)
+        read = map_reader("valetudo").read
         while True:
             await self._arrived.wait()
             self._arrived = anyio.Event()
             try:
-                found = await to_thread.run_sync(read_map, self._waiting)
+                found = await to_thread.run_sync(read, self._waiting)
                 if self._map is None or self._map.segments != found.segments:
                     self._shapes, self._joined = await to_thread.run_sync(_rooms_of, found)
             except WireError as exc:

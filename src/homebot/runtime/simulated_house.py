@@ -161,7 +161,7 @@ def identifiers(placed: Placed, home: str) -> tuple[str, ...]:
     name, kind = placed.device.device_id, placed.device.service_type
     if placed.dialect == _THESIS:
         return (f"{kind}/{name}",)
-    from homebot.house.dialects.wire import hardware_address  # noqa: PLC0415 - the thesis's devices have none
+    from homebot.house.wire import hardware_address  # noqa: PLC0415 - the thesis's devices have none
 
     address = hardware_address(SimulatedDeviceInfo(home, "", name, kind, placed.room))
     return (name, f"mac:{address}")

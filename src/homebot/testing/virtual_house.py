@@ -16,8 +16,8 @@ from homebot.config import Config
 from homebot.errors import UsageError
 from homebot.gateways.mqtt.settings import EMBEDDED
 from homebot.house import SimulatedHouse, World
+from homebot.house.family import family_of
 from homebot.house.faults import unwrap
-from homebot.house.network import FAMILIES
 from homebot.house.simulated_device import Placed
 from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.clients import HostedBroker
@@ -250,7 +250,7 @@ def _on_a_broker(world: World | None) -> World:
         return World.of()
     if not isinstance(world, World):
         raise UsageError(f"world is a World, such as load_world(Path('house.toml')) returns, got {world!r}")
-    if served := [name for name in world.families() if name in FAMILIES]:
+    if served := [name for name in world.families() if isinstance(family_of(name), type)]:
         raise UsageError(f"world: {', '.join(served)} needs a network, and a virtual house has a broker alone")
     return world
 

@@ -18,8 +18,8 @@ from homebot.cli.commands.import_thing import topic_level
 from homebot.cli.commands.why import _print_state
 from homebot.devices.health import PartFailure
 from homebot.errors import UsageError
+from homebot.integrations.things.formats.parse import CONTEXT, read_thing
 from homebot.messages import Time
-from homebot.wot.parse import CONTEXT, read_thing
 
 HERE = Path(__file__).parent
 Text = pytest.CaptureFixture[str]

@@ -4,10 +4,10 @@ import pytest
 
 from homebot.conventions.bluetooth.beacons import EDDYSTONE, BeaconParser
 from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, full_uuid
-from homebot.conventions.bthome.encryption import seal
-from homebot.conventions.bthome.parser import TRIGGER_BASED, BTHomeParser
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
+from homebot.integrations.bthome.formats.encryption import seal
+from homebot.integrations.bthome.formats.parser import TRIGGER_BASED, BTHomeParser
 
 ADDRESS = "54:48:E6:8F:80:A5"
 KEY = bytes.fromhex("231d39c1d7cc1ab1aee224cd096db932")

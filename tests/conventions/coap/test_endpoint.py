@@ -59,8 +59,6 @@ def test_the_default_port_is_no_difference() -> None:
     [
         ({"devices": ["http://h"]}, "is not an address such as coap://"),
         ({"devices": ["coap://[x"]}, "is not an address"),
-        ({"serve_directory": "0.0.0.0:5683"}, "directory_is_open"),
-        ({"serve_directory": "here"}, "is not an address such as 127.0.0.1:5683"),
         ({"groups": ["ipx"]}, "ipv4"),
         ({"credentials": [{"uri": "coap://*", "identity": "x"}]}, "give either oscore"),
         ({"credentials": [{"uri": "coap://*"}]}, "give either oscore"),

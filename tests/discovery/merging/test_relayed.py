@@ -3,19 +3,19 @@
 import json
 
 import pytest
-from tests.conventions.shelly.test_gen2_bluetooth import DOOR, DOOR_PARTS, page, valve
 from tests.discovery.announcements import announce, part_of
+from tests.integrations.shelly.formats.test_gen2_bluetooth import DOOR, DOOR_PARTS, page, valve
 
 from homebot.conventions.bluetooth.broadcast import Advertisement, full_uuid
-from homebot.conventions.bthome.parser import BTHomeParser
 from homebot.conventions.description import DeviceAnnounced
-from homebot.conventions.shelly import Shelly, ShellySettings
 from homebot.devices import Sighting
 from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
 from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.gateways.ble.known_device import KnownDevice
 from homebot.gateways.ble.settings import BleDeviceSettings
+from homebot.integrations.bthome.formats.parser import BTHomeParser
+from homebot.integrations.shelly.formats import Shelly, ShellySettings
 from homebot.messages import Time
 
 

@@ -6,10 +6,10 @@ from typing import Any
 import pytest
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
-from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.gateways.announced.sent_commands import MOST_LINES, sent_commands
-from homebot.wot.mqtt.reader import ThingReader
+from homebot.integrations.homeassistant.formats import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.integrations.things.formats.mqtt.reader import ThingReader
+from homebot.integrations.zigbee2mqtt.formats import Zigbee2Mqtt, Zigbee2MqttSettings
 
 LOCK = {"unique_id": "u", "name": "Bolt", "command_topic": "door/set", "device": {"identifiers": ["door"]}}
 

@@ -15,10 +15,11 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.value import Value
 from homebot.errors import LinkError, RefusedError
-from homebot.house.ble_devices import BluetoothLight, BroadcastingButton, BroadcastingSensor, address_of
+from homebot.house.ble_devices import BluetoothLight, address_of
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.virtual_radio import GattValue
+from homebot.integrations.bthome.simulated import BroadcastingButton, BroadcastingSensor
 
 if TYPE_CHECKING:
     from tests.gateways.ble.conftest import RadioHouse

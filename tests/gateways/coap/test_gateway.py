@@ -14,6 +14,7 @@ from tests.ports import reserve_datagram_port
 
 from homebot.devices.gateway_messages import REACHABLE
 from homebot.house.coap_devices import CoapDevice
+from homebot.house.coap_directory import served_directory
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 
 
@@ -68,57 +69,16 @@ async def test_a_device_that_is_not_there_yet_is_listed_and_unreachable() -> Non
         assert (await watcher.states().receive()).state == "active"
 
 
-async def test_devices_register_at_homebot_itself_and_leave_by_name_and_reason() -> None:
-    port = reserve_datagram_port()
-    address = f"127.0.0.1:{port}"
-    async with watched_gateway(serve_directory=address) as watcher, device(directory=f"coap://{address}") as lamp:
-        found = await watcher.sighting(lambda one: bool(one.parts))
-        assert found.key == "Hall"
-        await watcher.reported("on_off", False)
-        await lamp.deregister()
-        gone = await watcher.sighting(lambda one: one.kind == "removed")
-        assert (gone.key, gone.why) == ("Hall", "it took back its registration")
-
-
-async def test_a_device_that_registers_simply_is_asked_for_its_links() -> None:
-    """RFC 9176, section 5.1: it sends no links, which would not fit into one packet of its radio."""
-    address = f"127.0.0.1:{reserve_datagram_port()}"
-    async with watched_gateway(serve_directory=address) as watcher, device() as lamp:
-        with anyio.fail_after(PATIENCE):
-            while (context := lamp._context) is None:  # noqa: ASYNC110 - it goes without a word
-                await anyio.sleep(0.01)
-        message = aiocoap.Message(code=aiocoap.POST, uri=f"coap://{address}/.well-known/rd?ep=simple&lt=600")
-        assert (await context.request(message).response).code.dotted == "2.04"
-        found = await watcher.sighting(lambda one: one.key == "simple" and bool(one.parts))
-        assert found.why
-        await watcher.reported("on_off", False)
-
-
-async def test_a_simple_registration_of_a_device_that_has_no_links_is_counted() -> None:
-    address = f"127.0.0.1:{reserve_datagram_port()}"
-    async with watched_gateway(serve_directory=address) as watcher:
-        assert (await post(f"coap://{address}/.well-known/rd?ep=none", b"")).code.dotted == "2.04"
-        with anyio.fail_after(PATIENCE):
-            while not watcher.gateway.devices.counters.rejected:  # noqa: ASYNC110 - a count tells nobody
-                await anyio.sleep(0.02)
-        assert watcher.gateway.devices.keys == ()
-
-
-async def test_a_registration_that_is_not_renewed_ends_with_its_lifetime() -> None:
-    address = f"127.0.0.1:{reserve_datagram_port()}"
-    async with watched_gateway(serve_directory=address) as watcher:
-        made = await post(f"coap://{address}/rd?ep=ghost&lt=1&base=coap://127.0.0.1:1", b"</a>")
-        assert made.code.dotted == "2.01"
-        await watcher.sighting(lambda one: one.key == "ghost" and one.kind != "removed")
-        gone = await watcher.sighting(lambda one: one.kind == "removed")
-        assert gone.why == "its registration was not renewed for 1 s"
-
-
 @pytest.mark.parametrize("name", ["other", "{uri}", "{uri}/td"])
 async def test_a_configured_device_is_never_renamed_or_removed_by_a_registration(name: str) -> None:
     """Here by a program on this computer, which may register for other addresses."""
-    address = f"127.0.0.1:{reserve_datagram_port()}"
-    async with device() as lamp, watched_gateway(serve_directory=address, devices=[lamp.uri]) as watcher:
+    port = reserve_datagram_port()
+    address = f"127.0.0.1:{port}"
+    async with (
+        served_directory("127.0.0.1", port),
+        device() as lamp,
+        watched_gateway(resource_directory=[f"coap://{address}"], devices=[lamp.uri]) as watcher,
+    ):
         await watcher.sighting(lambda one: one.key == lamp.uri and bool(one.parts))
         ep = quote(name.format(uri=lamp.uri), safe="")
         registered = f"coap://{address}/rd?ep={ep}&lt=1&base={lamp.uri}"
@@ -164,27 +124,6 @@ async def served_links(links: bytes) -> AsyncIterator[str]:
         yield f"coap://127.0.0.1:{port}"
     finally:
         await context.shutdown()
-
-
-@pytest.mark.parametrize(
-    ("path", "payload", "code"),
-    [
-        ("rd", b"</a>", "4.00"),
-        ("rd?ep=x", b"<<", "4.00"),
-        ("rd/99", b"", "4.04"),
-        (".well-known/rd?ep=x", b"</a>", "4.00"),
-        (".well-known/rd?ep=x&base=coap://10.0.0.1", b"", "4.00"),
-        (".well-known/rd", b"", "4.00"),
-        (".well-known/rd?ep=x", None, "4.05"),
-        ("rd-lookup/ep?page=x", None, "4.00"),
-    ],
-)
-async def test_an_invalid_request_to_the_directory_gets_its_error(path: str, payload: bytes | None, code: str) -> None:
-    address = f"127.0.0.1:{reserve_datagram_port()}"
-    async with watched_gateway(serve_directory=address):
-        method = aiocoap.GET if payload is None else aiocoap.POST
-        answer = await post(f"coap://{address}/{path}", payload or b"", method)
-        assert answer.code.dotted == code
 
 
 async def post(uri: str, payload: bytes, method: aiocoap.Code = aiocoap.POST) -> aiocoap.Message:

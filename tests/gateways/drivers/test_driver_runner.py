@@ -8,7 +8,7 @@ import pytest
 from homebot.config import load_config
 from homebot.errors import UsageError
 from homebot.gateways.drivers import DriverSettings
-from homebot.gateways.drivers.wled import WledDriver
+from homebot.integrations.wled.driver import WledDriver
 from homebot.runtime.plan import make_plan
 
 

@@ -14,8 +14,8 @@ from homebot.devices.value import Value
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.http.shelly import ServedShelly
-from homebot.house.http.wled import ServedWled
+from homebot.integrations.shelly.simulated.web_device import ServedShelly
+from homebot.integrations.wled.simulated import ServedWled
 
 LOOPBACK = "127.0.0.1"
 KEPT = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -12,14 +12,14 @@ from tests.patience import PATIENCE
 
 from homebot.errors import LinkError
 from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService
-from homebot.gateways.drivers.esphome import EsphomeDriver, EsphomeSettings
-from homebot.gateways.drivers.shelly import ShellyDriver, ShellyDriverSettings
-from homebot.gateways.drivers.wled import WledDriver
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.esphome import EsphomeServedDevice
-from homebot.house.http.shelly import ServedShelly
-from homebot.house.http.wled import ServedWled
+from homebot.integrations.esphome.driver import EsphomeDriver, EsphomeSettings
+from homebot.integrations.esphome.simulated import EsphomeServedDevice
+from homebot.integrations.shelly.driver import ShellyDriver, ShellyDriverSettings
+from homebot.integrations.shelly.simulated.web_device import ServedShelly
+from homebot.integrations.wled.driver import WledDriver
+from homebot.integrations.wled.simulated import ServedWled
 
 
 class Cable:

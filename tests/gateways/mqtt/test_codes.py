@@ -16,7 +16,7 @@ from homebot.messages.json import message_from_json
 
 pytestmark = pytest.mark.virtual_time
 
-CONVENTION = "homebot.conventions.homeassistant:HomeAssistantDiscovery"
+CONVENTION = "homebot.integrations.homeassistant.formats:HomeAssistantDiscovery"
 CODE = "73550173"
 ALARM = {
     "unique_id": "a",

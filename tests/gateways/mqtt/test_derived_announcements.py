@@ -8,8 +8,8 @@ from tests.gateways.mqtt.simple_house import House, simple_house
 pytestmark = pytest.mark.virtual_time
 
 CONVENTIONS = (
-    "homebot.conventions.zigbee2mqtt:Zigbee2Mqtt",
-    "homebot.conventions.homeassistant:HomeAssistantDiscovery",
+    "homebot.integrations.zigbee2mqtt.formats:Zigbee2Mqtt",
+    "homebot.integrations.homeassistant.formats:HomeAssistantDiscovery",
 )
 ADDRESS = "0x00158d0001abcdef"
 STATE = {"type": "binary", "name": "state", "property": "state", "access": 7, "value_on": "ON", "value_off": "OFF"}

@@ -7,7 +7,7 @@ from tests.gateways.mqtt.simple_house import simple_house
 
 pytestmark = pytest.mark.virtual_time
 
-CONVENTION = "homebot.conventions.homeassistant:HomeAssistantDiscovery"
+CONVENTION = "homebot.integrations.homeassistant.formats:HomeAssistantDiscovery"
 LAMP = {
     "unique_id": "u",
     "command_topic": "b/set",
@@ -40,7 +40,10 @@ async def test_a_message_of_one_byte_is_read_as_often_as_it_comes() -> None:
         assert [told for _, told, _ in house.told()] == [{"v.value": "1"}] * 30
 
 
-BRIDGE = ("homebot.conventions.homeassistant:HomeAssistantDiscovery", "homebot.conventions.zigbee2mqtt:Zigbee2Mqtt")
+BRIDGE = (
+    "homebot.integrations.homeassistant.formats:HomeAssistantDiscovery",
+    "homebot.integrations.zigbee2mqtt.formats:Zigbee2Mqtt",
+)
 INFO = "zigbee2mqtt/bridge/info"
 
 

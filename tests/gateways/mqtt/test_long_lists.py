@@ -17,8 +17,8 @@ from tests.turns import Turns, longest_turn
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest, Publication
 from homebot.conventions.long_json import parse_list
 from homebot.conventions.payload import parse_json
-from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.errors import WireError
+from homebot.integrations.zigbee2mqtt.formats import Zigbee2Mqtt, Zigbee2MqttSettings
 
 pytestmark = pytest.mark.slow
 

@@ -9,10 +9,10 @@ import pytest
 from tests.sizes import size
 
 from homebot.conventions.description import DeviceAnnounced
-from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.discovery.index import DeviceIndex
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
+from homebot.integrations.homeassistant.formats import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.messages import Time
 
 pytestmark = pytest.mark.slow

@@ -12,17 +12,17 @@ from tests.gateways.mqtt.codes_of_real_devices import CODES
 from tests.gateways.mqtt.simple_house import simple_house
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
-from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.announced.registry import MAX_EXCESS, MAX_EXCESS_EACH, MAX_MEMORY, RegistryLimits, excess_of
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.state_topics import StateTopics
+from homebot.integrations.homeassistant.formats import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.integrations.zigbee2mqtt.formats import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.mqtt.broker import BrokerLimits
 
-REAL = Path(__file__).parents[2] / "conventions" / "zigbee2mqtt" / "both_announcements.jsonl"
+REAL = Path(__file__).parents[2] / "integrations" / "zigbee2mqtt" / "formats" / "both_announcements.jsonl"
 ALL_MODELS = 4_478
 KB = 1024
 MOST = 100 * KB

@@ -20,13 +20,13 @@ import pytest
 
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
-from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.conventions.homie import Homie, HomieSettings
-from homebot.conventions.shelly import Shelly, ShellySettings
-from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
-from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
+from homebot.integrations.homeassistant.formats import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.integrations.homie.formats import Homie, HomieSettings
+from homebot.integrations.shelly.formats import Shelly, ShellySettings
+from homebot.integrations.tasmota.formats import TasmotaDiscovery, TasmotaSettings
+from homebot.integrations.zigbee2mqtt.formats import Zigbee2Mqtt, Zigbee2MqttSettings
 
 Row: TypeAlias = dict[str, Any]
 

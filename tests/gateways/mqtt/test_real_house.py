@@ -16,11 +16,11 @@ Row: TypeAlias = dict[str, Any]
 
 FIXTURES = Path(__file__).parent / "fixtures"
 CONVENTIONS = {
-    "homeassistant": "homebot.conventions.homeassistant:HomeAssistantDiscovery",
-    "zigbee2mqtt": "homebot.conventions.zigbee2mqtt:Zigbee2Mqtt",
-    "tasmota": "homebot.conventions.tasmota:TasmotaDiscovery",
-    "shelly": "homebot.conventions.shelly:Shelly",
-    "homie": "homebot.conventions.homie:Homie",
+    "homeassistant": "homebot.integrations.homeassistant.formats:HomeAssistantDiscovery",
+    "zigbee2mqtt": "homebot.integrations.zigbee2mqtt.formats:Zigbee2Mqtt",
+    "tasmota": "homebot.integrations.tasmota.formats:TasmotaDiscovery",
+    "shelly": "homebot.integrations.shelly.formats:Shelly",
+    "homie": "homebot.integrations.homie.formats:Homie",
 }
 BRIDGE = "zigbee2mqtt/bridge/devices"
 

@@ -6,10 +6,10 @@ import pytest
 
 from homebot.config import parse_settings
 from homebot.conventions.installed_conventions import find_conventions
-from homebot.conventions.zigbee2mqtt.reader import MAX_BRIDGE_BYTES
 from homebot.errors import ConfigError, UsageError
 from homebot.gateways import GatewayContext
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
+from homebot.integrations.zigbee2mqtt.formats.reader import MAX_BRIDGE_BYTES
 from homebot.mqtt.clients import HostedBroker
 
 

@@ -14,6 +14,7 @@ from homebot.cli.arguments import seconds, set_client_command
 from homebot.cli.device_queries import all_devices
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.publishing import GatewayPublisher
+from homebot.conventions.described_thing import DescribedThing, read_thing, thing_format
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_json
 from homebot.devices import Device
 from homebot.devices.names import DEVICE_CHANGES
@@ -22,9 +23,6 @@ from homebot.errors import ConfigError, UsageError, WireError
 from homebot.messages.json import message_from_json
 from homebot.names import escape_token
 from homebot.support.printable import printable
-from homebot.wot.export import MqttForms, to_thing
-from homebot.wot.parse import read_thing
-from homebot.wot.thing import Thing
 
 if TYPE_CHECKING:
     from homebot.devices import DeviceChange
@@ -94,7 +92,7 @@ def topic_level(text: str) -> str:
     return level
 
 
-def _read(file: str) -> tuple[str, Thing]:
+def _read(file: str) -> tuple[str, DescribedThing]:
     try:
         with Path(file).open("rb") as opened:
             payload = opened.read(MAX_ANNOUNCEMENT_BYTES + 1)
@@ -151,7 +149,7 @@ def thing_text(device: Device, broker: str) -> str:
     """Return the Thing Description of *device*; *broker* is the address of its gateways' broker."""
     gateways = {one.gateway for one in device.endpoints}
     gateways |= {route.gateway for part in device.parts for route in part.routes}
-    return json.dumps(to_thing(device, MqttForms(dict.fromkeys(gateways, broker))), indent=2)
+    return json.dumps(thing_format().describe(device, dict.fromkeys(gateways, broker)), indent=2)
 
 
 def write_things(devices: Iterable[Device], directory: str, broker: str) -> list[Path]:

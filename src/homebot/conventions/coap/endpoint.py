@@ -1,6 +1,5 @@
 """Endpoints, the hosts that devices were found on, and their addresses. Pure."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from urllib.parse import unquote, urlsplit
@@ -20,7 +19,6 @@ __all__ = [
     "endpoint_at",
     "endpoint_of_link",
     "host_of",
-    "split_address",
     "static_endpoint",
 ]
 
@@ -30,8 +28,6 @@ CONFIGURED = "the configuration"
 
 _COAP_PORT = 5683
 _FACTS = {"d": "sector", "et": "endpoint_type"}
-
-_ADDRESS = re.compile(r"\[?([^\[\]]+?)\]?:(\d{1,5})")
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,18 +124,6 @@ def check_uri(uri: str) -> str:
     if parts.scheme not in SCHEMES or not parts.hostname or port == 0:
         raise ValueError(f"{uri!r} is not an address such as coap://192.168.1.20")
     return uri
-
-
-def split_address(address: str) -> tuple[str, int]:
-    """Return host and port of ``127.0.0.1:5683`` or ``[::1]:5683``.
-
-    Raises:
-        ValueError: It is none of these.
-    """
-    match = _ADDRESS.fullmatch(address)
-    if match is None or int(match[2]) > 65535:
-        raise ValueError(f"{address!r} is not an address such as 127.0.0.1:5683")
-    return match[1], int(match[2])
 
 
 def _checked_base(base: str, name: str) -> str:

@@ -7,11 +7,15 @@ parameters: small devices print a comma after each link. An invalid link is an e
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Final
 
 from homebot.conventions.payload import shown
 from homebot.errors import WireError
 
-__all__ = ["MAX_LINKS", "MAX_LINK_FORMAT_BYTES", "WebLink", "format_links", "parse_links"]
+__all__ = ["LINK_FORMAT", "MAX_LINKS", "MAX_LINK_FORMAT_BYTES", "WebLink", "format_links", "parse_links"]
+
+LINK_FORMAT: Final = 40
+"""The number of this content format (IANA, "CoAP Content-Formats")."""
 
 MAX_LINK_FORMAT_BYTES = 256 * 1024
 """Longest list of links that is read or written; one link has about 100 bytes."""

@@ -9,20 +9,18 @@ object of ``device``, ``name`` and ``area``.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Final, TypeAlias
+from typing import Final
 from urllib.parse import quote, unquote, urlsplit
 
+from homebot.conventions.described_thing import DescribedThing, read_thing
 from homebot.conventions.nfc.ndef_message import NdefRecord
-from homebot.conventions.payload import clean_text, parse_object, text_of
+from homebot.conventions.payload import clean_text, parse_object
 from homebot.conventions.setup_codes import HomekitCode, MatterCode, read_homekit_code, read_matter_code
 from homebot.errors import WireError
 
-__all__ = ["CheckThing", "Pointer", "pointer_of_code", "pointer_of_device", "pointer_of_records", "records_for"]
-
-CheckThing: TypeAlias = Callable[[Mapping[str, object]], object]
-"""Raises :class:`WireError` for an invalid Thing Description; its result is not used."""
+__all__ = ["Pointer", "pointer_of_code", "pointer_of_device", "pointer_of_records", "records_for"]
 
 _DEVICE: Final = "homebot:device/"
 _EXTERNAL: Final = "homebot:device"
@@ -45,7 +43,7 @@ class Pointer:
         words: Texts that may be its id, its name, or an identifier.
         address: The topic on which it publishes, or a level above that topic.
         urls: Addresses of the device, or of its description.
-        thing: Its Thing Description, as parsed from JSON.
+        thing: What its Thing Description says.
         area: The room that is named.
         problems: Texts about records that are invalid.
     """
@@ -56,7 +54,7 @@ class Pointer:
     words: tuple[str, ...] = ()
     address: str = ""
     urls: tuple[str, ...] = ()
-    thing: Mapping[str, object] | None = None
+    thing: DescribedThing | None = None
     matter: MatterCode | None = None
     homekit: HomekitCode | None = None
     area: str = ""
@@ -97,7 +95,7 @@ def pointer_of_device(device: str) -> Pointer:
     return Pointer(text=device, words=(device,))
 
 
-def pointer_of_code(text: str, check_thing: CheckThing) -> Pointer:
+def pointer_of_code(text: str) -> Pointer:
     """Return the pointer in the text of a code.
 
     Raises:
@@ -107,16 +105,16 @@ def pointer_of_code(text: str, check_thing: CheckThing) -> Pointer:
     if not code or len(code) > _MAX_CODE:
         raise WireError("the code is empty" if not code else f"the code has {len(code)} characters")
     if code.startswith("{"):
-        return _of_thing(code.encode(), check_thing)
+        return _of_thing(code.encode())
     return _of_uri(code) if _SCHEME.match(code) else _of_text(code)
 
 
-def pointer_of_records(records: Iterable[NdefRecord], check_thing: CheckThing) -> Pointer:
+def pointer_of_records(records: Iterable[NdefRecord]) -> Pointer:
     """Return the pointer in all records of a tag together; invalid records are among its problems."""
     whole = Pointer()
     for one in records:
         try:
-            said = _of_record(one, check_thing)
+            said = _of_record(one)
         except WireError as exc:
             said = Pointer(problems=(str(exc),))
         whole = whole.joined(said)
@@ -131,7 +129,7 @@ def records_for(device: str, name: str, area: str = "") -> tuple[NdefRecord, ...
     return tuple(records)
 
 
-def _of_record(record: NdefRecord, check_thing: CheckThing) -> Pointer:
+def _of_record(record: NdefRecord) -> Pointer:
     if record.kind == "uri":
         return _of_uri(record.text())
     if record.kind == "text":
@@ -139,7 +137,7 @@ def _of_record(record: NdefRecord, check_thing: CheckThing) -> Pointer:
     if record.kind == "external" and record.type == _EXTERNAL:
         return _of_external(record)
     if record.kind == "media" and record.type == _THING:
-        return _of_thing(record.data, check_thing)
+        return _of_thing(record.data)
     return Pointer()
 
 
@@ -195,13 +193,6 @@ def _of_external(record: NdefRecord) -> Pointer:
     )
 
 
-def _of_thing(document: bytes, check_thing: CheckThing) -> Pointer:
-    thing = parse_object(document)
-    check_thing(thing)
-    title, area = thing.get("title", thing.get("name")), thing.get("homebot:area")
-    return Pointer(
-        "thing",
-        text_of(title),
-        thing=thing,
-        area=text_of(area, 100),
-    )
+def _of_thing(document: bytes) -> Pointer:
+    thing = read_thing(parse_object(document))
+    return Pointer("thing", thing.title, thing=thing, area=thing.area[:100])

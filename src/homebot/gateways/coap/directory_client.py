@@ -19,13 +19,12 @@ import anyio
 
 from homebot.clock import Clock
 from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, endpoint_of_link
-from homebot.conventions.coap.link_format import parse_links
+from homebot.conventions.coap.link_format import LINK_FORMAT, parse_links
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
 from homebot.gateways.address_guard import guard_for
 from homebot.support.addresses import resolve_uri
 from homebot.support.backoff import Backoff, BackoffCounter
 from homebot.support.isolation import run_as, ungrouped
-from homebot.wot.coap.content_formats import LINK_FORMAT
 
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapClient

@@ -15,7 +15,6 @@ from homebot.conventions.coap.endpoint import (
     authority_of,
     endpoint_at,
     host_of,
-    split_address,
     static_endpoint,
 )
 from homebot.conventions.coap.link_format import parse_links
@@ -28,10 +27,9 @@ from homebot.gateways.coap.directory_client import DirectoryClient
 from homebot.gateways.coap.session import EndpointSession
 from homebot.gateways.coap.settings import CoapCredentials, CoapGatewaySettings
 from homebot.graph import Node
-from homebot.plugins import check_extra
+from homebot.plugins import check_extra, load_plugin
 from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
 from homebot.support.isolation import run_as
-from homebot.support.request_limit import RequestLimit
 
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapClient, GroupAnswer
@@ -44,7 +42,8 @@ DESCRIBED_AT_ONCE, DESCRIBED_PER_HOST = 8, 2
 MAX_PER_HOST = 32
 """Endpoints at one address that are found by multicast: a host that answers from many ports is one host."""
 
-OWN_DIRECTORY = "homebot's own resource directory"
+SESSIONS = "homebot.coap_sessions"
+"""Entry-point group of the integrations that describe what is at an endpoint."""
 
 _TOO_MANY = "coap.endpoint_refused"
 
@@ -64,9 +63,9 @@ class CoapGateway(Gateway):
             max_devices=settings.max_devices,
             find_problems=lambda: problems_of(self._sessions.values()),
         )
-        self._requests = RequestLimit(node.graph.clock, self.devices.engine.quarantine.record_drop)
         self._describing = anyio.CapacityLimiter(DESCRIBED_AT_ONCE)
         self._sessions: dict[str, EndpointSession] = {}
+        self._session_of: type[EndpointSession] = load_plugin(SESSIONS, "thing")
         self._ways: dict[str, str | None] = {}  # the problem of each; None before the first attempt
         self._all_tried = anyio.Event()
         self._client: CoapClient | None = None
@@ -79,10 +78,8 @@ class CoapGateway(Gateway):
         assert isinstance(settings, CoapGatewaySettings)  # noqa: S101 - given by the runtime
         for one in settings.credentials:
             _check_credentials(one)
-        if not (settings.devices or settings.resource_directory or settings.interfaces or settings.serve_directory):
-            raise UsageError(
-                "the gateway finds no device: set devices, resource_directory or interfaces, or serve_directory"
-            )
+        if not (settings.devices or settings.resource_directory or settings.interfaces):
+            raise UsageError("the gateway finds no device: set devices, resource_directory or interfaces")
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Find devices, and work with them, until cancelled."""
@@ -107,8 +104,6 @@ class CoapGateway(Gateway):
         async with anyio.create_task_group() as tasks:
             self._tasks = tasks
             ways = {uri: self._directory_client(uri, client).run for uri in settings.resource_directory}
-            if settings.serve_directory:
-                ways[OWN_DIRECTORY] = self._serve_directory
             for interface in settings.interfaces:
                 for version in settings.groups:
                     ways[f"{interface} {version}"] = partial(self._ask, client, interface, version)
@@ -165,31 +160,6 @@ class CoapGateway(Gateway):
                 self._gone(one, f"its registration at {directory} ended")
         for one in endpoints:
             self._found(one)
-
-    async def _serve_directory(self) -> None:
-        """Serve a resource directory; if its address is in use, try again after a pause."""
-        from homebot.gateways.coap.directory_server import DirectoryServer  # noqa: PLC0415 - a library of an extra
-
-        server = DirectoryServer(
-            self.node.graph.clock,
-            found=self._found,
-            gone=self._gone,
-            admits=self.devices.admits,
-            reject=self.devices.reject,
-            requests=self._requests,
-        )
-        retries = BackoffCounter(self.node.graph.clock, self.random)
-        while True:
-            try:
-                async with server.open(*split_address(self._settings.serve_directory)):
-                    retries.succeed()
-                    self._report(OWN_DIRECTORY, "")
-                    while True:
-                        await anyio.sleep(1.0)
-                        server.expire()
-            except LinkError as exc:
-                self._report(OWN_DIRECTORY, str(exc))
-            await anyio.sleep(retries.fail(DEVICE_BACKOFF))
 
     async def _ask(self, client: CoapClient, interface: str, version: str) -> None:
         way = f"{interface} {version}"
@@ -265,7 +235,7 @@ class CoapGateway(Gateway):
         assert self._tasks is not None  # noqa: S101 - likewise
         of_host = next((one.of_host for one in self._at_host_of(endpoint)), anyio.CapacityLimiter(DESCRIBED_PER_HOST))
         describing, poll_every = (of_host, self._describing), self._settings.poll_every
-        session = EndpointSession(endpoint, self._client, self.devices, poll_every=poll_every, describing=describing)
+        session = self._session_of(endpoint, self._client, self.devices, poll_every=poll_every, describing=describing)
         self._sessions[endpoint.key] = session
         self._tasks.start_soon(run_as, "a CoAP endpoint", partial(self._run, session))
 

@@ -1,111 +1,25 @@
-"""The devices of one endpoint: described, run over CoAP, and tried again when they cannot be reached.
-
-Source: W3C Working Group Note (draft) "Web of Things (WoT) CoAP Binding": default methods, ``cov:method``,
-``cov:observe``.
-"""
+"""The session with one endpoint: what its devices are is for an integration to tell; here is when they are reached."""
 
 from __future__ import annotations
 
-from collections.abc import AsyncGenerator, Awaitable, Callable
-from contextlib import aclosing
-from dataclasses import replace
-from functools import partial
-from typing import TYPE_CHECKING, Final
+from abc import abstractmethod
+from typing import TYPE_CHECKING
 
 import anyio
 
-from homebot.conventions.coap.endpoint import SCHEMES, CoapEndpoint, authority_of, host_of
-from homebot.conventions.coap.link_format import WebLink, parse_links
-from homebot.conventions.payload import parse_object
+from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of, host_of
 from homebot.devices.gateway_messages import Command
-from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
+from homebot.errors import WireError
 from homebot.gateways.address_guard import AddressGuard, guard_for
-from homebot.gateways.announced.device_runner import DeviceRunner, DriverHost
+from homebot.gateways.announced.device_runner import DeviceRunner
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.things.thing_device import ThingDevice, ThingPayload, describe_thing
-from homebot.support.addresses import resolve_uri
 from homebot.support.backoff import DEVICE_BACKOFF
-from homebot.support.isolation import run_as, ungrouped
-from homebot.wot.binding import RequestBinding
-from homebot.wot.coap.content_formats import LINK_FORMAT, TD_FORMAT, coap_formats, content_format_of, content_type_of
-from homebot.wot.coap.resource_types import thing_of_links
-from homebot.wot.parse import read_thing
-from homebot.wot.thing import Form, Thing, change_forms
 
 if TYPE_CHECKING:
-    from homebot.gateways.coap.aiocoap_client import CoapAnswer, CoapClient
+    from homebot.gateways.coap.aiocoap_client import CoapClient
 
-__all__ = ["COAP_BINDING", "CoapPort", "EndpointSession", "with_own_forms"]
-
-COAP_BINDING: Final = RequestBinding(SCHEMES, ("cov:observe", "coap:observe", ""), coap_formats)
-
-NOT_ALLOWED: Final = 0x85
-NOT_ACCEPTABLE: Final = 0x86
-_OTHER = {"PUT": "POST", "POST": "PUT"}
-
-
-class CoapPort:
-    """The way to one thing; see :class:`homebot.gateways.things.thing_device.ThingPort`.
-
-    Args:
-        admits: Returns whether a notification of the thing is to be read.
-    """
-
-    binding = COAP_BINDING
-
-    def __init__(self, client: CoapClient, admits: Callable[[], bool]) -> None:
-        self._client = client
-        self._admits = admits
-
-    async def read(self, form: Form) -> ThingPayload:
-        """Return the value of a resource, in the declared format if it has that."""
-        method = form.method or "GET"
-        try:
-            answer = await self._client.request(method, form.href, accept=_accepted(form))
-        except RefusedError as exc:
-            if exc.code != NOT_ACCEPTABLE:
-                raise
-            answer = await self._client.request(method, form.href)
-        return _payload(answer)
-
-    async def write(self, form: Form, payload: bytes) -> None:
-        """Send *payload*; a property that takes no PUT is written by POST, and the other way round."""
-        method = form.method or ("PUT" if "writeproperty" in form.ops else "POST")
-        content_format = content_format_of(form.content_type) if payload else None
-        try:
-            await self._client.request(method, form.href, payload, content_format=content_format)
-        except RefusedError as exc:
-            if exc.code != NOT_ALLOWED or method not in _OTHER or "writeproperty" not in form.ops:
-                raise
-            await self._client.request(_OTHER[method], form.href, payload, content_format=content_format)
-
-    async def observe(
-        self, form: Form, read_current: Callable[[], Awaitable[None]]
-    ) -> AsyncGenerator[ThingPayload, None]:
-        """Yield the states of a resource, beginning with the current one."""
-        del read_current
-        async with aclosing(self._client.observe(form.href)) as answers:
-            async for answer in answers:
-                if self._admits():
-                    yield _payload(answer)
-
-
-def _accepted(form: Form) -> int | None:
-    return content_format_of(form.response_type or form.content_type)
-
-
-def _payload(answer: CoapAnswer) -> ThingPayload:
-    return ThingPayload(answer.payload, content_type_of(answer.content_format))
-
-
-MAX_THINGS = 16
-"""Descriptions of one endpoint that are read."""
-
-_CORE = "/.well-known/core"
-_WOT = "/.well-known/wot"
-_NOT_FOUND = 0x84
-_MISSES = 3
+__all__ = ["EndpointSession"]
 
 
 class EndpointSession(DeviceRunner):
@@ -116,6 +30,7 @@ class EndpointSession(DeviceRunner):
         describing: Limits the endpoints that are described at the same time: of its host, and all.
 
     Attributes:
+        keys: The keys of its devices, as far as they are known; the endpoint's until then.
         of_host: The limit for its host.
     """
 
@@ -131,20 +46,24 @@ class EndpointSession(DeviceRunner):
         super().__init__(endpoint.key, endpoint.key, devices, DEVICE_BACKOFF)
         self.endpoint, self.authority = endpoint, authority_of(endpoint.base)
         self.host = host_of(endpoint.base)
+        self.keys: tuple[str, ...] = (endpoint.key,)
+        self.of_host, self._describing = describing
         self._client = client
         self._poll_every = poll_every
-        self.of_host, self._describing = describing
-        self._things: dict[str, ThingDevice] = {}
+        self._is_described = False
 
-    @property
-    def keys(self) -> tuple[str, ...]:
-        """The keys of its devices, as far as they are known."""
-        return tuple(self._things) or (self.endpoint.key,)
+    @abstractmethod
+    async def perform(self, command: Command) -> None:
+        """Carry out a command to one of its devices."""
+
+    @abstractmethod
+    async def run_devices(self) -> None:
+        """Describe the devices and run them."""
 
     async def work(self) -> None:
         """Describe the devices and run them."""
         try:
-            await self._run_devices()
+            await self.run_devices()
         except WireError as exc:
             self._devices.reject(self.key, exc.frame, str(exc))
             raise
@@ -161,144 +80,26 @@ class EndpointSession(DeviceRunner):
 
     def on_end(self) -> None:
         """Publish that its devices cannot be reached."""
-        if not self._things and not self._is_advertised:
+        if not self._is_described and not self._is_advertised:
             self.stop()
             return
         super().on_end()
         for key in self.keys:
             self._devices.report_reachable(key, reachable=False)
 
-    @property
-    def _is_advertised(self) -> bool:
-        return self.endpoint.is_registered or self.endpoint.is_static
-
-    async def perform(self, command: Command) -> None:
-        """Carry out a command to one of its devices."""
-        thing = self._things.get(command.key)
-        if thing is None:
-            raise UnableError(f"{command.key[:100]} has not described itself yet")
-        await thing.perform(command)
-
-    async def _run_devices(self) -> None:
-        async with self.of_host, self._describing:
-            guard = await self._guard()
-            self._client = self._client.guarded_by(guard)
-            described = await self._describe()
-            self._client = self._client.guarded_by(guard.of_described)
-        before = set(self._things)
-        self._things = {device.key: self._thing(device, thing) for device, thing in described}
-        for key in before - set(self._things):
-            self._devices.remove(key, "its endpoint no longer describes it")
-        self.on_answer()
-        with ungrouped():
-            async with anyio.create_task_group() as tasks:
-                for thing in self._things.values():
-                    tasks.start_soon(run_as, "a CoAP device", thing.run)
-                if not any(device.parts for device, _ in described):
-                    tasks.start_soon(run_as, "the check of a CoAP device", partial(self._check, described[0][0]))
-
-    async def _guard(self) -> AddressGuard:
+    async def guard(self) -> AddressGuard:
         """Return the guard of this computer; only an endpoint on it may lead to it, unless another host named that."""
         if self.endpoint.is_foreign:
             return AddressGuard()
         return await guard_for(self.host)
 
-    def _thing(self, device: GatewayDevice, thing: Thing) -> ThingDevice:
-        host = DriverHost(self._devices, device.key)
-        port = CoapPort(self._client, partial(self._devices.admits, device.key))
-        return ThingDevice(thing, device, port, host, self._poll_every)
+    def on_described(self, *keys: str) -> None:
+        """Keep the *keys* of its devices; those that it no longer describes are removed."""
+        for key in set(self.keys) - set(keys) if self._is_described else ():
+            self._devices.remove(key, "its endpoint no longer describes it")
+        self.keys, self._is_described = keys, True
+        self.on_answer()
 
-    async def _check(self, device: GatewayDevice) -> None:
-        """Check periodically that a device without readable values is still there."""
-        misses = 0
-        self._devices.report_reachable(device.key, reachable=True)
-        while True:
-            await anyio.sleep(self._poll_every)
-            try:
-                await self._client.request("GET", self.endpoint.base + _CORE, accept=LINK_FORMAT)
-            except LinkError:
-                misses += 1
-                if misses >= _MISSES:
-                    raise
-                continue
-            except PeerError:
-                pass  # an answer is an answer
-            misses = 0
-            self._devices.put(device, "it answered")
-
-    async def _describe(self) -> list[tuple[GatewayDevice, Thing]]:
-        """Return the devices of the endpoint, at least one, each with its description."""
-        endpoint = self.endpoint
-        if endpoint.description:
-            return [self._described(await self._read_description(endpoint.description), endpoint.key)]
-        links = await self._links()
-        found: list[tuple[GatewayDevice, Thing]] = []
-        for uri in self._descriptions(links):
-            key = endpoint.key if not found else f"{endpoint.key}{uri.removeprefix(endpoint.base)}"
-            found.append(self._described(await self._read_description(uri), key))
-        if found:
-            return found
-        try:
-            return [self._described(await self._read_description(endpoint.base + _WOT), endpoint.key)]
-        except (RefusedError, WireError):
-            pass  # most have none
-        own = {one.target: self._resolved(one) for one in links}
-        thing = thing_of_links(links, own, endpoint.name or endpoint.base.partition("://")[2])
-        return [self._described(thing, endpoint.key, links)]
-
-    async def _links(self) -> tuple[WebLink, ...]:
-        try:
-            answer = await self._client.request("GET", self.endpoint.base + _CORE, accept=LINK_FORMAT)
-        except RefusedError as exc:
-            if exc.code != _NOT_FOUND:
-                raise
-            return ()
-        return parse_links(answer.payload)
-
-    def _descriptions(self, links: tuple[WebLink, ...]) -> list[str]:
-        named = [one for one in links if str(TD_FORMAT) in one.words("ct") or "wot.thing" in one.words("rt")]
-        return list(dict.fromkeys(uri for one in named if (uri := self._resolved(one))))[:MAX_THINGS]
-
-    def _resolved(self, link: WebLink) -> str:
-        """Return the address of a link; empty for one of another host, which this one does not speak for."""
-        try:
-            uri = resolve_uri(self.endpoint.base + "/", link.target)
-            return uri if authority_of(uri) == self.authority else ""
-        except ValueError:
-            return ""
-
-    async def _read_description(self, uri: str) -> Thing:
-        answer = await self._client.request("GET", uri, accept=TD_FORMAT)
-        thing = read_thing(parse_object(answer.payload), uri)
-        return thing if self.endpoint.is_static else with_own_forms(thing, self.endpoint.base)
-
-    def _described(self, thing: Thing, key: str, links: tuple[WebLink, ...] = ()) -> tuple[GatewayDevice, Thing]:
-        endpoint = self.endpoint
-        kinds = " ".join(dict.fromkeys(word for one in links for word in one.words("rt")))
-        device = describe_thing(thing, key, COAP_BINDING)
-        facts = {"address": endpoint.base, **endpoint.facts, **device.metadata}
-        if kinds:
-            facts["resource_types"] = kinds[:200]
-        return (
-            replace(
-                device,
-                metadata=facts,
-                identifiers=tuple(dict.fromkeys((*device.identifiers, *endpoint.identifiers))),
-                raw_address=endpoint.base if key == endpoint.key else key,
-                stale_after=max(endpoint.lifetime, _MISSES * self._poll_every),
-            ),
-            thing,
-        )
-
-
-def with_own_forms(thing: Thing, base: str) -> Thing:
-    """Return *thing* with those forms alone that are at the endpoint *base*: it does not speak for other hosts."""
-    own = authority_of(base)
-    return change_forms(thing, lambda form: form if _is_at(form.href, own) else None)
-
-
-def _is_at(href: str, own: str) -> bool:
-    try:
-        return authority_of(href) == own
-    except ValueError:
-        return False
+    @property
+    def _is_advertised(self) -> bool:
+        return self.endpoint.is_registered or self.endpoint.is_static

@@ -6,9 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, SecretStr, model_validator
 
-from homebot.conventions.coap.endpoint import check_uri, split_address
+from homebot.conventions.coap.endpoint import check_uri
 from homebot.gateways.base import GatewaySettings
-from homebot.support.addresses import is_loopback
 from homebot.units import Seconds
 
 __all__ = ["CoapCredentials", "CoapGatewaySettings", "CoapUri"]
@@ -53,8 +52,6 @@ class CoapGatewaySettings(GatewaySettings):
         groups: The IP versions of the multicast groups: 224.0.1.187 and ff02::fd, all CoAP nodes.
         group_port: The port of those groups.
         ask_every: Seconds between two multicast questions.
-        serve_directory: The address on which homebot is a resource directory itself; empty for nowhere.
-        directory_is_open: Whether that may be another address than loopback. Anyone there can register devices.
         poll_every: Seconds between two readings of a resource that cannot be observed.
         timeout: Seconds to wait for a response, retransmissions included.
         max_devices: Devices that may be known at once.
@@ -67,20 +64,7 @@ class CoapGatewaySettings(GatewaySettings):
     groups: tuple[Literal["ipv4", "ipv6"], ...] = ("ipv4", "ipv6")
     group_port: Annotated[int, Field(ge=1, le=65535)] = 5683
     ask_every: Annotated[Seconds, Field(ge=1.0)] = 60.0
-    serve_directory: str = ""
-    directory_is_open: bool = False
     poll_every: Annotated[Seconds, Field(ge=1.0)] = 60.0
     timeout: Annotated[Seconds, Field(ge=0.1, le=300.0)] = 15.0
     max_devices: Annotated[int, Field(ge=1, le=10_000)] = 1000
     credentials: tuple[CoapCredentials, ...] = ()
-
-    @model_validator(mode="after")
-    def _directory_is_safe(self) -> CoapGatewaySettings:
-        if self.serve_directory:
-            host, _ = split_address(self.serve_directory)
-            if not is_loopback(host) and not self.directory_is_open:
-                raise ValueError(
-                    f"serve_directory {self.serve_directory} is open to the network: anyone there could register"
-                    " devices; set directory_is_open = true to allow that"
-                )
-        return self

@@ -16,8 +16,6 @@ from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.log import LogLimit
 from homebot.support.folding import fold
-from homebot.wot.parse import read_thing
-from homebot.wot.thing import identifiers_of
 
 __all__ = ["DeviceFinder", "PointedAt", "RoomTagger"]
 
@@ -124,7 +122,7 @@ def _tests(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
     if pointer.id:
         yield lambda device: device.id == pointer.id
     if pointer.thing is not None:
-        own = frozenset(identifiers_of(read_thing(pointer.thing)))
+        own = frozenset(pointer.thing.identifiers)
         yield lambda device: not own.isdisjoint(device.identifiers)
     if (homekit := pointer.homekit) is not None:
         yield lambda device: homekit.is_of(*(_facts(device).get(name, "") for name in ("txt_id", "txt_sh")))

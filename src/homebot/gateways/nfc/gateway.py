@@ -10,6 +10,7 @@ import anyio.to_thread
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.conventions.described_thing import DescribedThing
 from homebot.conventions.nfc.ndef_message import load_ndef, read_ndef
 from homebot.conventions.nfc.pointer import Pointer, pointer_of_device, pointer_of_records
 from homebot.conventions.payload import clean_text
@@ -40,8 +41,6 @@ from homebot.plugins import check_extra
 from homebot.support.backoff import Backoff, BackoffCounter
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.isolation import run_as
-from homebot.wot.parse import read_thing
-from homebot.wot.thing import Thing, facts_of, identifiers_of
 
 __all__ = ["NfcGateway"]
 
@@ -198,7 +197,7 @@ class NfcGateway(Gateway):
         own = self._settings.tags.get(seen.uid, TagSettings())
         message = b"" if seen.content is None else seen.content.message
         try:
-            pointer = pointer_of_records(read_ndef(message), read_thing)
+            pointer = pointer_of_records(read_ndef(message))
         except WireError as exc:
             pointer = Pointer(problems=(str(exc),))
         if pointer.problems:
@@ -214,7 +213,7 @@ class NfcGateway(Gateway):
             await self.devices.report(seen.uid, {"connectivity": True})
             await self.devices.report(seen.uid, {"scan": seen.uid})
         if pointer.thing is not None and not pointed.devices:
-            self._publish_thing(read_thing(pointer.thing), seen)
+            self._publish_thing(pointer.thing, seen)
         self._taps.publish(
             TagTap(
                 tag=seen.uid,
@@ -251,21 +250,19 @@ class NfcGateway(Gateway):
             raw_address=f"tag/{seen.uid}",
         )
 
-    def _publish_thing(self, thing: Thing, seen: TagSeen) -> None:
+    def _publish_thing(self, thing: DescribedThing, seen: TagSeen) -> None:
         """Publish a device that only this tag describes; it takes no commands."""
-        own = identifiers_of(thing)
-        if not own:
+        if not thing.identifiers:
             self.devices.reject(seen.uid, b"", f"the tag {seen.uid} describes a Thing without an id")
             return
-        title = clean_text(thing.title)
         self.devices.put(
             GatewayDevice(
-                key=f"thing {own[0]}",
-                name=title or own[0],
+                key=f"thing {thing.identifiers[0]}",
+                name=thing.title or thing.identifiers[0],
                 parts=(Part(id="", service_type="x_unknown"),),
-                metadata=facts_of(thing) | {"described_by": f"tag {seen.uid}"},
-                identifiers=own,
-                area=clean_text(thing.area),
+                metadata={**thing.facts, "described_by": f"tag {seen.uid}"},
+                identifiers=thing.identifiers,
+                area=thing.area,
             ),
             f"the tag {seen.uid} describes it",
             confirmed=False,

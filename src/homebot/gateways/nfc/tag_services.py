@@ -25,7 +25,6 @@ from homebot.devices.tags import (
 from homebot.errors import WireError
 from homebot.gateways.nfc.reader import ReaderDesk, TagSeen, WriteOrder
 from homebot.support.bounded_map import BoundedMap
-from homebot.wot.parse import read_thing
 
 if TYPE_CHECKING:
     from homebot.gateways.nfc.device_finder import DeviceFinder, PointedAt
@@ -90,11 +89,7 @@ class TagServices:
 
     async def _scan(self, request: ScanCodeRequest) -> ScanCodeResponse:
         try:
-            pointer = (
-                pointer_of_records(read_ndef(request.ndef), read_thing)
-                if request.ndef
-                else pointer_of_code(request.text, read_thing)
-            )
+            pointer = pointer_of_records(read_ndef(request.ndef)) if request.ndef else pointer_of_code(request.text)
         except WireError as exc:
             return ScanCodeResponse(success=False, message=str(exc))
         if pointer.problems and not pointer.text:

@@ -17,9 +17,9 @@ from anyio import CapacityLimiter, to_thread
 from homebot.conventions.nfc.ndef_message import NdefRecord, write_ndef
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
-from homebot.house.dialects.wire import hardware_address
 from homebot.house.nfc.type4_card import Type4Card
 from homebot.house.tag import AWAY
+from homebot.house.wire import hardware_address
 
 __all__ = ["ServedTag", "TagField"]
 

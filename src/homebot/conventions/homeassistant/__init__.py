@@ -1,5 +1,0 @@
-"""Devices that announce themselves as Home Assistant wants it (MQTT discovery)."""
-
-from homebot.conventions.homeassistant.convention import HomeAssistantDiscovery, HomeAssistantSettings
-
-__all__ = ["HomeAssistantDiscovery", "HomeAssistantSettings"]

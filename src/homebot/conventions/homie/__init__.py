@@ -1,5 +1,0 @@
-"""The Homie convention, versions 3, 4 and 5."""
-
-from homebot.conventions.homie.convention import Homie, HomieSettings
-
-__all__ = ["Homie", "HomieSettings"]

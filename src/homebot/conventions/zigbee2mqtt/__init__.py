@@ -1,5 +1,0 @@
-"""Zigbee devices as Zigbee2MQTT itself announces them, without Home Assistant's discovery."""
-
-from homebot.conventions.zigbee2mqtt.convention import Zigbee2Mqtt, Zigbee2MqttSettings
-
-__all__ = ["Zigbee2Mqtt", "Zigbee2MqttSettings"]

@@ -1,0 +1,43 @@
+"""The virtual radio of a house, and the family of simulated Bluetooth lights on it."""
+
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from random import Random
+
+from homebot.house.family import FamilyNetwork, ServedFamily
+
+__all__ = ["BleFamily", "BleNetwork", "BluetoothLightFamily"]
+
+
+class BleNetwork(FamilyNetwork):
+    """A virtual radio, with an adapter for homebot."""
+
+    def gateways(self) -> Mapping[str, Mapping[str, object]]:
+        """Return the table of a gateway by default."""
+        return {"ble": {}}
+
+    @asynccontextmanager
+    async def running(self, random: Random) -> AsyncIterator[tuple[object, ...]]:
+        """Run the radio; yield its adapter."""
+        from homebot.house.virtual_bleak import backend_of  # noqa: PLC0415 - an extra
+        from homebot.house.virtual_radio import VirtualRadio  # noqa: PLC0415 - an extra
+
+        radio = VirtualRadio(random)
+        self.options["radio"] = radio
+        async with radio.running():
+            yield (backend_of(radio),)
+
+
+class BleFamily(ServedFamily):
+    """Devices on that radio."""
+
+    network = BleNetwork
+    extra = "testing"
+    libraries = ("bleak", "bumble")
+
+
+class BluetoothLightFamily(BleFamily):
+    """Lights that are connected to."""
+
+    kinds = frozenset({"lamp"})
+    device = "homebot.house.ble_devices:BluetoothLight"

@@ -1,0 +1,43 @@
+"""The family of simulated NFC tags."""
+
+import socket
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from random import Random
+
+from homebot.house.family import LOOPBACK, FamilyNetwork, ServedFamily, free_port
+
+__all__ = ["NfcNetwork", "TagFamily"]
+
+
+class NfcNetwork(FamilyNetwork):
+    """The field of a reader."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._port = free_port(socket.SOCK_DGRAM)
+
+    def gateways(self) -> Mapping[str, Mapping[str, object]]:
+        """Return the table with the reader's address."""
+        return {"nfc": {"backend": "nfcpy", "devices": [f"udp:{LOOPBACK}:{self._port}"]}}
+
+    @asynccontextmanager
+    async def running(self, random: Random) -> AsyncIterator[tuple[object, ...]]:
+        """Run the field."""
+        del random
+        from homebot.house.nfc.field import TagField  # noqa: PLC0415 - an extra
+
+        tags = TagField(self._port)
+        self.options["field"] = tags
+        async with tags.served():
+            yield ()
+
+
+class TagFamily(ServedFamily):
+    """Tags that are held into the field."""
+
+    kinds = frozenset({"tag"})
+    device = "homebot.house.nfc.field:ServedTag"
+    network = NfcNetwork
+    extra = "nfc"
+    libraries = ("ndef", "nfc")

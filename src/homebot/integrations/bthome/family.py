@@ -1,0 +1,12 @@
+"""The family of simulated sensors that broadcast BTHome v2."""
+
+from homebot.house.ble_family import BleFamily
+
+__all__ = ["BTHomeFamily"]
+
+
+class BTHomeFamily(BleFamily):
+    """Sensors."""
+
+    kinds = frozenset({"contact", "lux", "motion", "power_meter", "thermostat"})
+    device = "homebot.integrations.bthome.simulated:BroadcastingSensor"

@@ -1,0 +1,18 @@
+"""The family of simulated ESPHome devices."""
+
+from types import MappingProxyType
+
+from homebot.house.family import ALL_KINDS, LoopbackMdns, ServedFamily
+
+__all__ = ["EsphomeFamily"]
+
+
+class EsphomeFamily(ServedFamily):
+    """Devices with ESPHome's native API."""
+
+    kinds = ALL_KINDS
+    device = "homebot.integrations.esphome.simulated:EsphomeServedDevice"
+    options = MappingProxyType({"announced": True})
+    network = LoopbackMdns
+    extra = "mdns"
+    libraries = ("aioesphomeapi", "zeroconf")

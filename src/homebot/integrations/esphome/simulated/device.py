@@ -1,0 +1,193 @@
+"""A simulated ESPHome device: a server of the native API."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import anyio
+from anyio.abc import SocketStream
+
+from homebot.house.connected_device import ServedDevice
+from homebot.house.dialect import SimulatedDeviceInfo
+from homebot.house.dns_sd import DnsSdService, announce_service
+from homebot.house.wire import hardware_address, node_name
+from homebot.integrations.esphome.simulated.entities import ENTITIES
+from homebot.integrations.esphome.simulated.wire import (
+    ApiMessage,
+    ClientRefusedError,
+    NativeApiStream,
+    ServerIdentity,
+    accept,
+)
+
+__all__ = ["EsphomeServedDevice"]
+
+OUTBOX = 100
+"""Messages that wait to be sent to a client; one that reads more slowly is disconnected, as firmware does."""
+
+_KEY = 1
+_VERSION = {"api_version_major": 1, "api_version_minor": 12, "server_info": "homebot's simulated house"}
+
+
+class EsphomeServedDevice(ServedDevice):
+    """A device with one entity, that of its kind.
+
+    Args:
+        device: Its name and kind, one of :data:`homebot.integrations.esphome.simulated.entities.ENTITIES`.
+        on_command: Gets each command for it, as text such as ``on``.
+        port: Its port; 0 for any, which it then keeps.
+        key: Its encryption key in base64; empty for no encryption.
+        password: The password that it wants; empty for none.
+
+    Attributes:
+        port: The port; 0 before it has begun to listen.
+        mac: Its hardware address, twelve digits.
+        listening: Is set when it listens for the first time.
+        sleeps: Whether it says that it sleeps most of the time.
+        logins: How many clients have tried to connect, in vain or not.
+    """
+
+    def __init__(
+        self,
+        device: SimulatedDeviceInfo,
+        on_command: Callable[[str], None],
+        *,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        announced: bool = False,
+        key: str = "",
+        password: str = "",
+    ) -> None:
+        super().__init__(device, on_command)
+        self.host = host
+        self.port = port
+        self.name = node_name(device).lower().replace("_", "-")
+        self.mac = hardware_address(device)
+        self.listening = anyio.Event()
+        self.sleeps = False
+        self.logins = 0
+        self._entity = ENTITIES[device.kind]
+        self._identity = ServerIdentity(self.name, self.mac, key)
+        self._password = password
+        self._is_announced = announced
+        self._watchers: set[_ApiClient] = set()
+
+    @property
+    def txt(self) -> dict[str, str]:
+        """The TXT record with which it would be announced as ``_esphomelib._tcp``."""
+        encryption = {"api_encryption": "Noise_NNpsk0_25519_ChaChaPoly_SHA256"} if self._identity.key else {}
+        return {"mac": self.mac, "friendly_name": self.device.device_id, "version": "2026.10.0", **encryption}
+
+    async def serve(self) -> None:
+        """Serve clients until cancelled."""
+        listener = await anyio.create_tcp_listener(local_host=self.host, local_port=self.port, reuse_port=False)
+        self.port = listener.extra(anyio.abc.SocketAttribute.local_port)  # noqa: S610 - no Django
+        self.listening.set()
+        async with listener, anyio.create_task_group() as tasks:
+            if self._is_announced:
+                service = DnsSdService("_esphomelib._tcp.local.", self.name, self.name, self.port, self.txt)
+                await tasks.start(announce_service, service, self.host)
+            await listener.serve(self._serve_client)
+
+    def show(self) -> None:
+        """Push the state to all clients that have asked for states."""
+        for watcher in tuple(self._watchers):
+            watcher.put(self._state())
+
+    def sleep(self) -> None:
+        """Disconnect all clients with a good-bye, as a device does that goes to sleep."""
+        for watcher in tuple(self._watchers):
+            watcher.put(("DisconnectRequest", {}))
+
+    async def _serve_client(self, stream: SocketStream) -> None:
+        self.logins += 1
+        async with stream:
+            try:
+                messages = await accept(stream, self._identity)
+                await self._talk(_ApiClient(messages))
+            except (ClientRefusedError, anyio.EndOfStream, anyio.IncompleteRead, OSError, anyio.BrokenResourceError):
+                return
+
+    async def _talk(self, client: _ApiClient) -> None:
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(client.write)
+                while client.is_open:
+                    self._answer(client, *await client.messages.receive())
+        except* (ClientRefusedError, anyio.EndOfStream, anyio.IncompleteRead, OSError, anyio.BrokenResourceError):
+            pass
+        finally:
+            self._watchers.discard(client)
+
+    def _answer(self, client: _ApiClient, name: str, fields: Mapping[str, Any]) -> None:
+        if name == "SubscribeStatesRequest":
+            self._watchers.add(client)
+        for message in self._responses(name, fields):
+            client.put(message)
+        if name == f"{self._entity.component}CommandRequest":
+            for command in self._entity.commands(fields):
+                self.on_command(command)
+
+    def _responses(self, name: str, fields: Mapping[str, Any]) -> tuple[ApiMessage, ...]:
+        match name:
+            case "HelloRequest":
+                return (("HelloResponse", {**_VERSION, "name": self.name}),)
+            case "DeviceInfoRequest":
+                return (self._info(),)
+            case "ListEntitiesRequest":
+                return self._listed(), ("ListEntitiesDoneResponse", {})
+            case "SubscribeStatesRequest":
+                return (self._state(),)
+            case "PingRequest" | "DisconnectRequest":
+                return ((name.replace("Request", "Response"), {}),)
+            case "AuthenticationRequest":
+                return (("AuthenticationResponse", {"invalid_password": fields.get("password") != self._password}),)
+            case _:
+                return ()
+
+    def _info(self) -> ApiMessage:
+        pairs = [self.mac[at : at + 2].upper() for at in range(0, 12, 2)]
+        return "DeviceInfoResponse", {
+            "name": self.name,
+            "friendly_name": self.device.device_id,
+            "mac_address": ":".join(pairs),
+            "model": f"simulated {self.device.kind}",
+            "manufacturer": "homebot",
+            "esphome_version": "2026.10.0",
+            "suggested_area": self.device.room,
+            "has_deep_sleep": self.sleeps,
+            "uses_password": bool(self._password),
+            "api_encryption_supported": bool(self._identity.key),
+        }
+
+    def _listed(self) -> ApiMessage:
+        own = {"object_id": self.device.kind, "name": "", "key": _KEY}
+        return f"ListEntities{self._entity.component}Response", {**own, **self._entity.listed}
+
+    def _state(self) -> ApiMessage:
+        return f"{self._entity.component}StateResponse", {"key": _KEY, **self._entity.state(self.state)}
+
+
+class _ApiClient:
+    def __init__(self, messages: NativeApiStream) -> None:
+        self.messages = messages
+        self.is_open = True
+        self._outbox, self._sent = anyio.create_memory_object_stream[ApiMessage](OUTBOX)
+
+    def put(self, message: ApiMessage) -> None:
+        """Have a message sent, or the connection closed where too many wait."""
+        try:
+            self._outbox.send_nowait(message)
+        except (anyio.WouldBlock, anyio.BrokenResourceError, anyio.ClosedResourceError):
+            self.is_open = False
+            self._outbox.close()
+
+    async def write(self) -> None:
+        """Send the queued messages until the farewell is sent."""
+        with self._outbox, self._sent:
+            async for message in self._sent:
+                await self.messages.send(message)
+                if message[0].startswith("Disconnect"):
+                    break
+        raise ClientRefusedError("good-bye")

@@ -1,0 +1,161 @@
+"""Reader of Home Assistant's discovery configs: configs in, descriptions out. Pure.
+
+Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from importlib import import_module
+from typing import TypeAlias, cast
+
+from pydantic_core import to_json
+
+from homebot.conventions.description import (
+    AnnouncementEvent,
+    Availability,
+    DescribedPart,
+    DeviceAnnounced,
+    DeviceWithdrawn,
+)
+from homebot.conventions.payload import clean_text
+from homebot.errors import WireError
+from homebot.integrations.homeassistant.formats.announcement import Announced, read_announcement
+from homebot.integrations.homeassistant.formats.components import BUILDERS
+from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
+from homebot.integrations.homeassistant.formats.device import cached_availability, device_in, read_availability
+from homebot.integrations.homeassistant.formats.shapes import SHAPED, PartShapes
+from homebot.integrations.homeassistant.formats.topics import DEVICE, ConfigTopic, parse_config_topic
+
+__all__ = ["HomeAssistantReader", "builder_of"]
+
+
+class HomeAssistantReader:
+    """Reader of configs; counts the invalid components of a device with valid ones."""
+
+    def __init__(self, prefixes: tuple[str, ...], *, is_fahrenheit: bool = False) -> None:
+        self.rejected = 0
+        self._is_fahrenheit = is_fahrenheit
+        self._prefixes = prefixes
+        self._shapes = PartShapes()
+
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - configs are retained
+        """Return the description in a config."""
+        config_topic = None
+        for prefix in self._prefixes:
+            if (config_topic := parse_config_topic(prefix, topic)) is not None:
+                break
+        if config_topic is None or (config_topic.component != DEVICE and config_topic.component not in BUILDERS):
+            return ()
+        if not payload:
+            return (DeviceWithdrawn(config_topic.key, "its config was removed"),)
+        announced = read_announcement(config_topic, payload)
+        if announced is None:
+            return (DeviceWithdrawn(config_topic.key, "it is moving to another kind of discovery message"),)
+        parts = self._parts(config_topic, announced)
+        if not parts:
+            return (DeviceWithdrawn(config_topic.key, "it has no components left"),)
+        return (_described(topic, config_topic, announced, parts),)
+
+    def _parts(self, config_topic: ConfigTopic, announced: Announced) -> _Parts:
+        """Build the parts, without invalid components of a whole device, and without codes and passwords."""
+        parts: _Parts = {}
+        broken: WireError | None = None
+        for config in announced.components:
+            try:
+                part = self._part(config)
+                if "group" in config.values:
+                    part = _with_members(part, config)
+                if config_topic.component == DEVICE:
+                    part = part._replace(availability=cached_availability(config))
+            except WireError as error:
+                if config_topic.component != DEVICE:
+                    raise
+                self.rejected += 1
+                broken = error
+                continue
+            if not part.part.capabilities and config.is_secret:
+                continue
+            if part.part.id in parts:
+                part = part._replace(part=part.part.model_copy(update={"id": config.discovery_id}))
+            parts[part.part.id] = part, config
+        if broken is not None and not parts:
+            self.rejected -= 1
+            raise broken
+        return parts
+
+    def _part(self, config: DiscoveryConfig) -> DescribedPart:
+        if self._is_fahrenheit and config.component in _HEATING and not config.has("temperature_unit"):
+            config.values = {**config.values, "temperature_unit": "F"}
+        build = builder_of(config.component)
+        return self._shapes.part(config, build) if config.component in SHAPED else build(config)
+
+
+_Builder: TypeAlias = Callable[[DiscoveryConfig], DescribedPart]
+"""Builds the part of a component's config; raises WireError if Home Assistant would refuse the config."""
+
+
+@lru_cache(maxsize=len(BUILDERS))
+def builder_of(component: str) -> _Builder:
+    """Import the builder of *component*, with the first config of that component."""
+    module, name = BUILDERS[component]
+    return cast("_Builder", getattr(import_module(f"{__package__}.{module}"), name))
+
+
+_Parts: TypeAlias = dict[str, tuple[DescribedPart, DiscoveryConfig]]
+_HEATING = frozenset({"climate", "water_heater"})
+_MAX_MEMBERS = 100
+
+
+def _described(topic: str, config_topic: ConfigTopic, announced: Announced, parts: _Parts) -> DeviceAnnounced:
+    common = announced.common
+    device = device_in(to_json((common.get("device"), common.get("origin"))))
+    if config_topic.component == DEVICE:
+        key, (described, whole) = config_topic.key, _shared_availability(config_topic, announced, parts)
+    else:
+        ((part, config),) = parts.values()
+        key, described, whole = config.discovery_id, (part,), cached_availability(config)
+    facts = _facts(parts)
+    lone_name = "" if device.identifiers else described[0].part.name or clean_text(config_topic.object_id)
+    return DeviceAnnounced(
+        key=key,
+        convention="homeassistant",
+        identifiers=device.identifiers,
+        name=device.name or lone_name,
+        parts=described,
+        topic=topic,
+        area=device.area,
+        facts={**device.facts, **facts} if facts else device.facts,
+        availability=whole,
+    )
+
+
+def _shared_availability(
+    config_topic: ConfigTopic, announced: Announced, parts: _Parts
+) -> tuple[tuple[DescribedPart, ...], Availability | None]:
+    """Return the parts of a whole device without the shared availability, and that availability."""
+    whole = read_availability(DiscoveryConfig(config_topic.component, config_topic.object_id, announced.common))
+    described = tuple([part for part, _ in parts.values()])
+    if whole is None and all(part.availability == described[0].availability for part in described):
+        whole = described[0].availability
+    if whole is not None:
+        described = tuple([one._replace(availability=None) if one.availability == whole else one for one in described])
+    return described, whole
+
+
+def _facts(parts: _Parts) -> dict[str, str]:
+    """Return the facts of parts: which are hidden."""
+    facts = {}
+    for part_id, (_, config) in parts.items():
+        if not config.flag("enabled_by_default", default=True):
+            facts[f"hidden {part_id}"] = "by default"
+    return facts
+
+
+def _with_members(described: DescribedPart, config: DiscoveryConfig) -> DescribedPart:
+    """Return *described* with the members of a group, which its config names by their ``unique_id``."""
+    members = config.values.get("group")
+    listed = members[:_MAX_MEMBERS] if isinstance(members, list) else ()
+    named = tuple([f"#{clean_text(one)}" for one in listed if isinstance(one, str)])
+    return described._replace(part=described.part.model_copy(update={"members": named}))

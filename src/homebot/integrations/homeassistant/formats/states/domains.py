@@ -1,0 +1,352 @@
+"""The domains of Home Assistant as tables of rows. Pure.
+
+Source: Home Assistant core 2024.3, ``components``: ``const.py``, ``__init__.py`` and ``services.yaml`` of each domain.
+"""
+
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime
+from typing import Final
+
+from homebot.conventions.command_values import moment_text, require_moment, require_number, require_option
+from homebot.conventions.device_classes import is_quantity
+from homebot.conventions.entity_rows import (
+    ALARM_ACTIONS,
+    ALARM_STATES,
+    EntityComponent,
+    EntityRow,
+    Fields,
+    WriteField,
+    alarm_commands,
+    class_of,
+    condition_component,
+    number_component,
+    opening_type,
+    options_of,
+    push_row,
+    quantity_of_entity,
+    quantity_row,
+    switch_type,
+    text_component,
+)
+from homebot.conventions.jinja.patterns import require_match
+from homebot.conventions.lamp import LightFeatures, WhiteRange
+from homebot.conventions.payload import shown
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, WrongCodeError
+from homebot.integrations.homeassistant.formats.components import (
+    LOCK_STATES,
+    MOWER_ACTIONS,
+    MOWER_STATES,
+    VACUUM_ACTIONS,
+    VACUUM_STATES,
+)
+from homebot.integrations.homeassistant.formats.states.climate import CLIMATE, FAN, HUMIDIFIER, WATER_HEATER
+from homebot.integrations.homeassistant.formats.states.rows import (
+    SWITCH,
+    bounds_of,
+    choice,
+    flag,
+    has,
+    moves,
+    percent,
+    read_named,
+    read_number,
+    read_state,
+    read_text,
+    read_while_on,
+    reported,
+    switch,
+)
+from homebot.support.numbers import to_number
+
+__all__ = ["DOMAINS"]
+
+_COLORS = frozenset({"hs", "xy", "rgb", "rgbw", "rgbww"})
+_USUAL_KELVINS = (2_000, 6_535)
+
+
+def _lamp(info: Fields) -> LightFeatures:
+    """Return the features of a lamp; Home Assistant converts hue and saturation to the channels that it has."""
+    modes = frozenset(options_of(info, "supported_color_modes"))
+    kelvins = bounds_of(info, "min_color_temp_kelvin", "max_color_temp_kelvin")
+    known = (int(kelvins[0]), int(kelvins[1])) if kelvins else _USUAL_KELVINS
+    effects = options_of(info, "effect_list") if has(4)(info) else ()
+    color = {"hs"} if modes & _COLORS else set()
+    return LightFeatures((modes - _COLORS) | color or frozenset({"onoff"}), WhiteRange(known, kelvins), effects)
+
+
+def _write_lamp(name: str) -> Callable[[Fields, PlainValue, str], Fields]:
+    def write(info: Fields, value: PlainValue, _code: str) -> Fields:
+        command = _lamp(info).command(name, value)
+        if not command.on:
+            return {"service": "turn_off"}
+        fields = {
+            "brightness": command.brightness,
+            "color_temp_kelvin": command.kelvin,
+            "hs_color": command.color,
+            "effect": command.effect,
+        }
+        return {"service": "turn_on", **{key: one for key, one in fields.items() if one not in (None, (), "")}}
+
+    return write
+
+
+def _lamp_row(name: str, read: Callable[[Fields, Fields], PlainValue]) -> EntityRow:
+    return EntityRow(
+        name,
+        read,
+        _write_lamp(name),
+        when=lambda info: name in _lamp(info).abilities(),
+        options=lambda info: _lamp(info).abilities()[name].get("options", ()),
+        bounds=lambda info: _lamp(info).abilities()[name].get("bounds", ()),
+    )
+
+
+def _read_color(_info: Fields, state: Fields) -> PlainValue:
+    color = state.get("hs_color")
+    if state.get("color_mode") not in _COLORS or not isinstance(color, list) or len(color) != 2:
+        return None
+    hue, saturation = map(to_number, color)
+    return None if hue is None or saturation is None else (hue, saturation)
+
+
+def _read_white(info: Fields, state: Fields) -> PlainValue:
+    if state.get("color_mode") != "color_temp":
+        return None
+    return read_number("color_temp_kelvin", 1.0, 1.0)(info, state)
+
+
+_LIGHT: Final = EntityComponent(
+    "light",
+    (
+        EntityRow("on_off", SWITCH.read, _write_lamp("on_off")),
+        _lamp_row("level", read_while_on("brightness", 100 / 255)),
+        _lamp_row("color_temperature", _read_white),
+        _lamp_row("color", _read_color),
+        _lamp_row("effect", read_text("effect")),
+    ),
+)
+
+_OPENINGS = ("open", "closed", "opening", "closing")
+
+
+def _opening(name: str, domain: str) -> tuple[EntityRow, ...]:
+    services = {"open": (1, f"open_{domain}"), "closed": (2, f"close_{domain}"), "stopped": (8, f"stop_{domain}")}
+    position = percent("position", "current_position", f"set_{domain}_position", "position", has(4))
+    return (*moves(name, services, read_named(*_OPENINGS)), *reported(position, "current_position"))
+
+
+def _write_end_of_tilt(_info: Fields, value: PlainValue, _code: str) -> Fields:
+    """Turn slats that have no position to one of their ends."""
+    percent_open = require_number("tilt", value, 0, 100, "%")
+    if percent_open not in {0, 100}:
+        raise RefusedError(f"tilt {percent_open:g}", "its slats only open (100) and close (0)")
+    return {"service": "open_cover_tilt" if percent_open else "close_cover_tilt"}
+
+
+def _write_lock(info: Fields, value: PlainValue, code: str) -> Fields:
+    services = {"locked": "lock", "unlocked": "unlock"} | ({"open": "open"} if has(1)(info) else {})
+    service = services[require_option("lock", value, services)]
+    if info.get("code_format") and not code:
+        raise WrongCodeError(f"lock {shown(value)}", "it needs a code")
+    return {"service": service, **({"code": code} if code else {})}
+
+
+def _write_alarm(info: Fields, value: PlainValue, code: str) -> Fields:
+    state = require_option("alarm", value, alarm_commands(info))
+    is_coded = state == "disarmed" or (state != "triggered" and info.get("code_arm_required") is not False)
+    if info.get("code_format") and is_coded and not code:
+        raise WrongCodeError(f"alarm {state}", "it needs a code")
+    return {"service": f"alarm_{ALARM_ACTIONS[state][1]}", **({"code": code} if code else {})}
+
+
+def _write_tone(info: Fields, value: PlainValue, _code: str) -> Fields:
+    return {"service": "turn_on", "tone": require_option("siren_tone", value, _tones(info))}
+
+
+def _tones(info: Fields) -> tuple[str, ...]:
+    tones = info.get("available_tones")
+    listed = list(tones.values()) if isinstance(tones, dict) else tones
+    return options_of({"tones": listed}, "tones") if has(4)(info) else ()
+
+
+_PLAYER_ON = {
+    **dict.fromkeys(("off", "standby"), False),
+    **dict.fromkeys(("on", "idle", "playing", "paused", "buffering"), True),
+}
+
+_PLAYBACK = {
+    **dict.fromkeys(("off", "standby", "idle"), "stopped"),
+    **{one: one for one in ("playing", "paused", "buffering")},
+}
+_PLAYER_MOVES = {"playing": (16_384, "media_play"), "paused": (1, "media_pause"), "stopped": (4096, "media_stop")}
+
+
+_MEDIA_PLAYER: Final = EntityComponent(
+    lambda info: "video_player" if class_of(info) in {"tv", "projector"} else "speaker",
+    (
+        switch(128, 256, read_state(_PLAYER_ON)),
+        *reported(percent("volume", "volume_level", "volume_set", "volume_level", has(4), 100.0), "volume_level"),
+        flag("muted", "is_volume_muted", "volume_mute", has(8)),
+        choice("option", "source", "source_list", "select_source", when=has(2048)),
+        *moves("playback", _PLAYER_MOVES, read_state(_PLAYBACK)),
+    ),
+)
+
+
+def _is_number(info: Fields) -> bool:
+    device_class = class_of(info)
+    has_unit = any(info.get(one) is not None for one in ("unit_of_measurement", "state_class"))
+    return device_class not in {"date", "enum", "timestamp"} and (is_quantity(device_class) or has_unit)
+
+
+_TRACKER: Final = EntityComponent("x_tracker", (EntityRow("place", read_text("state")),))
+_NUMBER: Final = number_component(
+    read_number("state"),
+    lambda info: bounds_of(info, "min", "max"),
+    lambda number: {"service": "set_value", "value": number},
+    "min",
+)
+_SELECT: Final = EntityComponent("x_setting", (choice("option", "state", "options", "select_option", "option"),))
+
+
+def _text_writer(service: str, field: str, longest: int) -> WriteField:
+    def write(info: Fields, value: PlainValue, _code: str) -> Fields:
+        least, most = (int(one) for one in bounds_of(info, "min", "max") or (0, longest))
+        if not isinstance(value, str) or not least <= len(value) <= most:
+            raise RefusedError("text", f"it takes a text of {least} to {most} characters")
+        require_match(value, info.get("pattern"))
+        return {"service": service, field: value}
+
+    return write
+
+
+_TEXT: Final = text_component(
+    read_text("state"), _text_writer("set_value", "value", 255), lambda info: info.get("mode") == "password"
+)
+_PRESS: Final = {"service": "press"}
+_BUTTON: Final = EntityComponent(
+    "x_setting", (push_row("push", _PRESS), push_row("locate", _PRESS, lambda info: class_of(info) == "identify"))
+)
+
+
+def _moment(kind: str = "") -> EntityComponent:
+    """Return the domain of a date, a time of day, or both, in ISO 8601; without a *kind* that of a local helper."""
+
+    def kind_of(info: Fields) -> str:
+        if kind:
+            return kind
+        return "time" if not info.get("has_date") else "datetime" if info.get("has_time") else "date"
+
+    def read(info: Fields, state: Fields) -> PlainValue:
+        return moment_text(kind_of(info), read_text("state")(info, state))
+
+    def write(info: Fields, value: PlainValue, _code: str) -> Fields:
+        moment = require_moment(kind_of(info), value, zoned=bool(kind))
+        return {"service": "set_value" if kind else "set_datetime", kind_of(info): moment}
+
+    return EntityComponent("x_setting", (EntityRow("text", read, write),), kind)
+
+
+def _read_value(info: Fields, state: Fields) -> PlainValue:
+    """Read the text of a sensor; a timestamp is that of UTC."""
+    text = state.get("state")
+    if class_of(info) != "timestamp" or not isinstance(text, str):
+        return read_text("state")(info, state)
+    try:
+        return datetime.fromisoformat(text[:40]).astimezone(UTC).isoformat(timespec="seconds")
+    except (ValueError, OverflowError):
+        return None
+
+
+DOMAINS: Final[Mapping[str, EntityComponent]] = {
+    "climate": CLIMATE,
+    "water_heater": WATER_HEATER,
+    "light": _LIGHT,
+    "cover": EntityComponent(
+        opening_type,
+        (
+            *_opening("movement", "cover"),
+            percent("tilt", "current_tilt_position", "set_cover_tilt_position", "tilt_position", has(128)),
+            EntityRow(
+                "tilt",
+                read_number("current_tilt_position", 1.0, 0, 100),
+                _write_end_of_tilt,
+                when=lambda info: has(16, 32)(info) and not has(128)(info),
+            ),
+        ),
+    ),
+    "lock": EntityComponent("door_lock", (EntityRow("lock", read_named(*LOCK_STATES), _write_lock),)),
+    "valve": EntityComponent("water_valve", _opening("valve", "valve")),
+    "fan": FAN,
+    "humidifier": HUMIDIFIER,
+    "vacuum": EntityComponent(
+        "robotic_vacuum_cleaner",
+        (
+            *moves("vacuum", VACUUM_ACTIONS, read_named(*VACUUM_STATES)),
+            choice("fan_mode", "fan_speed", "fan_speed_list", "set_fan_speed", when=has(32)),
+            percent("battery", "battery_level", when=has(64)),
+            push_row("locate", {"service": "locate"}, has(512)),
+        ),
+    ),
+    "lawn_mower": EntityComponent("x_lawn_mower", moves("mower", MOWER_ACTIONS, read_named(*MOWER_STATES))),
+    "alarm_control_panel": EntityComponent(
+        "x_alarm_panel", (EntityRow("alarm", read_named(*ALARM_STATES), _write_alarm, options=ALARM_STATES),)
+    ),
+    "siren": EntityComponent(
+        "siren",
+        (
+            switch(1, 2),
+            EntityRow("siren_tone", None, _write_tone, when=_tones, options=_tones),
+            EntityRow("volume", None, percent("volume", "", "turn_on", "volume_level", None, 100.0).write, "", has(8)),
+        ),
+    ),
+    "switch": EntityComponent(switch_type, (SWITCH,)),
+    "media_player": _MEDIA_PLAYER,
+    "event": EntityComponent(
+        "generic_switch",
+        (EntityRow("press", read_text("event_type"), options=lambda info: options_of(info, "event_types")),),
+    ),
+    "binary_sensor": condition_component(read_state({"on": True, "off": False})),
+    "sensor": EntityComponent(
+        lambda info: quantity_of_entity(info).service_type if _is_number(info) else "x_sensor",
+        (
+            quantity_row(lambda _info, state: to_number(state.get("state")), _is_number),
+            EntityRow("value", _read_value, when=lambda info: not _is_number(info)),
+        ),
+    ),
+    "device_tracker": _TRACKER,
+    "person": _TRACKER,
+    "scene": EntityComponent("x_scene", (push_row("scene", {"service": "turn_on"}),)),
+    "number": _NUMBER,
+    "input_number": _NUMBER,
+    "select": _SELECT,
+    "input_select": _SELECT,
+    "text": _TEXT,
+    "input_text": _TEXT,
+    "notify": EntityComponent("x_setting", (EntityRow("text", None, _text_writer("send_message", "message", 4096)),)),
+    "schedule": EntityComponent("x_binary_sensor", (EntityRow("state", read_state({"on": True, "off": False})),)),
+    "button": _BUTTON,
+    "input_button": _BUTTON,
+    "input_boolean": EntityComponent("x_setting", (SWITCH,)),
+    "date": _moment("date"),
+    "time": _moment("time"),
+    "datetime": _moment("datetime"),
+    "input_datetime": _moment(),
+    "counter": number_component(
+        read_number("state"),
+        lambda info: bounds_of(info, "minimum", "maximum"),
+        lambda number: {"service": "set_value", "value": round(number)},
+        "minimum",
+    ),
+    "timer": EntityComponent("x_setting", (EntityRow("value", read_text("state")),)),
+    "update": EntityComponent(  # homebot never installs an update
+        "x_update",
+        (
+            EntityRow("version", read_text("installed_version")),
+            EntityRow("latest_version", read_text("latest_version")),
+            EntityRow("update_available", read_state({"on": True, "off": False})),
+        ),
+    ),
+}
+"""By domain, in the order of parts: the first part that is no setting decides the type of the device."""

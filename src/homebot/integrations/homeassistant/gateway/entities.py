@@ -1,0 +1,223 @@
+"""The entities of a Home Assistant with their states, grouped into devices. Pure.
+
+The entities of one device of Home Assistant are the parts of one device; an entity without a device is a device.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from homebot.conventions.description import Publication, Publications
+from homebot.conventions.payload import as_fields, compact_json, shown, text_of
+from homebot.devices.part import Part
+from homebot.devices.value import PlainValue
+from homebot.errors import LinkError, UnableError, WireError
+from homebot.gateways.announced.gateway_device import GatewayDevice, ShowingCodec
+from homebot.integrations.homeassistant.formats.device import DeviceInfo
+from homebot.integrations.homeassistant.formats.states.domains import DOMAINS
+from homebot.integrations.homeassistant.formats.states.entity import HomeAssistantEntity
+from homebot.integrations.homeassistant.formats.states.registries import Registries
+
+__all__ = ["HomeAssistantEntities"]
+
+MAX_PARTS = 200
+"""Of one device."""
+
+_MAX_FACT = 255
+
+_ORDER = {domain: number for number, domain in enumerate(DOMAINS)}
+
+
+@dataclass(frozen=True)
+class _ServiceCodec(ShowingCodec):
+    """The codec of an entity, which shows its service calls."""
+
+    entity: HomeAssistantEntity
+
+    def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
+        return self.write_with_code(capability, value, "", transition)
+
+    def write_with_code(self, capability: str, value: PlainValue, code: str, transition: float = 0.0) -> Publications:
+        call = self.entity.call(capability, value, transition, code)
+        return (
+            Publication(
+                f"{call.domain}.{call.service}", compact_json({"entity_id": call.entity_id, **call.data}).encode()
+            ),
+        )
+
+
+class HomeAssistantEntities:
+    """The entities with a state or a registry entry.
+
+    Args:
+        max_entities: Most known entities; further ones are left out and counted.
+
+    Attributes:
+        celsius: Whether Home Assistant uses °C.
+        triggers: The parts for triggers, by device id.
+        left_out: Entities beyond the limit.
+    """
+
+    def __init__(self, max_entities: int) -> None:
+        self.registries = Registries()
+        self.celsius = True
+        self.triggers: Mapping[str, tuple[Part, ...]] = {}
+        self.left_out = 0
+        self._max_entities = max_entities
+        self._entities: dict[str, HomeAssistantEntity] = {}
+        self._parts: dict[str, dict[str, HomeAssistantEntity]] = {}
+        self._devices: dict[str, GatewayDevice] = {}
+
+    def put(self, entity_id: str, change: object, *, is_new: bool) -> tuple[HomeAssistantEntity, bool] | None:
+        """Apply the state of an entity, or a change; return the entity, and whether its part may have changed.
+
+        None for an entity that homebot does not use.
+
+        Raises:
+            WireError: It is invalid.
+        """
+        if entity_id.partition(".")[0] not in DOMAINS:
+            return None
+        fields = as_fields(change) if is_new else as_fields(as_fields(change).get("+"))
+        gone = [] if is_new else as_fields(as_fields(change).get("-")).get("a", [])
+        if not isinstance(change, dict) or not isinstance(gone, list) or not (fields or gone):
+            raise WireError(f"the state of {entity_id[:100]} is {shown(change)}")
+        entity = self._entities.get(entity_id)
+        if entity is None:
+            if not is_new:
+                return None
+            if len(self._entities) >= self._max_entities:
+                self.left_out += 1
+                return None
+            entry = self.registries.entity(entity_id)
+            entity = self._entities[entity_id] = HomeAssistantEntity(entity_id, entry, celsius=self.celsius)
+        is_described_anew = entity.put(fields, is_new=is_new)
+        entity.forget(gone)
+        return entity, is_described_anew
+
+    def lose(self, entity_id: str) -> HomeAssistantEntity | None:
+        """Record that an entity has lost its state: it is being reloaded, or was removed, as its registry tells."""
+        entity = self._entities.get(entity_id)
+        if entity is not None:
+            entity.has_state = entity.is_available = False
+        return entity
+
+    def lose_all(self) -> None:
+        """Forget all states: the next ones are the complete list."""
+        self.left_out = 0
+        for entity_id in self._entities:
+            self.lose(entity_id)
+
+    def regroup(self, *, forget: bool = False) -> dict[str, tuple[HomeAssistantEntity, ...]]:
+        """Regroup the entities by the registries; return them by the keys of their devices.
+
+        Args:
+            forget: Whether to drop entities that have neither a state nor ever had an entry.
+        """
+        gone = [key for key, one in self._entities.items() if not one.has_state and not self.registries.has_entity(key)]
+        for entity_id in gone:
+            if forget or self._entities[entity_id].entry.key != entity_id:
+                del self._entities[entity_id]
+        self._parts = groups = self._group()
+        self._devices = {key: one for key, one in self._devices.items() if key in groups}
+        return {key: tuple(parts.values()) for key, parts in groups.items()}
+
+    def of(self, key: str) -> tuple[HomeAssistantEntity, ...]:
+        """Return the entities of a device, in the order of its parts."""
+        return tuple(self._parts.get(key, {}).values())
+
+    def is_new(self, entity_id: str) -> bool:
+        """Return whether an entity appeared after the last grouping; one left out then is not new."""
+        return entity_id in self._entities and self._entities[entity_id].device_key is None
+
+    def is_reached(self, key: str) -> bool:
+        """Return whether Home Assistant can reach a device; None without entities."""
+        entities = self.of(key)
+        return not entities or any(one.is_available for one in entities)
+
+    def key_of(self, entity_id: str) -> str:
+        """Return the key of the device of an entity; empty for none."""
+        return (entity_id in self._entities and self._entities[entity_id].device_key) or ""
+
+    def entity(self, key: str, part: str) -> HomeAssistantEntity:
+        """Return the entity of a part, which can be reached now.
+
+        Raises:
+            UnableError: There is no such part.
+            LinkError: Home Assistant cannot reach it.
+        """
+        entity = self._parts.get(key, {}).get(part)
+        if entity is None:
+            raise UnableError(f"Home Assistant has no entity for the part {part[:100]!r} any more")
+        if not entity.is_available:
+            raise LinkError(f"{entity.entity_id} is unavailable in Home Assistant")
+        return entity
+
+    def device(self, key: str) -> GatewayDevice:
+        """Return a device as last described, or else describe it."""
+        return self._devices.get(key) or self.describe(key)
+
+    def describe(self, key: str) -> GatewayDevice:
+        """Describe a device from the registries and the attributes of its entities."""
+        entities = self.of(key)
+        ids = [one.entity_id for one in entities]
+        device = self.registries.device(key) or DeviceInfo((), "", "", {})
+        own = entities[0].name or ids[0].partition(".")[2].replace("_", " ") if entities else key
+        name = device.name or own
+        sole = [one for one in entities if not one.entry.category]
+        area, floor = self.registries.place(key, [one.entity_id for one in sole] or ids)
+        parts = [self._part(one) for one in entities] + list(self.triggers.get(key, ()))
+        self._devices[key] = described = GatewayDevice(
+            key,
+            name,
+            tuple(part.model_copy(update={"name": ""}) if part.name == name else part for part in parts),
+            self._facts(key, name, ids, sole, {**device.facts, "floor": floor}),
+            device.identifiers,
+            authenticated=True,  # our token proved that it is the owner's Home Assistant
+            area=area,
+            raw_address=f"homeassistant/{key}",
+            codecs={one.entry.part_id: _ServiceCodec(one) for one in entities},
+            native=False,  # the gateway of its native protocol knows it better
+        )
+        return described
+
+    def _part(self, entity: HomeAssistantEntity) -> Part:
+        if entity.domain != "scene":  # groups are left out, except one that stands for its device
+            return entity.part()
+        members = tuple([f"#{self.registries.entity(one).part_id}" for one in entity.members])
+        return entity.part().model_copy(update={"members": members})
+
+    def _facts(
+        self, key: str, name: str, ids: list[str], sole: list[HomeAssistantEntity], known: Mapping[str, str]
+    ) -> dict[str, str]:
+        """Return the labels, further names and entities of a device, and its *known* facts, without empty ones."""
+        shown_as = {text_of(one.info.get("friendly_name")) for one in sole if len(sole) == 1} - {"", name}
+        aliases = (*shown_as, *self.registries.listed("aliases", key, ids))
+        facts = {"tags": ", ".join(self.registries.listed("labels", key, ids)), "aliases": ", ".join(aliases)}
+        facts |= {**known, "entities": ", ".join(ids)[:_MAX_FACT]}
+        return {fact: text for fact, text in facts.items() if text}
+
+    def _group(self) -> dict[str, dict[str, HomeAssistantEntity]]:
+        """Return the entities by device and part, each with its newest entry."""
+        groups: dict[str, dict[str, HomeAssistantEntity]] = {}
+        for entity_id, entity in sorted(self._entities.items(), key=_order):
+            entity.device_key, entity.entry = "", self.registries.entity(entity_id)
+            entry = entity.entry
+            if entity.is_left_out(self.registries) or self.registries.is_left_out(entry.device_id):
+                continue
+            key = entry.device_id or entry.key
+            parts = groups.setdefault(key, {})
+            if entry.part_id in parts:  # from another integration with the same id
+                entity.entry = entry = entry._replace(part_id=entry.key)
+            if len(parts) < MAX_PARTS:
+                parts[entry.part_id] = entity
+                entity.device_key = key
+        for key in self.triggers:
+            if self.registries.device(key) is not None and not self.registries.is_left_out(key):
+                groups.setdefault(key, {})
+        return groups
+
+
+def _order(one: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, bool, str]:
+    """Return the sort key of an entity: settings last, then as :data:`DOMAINS` are sorted, a whole before its parts."""
+    entity_id, entity = one
+    return bool(entity.entry.category), _ORDER[entity.domain], not entity.is_group, entity_id

@@ -1,0 +1,257 @@
+"""The Home Assistant gateway: the devices of a Home Assistant, over its WebSocket."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext, suppress
+from typing import ClassVar, Final
+
+import anyio
+import anyio.lowlevel
+from pydantic import BaseModel
+
+from homebot.conventions.payload import as_fields, compact_json, shown, text_of
+from homebot.devices.gateway_messages import Command
+from homebot.errors import RefusedError, UsageError, WireError
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.base import GatewayContext
+from homebot.gateways.linked_gateway import LinkedGateway
+from homebot.graph import Node
+from homebot.integrations.homeassistant.formats.states.entity import HomeAssistantEntity
+from homebot.integrations.homeassistant.formats.states.registries import REGISTRIES
+from homebot.integrations.homeassistant.gateway.entities import HomeAssistantEntities
+from homebot.integrations.homeassistant.gateway.link import GREETS_WITHIN, HomeAssistantLink, connected
+from homebot.integrations.homeassistant.gateway.settings import HOW_TO_LOG_IN, HomeAssistantGatewaySettings
+from homebot.integrations.homeassistant.gateway.triggers import DeviceTriggers
+from homebot.support.isolation import ungrouped
+
+__all__ = ["HomeAssistantGateway"]
+
+SETTLES: Final = 0.05
+LONGEST_SETTLING: Final = 0.5
+"""Least and most seconds for which changes of the registries are collected, as a new device is a change per entity.
+Within these, four times the duration of the last listing, so that listing takes at most a fifth of the time."""
+
+FORGOTTEN_AFTER: Final = 300.0
+"""Seconds after which an entity without state and entry counts as gone: a reload takes a few seconds, a start of Home
+Assistant may take minutes."""
+
+
+class HomeAssistantGateway(LinkedGateway):
+    """Brings the devices of a Home Assistant onto the graph."""
+
+    Settings: ClassVar[type[BaseModel]] = HomeAssistantGatewaySettings
+    peer = "Home Assistant"
+    _link: HomeAssistantLink
+
+    def __init__(
+        self, node: Node, settings: HomeAssistantGatewaySettings, context: GatewayContext | None = None
+    ) -> None:
+        super().__init__(node, settings, context)
+        self._settings = settings
+        self._entities = HomeAssistantEntities(settings.max_entities)
+        self._stale: set[str] = set()
+        self._changed = anyio.Event()
+        self._forgot_at = 0.0
+        self.devices = PublishedDevices(
+            self, self._perform, settings, max_devices=settings.max_entities, find_problems=self._problems
+        )
+
+    @classmethod
+    def check(cls, settings: BaseModel) -> None:
+        """Check the token."""
+        if isinstance(settings, HomeAssistantGatewaySettings):
+            try:
+                settings.read_token()
+            except UsageError as exc:
+                raise UsageError(f"{exc}; {HOW_TO_LOG_IN}") from exc
+
+    @classmethod
+    async def reach(cls, settings: BaseModel) -> None:
+        """Log in to Home Assistant."""
+        if isinstance(settings, HomeAssistantGatewaySettings):
+            async with connected(settings, lambda _payload, _why: None):
+                pass
+
+    async def connect(self) -> None:
+        """Connect, and follow Home Assistant until the link is lost."""
+        async with connected(self._settings, self.on_invalid) as self._link:
+            with ungrouped():
+                async with anyio.create_task_group() as tasks:
+                    tasks.start_soon(self._link.read)
+                    await self._load()
+                    self._forgot_at = self.node.graph.clock.monotonic()
+                    self.on_link()
+                    await self._follow_registries(DeviceTriggers(self._link, self._on_press))
+
+    async def _load(self) -> None:
+        """Read the registries and all states, and follow both."""
+        link = self._link
+        config = as_fields(await link.call("the configuration", "get_config", within=GREETS_WITHIN))
+        self._entities.celsius = as_fields(config.get("unit_system")).get("temperature") != "°F"
+        for registry in REGISTRIES:
+            args = {"event_type": f"{registry}_registry_updated"}
+            with _suppress_refusal(registry):
+                await link.call("the registries", "subscribe_events", args, self._on_registry)
+        await self._list(set(REGISTRIES))
+        self._entities.lose_all()
+        loaded = anyio.Event()
+
+        async def on_states(event: Mapping[str, object]) -> None:
+            await self._on_states(event, is_first=not loaded.is_set())
+            loaded.set()
+
+        await link.call("the states", "subscribe_entities", None, on_states)
+        await loaded.wait()
+        await self._describe_all("Home Assistant listed it")
+
+    async def _list(self, registries: set[str]) -> None:
+        for registry in REGISTRIES:
+            if registry in registries:
+                with _suppress_refusal(registry):
+                    listed = await self._link.call(f"the {registry}s", f"config/{registry}_registry/list")
+                    if registry == "entity":
+                        listed = await self._with_aliases(listed)
+                    self._entities.registries.put(registry, listed)
+
+    async def _with_aliases(self, listed: object) -> object:
+        """Return the entries of entities with their aliases, which the list omits."""
+        ids = [text_of(as_fields(one).get("entity_id")) for one in listed] if isinstance(listed, list) else []
+        try:
+            found = await self._link.call("the aliases", "config/entity_registry/get_entries", {"entity_ids": ids})
+        except RefusedError:  # it came in 2023.2
+            return listed
+        return list(as_fields(found).values()) or listed
+
+    async def _follow_registries(self, triggers: DeviceTriggers) -> None:
+        """Follow the triggers of all devices; read changed registries again, and regroup the entities."""
+        clock, settles = self.node.graph.clock, SETTLES
+        while True:
+            self._entities.triggers = await triggers.follow(self._entities.registries.device_ids)
+            if self._entities.triggers:
+                await self._describe_all("Home Assistant listed its triggers")
+            await self._changed.wait()
+            await anyio.sleep(settles)
+            self._changed = anyio.Event()
+            stale, self._stale = self._stale, set()
+            began = clock.monotonic()
+            await self._list(stale)
+            await self._describe_all("Home Assistant described it anew")
+            settles = min(max(SETTLES, 4 * (clock.monotonic() - began)), LONGEST_SETTLING)
+
+    async def _on_press(self, key: str, part: str, press: str) -> None:
+        if self.devices.admits(key):
+            await self.devices.report(key, {"press": press}, part)
+
+    async def _on_registry(self, event: Mapping[str, object]) -> None:
+        self._mark_stale(text_of(event.get("event_type")).removesuffix("_registry_updated"))
+
+    def _mark_stale(self, *registries: str) -> None:
+        self._stale.update(registries)
+        self._changed.set()
+
+    async def _on_states(self, event: Mapping[str, object], *, is_first: bool) -> None:
+        """Handle the states of entities: first all of them, then changes."""
+        for field, is_new in (("a", True), ("c", False)):
+            for entity_id, change in as_fields(event.get(field)).items():
+                await self._on_state(entity_id, change, is_new=is_new, is_first=is_first)
+        removed = event.get("r", [])
+        for entity_id in removed if isinstance(removed, list) else ():
+            entity = self._entities.lose(entity_id) if isinstance(entity_id, str) else None
+            if entity is not None:
+                await self._report(entity)
+        if not event.keys() & {"a", "c", "r"}:
+            raise WireError(f"an event of states has {shown(sorted(event))}")
+        await anyio.lowlevel.checkpoint()
+
+    async def _on_state(self, entity_id: str, change: object, *, is_new: bool, is_first: bool) -> None:
+        key = self._entities.key_of(entity_id)
+        source = key or entity_id
+        if not self.devices.admits(source):
+            return
+        try:
+            found = self._entities.put(entity_id, change, is_new=is_new)
+        except WireError as exc:
+            self.devices.reject(source, compact_json(change).encode(), str(exc))
+            return
+        if found is None or is_first:
+            return
+        entity, is_described_anew = found
+        if not key:
+            if self._entities.is_new(entity_id):
+                self._mark_stale("device", "entity")  # or its id has changed
+            return
+        if is_described_anew:
+            self.devices.put(self._entities.describe(key), "its abilities changed")
+        await self._report(entity, compact_json({entity_id: change}).encode(), is_event=not is_new)
+
+    async def _report(self, entity: HomeAssistantEntity, message: bytes = b"", *, is_event: bool = False) -> None:
+        """Report the values of an entity.
+
+        Args:
+            is_event: Whether the message is a change rather than a whole state.
+        """
+        key = self._entities.key_of(entity.entity_id)
+        if not key:
+            return
+        entities = self._entities.of(key)
+        if entity.is_available:
+            self.devices.put(self._entities.device(key), "it reported")
+        if message:
+            await self.devices.deliver_raw(key, message)
+        if len(entities) > 1:
+            self.devices.report_reachable(key, entity.entry.part_id, reachable=entity.is_available)
+        self.devices.report_reachable(key, reachable=self._entities.is_reached(key))
+        values = entity.read(is_change=is_event)
+        if values:
+            await self.devices.report(key, values, entity.entry.part_id)
+
+    async def _describe_all(self, why: str, *, forget: bool = False) -> None:
+        """Regroup the entities, remove devices that are gone, and publish new or changed ones."""
+        groups, known = self._entities.regroup(forget=forget), set(self.devices.keys)
+        for key in known - groups.keys():
+            self.devices.remove(key, "Home Assistant no longer has it")
+        for key, entities in groups.items():
+            before = self._entities.device(key) if key in known and not self.problem else None
+            described = self._entities.describe(key)
+            if described == before:
+                continue
+            self.devices.put(described, why, confirmed=self._entities.is_reached(key))
+            for one in entities:
+                await self._report(one)
+            await anyio.lowlevel.checkpoint()
+
+    async def maintain(self) -> None:
+        """Forget the entities that are gone."""
+        now = self.node.graph.clock.monotonic()
+        if now - self._forgot_at >= FORGOTTEN_AFTER:
+            self._forgot_at = now
+            await self._describe_all("Home Assistant reaches it", forget=True)
+
+    def _problems(self) -> tuple[str, ...]:
+        count = self._entities.left_out
+        return (f"{count} entities of Home Assistant are left out, beyond max_entities",) if count else ()
+
+    async def _perform(self, command: Command) -> None:
+        self.check_link()
+        entity = self._entities.entity(command.key, command.part)
+        call = entity.call(command.capability, command.value.plain(), command.transition, command.code)
+        args = {
+            "domain": call.domain,
+            "service": call.service,
+            "service_data": dict(call.data),
+            "target": {"entity_id": [call.entity_id]},
+        }
+        what = f"{command.capability} for {entity.entity_id}"
+        try:
+            await self._link.call(what, "call_service", args)
+        except RefusedError as exc:
+            if command.code:  # the reason may contain it
+                raise RefusedError(what, "Home Assistant refuses it, or the code is wrong") from None
+            raise exc from None
+        entity.take(call)
+
+
+def _suppress_refusal(registry: str) -> AbstractContextManager[object, bool | None]:
+    """Suppress a refusal of floors and labels: they came in 2024.3, which lets only administrators follow them."""
+    return suppress(RefusedError) if registry in {"floor", "label"} else nullcontext()

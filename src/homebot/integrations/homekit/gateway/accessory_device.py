@@ -1,0 +1,72 @@
+"""An accessory as a device of the gateway: key, name, facts and identifiers. Pure.
+
+Source: HomeKit Accessory Protocol Specification R2, 8.1 (Accessory Information), 2.5.3.2 (bridges).
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from homebot.devices.identity import identifiers
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.integrations.homekit.formats.accessory import Accessory, HapCharacteristic
+from homebot.integrations.homekit.formats.parts import HomekitPart, parts_of
+from homebot.integrations.homekit.gateway.port import FoundAccessory
+
+__all__ = ["AccessoryDevice", "describe", "key_of"]
+
+_NAME, _SERIAL = "23", "30"
+_FACTS: Final = {"manufacturer": "20", "model": "21", "sw_version": "52", "hw_version": "53"}
+_FIRST: Final = 1
+"""The accessory ID of a standalone accessory, and of a bridge."""
+
+_SHORTEST: Final = 6
+"""Characters, without leading zeros, from which a serial number counts as unique; many are ``00000001``, ``default`` or
+the model."""
+
+
+def key_of(server: str, aid: int) -> str:
+    """Return the key of an accessory: the pairing ID of its server, plus its accessory ID behind a bridge."""
+    return server if aid == _FIRST else f"{server}.{aid}"
+
+
+@dataclass(frozen=True, slots=True)
+class AccessoryDevice:
+    """An accessory, with its accessory ID, device and parts."""
+
+    aid: int
+    device: GatewayDevice
+    parts: Mapping[str, HomekitPart]
+
+    def find(self, iid: int) -> HapCharacteristic | None:
+        """Return a characteristic of its parts, or None for an unknown *iid*."""
+        known = (one for part in self.parts.values() for one in part.service.characteristics.values())
+        return next((one for one in known if one.iid == iid), None)
+
+
+def describe(
+    found: FoundAccessory, accessory: Accessory | None = None, all_of: Iterable[Accessory] = ()
+) -> AccessoryDevice:
+    """Return an accessory as a device; without parts if it is not paired. *all_of* are those of its server."""
+    known = accessory or Accessory(_FIRST)
+    key, information, is_first = key_of(found.id, known.aid), known.information, known.aid == _FIRST
+    parts = {one.part.id: one for one in parts_of(known)}
+    facts = {fact: information.text(kind) for fact, kind in _FACTS.items()}
+    facts["model"] = facts["model"] or found.model
+    facts["via_device"] = "" if is_first else found.id
+    own = "pairing" if is_first else f"aid {known.aid}"
+    serial = information.text(_SERIAL)
+    serials = [one.information.text(_SERIAL) for one in all_of]
+    is_own = len(serial.lstrip("0")) >= _SHORTEST and any(map(str.isdigit, serial)) and serial != facts["model"]
+    device = GatewayDevice(
+        key,
+        information.text(_NAME) or found.name,
+        tuple(one.part for one in parts.values()),
+        {fact: text for fact, text in facts.items() if text},
+        identifiers([f"homekit {found.id.upper()} {own}"] + [serial] * (is_own and serials.count(serial) == 1)),
+        authenticated=accessory is not None,  # it has proved the key of its pairing
+        service_type="" if parts else found.service_type,
+        raw_address=f"homekit/{key}",
+        sleeps=known.sleeps,
+    )
+    return AccessoryDevice(known.aid, device, parts)

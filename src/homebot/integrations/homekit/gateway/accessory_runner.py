@@ -1,0 +1,272 @@
+"""The work with one paired accessory server: connects, describes its accessories, reports their values, and writes.
+
+An accessory sends no event to the controller that wrote, so written values are read back. All values are read at
+intervals, because some have no events, and to check that the accessory is still there. Values are reported in order; if
+too many events wait, further ones are dropped, and all values are read.
+"""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping
+from functools import partial
+from typing import Final
+
+import anyio
+from anyio.abc import TaskGroup
+
+from homebot.conventions.payload import as_fields, compact_json, shown
+from homebot.devices.gateway_messages import Command
+from homebot.errors import LinkError, RefusedError
+from homebot.gateways.announced.device_runner import DeviceRunner
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.integrations.homekit.formats.accessory import CharacteristicId, HapCharacteristic, parse_accessories
+from homebot.integrations.homekit.formats.parts import PRESS, PRESSES, HomekitPart
+from homebot.integrations.homekit.gateway.accessory_device import AccessoryDevice, describe
+from homebot.integrations.homekit.gateway.port import FoundAccessory, HomekitLink, HomekitPort, HomekitValues, Pairing
+from homebot.support.backoff import Backoff
+from homebot.support.numbers import whole_number
+
+__all__ = ["AccessoryRunner"]
+
+LOST_BACKOFF: Final = Backoff(first=0.5, factor=2.0, cap=2.0, late_cap=15.0, late_after=300.0, jitter=0.5)
+"""An accessory that restarts is back within seconds."""
+
+CONNECTED_WITHIN: Final = 5.0
+"""Seconds for which a command waits for a connection."""
+
+AWAKE_WITHIN: Final = 30.0
+"""Seconds for which it waits for the connection to a sleepy accessory."""
+
+READ_EVERY, READ_SLEEPER_EVERY = 30.0, 300.0
+"""Seconds between readings of all values, which drain batteries."""
+
+MAX_EVENTS: Final = 100
+
+_NO_POWER: Final = -70402
+_LINK_PROBLEMS: Final = {
+    _NO_POWER: "its bridge does not reach it",
+    -70403: "it is busy",
+    -70407: "it has no memory left",
+    -70408: "it took too long",
+}
+"""By HAP status code (table 6-11)."""
+
+
+class AccessoryRunner(DeviceRunner):
+    """The runner of a paired accessory, or of a bridge and the accessories behind it.
+
+    Attributes:
+        sleeps: Whether its radio is off most of the time, so that a lost connection does not mean that it is away.
+    """
+
+    def __init__(self, found: FoundAccessory, pairing: Pairing, devices: PublishedDevices, port: HomekitPort) -> None:
+        super().__init__(found.name, found.id, devices, LOST_BACKOFF)
+        self.link: HomekitLink | None = None
+        self._found = found
+        self._pairing = pairing
+        self._port = port
+        self.sleeps = found.is_on_thread  # possible, until it describes itself
+        self._attempt_ended, self._doubted = anyio.Event(), anyio.Event()
+        self._accessories: dict[int, AccessoryDevice] = {}
+        self._waiting = asyncio.Queue[Callable[[], Awaitable[None]]](MAX_EVENTS)
+        self._tasks: TaskGroup | None = None
+        self._writes = 0
+
+    @property
+    def keys(self) -> frozenset[str]:
+        """The keys of its devices."""
+        return frozenset({self.key, *(one.device.key for one in self._accessories.values())})
+
+    def change(self, found: FoundAccessory) -> None:
+        """Use the new announcement of the accessory; reconnect if its accessories have changed.
+
+        If values or its address have changed, all values are read at once, which also tests the connection, as anyone
+        can announce its ID.
+        """
+        before, self._found = self._found, found
+        self.name = found.name
+        has_moved = (found.address, found.port) != (before.address, before.port)
+        is_left_alone = self.link is None and found.is_on_thread  # a cancelled attempt leaves a socket of aiocoap open
+        if not is_left_alone and (found.version != before.version or (has_moved and self.link is None)):
+            self.restart()
+        elif has_moved or found.state != before.state:
+            self._doubted.set()
+        self.wake()
+
+    async def work(self) -> None:
+        """Connect, describe the accessories, and relay their values until the connection is lost."""
+        self._waiting = asyncio.Queue(MAX_EVENTS)
+        async with self._port.connected(self._found, self._pairing, self._on_event) as link:
+            self._describe(await link.list_accessories())
+            await link.subscribe(self._ids("ev"))
+            await self._report(await link.read(self._ids("pr")), is_read=True)
+            self.link = link
+            self.on_answer()
+            self._attempt_ended.set()
+            async with anyio.create_task_group() as self._tasks:
+                self._tasks.start_soon(self._report_waiting)
+                self._tasks.start_soon(self._read_all, link)
+                try:
+                    await link.lost.wait()
+                finally:
+                    self.link = None  # no command starts a task any more
+                self._tasks.cancel_scope.cancel()
+        raise LinkError(f"the connection to {self.name} was lost")
+
+    def list_unheard(self) -> None:
+        """Publish the accessory as it is announced."""
+        self._devices.put(describe(self._found).device, "it is paired, and was not reached yet", confirmed=False)
+
+    def on_end(self) -> None:
+        """Publish the loss of the connection."""
+        self.link = None
+        self._attempt_ended.set()
+        self._attempt_ended = anyio.Event()
+        super().on_end()
+        for key in self.keys - {self.key}:
+            self._devices.report_reachable(key, reachable=None if self.sleeps else False)
+
+    async def perform(self, command: Command) -> None:
+        """Carry out *command*; without a connection, wait for one (for one attempt unless it is sleepy)."""
+        link = await self._connected()
+        accessory, part = self._find(command)
+        row, known = part.rows[command.capability], part.service.characteristics
+        written = row.write_value(part.service, command).items()
+        wanted = {known[kind]: known[kind].encode(value) for kind, value in written if kind in known}
+        self._writes += 1
+        statuses = await link.write(
+            {(accessory.aid, one.iid): value for one, value in wanted.items()},
+            is_timed=any("tw" in one.perms for one in wanted),
+        )
+        _check(f"{command.capability} for {accessory.device.name}", statuses.values())
+        for one, value in wanted.items():
+            one.value = value  # the next command, before it is read back, may depend on it: a temperature on a mode
+        self._read_back(link, accessory.aid, (one for one in known.values() if one in wanted or one.type in row.kinds))
+
+    def _read_back(self, link: HomekitLink, aid: int, written: Iterable[HapCharacteristic]) -> None:
+        ids = {(aid, one.iid) for one in written if "pr" in one.perms}
+        if ids and self._tasks is not None and self.link is link:
+            self._tasks.start_soon(self._read, link, ids)
+
+    def _find(self, command: Command) -> tuple[AccessoryDevice, HomekitPart]:
+        """Return the accessory and the part with the capability of a command, as last described."""
+        for accessory in self._accessories.values():
+            part = accessory.parts.get(command.part)
+            if accessory.device.key == command.key and part is not None and command.capability in part.rows:
+                return accessory, part
+        raise self.not_connected()
+
+    async def _connected(self) -> HomekitLink:
+        """Wait for the connection and return it; raise LinkError if there is none in time."""
+        if self.link is None:
+            self.wake()
+            with anyio.move_on_after(AWAKE_WITHIN if self.sleeps else CONNECTED_WITHIN):
+                await self._attempt_ended.wait()
+                while self.sleeps and self.link is None:
+                    await self._attempt_ended.wait()
+        if self.link is None:
+            raise self.not_connected()
+        return self.link
+
+    def _describe(self, listed: object) -> None:
+        """Publish the accessories, and remove those that no longer exist."""
+        before, accessories = self.keys, parse_accessories(listed)
+        self.sleeps = any(one.sleeps for one in accessories.values())
+        self._accessories.clear()
+        for aid, accessory in accessories.items():
+            self._accessories[aid] = found = describe(self._found, accessory, accessories.values())
+            self._devices.put(found.device, "it described itself")
+        for key in before - self.keys:
+            self._devices.remove(key, "its bridge no longer has it")
+
+    def _ids(self, permission: str) -> list[CharacteristicId]:
+        """Return the characteristics of known capabilities with a permission."""
+        return sorted(
+            (aid, one.iid)
+            for aid, accessory in self._accessories.items()
+            for part in accessory.parts.values()
+            for one in part.service.characteristics.values()
+            if permission in one.perms and any(one.type in row.kinds for row in part.rows.values())
+        )
+
+    def _on_event(self, values: HomekitValues) -> None:
+        """Queue the values of an event for reporting, unless the accessory breaks the rules too often."""
+        if not self._devices.admits(self.key):
+            return
+        if self._waiting.full():
+            self.reject(b"", f"{self.name} sends more events than can be reported")
+            self._doubted.set()
+        else:
+            self._waiting.put_nowait(partial(self._report, values))
+
+    async def _report_waiting(self) -> None:
+        while True:
+            report = await self._waiting.get()
+            await report()
+
+    async def _read(self, link: HomekitLink, ids: Collection[CharacteristicId]) -> None:
+        await self._waiting.put(partial(self._report, await link.read(ids), is_read=True))
+
+    async def _read_all(self, link: HomekitLink) -> None:
+        """Read all values at intervals; values read while a command was sent may be older than it."""
+        while True:
+            with anyio.move_on_after(READ_SLEEPER_EVERY if self.sleeps else READ_EVERY):
+                await self._doubted.wait()
+            self._doubted = anyio.Event()
+            writes = self._writes
+            values = await link.read(self._ids("pr"))
+            if writes == self._writes:
+                await self._waiting.put(partial(self._report, values, is_read=True, is_routine=True))
+            await self._waiting.put(partial(self._devices.confirm, self.keys, "it answers"))
+
+    async def _report(self, values: HomekitValues, *, is_read: bool = False, is_routine: bool = False) -> None:
+        """Check and report the values of an event or of a reading.
+
+        Args:
+            is_read: Whether they were read, which also tells which accessories can be reached.
+            is_routine: Whether to report only values that differ from the known ones.
+        """
+        news: dict[int, dict[int, object]] = {}
+        for (aid, iid), fields in values.items():
+            one, accessory = as_fields(fields), self._accessories.get(aid)
+            known = None if accessory is None else accessory.find(iid)
+            if accessory is None or known is None or not ("value" in one or is_read):
+                self.reject(b"", f"{aid}.{iid} {shown(fields)} is not the value of a characteristic that it has")
+                continue
+            if is_read:
+                is_away = whole_number(one.get("status")) == _NO_POWER
+                self._devices.report_reachable(accessory.device.key, reachable=not is_away)
+            if self._keep(known, one, is_routine=is_routine):
+                news.setdefault(aid, {})[iid] = one["value"]
+        for aid, changed in news.items():
+            await self._report_changed(self._accessories[aid], changed)
+
+    def _keep(self, known: HapCharacteristic, one: Mapping[str, object], *, is_routine: bool) -> bool:
+        """Keep a value, and return whether to report it; reject one that should be a press and is not."""
+        value = one.get("value")
+        if known.type == PRESS and whole_number(value) not in PRESSES:
+            if value is not None:  # as it is read
+                self.reject(b"", f"{shown(value)} is not a press")
+            return False
+        is_old = is_routine and value == known.value
+        known.value = value  # None for one that could not be read, so the next one is news
+        return "value" in one and not is_old
+
+    async def _report_changed(self, accessory: AccessoryDevice, values: Mapping[int, object]) -> None:
+        key = accessory.device.key
+        self._devices.put(accessory.device, "it reported")
+        for iid, value in values.items():
+            payload = compact_json({"aid": accessory.aid, "iid": iid, "value": value})
+            await self._devices.deliver_raw(key, payload.encode())
+        for part in accessory.parts.values():
+            kinds = {one.type for one in part.service.characteristics.values() if one.iid in values}
+            for row in part.rows.values():  # one by one, as the newest report of each set of capabilities is kept
+                if not kinds.isdisjoint(row.kinds):
+                    await self._devices.report(key, {row.capability: row.read_value(part.service)}, part.part.id)
+
+
+def _check(what: str, statuses: Iterable[int]) -> None:
+    for status in statuses:
+        code = -abs(status)  # some accessories omit the sign
+        if code in _LINK_PROBLEMS:
+            raise LinkError(f"{what} was not set: {_LINK_PROBLEMS[code]}")
+        raise RefusedError(what, f"HAP status {code}", code)

@@ -1,0 +1,148 @@
+"""Devices of a Hue bridge, with their parts, made of its resources. Pure."""
+
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping
+from itertools import count
+from types import MappingProxyType
+from typing import Final, NamedTuple
+
+from homebot.conventions.payload import text_of
+from homebot.devices.identity import identifiers, in_pairs
+from homebot.devices.part import Category, Part
+from homebot.integrations.hue.formats.resources import Fields, HueResources, HueRow, at
+from homebot.integrations.hue.formats.service_rows import BUTTON_KINDS, MOTION_KINDS, SERVICE_ROWS
+from homebot.support.numbers import whole_number
+
+__all__ = ["HueDevice", "HueService", "bridge_identifiers", "devices_of"]
+
+_TYPES: Final[Mapping[str, tuple[str, Category]]] = {
+    "light": ("light", ""),
+    **dict.fromkeys(MOTION_KINDS, ("occupancy_sensor", "")),
+    "temperature": ("temperature_sensor", ""),
+    "light_level": ("light_sensor", ""),
+    "contact": ("contact_sensor", ""),
+    "tamper": ("x_binary_sensor", "diagnostic"),
+    "device_power": ("x_battery", "diagnostic"),
+    **dict.fromkeys((*BUTTON_KINDS, "relative_rotary"), ("generic_switch", "")),
+    "scene": ("x_scene", ""),
+    "smart_scene": ("x_scene", ""),
+}
+"""By type of resource: type and category of the part."""
+
+_DEVICES: Final = frozenset({"device", "motion_area_configuration"})
+"""The latter is a room or zone with lights that notice motion."""
+
+_FACTS: Final = {
+    "manufacturer": "manufacturer_name",
+    "model": "product_name",
+    "model_id": "model_id",
+    "sw_version": "software_version",
+}
+_REACHABLE: Final = {"connected": True, "disconnected": False, "connectivity_issue": False}
+"""By status in the radio network; other states mean that it only sends, or is still searched for."""
+
+
+class HueService(NamedTuple):
+    """A resource as the part of a device: its id, the part, and the rows of its capabilities."""
+
+    id: str
+    part: Part
+    rows: tuple[HueRow, ...]
+
+
+class HueDevice(NamedTuple):
+    """A device, or the scenes of a room or zone; its id is that of its resource, and unknown reachability is None."""
+
+    id: str
+    name: str
+    services: tuple[HueService, ...]
+    area: str = ""
+    identifiers: tuple[str, ...] = ()
+    metadata: Mapping[str, str] = MappingProxyType({})
+    is_bridge: bool = False
+    reachable: bool | None = None
+
+
+def bridge_identifiers(bridge_id: str) -> tuple[str, ...]:
+    """Return the identifiers of the bridge with an id, the EUI-64 of its hardware address: ``001788fffe123456``."""
+    return identifiers((bridge_id, in_pairs(bridge_id[:6] + bridge_id[10:])))
+
+
+def devices_of(resources: HueResources, ids: Collection[str]) -> Iterator[HueDevice]:
+    """Yield the devices with these ids, and the scenes of each room or zone with one as one device."""
+    for rid in ids:
+        one = resources.get(rid)
+        if text_of(one.get("type")) in _DEVICES:
+            yield _device(resources, rid, one)
+        elif one and (scenes := tuple(resources.holders(rid, "scene", "smart_scene"))):
+            members = _members(resources, one)
+            services = tuple(_service(scene, fields, scene, _name(fields), members=members) for scene, fields in scenes)
+            area = _name(one) if one.get("type") == "room" else ""
+            yield HueDevice(rid, f"{_name(one)} scenes".strip(), services, area, identifiers((f"hue:{rid}",)))
+
+
+def _device(resources: HueResources, rid: str, device: Fields) -> HueDevice:
+    services = tuple(resources.referred(device, "services"))
+    bridge = next((text_of(one.get("bridge_id")) for _, one in services if one.get("type") == "bridge"), "")
+    radio = next((one for _, one in services if one.get("type") == "zigbee_connectivity"), {})
+    zones = dict.fromkeys(_name(zone) for service, _ in services for _, zone in resources.holders(service, "zone"))
+    group = resources.get(text_of(at(device, "group", "rid")))
+    rooms = (*(one for _, one in resources.holders(rid, "room")), group if group.get("type") == "room" else {})
+    own = (text_of(radio.get("mac_address")), f"hue:{rid}")
+    facts = {fact: text_of(at(device, "product_data", name)) for fact, name in _FACTS.items()}
+    facts["tags"] = ", ".join(zones)
+    return HueDevice(
+        rid,
+        _name(device),
+        tuple(_services(device, services)),
+        _name(rooms[0]),
+        (*(bridge_identifiers(bridge) if bridge else ()), *identifiers(own)),
+        {name: value for name, value in facts.items() if value},
+        bool(bridge),
+        _REACHABLE.get(text_of(radio.get("status"))),
+    )
+
+
+def _services(device: Fields, listed: tuple[tuple[str, Fields], ...]) -> Iterator[HueService]:
+    """Yield the services that are parts: ``light``, or ``button-1`` and ``button-2`` if there are several."""
+    is_plug = "plug" in (at(device, "metadata", "archetype"), at(device, "product_data", "product_archetype"))
+    used = [(rid, one, kind) for rid, one in listed if (kind := text_of(one.get("type"))) in _TYPES]
+    counts = Counter(kind for _, _, kind in used)
+    taken: set[tuple[str, int]] = set()
+    for rid, one, kind in used:
+        part_id, name = kind, ""
+        if counts[kind] > 1:
+            own = whole_number(at(one, "metadata", "control_id")) or whole_number(one.get("service_id")) or 1
+            number = next(free for free in count(own) if (kind, free) not in taken)
+            taken.add((kind, number))
+            part_id, name = f"{kind}-{number}", _name(one) or f"{kind.replace('_', ' ').capitalize()} {number}"
+        yield _service(rid, one, part_id, name, is_plug=is_plug)
+
+
+def _members(resources: HueResources, group: Fields) -> tuple[str, ...]:
+    """Return the identifiers of the devices in a room, or of the lights in a zone."""
+    children = list(resources.referred(group, "children"))
+    devices = (one for rid, _ in children for one, _ in resources.holders(rid, "device"))
+    return tuple(f"id:hue:{one}" for one in dict.fromkeys((*(rid for rid, _ in children), *devices)))
+
+
+def _service(
+    rid: str, resource: Fields, part_id: str, name: str, *, is_plug: bool = False, members: tuple[str, ...] = ()
+) -> HueService:
+    kind = text_of(resource.get("type"))
+    service_type, category = _TYPES[kind]
+    rows = tuple(row for row in SERVICE_ROWS if row.type == kind and row.needs in resource)
+    part = Part(
+        id=part_id,
+        name=name,
+        service_type="plug" if is_plug and kind == "light" else service_type,
+        advertised=kind,
+        category=category,
+        capabilities=tuple(row.describe(resource) for row in rows),
+        members=members,
+    )
+    return HueService(rid, part, rows)
+
+
+def _name(resource: Fields) -> str:
+    return text_of(at(resource, "metadata", "name")) or text_of(resource.get("name"))

@@ -1,0 +1,272 @@
+"""The work with one Hue bridge: connects, publishes its devices, follows changes, and carries out commands.
+
+The event stream is opened before all resources are read, so that no change is missed; both are repeated after each
+loss. A bridge sends nothing while nothing changes, so it is queried every ten seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from typing import TYPE_CHECKING, Final
+
+import anyio
+import anyio.lowlevel
+from pydantic import SecretStr
+
+from homebot.conventions.payload import as_fields, compact_json, parse_json, shown, text_of
+from homebot.devices.gateway_messages import Command
+from homebot.devices.value import PlainValue
+from homebot.errors import CertificateError, LinkError, PeerError, RefusedError, WireError
+from homebot.gateways.announced.device_runner import DeviceRunner
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.pinned_certificate import only_certificate
+from homebot.integrations.hue.formats.devices import HueDevice, HueService, bridge_identifiers, devices_of
+from homebot.integrations.hue.formats.resources import Fields, HueResources
+from homebot.integrations.hue.formats.service_rows import press_of
+from homebot.support.backoff import Backoff
+from homebot.support.isolation import ungrouped
+
+if TYPE_CHECKING:
+    from homebot.gateways.event_stream import ServerEvent
+    from homebot.integrations.hue.gateway.bridge_link import BridgeLink
+
+__all__ = ["BridgeRunner"]
+
+WATCH_EVERY: Final = 10.0
+"""Seconds between checks whether the bridge is still there."""
+
+LOST_BACKOFF: Final = Backoff(first=0.5, factor=2.0, cap=3.0, late_cap=3.0, late_after=300.0, jitter=0.5)
+"""After a lost connection. An attempt costs one packet on the local network, even after hours."""
+
+MAX_ADDRESSES: Final = 3
+_NO_ACCESS: Final = frozenset({401, 403})
+
+
+class BridgeRunner(DeviceRunner):
+    """The runner of one bridge, which is itself a device, with its id as key.
+
+    Args:
+        name: Its name in the list before it has answered.
+        on_state: Called after a connection or a failed attempt.
+
+    Attributes:
+        origins: The origins of its addresses (``https://192.168.1.20``), in order of attempts.
+        pairing: Its application key as ``key``, and its ``certificate`` in PEM; empty without a pairing.
+    """
+
+    def __init__(
+        self, bridge_id: str, name: str, origin: str, devices: PublishedDevices, on_state: Callable[[], None]
+    ) -> None:
+        super().__init__(name, bridge_id, devices, LOST_BACKOFF)
+        self.origins: tuple[str, ...] = (origin,)
+        self.pairing: Mapping[str, object] = {}
+        self._on_state = on_state
+        self._resources = HueResources()
+        self._described: dict[str, HueDevice] = {}
+        self._places: dict[str, tuple[str, HueService]] = {}
+        self._pressed: dict[str, str] = {}
+        self._link: BridgeLink | None = None
+        self._has_missed = self._has_answered = False
+
+    @property
+    def is_connected(self) -> bool:
+        """True while the bridge answers."""
+        return self._link is not None
+
+    def has(self, key: str) -> bool:
+        """Return whether it has a device."""
+        return key in self._described
+
+    def forget_devices(self, why: str) -> None:
+        """Remove its devices, except the bridge itself."""
+        for key in self._described.keys() - {self.key}:
+            self._devices.remove(key, why)
+        self._described = {}
+
+    def add_origin(self, origin: str) -> None:
+        """Try an address first from now on, and at once if there is no connection."""
+        if origin not in self.origins:
+            self.origins = (origin, *self.origins)[:MAX_ADDRESSES]
+            if self._link is None:
+                self.restart()
+        self.wake()
+
+    async def work(self) -> None:
+        """Connect, and follow the bridge until the connection is lost."""
+        key, certificate = text_of(self.pairing.get("key")), self.pairing.get("certificate")
+        if not key or not isinstance(certificate, str):
+            raise PeerError(f"it is not paired: {self._remedy}")
+        failed: LinkError | PeerError = LinkError("it has no address")
+        for origin in self.origins:
+            self._has_answered = False
+            try:
+                await self._follow(origin, SecretStr(key), certificate)
+            except CertificateError:
+                failed = PeerError(f"{origin} has another certificate than at its pairing; if reset, {self._remedy}")
+            except LinkError as exc:
+                failed = failed if isinstance(failed, PeerError) else exc
+            if self._has_answered:
+                break  # it is tried again there, before its other addresses
+        raise failed
+
+    async def perform(self, command: Command) -> None:
+        """Carry out a command; return when the bridge has accepted it."""
+        if self._link is None:
+            raise self.not_connected()
+        device = self._described[command.key]
+        service = next(one for one in device.services if one.part.id == command.part)
+        row = next(one for one in service.rows if one.capability == command.capability)
+        if row.write is None:
+            raise RefusedError(command.capability, "it cannot be set")
+        body = row.write(self._resources.get(service.id), command)
+        kind, rid = ("device", device.id) if row.at_owner else (service.part.advertised, service.id)
+        try:
+            await self._link.change(f"{command.capability} for {device.name}", kind, rid, body)
+        except RefusedError as exc:
+            raise self._explained(exc) from None
+
+    def list_unheard(self) -> None:
+        """Publish the bridge with only its id and name."""
+        device = GatewayDevice(self.key, self.name, identifiers=bridge_identifiers(self.key), service_type="bridge")
+        self._devices.put(device, "it was found", confirmed=False)
+
+    def on_end(self) -> None:
+        """Publish the loss of the connection to the bridge and the devices behind it."""
+        super().on_end()
+        for key in self._described:
+            self._devices.report_reachable(key, reachable=False)
+        self._on_state()
+
+    @property
+    def _remedy(self) -> str:
+        return f"press its button, then run `homebot pair '{self.name}'`"
+
+    def _explained(self, exc: RefusedError) -> PeerError:
+        return PeerError(f"the bridge has forgotten homebot: {self._remedy}") if exc.code in _NO_ACCESS else exc
+
+    async def _follow(self, origin: str, key: SecretStr, certificate: str) -> None:
+        from homebot.integrations.hue.gateway.bridge_link import BridgeLink, bridge_client  # noqa: PLC0415
+
+        try:
+            async with bridge_client(origin, only_certificate(certificate), key) as client:
+                link = BridgeLink(client, origin, self.clock)
+                async with link.events() as events:
+                    self._link, self._has_answered = link, True
+                    await self._read_all(link)
+                    self.origins = (origin, *(one for one in self.origins if one != origin))
+                    self.on_answer()
+                    self.report_reachable(reachable=True)
+                    self._on_state()
+                    with ungrouped():
+                        async with anyio.create_task_group() as tasks:
+                            tasks.start_soon(self._watch, link)
+                            async for event in events:
+                                await self._on_event(event)
+        except RefusedError as exc:
+            raise self._explained(exc) from None
+        finally:
+            self._link = None
+
+    async def _read_all(self, link: BridgeLink) -> None:
+        self._has_missed = False
+        self._resources.replace(await link.read())
+        self._describe("the bridge listed it", self._resources.ids | {one.id for one in self._described.values()})
+        for key, device in tuple(self._described.items()):
+            for service in device.services:
+                await self._report(key, service, None, is_old=device.reachable is False)
+            await anyio.lowlevel.checkpoint()
+
+    async def _watch(self, link: BridgeLink) -> None:
+        """Check that the bridge is there, confirm the devices that it can reach, and read missed changes."""
+        while True:
+            await anyio.sleep(WATCH_EVERY)
+            await (self._read_all(link) if self._has_missed else link.read("bridge"))
+            await self._devices.confirm(self._described, "the bridge reaches it")
+
+    def _describe(self, why: str, ids: Collection[str]) -> None:
+        """Publish the devices with these ids, and remove those that the bridge no longer has."""
+        devices = {self.key if one.is_bridge else one.id: one for one in devices_of(self._resources, sorted(ids))}
+        before = {key for key, one in self._described.items() if one.id in ids}
+        for gone in before - devices.keys():
+            del self._described[gone]
+            self._devices.remove(gone, "the bridge no longer has it")
+        self._described |= devices
+        self._places = {service.id: (key, service) for key, one in self._described.items() for service in one.services}
+        self._pressed = {rid: at for rid, at in self._pressed.items() if rid in self._places}
+        name = next((one.name for one in devices.values() if one.is_bridge and one.name), self.name)
+        if name != self.name:  # all devices have it
+            self.name, devices = name, self._described
+        for key, device in devices.items():
+            self._put(key, device, why)
+            if not device.is_bridge:
+                self._devices.report_reachable(key, reachable=device.reachable)
+
+    def _put(self, key: str, device: HueDevice, why: str) -> None:
+        published = GatewayDevice(
+            key,
+            device.name or key,
+            tuple(one.part for one in device.services),
+            device.metadata if device.is_bridge else {**device.metadata, "via_device": self.name},
+            device.identifiers,
+            authenticated=True,  # by the bridge's certificate, pinned when its button was pressed
+            area=device.area,
+            service_type="bridge" if device.is_bridge else "",
+        )
+        self._devices.put(published, why, confirmed=device.reachable is not False)
+
+    async def _on_event(self, event: ServerEvent) -> None:
+        """Apply one event, with the changes of many resources."""
+        await anyio.lowlevel.checkpoint()
+        payload = event.data.encode()
+        try:
+            parts = parse_json(payload, len(payload) or 1)
+        except WireError as exc:
+            if self._admits(self.key):
+                self.reject(payload, str(exc))
+            return
+        events = parts if isinstance(parts, list) else []
+        changes = [change for one in events for change in self._apply(as_fields(one))]
+        if described := frozenset[str]().union(*(ids for _, ids in changes)):  # once all their resources are known
+            self._describe("the bridge reported it", described)
+        for item, _ in changes:
+            await self._publish(item)
+
+    def _apply(self, event: Fields) -> Iterator[tuple[Fields, frozenset[str]]]:
+        """Apply the valid changes of an event; yield each with the ids of resources whose description has changed."""
+        kind, items = text_of(event.get("type")), event.get("data")
+        for item in items if isinstance(items, list) else ():
+            rid = text_of(as_fields(item).get("id"))
+            source = self._places[rid][0] if rid in self._places else shown(rid)
+            if not self._admits(source):
+                continue
+            try:
+                yield as_fields(item), self._resources.change(kind, item)
+            except WireError as exc:
+                self._devices.reject(source, compact_json(item).encode(), str(exc))
+
+    async def _publish(self, item: Fields) -> None:
+        key, service = self._places.get(text_of(item.get("id")), ("", None))
+        if service is not None:
+            self._put(key, self._described[key], "it reported")
+            await self._devices.deliver_raw(key, compact_json(item).encode())
+            await self._report(key, service, item)
+
+    def _admits(self, source: str) -> bool:
+        admitted = self._devices.admits(source)
+        self._has_missed = self._has_missed or not admitted
+        return admitted
+
+    async def _report(self, key: str, service: HueService, change: Fields | None, *, is_old: bool = False) -> None:
+        """Report the values in a change, or all values for None."""
+        resource = self._resources.get(service.id)
+        values: dict[frozenset[str], dict[str, PlainValue]] = {}
+        for row in service.rows:
+            if row.read is not None and (change is None or row.fields & change.keys()):
+                values.setdefault(row.fields, {})[row.capability] = row.read(resource)
+        for together in values.values():
+            await self._devices.report(key, together, service.part.id, retained=is_old)
+        press, time = press_of(change or {})
+        if press and (not time or self._pressed.get(service.id) != time):
+            self._pressed[service.id] = time
+            await self._devices.report(key, {"press": press}, service.part.id)

@@ -1,0 +1,291 @@
+"""A Philips Hue bridge, simulated at its HTTPS API: it lists resources, reports changes, and passes commands on.
+
+Source: Philips Hue, CLIP API v2 reference; the old API for its configuration and new application keys.
+"""
+
+import os
+import ssl
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Final, Protocol
+
+import anyio
+import anyio.to_thread
+from anyio.abc import TaskStatus
+
+from homebot.devices.identity import in_pairs
+from homebot.house.dialect import SimulatedDeviceInfo
+from homebot.house.http.web_server import WebDevice, WebPeer, WebReply, WebRequest, WebServer
+from homebot.house.wire import as_json, as_object, hardware_address
+from homebot.integrations.hue.formats.resources import merged
+from homebot.integrations.hue.simulated.resources import (
+    CHANGED,
+    Resource,
+    bridge_resources,
+    group_resources,
+    resource_uuid,
+    scene_resource,
+)
+
+__all__ = ["BridgedHueDevice", "SimulatedHueBridge", "make_certificate", "paired_bridge"]
+
+KEY_HEADER: Final = "hue-application-key"
+NAME: Final = "Hue bridge"
+_EVENTS: Final = "/eventstream/clip/v2"
+_RESOURCES: Final = "/clip/v2/resource"
+_SCENES: Final = {"Bright": 100.0, "Dimmed": 30.0}
+_CHANGEABLE: Final[Mapping[str, frozenset[str]]] = {
+    "light": frozenset(
+        {"on", "dimming", "color_temperature", "color", "effects", "effects_v2", "dynamics", "alert", "gradient"}
+    ),
+    "device": frozenset({"metadata", "identify"}),
+    "scene": frozenset({"recall", "metadata"}),
+    "geofence_client": frozenset({"name", "is_at_home"}),
+}
+"""By type of resource: the fields that a request may change."""
+
+
+class BridgedHueDevice(Protocol):
+    """A device behind a bridge, as the bridge sees it."""
+
+    device: SimulatedDeviceInfo
+
+    def obey(self, body: Mapping[str, object]) -> None:
+        """Carry out a command to its light."""
+
+
+class SimulatedHueBridge(WebDevice):
+    """A bridge with its devices, which it keeps when they are away.
+
+    Args:
+        tls: The server's side of TLS, with the certificate of the bridge.
+
+    Attributes:
+        keys: The application keys that it made, and that it has from the start.
+        commands: The newest 100 changes that it was asked for: type, id and body.
+        busy: The number of the next requests for resources that it answers with 429.
+        refusal: The text with which it refuses all changes; empty for none.
+    """
+
+    def __init__(self, home: str, tls: ssl.SSLContext, address: str = "127.0.0.1", port: int = 0) -> None:
+        digits = hardware_address(SimulatedDeviceInfo(home, "bridge", NAME, "bridge", ""))
+        self.id = f"{digits[:6]}fffe{digits[6:]}"
+        self.server = WebServer(self, address, port, tls)
+        self.resources: dict[str, Resource] = {}
+        self.keys: set[str] = set()
+        self.commands: list[tuple[str, str, Mapping[str, object]]] = []
+        self.busy = 0
+        self.refusal = ""
+        self._is_pressed = False
+        self._devices: dict[str, BridgedHueDevice] = {}
+        self._events = 0
+        for one in (*bridge_resources(self.id, NAME), *group_resources("bridge_home", home, (), "")):
+            self.resources[str(one["id"])] = one
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Serve until cancelled."""
+        await self.server.serve(task_status=task_status)
+
+    def press_button(self) -> None:
+        """Press its button: the next program that asks for a key gets one."""
+        self._is_pressed = True
+
+    def add(self, resources: list[Resource], device: BridgedHueDevice | None = None, room: str = "") -> None:
+        """Add a device with its services, or bring one back; into a room, whose scenes light its lamps."""
+        if device is not None:
+            self._devices.update({str(one["id"]): device for one in resources})
+        if str(resources[0]["id"]) in self.resources:
+            for one in resources:
+                self.change(str(one["id"]), {name: one[name] for name in one.keys() - {"id", "type", "owner"}})
+            return
+        for one in resources:
+            self.resources[str(one["id"])] = one
+        self._send("add", resources)
+        if room:
+            self._furnish(room)
+
+    def remove(self, resource_ids: list[str]) -> None:
+        """Remove resources."""
+        gone = [self.resources.pop(rid) for rid in resource_ids if rid in self.resources]
+        self._send("delete", [{"id": one["id"], "type": one["type"]} for one in gone])
+
+    def change(self, rid: str, fields: Mapping[str, object]) -> None:
+        """Report the fields of a resource, if it is still there, that are different now."""
+        resource = self.resources.get(rid, {})
+        now = merged(resource, fields)
+        changed = {name: now[name] for name in fields if resource.get(name) != now[name]}
+        if resource and changed:
+            resource |= changed
+            about = {name: resource[name] for name in ("id", "type", "owner") if name in resource}
+            self._send("update", [about | changed])
+
+    def press(self, rid: str, event: str, updated: str = CHANGED) -> None:
+        """Report an event of a button."""
+        report = {"button_report": {"updated": updated, "event": event}, "last_event": event}
+        resource = self.resources[rid]
+        self._send("update", [{"id": rid, "type": resource["type"], "owner": resource["owner"], "button": report}])
+
+    def send_text(self, text: str) -> None:
+        """Send a text to all programs that listen to events."""
+        for peer in self.server.peers:
+            peer.send(text.encode())
+
+    def greet(self, peer: WebPeer, path: str) -> bool:
+        """Accept a stream of events from a program with a key."""
+        if path != _EVENTS or peer.headers.get(KEY_HEADER) not in self.keys:
+            return False
+        peer.send(b": hi")
+        return True
+
+    def answer(self, request: WebRequest) -> WebReply:
+        """Return the answer to a request of HTTP."""
+        if request.path in {"/api/config", "/api/0/config"}:
+            about = {"name": NAME, "bridgeid": self.id.upper(), "modelid": "BSB002"}
+            about |= {"mac": in_pairs(self.id[:6] + self.id[10:]), "swversion": "1968096020", "apiversion": "1.68.0"}
+            return WebReply(as_json(about))
+        if request.path == "/api" and request.method == "POST":
+            return self._make_key(request.body)
+        if request.headers.get(KEY_HEADER) not in self.keys:
+            return _answered(403, error="unauthorized user")
+        if not request.path.startswith(_RESOURCES):
+            return _answered(404, error="Not Found")
+        if self.busy:
+            self.busy -= 1
+            return _answered(429, error="too many requests")
+        kind, _, rid = request.path.removeprefix(_RESOURCES).strip("/").partition("/")
+        match request.method:
+            case "GET":
+                return self._list(kind, rid)
+            case "PUT":
+                return self._obey(kind, rid, request.body)
+            case "POST" if kind == "geofence_client":
+                made = {"id": resource_uuid(kind, str(len(self.resources))), "type": kind, **as_object(request.body)}
+                self.add([made])
+                return _answered(201, [{"rid": made["id"], "rtype": kind}])
+            case _:
+                return _answered(405, error="Method Not Allowed")
+
+    def _make_key(self, body: bytes) -> WebReply:
+        name = as_object(body).get("devicetype")
+        if not isinstance(name, str) or not 0 < len(name) <= 40:
+            return WebReply(as_json([{"error": {"type": 6, "address": "", "description": "parameter not available"}}]))
+        if not self._is_pressed:
+            return WebReply(
+                as_json([{"error": {"type": 101, "address": "", "description": "link button not pressed"}}])
+            )
+        self._is_pressed = False
+        key = resource_uuid(self.id, name, str(len(self.keys)))
+        self.keys.add(key)
+        return WebReply(as_json([{"success": {"username": key}}]))
+
+    def _list(self, kind: str, rid: str) -> WebReply:
+        found = [one for own, one in self.resources.items() if kind in {"", one["type"]} and rid in {"", own}]
+        if rid and not found:
+            return _answered(404, error="resource not found")
+        return _answered(200, found)
+
+    def _obey(self, kind: str, rid: str, payload: bytes) -> WebReply:
+        resource, body = self.resources.get(rid), as_object(payload)
+        if resource is None or resource["type"] != kind:
+            return _answered(404, error="resource not found")
+        if unknown := body.keys() - _CHANGEABLE.get(kind, frozenset()):
+            return _answered(400, error=f"invalid value for parameter {min(unknown)}")
+        if self.refusal:
+            return _answered(207, error=self.refusal)
+        self.commands = [*self.commands[-99:], (kind, rid, body)]
+        done: list[Resource] = [{"rid": rid, "rtype": kind}]
+        match kind:
+            case "scene":
+                self._recall(resource)
+            case "light":
+                return self._light(rid, body, done)
+            case "geofence_client":
+                self.change(rid, body)
+        return _answered(200, done)
+
+    def _light(self, rid: str, body: Mapping[str, object], done: list[Resource]) -> WebReply:
+        device = self._devices.get(rid)
+        owner = self.resources[rid].get("owner")
+        radio = [
+            one for one in self.resources.values() if one["type"] == "zigbee_connectivity" and one["owner"] == owner
+        ]
+        if device is None or any(one["status"] != "connected" for one in radio):
+            problem = "device (light) has communication issues, command (.on) may not have effect"
+            return _answered(207, done, problem)
+        device.obey(body)
+        self._end_scenes()
+        return _answered(200, done)
+
+    def _recall(self, scene: Resource) -> None:
+        self._end_scenes()
+        actions = scene["actions"]
+        for one in actions if isinstance(actions, list) else ():
+            if one["target"]["rid"] in self.resources:
+                self._light(one["target"]["rid"], one["action"], [])
+        self.change(str(scene["id"]), {"status": {"active": "static", "last_recall": CHANGED}})
+
+    def _end_scenes(self) -> None:
+        for rid, one in self.resources.items():
+            if one["type"] == "scene":
+                self.change(rid, {"status": {"active": "inactive"}})
+
+    def _furnish(self, room: str) -> None:
+        """Describe a room, and its scenes, by the devices in it."""
+        inside = {rid: one for rid, one in self._devices.items() if one.device.room == room}
+        children = [(rid, "device") for rid in inside if self.resources[rid]["type"] == "device"]
+        lights = [rid for rid in inside if self.resources[rid]["type"] == "light"]
+        found = group_resources("room", room, children, "other")
+        found += [scene_resource(room, name, lights, level) for name, level in _SCENES.items() if lights]
+        new = [one for one in found if one["id"] not in self.resources]
+        self.resources.update({str(one["id"]): one for one in new})
+        if new:
+            self._send("add", new)
+        for one in found:
+            self.change(str(one["id"]), {name: one[name] for name in ("children", "actions") if name in one})
+
+    def _send(self, kind: str, data: list[Resource]) -> None:
+        self._events += 1
+        event_id = resource_uuid(self.id, "event", str(self._events))
+        events = [{"creationtime": CHANGED, "data": data, "id": event_id, "type": kind}]
+        self.send_text(f"id: {self._events}:0\ndata: {as_json(events).decode()}")
+
+
+def _answered(status: int, data: list[Resource] | None = None, error: str = "") -> WebReply:
+    errors = [{"description": error}] if error else []
+    return WebReply(as_json({"data": data or [], "errors": errors}), status)
+
+
+@asynccontextmanager
+async def paired_bridge(address: str, port: int, pairings: Path) -> AsyncIterator[SimulatedHueBridge]:
+    """Keep a bridge on the network inside the block that homebot is paired with, by the file *pairings*."""
+    tls = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    bridge = SimulatedHueBridge("house", tls, address, port)
+    certificate = await anyio.to_thread.run_sync(make_certificate, bridge.id, tls)
+    key = resource_uuid(bridge.id, "homebot")
+    bridge.keys.add(key)
+    kept = {"name": NAME, "origin": f"https://{address}:{port}", "key": key, "certificate": certificate}
+    await anyio.to_thread.run_sync(_write_secret, pairings, as_json({bridge.id: kept}))
+    try:
+        async with anyio.create_task_group() as tasks:
+            await tasks.start(bridge.serve)
+            yield bridge
+            tasks.cancel_scope.cancel()
+    finally:
+        with anyio.CancelScope(shield=True):
+            await anyio.to_thread.run_sync(pairings.unlink)
+
+
+def make_certificate(name: str, tls: ssl.SSLContext) -> str:
+    """Make a certificate by an authority that no computer knows, for the server's side *tls*; return it in PEM."""
+    import trustme  # noqa: PLC0415 - loads 60 modules
+
+    leaf = trustme.CA(organization_name="homebot").issue_cert(common_name=name)
+    leaf.configure_cert(tls)
+    pem: bytes = leaf.cert_chain_pems[0].bytes()
+    return pem.decode()
+
+
+def _write_secret(path: Path, content: bytes) -> None:
+    with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
+        file.write(content)

@@ -1,0 +1,182 @@
+"""Parts of an endpoint of a Matter node, with their names. Pure.
+
+The tables of device types are the vocabulary's.
+
+Source: Matter 1.5 Device Library; Matter 1.4 Core Specification, 9.5.5 (TagList), 9.8 (Fixed Label), 9.9 (User Label);
+Standard Namespaces.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+from homebot.conventions.payload import text_of
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.part import Capability, Part
+from homebot.integrations.matter.formats.appliance_clusters import APPLIANCE_ROWS, MODE, MODE_SELECT, is_oven_cabinet
+from homebot.integrations.matter.formats.climate_clusters import CLIMATE_ROWS
+from homebot.integrations.matter.formats.cluster_row import ClusterRow
+from homebot.integrations.matter.formats.endpoint import DESCRIPTOR, TAG_LIST, MatterEndpoint, field_of
+from homebot.integrations.matter.formats.light_clusters import LIGHT_ROWS
+from homebot.integrations.matter.formats.opening_clusters import OPENING_ROWS
+from homebot.integrations.matter.formats.sensor_clusters import BATTERY, PLAIN, SENSOR_ROWS
+from homebot.support.numbers import whole_number
+
+__all__ = ["parts_of"]
+
+_ROWS: Final = (*LIGHT_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *APPLIANCE_ROWS, *SENSOR_ROWS)
+_SERVICE_TYPES: Final[Mapping[int, str]] = {number: one.name for one in DEVICE_TYPES.values() for number in one.matter}
+_METER: Final = "electrical_meter"
+_CAPABILITY_TYPES: Final = {
+    "occupancy": "occupancy_sensor",
+    "movement": "closure",
+    "position": "closure",
+    "tilt": "closure",
+    "number": "x_setting",
+    "option": "x_setting",  # of an appliance too: a command to turn all switches off must not stop a freezer
+    **dict.fromkeys(("color", "color_temperature", "level"), "light"),  # some dimmers say that they are remote controls
+    "on_off": "switch",
+    "press": "generic_switch",
+    "power": _METER,
+    "energy": _METER,
+    "temperature": "temperature_sensor",
+    "humidity": "humidity_sensor",
+}
+"""By capability: the type of an endpoint with unknown device types."""
+
+_NAMES: Final = {
+    0x0017: "solar power",
+    0x0018: "battery storage",
+    0x0027: "mode select",
+    0x0040: "irrigation system",
+    0x0070: "refrigerator",
+    0x0071: "cabinet",
+    0x0073: "laundry washer",
+    0x0075: "dishwasher",
+    0x0077: "cooktop",
+    0x0078: "cooktop",
+    0x0079: "microwave oven",
+    0x007B: "oven",
+    0x007C: "laundry dryer",
+    0x050C: "car charger",
+}
+"""By device type: the name that people and policies use for a device without a type in the vocabulary."""
+
+_UTILITIES: Final = frozenset({0x000E, 0x0011, 0x0012, 0x0013, 0x0014, 0x0016, 0x050D})
+"""Device types of aggregators, power sources, updates, bridged and root nodes, and energy management."""
+
+USER_LABEL, FIXED_LABEL = 65, 64
+_NAMING: Final = frozenset({"name", "label", "button"})
+"""The labels that name an endpoint; others say where it is, or describe it."""
+
+_ORIENTATION: Final = "orientation"
+_PLACES: Final = frozenset({"top", "bottom", "left", "right", "middle", "center", "upper", "lower", "front", "back"})
+"""Orientations on the device itself, such as of one of two sockets; ``North`` is none."""
+
+_NUMBER: Final = 0x07
+_NAMESPACES: Final[Mapping[int, tuple[str, ...]]] = {
+    0x08: ("left", "right", "top", "bottom", "middle", "row", "column"),
+    0x41: ("refrigerator", "freezer"),
+    0x43: ("on", "off", "toggle", "up", "down", "next", "previous", "select"),
+    0x45: ("lift", "tilt"),
+}
+"""Common Position, Refrigerator, Switches and Closure Panel: each the words of its tags."""
+
+_COUNTED: Final = frozenset({"row", "column"})
+_LONGEST_NAME: Final = 40
+
+
+def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tuple[Part, tuple[ClusterRow, ...]]]:
+    """Yield the parts of an endpoint, the main one first; a closure that *covers* is a blind, or a panel of one."""
+    by_suffix: dict[str, dict[str, tuple[ClusterRow, Capability]]] = {"": {}}
+    for row in _ROWS:
+        is_spare = row.spare_suffix and row.capability in by_suffix[""]
+        found = by_suffix.setdefault(row.spare_suffix if is_spare else row.part_suffix, {})
+        if row.capability not in found and (capability := row.describe(endpoint)) is not None:
+            found[row.capability] = row, capability
+    for suffix, found in by_suffix.items():
+        rows, capabilities = (tuple(row for row, _ in found.values()), tuple(one for _, one in found.values()))
+        if suffix and rows:
+            yield _extra_part(endpoint, suffix, capabilities), rows
+        elif any(row.read is not None or row.capability == "press" for row in rows):
+            yield _main_part(endpoint, capabilities, covers=covers), rows
+
+
+def _main_part(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...], *, covers: bool) -> Part:
+    service_type, is_guessed = _service_type(endpoint, capabilities)
+    return Part(
+        id=str(endpoint.id),
+        name=_name(endpoint),
+        service_type="window_covering" if covers and service_type == "closure" else service_type,
+        advertised=_advertised(endpoint),
+        guessed=is_guessed,
+        capabilities=capabilities,
+    )
+
+
+def _extra_part(endpoint: MatterEndpoint, suffix: str, capabilities: tuple[Capability, ...]) -> Part:
+    """Return a part beside the main one: the battery, a filter, a further setting, or a measurement of the air."""
+    part_id = f"{endpoint.id}-{suffix}"
+    if suffix == BATTERY:
+        return Part(id=part_id, service_type="x_battery", category="diagnostic", capabilities=capabilities)
+    kind = "air_quality_sensor" if suffix in PLAIN.values() else "x_sensor"
+    is_setting = any(one.settable for one in capabilities)
+    return Part(
+        id=part_id,
+        name=(suffix == MODE and endpoint.text(MODE_SELECT, 0)) or suffix.replace("_", " ").capitalize(),
+        service_type="x_setting" if is_setting else kind,
+        advertised=_advertised(endpoint) if is_setting else "",
+        capabilities=capabilities,
+    )
+
+
+def _advertised(endpoint: MatterEndpoint) -> str:
+    """Return the device types that the vocabulary lacks; the cabinet of an oven is known by its clusters."""
+    if is_oven_cabinet(endpoint):
+        return "oven"
+    unlisted = [one for one in endpoint.device_types[:5] if one not in _UTILITIES and one not in _SERVICE_TYPES]
+    return ", ".join(sorted(_NAMES.get(one, f"0x{one:04X}") for one in unlisted))  # what ends it counts
+
+
+def _service_type(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...]) -> tuple[str, bool]:
+    """Return the type of a part, and whether it is guessed; a meter only if it is, and switches, nothing else."""
+    found = [_SERVICE_TYPES[one] for one in endpoint.device_types if one in _SERVICE_TYPES]
+    names = {one.name for one in capabilities}
+    if kind := next((one for one in found if one != _METER), _METER if found and "on_off" not in names else ""):
+        return kind, False
+    return next((kind for name, kind in _CAPABILITY_TYPES.items() if name in names), "x_sensor"), True
+
+
+def _name(endpoint: MatterEndpoint) -> str:
+    """Return a name such as ``2``, ``top`` or ``column 1 up``; empty if it has none of its own."""
+    if label := next(_label_names(endpoint), ""):
+        return label
+    words = list(dict.fromkeys(_tag_words(endpoint)))
+    while len(" ".join(words)) > _LONGEST_NAME:
+        words.pop()
+    return " ".join(words)
+
+
+def _label_names(endpoint: MatterEndpoint) -> Iterator[str]:
+    for struct in (*endpoint.structs(USER_LABEL, 0), *endpoint.structs(FIXED_LABEL, 0)):
+        label, value = text_of(field_of(struct, 0, "label")).casefold(), text_of(field_of(struct, 1, "value"))
+        if value and (label in _NAMING or (label == _ORIENTATION and value.casefold() in _PLACES)):
+            yield value
+
+
+def _tag_words(endpoint: MatterEndpoint) -> Iterator[str]:
+    for struct in endpoint.structs(DESCRIPTOR, TAG_LIST):
+        namespace = whole_number(field_of(struct, 1, "namespaceID"))
+        tag, label = whole_number(field_of(struct, 2, "tag")), text_of(field_of(struct, 3, "label"))
+        if namespace is None or tag is None or tag < 0:
+            continue
+        if word := _tag_word(namespace, tag, label):
+            yield word
+
+
+def _tag_word(namespace: int, tag: int, label: str) -> str:
+    words = _NAMESPACES.get(namespace, ())
+    if namespace == _NUMBER:
+        return label or str(tag)
+    if tag < len(words):
+        return f"{words[tag]} {label}" if words[tag] in _COUNTED and label else words[tag]
+    return label if words else ""

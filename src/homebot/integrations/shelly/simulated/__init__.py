@@ -1,0 +1,1 @@
+"""Simulated Shellys: both generations over MQTT, and the second over HTTP."""

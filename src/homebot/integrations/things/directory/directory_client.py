@@ -1,0 +1,144 @@
+"""The client of a directory of things: the whole list, single descriptions, and changes.
+
+Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, section 7.3.2.
+"""
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from typing import Final
+from urllib.parse import quote
+
+from yarl import URL
+
+from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES
+from homebot.errors import RefusedError, WireError
+from homebot.gateways.http_address import parse_url
+from homebot.gateways.http_client import HttpAnswer, HttpClient
+from homebot.gateways.http_streams import EventStream
+from homebot.gateways.long_json import parse_long_json
+from homebot.integrations.things.directory.documents import DirectoryPage, ReadPage, etag_of, members_of, next_page
+
+__all__ = ["DirectoryReader"]
+
+PAGE: Final = 50
+"""Things per page, if the directory can paginate."""
+
+MAX_PAGE_BYTES: Final = 8 * 1024 * 1024
+"""Longest page: a directory that cannot paginate answers with all things at once."""
+
+MAX_PAGES: Final = 1000
+
+_ACCEPTED = "application/ld+json, application/json;q=0.9"
+_TD = "application/td+json, application/json;q=0.9"
+_CANNOT_COUNT = frozenset({400, 422, 501})
+
+
+class DirectoryReader:
+    """The reader of a directory.
+
+    Args:
+        url: The address below which it has ``/things`` and ``/events``.
+        read: The pages read so far, by address; kept across connections.
+    """
+
+    def __init__(self, url: str, client: HttpClient, read: dict[str, ReadPage]) -> None:
+        self._url = url
+        self._origin = parse_url(url).origin()
+        self._client = client
+        self._read = read
+        self._can_count = True
+
+    async def pages(self, has_all: Callable[[frozenset[str]], bool]) -> AsyncIterator[DirectoryPage]:
+        """Yield all pages; an unchanged page has no members.
+
+        Args:
+            has_all: Returns whether the things with these keys are known; if not, their page is requested again.
+
+        Raises:
+            LinkError: The directory does not answer.
+            RefusedError: It refuses homebot, or has no list.
+            WireError: It breaks the rules, or its pages lead to another server or in a circle.
+        """
+        where = f"{self._url}/things?limit={PAGE}" if self._can_count else f"{self._url}/things"
+        seen: set[str] = set()
+        while where:
+            if where in seen or len(seen) >= MAX_PAGES:
+                raise WireError(f"the list of the directory does not end after {len(seen)} pages")
+            seen.add(where)
+            before = self._read_before(where, has_all)
+            answer = await self._get_page(where, before, is_first=len(seen) == 1)
+            if answer is None:
+                where = f"{self._url}/things"
+                continue
+            if before is not None and answer.status == 304:
+                yield DirectoryPage(keys=set(before.keys))
+                where = self._after_same(where, before, answer)
+                continue
+            document = await parse_long_json(answer.body, MAX_PAGE_BYTES)
+            page = DirectoryPage(members_of(document))
+            yield page
+            following = self._resolved(where, next_page(document, answer.headers))
+            if etag := etag_of(answer.headers):
+                self._read[where] = ReadPage(etag, frozenset(page.keys), following)
+            where = following
+        for gone in self._read.keys() - seen:
+            del self._read[gone]
+
+    def _read_before(self, where: str, has_all: Callable[[frozenset[str]], bool]) -> ReadPage | None:
+        before = self._read.get(where)
+        return before if before is not None and has_all(before.keys) else None
+
+    async def _get_page(self, where: str, before: ReadPage | None, *, is_first: bool) -> HttpAnswer | None:
+        """Return the answer with a page; None if the directory turns out not to paginate."""
+        etag = "" if before is None else before.etag
+        try:
+            return await self._client.get(where, accept=_ACCEPTED, etag=etag, max_bytes=MAX_PAGE_BYTES)
+        except RefusedError as exc:
+            if not is_first or not self._can_count or exc.code not in _CANNOT_COUNT:
+                raise
+            self._can_count = False
+            return None
+
+    def _after_same(self, where: str, page: ReadPage, answer: HttpAnswer) -> str:
+        """Return the page after an unchanged one, where the list may have grown or shrunk."""
+        return self._resolved(where, next_page(None, answer.headers)) if "link" in answer.headers else page.following
+
+    async def retrieve(self, thing_id: str) -> bytes | None:
+        """Return the description of one thing; None if the directory no longer has it."""
+        where = f"{self._url}/things/{quote(thing_id, safe='')}"
+        try:
+            return (await self._client.get(where, accept=_TD, max_bytes=MAX_ANNOUNCEMENT_BYTES)).body
+        except RefusedError as exc:
+            if exc.code in {404, 410}:
+                return None
+            raise
+
+    @asynccontextmanager
+    async def events(self) -> AsyncIterator[EventStream]:
+        """Open the stream of changes, with whole descriptions if the directory supports that.
+
+        Raises:
+            LinkError: The directory does not answer.
+            RefusedError: It does not report changes, or refuses homebot.
+            WireError: Its answer is not an event stream.
+        """
+        try:
+            async with self._client.events(f"{self._url}/events?diff=true", max_bytes=MAX_ANNOUNCEMENT_BYTES) as stream:
+                yield stream
+                return
+        except RefusedError as exc:
+            if exc.code not in _CANNOT_COUNT:
+                raise
+        async with self._client.events(f"{self._url}/events", max_bytes=MAX_ANNOUNCEMENT_BYTES) as stream:
+            yield stream
+
+    def _resolved(self, page: str, following: str) -> str:
+        if not following:
+            return ""
+        try:
+            where = URL(page).join(URL(following))
+        except ValueError:
+            raise WireError("the next page of the list has no address") from None
+        if where.origin() != self._origin:
+            raise WireError("the next page of the list is on another server")
+        return str(where)

@@ -1,0 +1,142 @@
+"""The documents of a directory of things: pages of its list, and events. Pure.
+
+Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 7.3.2.1 (Things API), 7.3.2.2
+(Events API); RFC 8288, section 3 (the header field Link); RFC 9110, sections 8.8.3 (ETag) and 13.1.2 (If-None-Match):
+a page that has not changed is not sent again.
+"""
+
+import json
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+
+from homebot.conventions.payload import as_fields, parse_object, shown
+from homebot.errors import WireError
+from homebot.integrations.things.formats.thing import THING_CHANGES, ThingChange
+from homebot.support.numbers import to_number
+
+__all__ = [
+    "DirectoryEvent",
+    "DirectoryPage",
+    "ReadPage",
+    "etag_of",
+    "id_of",
+    "lifetime_of",
+    "members_of",
+    "next_page",
+    "read_event",
+    "text_of",
+]
+
+_LONGEST_ID = 500
+_LONGEST_HEADER = 4000
+_ETAG = re.compile(r'(?:W/)?"[\x21\x23-\x7e]{0,200}"')
+_LINK = re.compile(r'<([^<>]{0,2000})>((?:[^<>,"]|"[^"]*")*)')
+_NEXT = re.compile(r';\s*rel\s*=\s*(?:"(?:[^"]*\s)?next(?:\s[^"]*)?"|next)\s*(?:;|$)', re.IGNORECASE)
+_SHORTEST_LIFETIME, _LONGEST_LIFETIME = 60.0, 30 * 86_400.0
+
+
+@dataclass(frozen=True, slots=True)
+class DirectoryEvent:
+    """A change in the directory, with the whole description if the event has it."""
+
+    change: ThingChange
+    id: str
+    description: Mapping[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class ReadPage:
+    """A page as last read, with the address of the next one; empty for none."""
+
+    etag: str
+    keys: frozenset[str]
+    following: str
+
+
+@dataclass(slots=True)
+class DirectoryPage:
+    """A page of the list.
+
+    Attributes:
+        members: The descriptions on it; empty if it has not changed.
+        keys: The keys of the things on it, added by the reader of a page with members.
+    """
+
+    members: list[object] = field(default_factory=list)
+    keys: set[str] = field(default_factory=set)
+
+
+def members_of(page: object) -> list[object]:
+    """Return the members of a page, an array or a collection; raise WireError for anything else."""
+    members = as_fields(page).get("members") if isinstance(page, dict) else page
+    if not isinstance(members, list):
+        raise WireError(f"{shown(page)} is no page of a list of things")
+    return members
+
+
+def next_page(page: object, headers: Mapping[str, str]) -> str:
+    """Return the unresolved address of the next page; empty for none."""
+    for link in _LINK.finditer(headers.get("link", "")[:_LONGEST_HEADER]):
+        if _NEXT.search(link[2]):
+            return link[1]
+    following = as_fields(page).get("next")
+    return following if isinstance(following, str) else ""
+
+
+def read_event(kind: str, data: str) -> DirectoryEvent | None:
+    """Return the event in a message, None for another kind of event; raise WireError without the id of a thing."""
+    change = next((one for one in THING_CHANGES if one == kind), None)
+    if change is None:
+        return None
+    fields = parse_object(data)
+    is_whole = change == "thing_created" and "@context" in fields and "title" in fields
+    return DirectoryEvent(change, id_of(fields), fields if is_whole else {})
+
+
+def id_of(document: object) -> str:
+    """Return the id of a described thing; raise WireError if it is missing or cannot be a name."""
+    found = as_fields(document).get("id")
+    if not isinstance(found, str) or not 0 < len(found) <= _LONGEST_ID or not found.isprintable() or " " in found:
+        raise WireError(f"a thing has the id {shown(found)}; a URI of at most {_LONGEST_ID} characters is expected")
+    return found
+
+
+def text_of(document: object) -> bytes:
+    """Return the text of a description for comparison, without times of registration and retrieval."""
+    fields = {name: value for name, value in as_fields(document).items() if name != "registration"}
+    return json.dumps(fields, sort_keys=True, ensure_ascii=True).encode()
+
+
+def lifetime_of(document: object, now: float) -> float:
+    """Return the lifetime of a registration in seconds, between 60 and 30 days; 0 if it has no end.
+
+    Args:
+        now: Seconds since the Unix epoch, for a registration with an end instead of a ``ttl``.
+    """
+    registration = as_fields(as_fields(document).get("registration"))
+    given = to_number(registration.get("ttl"))
+    if given is None:
+        given = _end_of(registration.get("expires")) - now
+    elif not given > 0:
+        return 0.0
+    return 0.0 if given == math.inf else min(max(given, _SHORTEST_LIFETIME), _LONGEST_LIFETIME)
+
+
+def etag_of(headers: Mapping[str, str]) -> str:
+    """Return the entity tag in header fields, names in lower case; empty if there is none to send back."""
+    etag = headers.get("etag", "")
+    return etag if _ETAG.fullmatch(etag) else ""
+
+
+def _end_of(expires: object) -> float:
+    """Return the time in *expires*, in seconds since the Unix epoch; infinite if there is none."""
+    if not isinstance(expires, str):
+        return math.inf
+    try:
+        end = datetime.fromisoformat(expires)
+        return end.replace(tzinfo=end.tzinfo or UTC).timestamp()
+    except (ValueError, OverflowError):
+        return math.inf

@@ -1,0 +1,5 @@
+"""The driver for things that serve a W3C Thing Description over HTTP."""
+
+from homebot.integrations.things.driver.driver import HttpThingDriver, ThingDriver
+
+__all__ = ["HttpThingDriver", "ThingDriver"]

@@ -1,0 +1,88 @@
+"""The driver for things on the network, without the parts that need aiohttp: those load with the first thing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, ClassVar, Final
+
+from pydantic import Field
+
+from homebot.devices.gateway_messages import Command
+from homebot.errors import LinkError
+from homebot.gateways.drivers.base import Driver, DriverSettings
+from homebot.gateways.password_settings import HttpLoginSettings, read_logins
+from homebot.units import Seconds
+
+if TYPE_CHECKING:
+    from homebot.integrations.things.driver.session import ThingSession
+
+__all__ = ["WEB_THING", "HttpThingDriver", "ThingDriver", "ThingDriverSettings"]
+
+WEB_THING: Final = "_webthing._tcp.local."
+
+
+class ThingDriverSettings(DriverSettings):
+    """The settings of the driver for things.
+
+    Attributes:
+        credentials: The credentials of hosts that require some.
+        poll_every: Seconds between two readings of values that a thing does not push.
+    """
+
+    credentials: tuple[HttpLoginSettings, ...] = ()
+    poll_every: Annotated[Seconds, Field(ge=1.0)] = 30.0
+
+    def check_secrets(self) -> None:
+        """Read all credentials once."""
+        read_logins(self.credentials)
+
+
+class ThingDriver(Driver):
+    """One thing that serves its description; of a directory of things, only the address is listed.
+
+    Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, section 6.3 (DNS-Based Service
+    Discovery); of ``_webthing._tcp``, Web Thing API, section 2.
+
+    Attributes:
+        must_describe: Whether a host without a description is an error.
+    """
+
+    service_types: ClassVar[frozenset[str]] = frozenset({"_wot._tcp.local.", WEB_THING})
+    Settings: ClassVar[type[DriverSettings]] = ThingDriverSettings
+    libraries: ClassVar[tuple[str, ...]] = ("aiohttp",)
+    must_describe: ClassVar[bool] = True
+    settings: ThingDriverSettings
+
+    _session: ThingSession | None = None
+
+    async def run(self) -> None:
+        """Read the description and use the thing until cancelled."""
+        from homebot.integrations.things.driver.session import ThingSession  # noqa: PLC0415 - an extra
+
+        logins = read_logins(self.settings.credentials)
+        self._session = ThingSession(
+            self.service,
+            self.host,
+            logins,
+            self.settings.poll_every,
+            must_describe=self.must_describe,
+            is_web_thing=self.service.service_type == WEB_THING,
+        )
+        await self._session.run()
+
+    async def perform(self, command: Command) -> None:
+        """Carry out a command; return when the thing has accepted it."""
+        if self._session is None:
+            raise LinkError(f"{self.service.name} is not connected")
+        await self._session.perform(command)
+
+
+class HttpThingDriver(ThingDriver):
+    """A web server that may be a thing: its description is looked for at ``/.well-known/wot``.
+
+    It is used only if the configuration names it, because it sends a request to every web server on the network.
+
+    Source: as above, section 6.2 (Well-Known URIs).
+    """
+
+    service_types: ClassVar[frozenset[str]] = frozenset({"_http._tcp.local."})
+    must_describe: ClassVar[bool] = False

@@ -1,0 +1,215 @@
+"""One connection to one thing over HTTP.
+
+The description is read again periodically: it may have changed, and this is how a vanished thing that pushes its values
+is noticed. Any host on the network may serve a description, so only forms that lead to its own host are used.
+
+Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sections 6.2, 6.3 and 7.1.
+"""
+
+from collections.abc import Sequence
+from contextlib import AsyncExitStack
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import anyio
+from yarl import URL
+
+from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, clean_text, parse_json
+from homebot.devices.gateway_messages import Command
+from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.address_guard import AddressGuard
+from homebot.gateways.announced.device_runner import DriverHost
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.drivers.base import FoundService, first_answer
+from homebot.gateways.http_address import http_origin, parse_url, shown_url
+from homebot.gateways.http_client import HttpClient
+from homebot.gateways.password_settings import ThingLogin
+from homebot.integrations.things.formats.parse import read_thing
+from homebot.integrations.things.formats.thing import Form, Thing, change_forms
+from homebot.integrations.things.http.http_port import HTTP_BINDING, HttpThingPort, login_at
+from homebot.integrations.things.http.thing_device import ThingDevice, describe_thing
+from homebot.support.isolation import run_as, ungrouped
+
+__all__ = ["ThingSession"]
+
+WELL_KNOWN: Final = "/.well-known/wot"
+READ_AGAIN: Final = 18.0
+"""Seconds between two readings of the description. With the time limit of a request, a vanished thing is noticed within
+half a minute."""
+
+MOST_THINGS: Final = 16
+"""Of one server of Web Things; the first ones are used."""
+
+_ACCEPTED = "application/td+json, application/json;q=0.9"
+_NOT_THERE = frozenset({404, 405, 410})
+
+
+@dataclass(frozen=True, slots=True)
+class _ReadDescription:
+    url: str
+    data: bytes
+
+
+class ThingSession:
+    """One connection to one thing."""
+
+    def __init__(
+        self,
+        service: FoundService,
+        host: DriverHost,
+        logins: Sequence[ThingLogin],
+        poll_every: float,
+        *,
+        must_describe: bool,
+        is_web_thing: bool,
+    ) -> None:
+        self._service = service
+        self._poll_every = poll_every
+        self._host = host
+        self._must_describe = must_describe
+        self._is_web_thing = is_web_thing
+        self._host_name = _name_of(service)
+        self._guard = AddressGuard(service.addresses)
+        self._own_hosts = frozenset(one.lower() for one in (self._host_name, *service.addresses) if one)
+        self._logins = tuple(self._known_as(one) for one in logins)
+        self._devices: dict[str, ThingDevice] = {}
+
+    async def run(self) -> None:
+        """Read the description and use the thing until cancelled."""
+        description = await self._find()
+        while description is not None:
+            description = await self._follow(description)
+        self._host.describe(GatewayDevice(self._service.key, self._service.name))
+        await anyio.sleep_forever()
+
+    async def perform(self, command: Command) -> None:
+        """Carry out a command; return when the thing has accepted it."""
+        device = self._devices.get(command.key)
+        if device is None:
+            raise LinkError(f"{self._service.name} is not connected")
+        await device.perform(command)
+
+    async def _follow(self, description: _ReadDescription) -> _ReadDescription:
+        """Use the thing until its description changes, and return the new one."""
+        things = self._read_things(description)
+        own = next((one for one in things if one[1].key == self._service.key), None)
+        if own is None:
+            self._host.describe(GatewayDevice(self._service.key, self._service.name))
+        elif self._service.properties.get("type") == "Directory" or "ThingDirectory" in own[0].types:
+            place = str(URL(description.url).origin())
+            metadata = {**own[1].metadata, "thing_directory": clean_text(place)}
+            self._host.describe(replace(own[1], parts=(), metadata=metadata))
+            return await self._until_changed(description)
+        self._host.describe_behind([] if own else [device for _, device in things])
+        changed = description
+        try:
+            with ungrouped():
+                async with AsyncExitStack() as ports, anyio.create_task_group() as tasks:
+                    for thing, device in things:
+                        port = await ports.enter_async_context(HttpThingPort(thing, self._logins, self._guard))
+                        used = ThingDevice(thing, device, port, self._host, self._poll_every, is_behind=not own)
+                        self._devices[device.key] = used
+                        tasks.start_soon(run_as, "a thing", used.run)
+                    changed = await self._until_changed(description)
+                    tasks.cancel_scope.cancel()
+        finally:
+            self._devices.clear()
+        return changed
+
+    def _read_things(self, description: _ReadDescription) -> list[tuple[Thing, GatewayDevice]]:
+        """Return the described thing as the device of the service, or of several Web Things each as one behind it."""
+        described, key = parse_json(description.data), self._service.key
+        listed = {key: described}
+        if isinstance(described, list) and len(described) != 1:
+            listed = {f"{key}/{number}": one for number, one in enumerate(described[:MOST_THINGS])}
+        things = {key: self._usable(read_thing(one, description.url)) for key, one in listed.items()}
+        return [(thing, describe_thing(thing, key, HTTP_BINDING)) for key, thing in things.items()]
+
+    async def _until_changed(self, description: _ReadDescription) -> _ReadDescription:
+        while True:
+            await anyio.sleep(READ_AGAIN)
+            now = await self._read(description.url)
+            if now != description:
+                return now
+
+    async def _find(self) -> _ReadDescription | None:
+        """Return the description from the first address that answers; None if there is none and none is required."""
+        scheme, path = self._announced_place()
+        name = (self._host_name,) if scheme == "https" and self._host_name else ()
+
+        async def read_at(address: str) -> _ReadDescription:
+            return await self._read(http_origin(address, self._service.port, scheme) + path)
+
+        try:
+            return await first_answer(self._service.name, (*name, *self._service.addresses), read_at)
+        except RefusedError as exc:
+            if self._must_describe or exc.code not in _NOT_THERE:
+                raise
+        except WireError:
+            if self._must_describe:
+                raise
+        return None
+
+    def _announced_place(self) -> tuple[Literal["http", "https"], str]:
+        """Return scheme and path of the description: those announced, or the usual ones."""
+        said = self._service.properties
+        if not self._must_describe:
+            return "http", WELL_KNOWN
+        scheme, path = said.get("scheme", ""), said.get("td", "") or WELL_KNOWN
+        if self._is_web_thing:
+            scheme, path = "https" if said.get("tls") == "1" else "", said.get("path", "") or "/"
+        return "https" if scheme == "https" else "http", path if path.startswith("/") else f"/{path}"
+
+    async def _read(self, url: str) -> _ReadDescription:
+        login = login_at(parse_url(url), self._logins)
+        async with HttpClient(guard=self._guard, login=login, max_bytes=MAX_ANNOUNCEMENT_BYTES) as client:
+            answer = await client.get(url, accept=_ACCEPTED)
+        if "json" not in answer.content_type and answer.content_type:
+            raise WireError(f"{shown_url(URL(url))} has {answer.content_type[:60]!a}, no Thing Description")
+        return _ReadDescription(url, answer.body)
+
+    def _known_as(self, login: ThingLogin) -> ThingLogin:
+        """Return credentials for the host name of the service extended to its addresses."""
+        if not self._host_name or not login.is_for(self._host_name, self._service.port):
+            return login
+        shown = (f"[{one}]" if ":" in one else one for one in self._service.addresses)
+        return login.with_hosts(*(f"{one}:{self._service.port}" for one in shown))
+
+    def _usable(self, thing: Thing) -> Thing:
+        """Return *thing* with only the forms that lead to its own host."""
+        left_out: list[Form] = []
+
+        def usable(form: Form) -> Form | None:
+            found = self._at_own_host(form) if form.scheme in HTTP_BINDING.schemes else form
+            if found is None:
+                left_out.append(form)
+            return found
+
+        found = change_forms(thing, usable)
+        if left_out:
+            message = f"{self._service.name}: {len(left_out)} forms lead to other hosts and are not used"
+            self._host.log.warning("thing.forms_left_out", message=message)
+        return found
+
+    def _at_own_host(self, form: Form) -> Form | None:
+        """Return *form* with an IP address in place of a host name that this computer may not resolve."""
+        try:
+            where = parse_url(form.href)
+        except WireError:
+            return None
+        name = (where.host or "").lower().removesuffix(".")
+        if name not in self._own_hosts:
+            return None
+        if name == self._host_name and where.scheme == "http" and self._service.addresses:
+            origin = URL(http_origin(self._service.addresses[0], where.port or 80))
+            return replace(form, href=str(origin.join(where.relative())))
+        return form
+
+
+def _name_of(service: FoundService) -> str:
+    """Return the host name of a service; empty unless it is a name under ``.local``.
+
+    A neighbour may claim ``localhost``, an address, or a name of the internet, and its own addresses for them.
+    """
+    name = service.host.lower().removesuffix(".")
+    return name if name.endswith(".local") else ""

@@ -1,0 +1,301 @@
+"""The parser of Thing Descriptions, which checks the rules of TD 1.1. Pure.
+
+Missing terms have the defaults of the specification, and unknown ones are ignored. Descriptions of version 1.0 and of
+Web Things are read too.
+"""
+
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Final, get_args
+from urllib.parse import unquote, urlsplit
+
+from homebot.integrations.things.formats.fields import Fields
+from homebot.integrations.things.formats.thing import (
+    OBSERVE_OPS,
+    WRITE_OPS,
+    Affordance,
+    AffordanceKind,
+    DataSchema,
+    DataType,
+    Form,
+    SecurityScheme,
+    Thing,
+)
+from homebot.integrations.things.formats.webthings import with_forms
+from homebot.support.addresses import resolve_uri
+
+__all__ = ["CONTEXT", "read_thing"]
+
+
+CONTEXT: Final = "https://www.w3.org/2022/wot/td/v1.1"
+_CONTEXTS = frozenset({CONTEXT, "https://www.w3.org/2019/wot/td/v1", "http://www.w3.org/ns/td"})
+
+_KINDS: Mapping[str, AffordanceKind] = {"properties": "property", "actions": "action", "events": "event"}
+_OPS: Mapping[AffordanceKind, tuple[str, ...]] = {
+    "property": ("readproperty", "writeproperty", "observeproperty", "unobserveproperty"),
+    "action": ("invokeaction", "queryaction", "cancelaction"),
+    "event": ("subscribeevent", "unsubscribeevent"),
+}
+_DEFAULT_OPS: Mapping[AffordanceKind, tuple[str, ...]] = {
+    "property": ("readproperty", "writeproperty"),
+    "action": ("invokeaction",),
+    "event": ("subscribeevent",),
+}
+_TYPES: tuple[DataType, ...] = get_args(DataType)
+
+_MAX_AFFORDANCES = 300
+_MAX_FORMS = 100
+"""Most forms: servers list dozens, one per address, protocol and content type; further ones are ignored."""
+
+_MAX_MEMBERS = 20
+_SCALARS = frozenset({"boolean", "integer", "number", "string"})
+_EXTENSION = "homebot:"
+_METHODS = ("htv:methodName", "cov:method", "cov:methodName", "coap:method", "coap:methodName")
+"""The terms for methods in the bindings of HTTP and CoAP, and in older drafts of the latter."""
+
+_UNDEFINED_VARIABLES = re.compile(r"\{[?&#][^{}]*\}")
+"""Expressions of a URI template (RFC 6570, section 3.2.1) that disappear without values for their variables."""
+
+
+def read_thing(description: object, source: str = "") -> Thing:
+    """Return the thing described by a Thing Description, given as parsed JSON.
+
+    Args:
+        source: The address from which it was read, to resolve relative addresses.
+
+    Raises:
+        WireError: It breaks a rule of TD 1.1, or has more than 300 affordances; the message names field and value.
+    """
+    fields = Fields(with_forms(description, CONTEXT), "")
+    _check_context(fields)
+    schemes, required = _security(fields)
+    try:
+        base = resolve_uri(source, fields.text("base"))
+    except ValueError:
+        raise fields.problem("base", f"{fields.text('base')[:60]!a} is not an address") from None
+    affordances = tuple(
+        affordance
+        for group, kind in _KINDS.items()
+        for affordance in _affordances(fields.inner(group), kind, base, required)
+    )
+    if len(affordances) > _MAX_AFFORDANCES:
+        raise fields.problem("", f"{len(affordances)} affordances are too many; the limit is {_MAX_AFFORDANCES}")
+    facts = fields.inner("homebot:facts")
+    return Thing(
+        id=fields.text("id"),
+        title=fields.text("title", required=True),
+        types=_bare(fields.texts("@type")),
+        description=fields.text("description"),
+        affordances=affordances,
+        facts={name: facts.text(name) for name in facts.names() if isinstance(facts.plain(name), str)},
+        area=fields.text("homebot:area"),
+        identifiers=fields.texts("homebot:identifiers"),
+        forms=tuple(_thing_forms(fields, base, required)),
+        security=schemes,
+    )
+
+
+def _check_context(fields: Fields) -> None:
+    value = fields.plain("@context")
+    named = value if isinstance(value, list) else [value]
+    if not any(isinstance(one, str) and one in _CONTEXTS for one in named):
+        raise fields.problem("@context", f"must contain {CONTEXT}, the context of Thing Descriptions")
+
+
+def _security(fields: Fields) -> tuple[dict[str, SecurityScheme], tuple[str, ...]]:
+    definitions = fields.inner("securityDefinitions")
+    schemes = {name: _security_scheme(definitions.inner(name)) for name in definitions.names()}
+    required = fields.texts("security")
+    if not required:
+        raise fields.problem("security", "is missing; give the name of a security definition")
+    _check_known(fields, required, schemes)
+    return schemes, required
+
+
+def _security_scheme(fields: Fields) -> SecurityScheme:
+    scheme = fields.text("scheme", required=True)
+    where, name = (fields.text(one) if isinstance(fields.plain(one), str) else "" for one in ("in", "name"))
+    return SecurityScheme("bearer" if scheme == "oauth2" else scheme, where, name)  # its token is sent as one: RFC 6750
+
+
+def _check_known(fields: Fields, required: tuple[str, ...], schemes: Collection[str]) -> None:
+    for name in required:
+        if name not in schemes:
+            raise fields.problem("security", f"{name[:60]!a} is not in securityDefinitions")
+
+
+def _affordances(group: Fields, kind: AffordanceKind, base: str, security: tuple[str, ...]) -> Iterator[Affordance]:
+    for name in group.names():
+        fields = group.inner(name)
+        read_only, write_only = fields.flag("readOnly"), fields.flag("writeOnly")
+        if read_only and write_only:
+            raise fields.problem("writeOnly", "readOnly and writeOnly exclude each other")
+        schema = fields if kind == "property" else fields.inner("input" if kind == "action" else "data")
+        unfit = {"writeproperty"} if read_only else {"readproperty", "observeproperty"} if write_only else set()
+        forms = tuple(_forms(fields, kind, base, security, unfit))
+        yield Affordance(
+            name=name,
+            kind=kind,
+            title=fields.text("title"),
+            types=_bare(fields.texts("@type")),
+            schema=_schema(schema),
+            read_only=read_only,
+            write_only=write_only,
+            forms=forms,
+            extension={
+                name.removeprefix(_EXTENSION): fields.text(name)
+                for name in fields.names()
+                if name.startswith(_EXTENSION) and isinstance(fields.plain(name), str)
+            },
+        )
+
+
+def _forms(
+    fields: Fields, kind: AffordanceKind, base: str, security: tuple[str, ...], unfit: Collection[str]
+) -> Iterator[Form]:
+    """Parse the forms of an affordance, without *unfit* operations unless there are no others."""
+    if not fields.listed("forms"):
+        raise fields.problem("forms", "is empty; give at least one form")
+    for form in _listed_forms(fields):
+        ops = form.texts("op") or _DEFAULT_OPS[kind]
+        for op in ops:
+            if op not in _OPS[kind]:
+                raise form.problem("op", f"{op[:60]!a} is none of {', '.join(_OPS[kind])}")
+        yield _form(form, tuple(op for op in ops if op not in unfit) or ops, base, security)
+
+
+def _thing_forms(fields: Fields, base: str, security: tuple[str, ...]) -> Iterator[Form]:
+    """Parse the forms of the thing as a whole, which must have an operation (TD 1.1, section 5.3.4.2.1)."""
+    for form in _listed_forms(fields):
+        if ops := form.texts("op"):
+            yield _form(form, ops, base, security)
+
+
+def _listed_forms(fields: Fields) -> list[Fields]:
+    forms = fields.listed("forms")[:_MAX_FORMS]
+    return [Fields(one, fields.where(f"forms[{number}]")) for number, one in enumerate(forms)]
+
+
+def _form(form: Fields, ops: tuple[str, ...], base: str, security: tuple[str, ...]) -> Form:
+    if "href" not in form:
+        raise form.problem("href", "is missing; give an address")
+    href = form.text("href")
+    try:
+        scheme, path = urlsplit(href).scheme, urlsplit(href).path
+        scheme = scheme or urlsplit(base).scheme
+        address = resolve_uri(base, _UNDEFINED_VARIABLES.sub("", href))
+    except ValueError:
+        raise form.problem("href", f"{href[:60]!a} is not an address") from None
+    topic, observed = _topics(form, ops, unquote(path).removeprefix("/") if scheme in {"mqtt", "mqtts"} else "")
+    return Form(
+        ops=ops,
+        scheme=scheme.lower(),
+        href=address,
+        subprotocol=form.text("subprotocol"),
+        method=next((found for name in _METHODS if (found := form.text(name))), "").upper(),
+        security=form.texts("security") or security,
+        topic=topic,
+        filter=observed,
+        qos=_qos(form),
+        retain=_retain(form),
+        content_type=form.text("contentType") or "application/json",
+        response_type=form.inner("response").text("contentType"),
+    )
+
+
+def _topics(form: Fields, ops: tuple[str, ...], in_path: str) -> tuple[str, str]:
+    """Return the topic for publishing and the filter for subscribing.
+
+    In many TDs the topic is in the path of the address; ``mqv:`` terms are preferred.
+    """
+    packet = form.text("mqv:controlPacket").rpartition(":")[2]
+    filters, named = form.texts("mqv:filter"), form.text("mqv:topic") or in_path
+    topic = named if WRITE_OPS & set(ops) and packet != "subscribe" else ""
+    observed = filters[0] if filters else named
+    return topic, observed if OBSERVE_OPS & set(ops) and packet != "publish" else ""
+
+
+def _retain(form: Fields) -> bool:
+    """Parse a boolean, which some write as text."""
+    value = form.plain("mqv:retain")
+    return value == "true" if isinstance(value, str) and value in {"true", "false"} else form.flag("mqv:retain")
+
+
+def _qos(form: Fields) -> int:
+    """Parse ``"1"``, 1, or ``quality:1`` of older drafts."""
+    value = form.plain("mqv:qos")
+    if value is None:
+        return 0
+    text = value.rpartition(":")[2] if isinstance(value, str) else value
+    for qos in (0, 1, 2):
+        if not isinstance(text, bool) and text in (qos, str(qos)):  # a tuple: it need not be hashable
+            return qos
+    raise form.problem("mqv:qos", "0, 1 or 2 is expected")
+
+
+def _schema(fields: Fields, *, is_member: bool = False) -> DataSchema:
+    found = _type(fields)
+    if not found and (chosen := _alternative(fields)) is not None:
+        return chosen
+    members = fields.inner("properties") if found == "object" and not is_member else None
+    if members is not None and len(names := members.names()) == 1:  # an object with one member stands for that
+        return replace(_schema(members.inner(names[0]), is_member=True), member=names[0])
+    several = () if members is None else tuple(_members(fields, members))
+    enum = _enum(fields)
+    minimum, maximum = _range(fields)
+    return DataSchema(
+        type=found, unit=fields.text("unit"), minimum=minimum, maximum=maximum, enum=enum, members=several
+    )
+
+
+def _enum(fields: Fields) -> tuple[str | float | bool, ...]:
+    enum = fields.listed("enum")
+    if "enum" in fields and not enum:
+        raise fields.problem("enum", "at least one value is expected")
+    return tuple(one for one in enum if isinstance(one, (str, float, int, bool)))
+
+
+def _range(fields: Fields) -> tuple[float | None, float | None]:
+    minimum, maximum = fields.number("minimum"), fields.number("maximum")
+    if minimum is not None and maximum is not None and minimum > maximum:
+        raise fields.problem("minimum", f"{minimum:g} is above the maximum {maximum:g}")
+    return minimum, maximum
+
+
+def _type(fields: Fields) -> DataType:
+    kind = fields.text("type")
+    for known in _TYPES:
+        if known == kind:
+            return known
+    raise fields.problem("type", f"{kind[:60]!a} is none of {', '.join(filter(None, _TYPES))}")
+
+
+def _alternative(fields: Fields) -> DataSchema | None:
+    """Return the number among the alternatives of a schema, or the only non-null one; otherwise None."""
+    name = "oneOf" if "oneOf" in fields else "anyOf"
+    given = [one for one in fields.listed(name) if isinstance(one, dict) and one.get("type") != "null"]
+    schemas = [_schema(Fields(one, fields.where(name)), is_member=True) for one in given]
+    numbers = [one for one in schemas if one.type in ("integer", "number")] or schemas
+    if len(numbers) != 1:
+        return None
+    number = numbers[0]
+    words = _words(one for one in schemas if one is not number)
+    return replace(number, unit=number.unit or fields.text("unit"), words=words)
+
+
+def _words(schemas: Iterable[DataSchema]) -> tuple[str, ...]:
+    return tuple(text for one in schemas for text in one.enum if isinstance(text, str))
+
+
+def _members(fields: Fields, members: Fields) -> Iterator[tuple[str, DataSchema]]:
+    required = fields.texts("required") or members.names()
+    for name in members.names()[:_MAX_MEMBERS]:
+        schema = _schema(members.inner(name), is_member=True)
+        if name in required and schema.type in _SCALARS:
+            yield name, replace(schema, member=name)
+
+
+def _bare(types: tuple[str, ...]) -> tuple[str, ...]:
+    """Return *types* without prefix or namespace: ``iot:BinarySwitch`` is ``BinarySwitch``."""
+    return tuple(one.rpartition("#")[2].rpartition("/")[2].rpartition(":")[2] for one in types)

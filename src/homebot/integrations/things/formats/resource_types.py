@@ -1,0 +1,256 @@
+"""Devices without a Thing Description, as things: the resource types in their links. Pure.
+
+OCF resources are known by their type (``rt``), IPSO ones by the numbers in their path. Another resource that can be
+observed, or that its interface calls a sensor, is there to be read as a text.
+
+Source: OCF Resource Type Specification 2.2.5, section 6; OMA LwM2M registry, objects 3200 to 3347; RFC 9176 and the
+CoRE interfaces draft (``core.s``, ``core.a``) for ``if``.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from urllib.parse import unquote
+
+from homebot.conventions.coap.link_format import WebLink
+from homebot.conventions.payload import clean_text
+from homebot.integrations.things.formats.content_formats import coap_formats, content_type_of
+from homebot.integrations.things.formats.thing import Affordance, DataSchema, DataType, Form, Thing
+
+__all__ = ["MAX_RESOURCES", "thing_of_links"]
+
+MAX_RESOURCES = 64
+"""Resources of one device that are used; the first in the order of their paths."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """A known kind of resource.
+
+    Attributes:
+        member: The member of the object that has the value.
+        semantic: The semantic type, where the name does not say it.
+        enum: The two spellings of no and yes, for a boolean that is spelt as text.
+        unit_member: The member of the object that names another unit.
+    """
+
+    name: str
+    type: DataType
+    unit: str = ""
+    bounds: tuple[float, float] | None = None
+    member: str = ""
+    settable: bool = False
+    semantic: str = ""
+    enum: tuple[str, ...] = ()
+    unit_member: str = ""
+
+
+_OCF: Mapping[str, _Known] = MappingProxyType(
+    {
+        "oic.r.switch.binary": _Known("on", "boolean", member="value", settable=True, semantic="OnOffProperty"),
+        "oic.r.light.dimming": _Known("brightness", "integer", "%", (0, 100), "dimmingSetting", settable=True),
+        "oic.r.light.brightness": _Known("brightness", "integer", "%", (0, 100), "brightness", settable=True),
+        "oic.r.colour.colourtemperature": _Known("color_temperature", "integer", "mired", member="ct", settable=True),
+        "oic.r.openlevel": _Known("position", "integer", "%", (0, 100), "openLevel", settable=True),
+        "oic.r.lock.status": _Known(
+            "lock", "string", member="lockState", settable=True, semantic="LockedProperty", enum=("Unlocked", "Locked")
+        ),
+        "oic.r.temperature": _Known("temperature", "number", "celsius", member="temperature", unit_member="units"),
+        "oic.r.humidity": _Known("humidity", "number", "%", member="humidity"),
+        "oic.r.sensor.illuminance": _Known("illuminance", "number", "lux", member="illuminance"),
+        "oic.r.sensor.atmosphericpressure": _Known("pressure", "number", "hPa", member="atmosphericPressure"),
+        "oic.r.sensor.motion": _Known("motion", "boolean", member="value"),
+        "oic.r.sensor.presence": _Known("motion", "boolean", member="value"),
+        "oic.r.sensor.water": _Known("water_leak", "boolean", member="value"),
+        "oic.r.sensor.smoke": _Known("smoke", "boolean", member="value"),
+        "oic.r.sensor.carbonmonoxide": _Known("carbon_monoxide_alarm", "boolean", member="value"),
+        "oic.r.energy.battery": _Known("battery", "integer", "%", member="charge"),
+    }
+)
+
+_TARGET_TEMPERATURE = replace(_OCF["oic.r.temperature"], name="target_temperature", settable=True)
+"""A temperature of OCF that can be set: a thermostat's measurement has the same type."""
+
+_ONE_OR_ZERO = ("0", "1")
+_IPSO: Mapping[tuple[int, int], _Known] = MappingProxyType(
+    {
+        (3200, 5500): _Known("state", "string", enum=_ONE_OR_ZERO),
+        (3201, 5550): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+        (3300, 5700): _Known("measurement", "number"),
+        (3301, 5700): _Known("illuminance", "number", "lux"),
+        (3302, 5500): _Known("motion", "string", enum=_ONE_OR_ZERO),
+        (3303, 5700): _Known("temperature", "number", "celsius"),
+        (3304, 5700): _Known("humidity", "number", "%"),
+        (3305, 5800): _Known("power", "number", "W"),
+        (3306, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+        (3308, 5900): _Known("set_point", "number", settable=True),
+        (3311, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+        (3311, 5851): _Known("brightness", "integer", "%", (0, 100), settable=True),
+        (3312, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+        (3315, 5700): _Known("barometer", "number"),
+        (3316, 5700): _Known("voltage", "number", "V"),
+        (3317, 5700): _Known("current", "number", "A"),
+        (3318, 5700): _Known("frequency", "number", "Hz"),
+        (3320, 5700): _Known("percentage", "number", "%"),
+        (3323, 5700): _Known("gauge", "number"),
+        (3325, 5700): _Known("concentration", "number"),
+        (3328, 5700): _Known("power", "number", "W"),
+        (3330, 5700): _Known("distance", "number"),
+        (3331, 5805): _Known("energy", "number", "Wh"),
+        (3337, 5536): _Known("positioner", "number", "%", (0, 100), settable=True),
+        (3342, 5500): _Known("on", "string", enum=_ONE_OR_ZERO),
+        (3343, 5548): _Known("brightness", "number", "%", (0, 100), settable=True),
+        (3347, 5500): _Known("state", "string", enum=_ONE_OR_ZERO),
+    }
+)
+"""By object and resource; of a quantity with its unit in another resource, the number alone is known."""
+
+_IPSO_INSTANCE = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}")
+_IPSO_PATH = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}/(5\d{3})/?")
+_LIGHT, _OCF_LIGHT = "3311", "oic.r.light."
+_OF_INSTANCE: Mapping[str, str] = MappingProxyType({"on": "on_off", "brightness": "level"})
+"""The capabilities that belong to one instance of an IPSO object, by the names of properties."""
+
+_THING_TYPES: Mapping[str, str] = MappingProxyType(
+    {
+        "oic.d.light": "Light",
+        "oic.d.smartplug": "SmartPlug",
+        "oic.d.switch": "OnOffSwitch",
+        "oic.d.smartlock": "Lock",
+        "oic.d.blind": "WindowCovering",
+        "oic.d.thermostat": "Thermostat",
+    }
+)
+_READ_ONLY = frozenset({"oic.if.s", "oic.if.r", "core.s", "core.rp", "core.lb", "sensor"})
+_OCF_ACTUATORS = frozenset({"oic.if.a", "oic.if.rw"})
+_ACTUATORS = _OCF_ACTUATORS | {"core.a", "core.p", "actuator"}
+_NEVER = ("/.well-known/", "/oic/", "/rd", "/bs")
+
+
+def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: str) -> Thing:
+    """Return the thing with the resources of *links*, one device's; *resolve* has the absolute addresses by target."""
+    given = tuple(links)
+    implied = {link: href for one in given for link, href in _implied(one, given, resolve[one.target])}
+    resolve = {**resolve, **{link.target: href for link, href in implied.items()}}
+    lit = {_folder(one) for one in given if _is_ocf_light(one)}
+    # a switch beside a brightness comes first: of several switches, that one is the lamp's
+    listed = sorted((*given, *implied), key=lambda one: (_folder(one) not in lit, one.target))
+    lamps = [instance for one in listed if (instance := _instance(one, _LIGHT))]
+    found = [made for one in listed if (made := _affordance(one, resolve[one.target], lamps)) is not None]
+    return Thing(
+        id="",
+        title=name,
+        types=_thing_types(listed) or (("Light",) if lamps or lit else ()),
+        description="",
+        affordances=tuple(found[:MAX_RESOURCES]),
+    )
+
+
+def _thing_types(links: Iterable[WebLink]) -> tuple[str, ...]:
+    words = (word for link in links for word in link.words("rt"))
+    return tuple(dict.fromkeys(_THING_TYPES[word] for word in words if word in _THING_TYPES))
+
+
+def _is_ocf_light(link: WebLink) -> bool:
+    return any(word.startswith(_OCF_LIGHT) for word in link.words("rt"))
+
+
+def _implied(link: WebLink, listed: Iterable[WebLink], href: str) -> Iterator[tuple[WebLink, str]]:
+    """Yield the resource that an instance of an IPSO object must have, where the device lists the instance alone.
+
+    LwM2M devices do: ``</3303/0>``, section 6.4.1 of the LwM2M Core specification.
+    """
+    target = link.target.rstrip("/")
+    match = _IPSO_INSTANCE.fullmatch(target)
+    if match is None or not href or any(one.target.startswith(f"{target}/") for one in listed):
+        return
+    number = next((resource for known, resource in _IPSO if known == int(match[1])), None)
+    if number is not None:
+        yield WebLink(f"{target}/{number}"), f"{href.rstrip('/')}/{number}"
+
+
+def _folder(link: WebLink) -> str:
+    return link.target.strip("/").rpartition("/")[0]
+
+
+def _instance(link: WebLink, number: str = "") -> str:
+    """Return the path of the instance of an IPSO object that has the resource; of the object *number*, where given."""
+    match = _IPSO_PATH.fullmatch(link.target)
+    is_it = match is not None and number in {"", match[1]}
+    return _folder(link) if is_it else ""
+
+
+def _placed(link: WebLink, known: _Known, lamps: Sequence[str]) -> Mapping[str, str]:
+    """Return the part of a resource beside *lamps*: each lamp is one, and no relay is the switch of a lamp."""
+    instance, capability = _instance(link), _OF_INSTANCE.get(known.name, "")
+    if not instance or not capability or not lamps:
+        return {}
+    if instance == lamps[0]:
+        return {"capability": capability, "serviceType": "light", "part": "", "advertised": "Light"}
+    kind = "light" if instance in lamps else "switch"
+    name = clean_text(link.get("title"), 60)
+    return {"capability": capability, "serviceType": kind, "part": instance, "name": name, "guessed": "true"}
+
+
+def _affordance(link: WebLink, href: str, lamps: Sequence[str]) -> Affordance | None:
+    kind = _kind(link)
+    if kind is None or link.target.startswith(_NEVER) or not href:
+        return None
+    known, default_type = kind
+    content_type = _content_type(link, default_type)
+    if content_type is None:
+        return None
+    interfaces = frozenset(link.words("if"))
+    is_settable = known.settable and (interfaces.isdisjoint(_READ_ONLY) or not interfaces.isdisjoint(_ACTUATORS))
+    low, high = known.bounds or (None, None)
+    return Affordance(
+        name=known.name,
+        kind="property",
+        title=clean_text(link.get("title"), 60),
+        types=(known.semantic,) if known.semantic else (),
+        schema=DataSchema(known.type, known.unit, low, high, known.enum, known.member, unit_member=known.unit_member),
+        read_only=not is_settable,
+        write_only=False,
+        forms=_forms(link, href, content_type, known),
+        extension=_placed(link, known, lamps),
+    )
+
+
+def _kind(link: WebLink) -> tuple[_Known, str] | None:
+    """Return the kind of a resource, and the content type that it has by default; None for another one."""
+    interfaces = frozenset(link.words("if"))
+    if (known := _ocf_kind(link, interfaces)) is not None:
+        return known, "application/vnd.ocf+cbor"
+    match = _IPSO_PATH.fullmatch(link.target)
+    if match is not None and (known := _IPSO.get((int(match[1]), int(match[2])))) is not None:
+        return known, "text/plain"
+    if not link.has("obs") and interfaces.isdisjoint(_READ_ONLY):
+        return None
+    last = unquote(link.target.rstrip("/").rpartition("/")[2])
+    return _Known(clean_text(link.get("title") or last, 60) or "value", "string"), "text/plain"
+
+
+def _ocf_kind(link: WebLink, interfaces: frozenset[str]) -> _Known | None:
+    known = next((_OCF[word] for word in link.words("rt") if word in _OCF), None)
+    is_target = known is _OCF["oic.r.temperature"] and not interfaces.isdisjoint(_OCF_ACTUATORS)
+    return _TARGET_TEMPERATURE if is_target else known
+
+
+def _forms(link: WebLink, href: str, content_type: str, known: _Known) -> tuple[Form, ...]:
+    scheme = href.partition(":")[0].lower()
+    method = "POST" if known.member else "PUT"  # OCF changes by UPDATE, which is POST in CoAP
+    observed = Form(("observeproperty",), scheme, href, subprotocol="cov:observe", content_type=content_type)
+    return (
+        *((observed,) if link.has("obs") else ()),
+        Form(("readproperty",), scheme, href, content_type=content_type),
+        Form(("writeproperty",), scheme, href, method=method, content_type=content_type),
+    )
+
+
+def _content_type(link: WebLink, default: str) -> str | None:
+    """Return the first type of the resource that is understood; None if none of those that it names is."""
+    named = [content_type_of(int(one)) for one in link.words("ct") if one.isdecimal() and len(one) <= 5]
+    if not named:
+        return default
+    return next((one for one in named if coap_formats(one) is not None), None)

@@ -1,0 +1,210 @@
+"""HTTP as the protocol of things.
+
+Source: W3C Recommendation "Web of Things (WoT) Thing Description 1.1", sections 5.3.3 (security) and 8.3.1 (HTTP), and
+W3C "Web of Things (WoT) HTTP Binding": default methods, ``longpoll`` and ``sse``.
+"""
+
+import re
+from collections.abc import AsyncGenerator, Awaitable, Callable, Sequence
+from contextlib import AsyncExitStack, suppress
+from types import TracebackType
+from typing import Final, Literal, Self
+
+import anyio
+from pydantic import SecretStr
+from yarl import URL
+
+from homebot.errors import PeerError, RefusedError
+from homebot.gateways.address_guard import AddressGuard
+from homebot.gateways.http_address import parse_url
+from homebot.gateways.http_client import HttpAnswer, HttpClient
+from homebot.gateways.http_middlewares import HttpLogin
+from homebot.gateways.password_settings import ThingLogin
+from homebot.integrations.things.formats.binding import RequestBinding
+from homebot.integrations.things.formats.thing import Form, SecurityScheme, Thing
+from homebot.integrations.things.http.thing_device import ThingPayload
+from homebot.support.isolation import run_as, ungrouped
+
+__all__ = ["HTTP_BINDING", "HttpThingPort", "login_at"]
+
+HTTP_BINDING: Final = RequestBinding(frozenset({"http", "https"}), ("sse", "longpoll"))
+
+LONG_POLL: Final = 50.0
+"""Seconds to wait for the answer to a long poll before it is restarted."""
+
+SHORTEST: Final = 0.5
+"""Seconds between long polls if one was answered at once; also those after which one counts as started."""
+
+WATCH_EVERY: Final = 60.0
+"""Seconds between checks of a thing that pushes its values, as a lost connection may go unnoticed."""
+
+_HEADER = re.compile(r"[!#$%&'*+.^_`|~0-9A-Za-z-]{1,100}")
+_MARGIN = 10.0
+_NOT_SENT: Final = frozenset({"host", "content-length", "transfer-encoding", "connection", "upgrade"})
+
+
+class HttpThingPort:
+    """The HTTP :class:`homebot.integrations.things.http.thing_device.ThingPort` of one thing; use it as ``async with``.
+
+    Args:
+        guard: The guard of this computer's addresses; None if its own directory lists the thing.
+    """
+
+    binding = HTTP_BINDING
+
+    def __init__(self, thing: Thing, logins: Sequence[ThingLogin], guard: AddressGuard | None) -> None:
+        self._thing = thing
+        self._guard = guard
+        self._logins = logins
+        self._clients: dict[HttpLogin | None, HttpClient] = {}
+        self._stack = AsyncExitStack()
+        self._read_forms = {
+            push.href: read
+            for one in thing.affordances
+            for push in HTTP_BINDING.push_forms(one)
+            for read in HTTP_BINDING.read_forms(one)[:1]
+        }
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self._clients.clear()
+        with anyio.CancelScope(shield=True):
+            await self._stack.aclose()
+
+    async def read(self, form: Form) -> ThingPayload:
+        """Return the current value at the address of *form*."""
+        method = form.method if form.method in {"GET", "POST"} and "writeproperty" not in form.ops else "GET"
+        return _payload(await self._request(method, form), form)
+
+    async def write(self, form: Form, payload: bytes) -> None:
+        """Send *payload*, by default by PUT to a property and by POST to an action."""
+        method = form.method if form.method != "GET" else ""
+        default = "POST" if "invokeaction" in form.ops else "PUT"
+        await self._request(method or default, form, payload)
+
+    async def observe(
+        self, form: Form, read_current: Callable[[], Awaitable[None]]
+    ) -> AsyncGenerator[ThingPayload, None]:
+        """Yield pushed values; the current value is read after each start, as a server only pushes later changes."""
+        if form.subprotocol == "sse":
+            client, url = await self._client(form)
+            async with client.events(url) as events:
+                await read_current()
+                async for event in events:
+                    yield ThingPayload(event.data.encode(errors="replace"), form.response_type or form.content_type)
+        while form.subprotocol != "sse":
+            began = anyio.current_time()
+            answer = await self._poll(form, read_current)
+            if answer is not None and answer.status != 204:
+                yield _payload(answer, form)
+            await anyio.sleep(max(0.0, began + SHORTEST - anyio.current_time()))
+
+    async def watch(self, confirm: Callable[[], None]) -> None:
+        """Read a value of a thing that pushes values at intervals, until cancelled."""
+        form = next(iter(self._read_forms.values()), None)
+        while True:
+            await anyio.sleep(WATCH_EVERY)
+            if form is not None:
+                with suppress(PeerError):  # this is an answer too
+                    await self.read(form)
+                confirm()
+
+    async def _poll(self, form: Form, read_current: Callable[[], Awaitable[None]]) -> HttpAnswer | None:
+        """Return the answer to a long poll; None if it has to be restarted."""
+
+        async def read_when_begun() -> None:
+            await anyio.sleep(SHORTEST)  # nothing says when the server has the request
+            await read_current()
+
+        answer: HttpAnswer | None = None
+        with ungrouped():
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(run_as, "the reading after a long poll began", read_when_begun)
+                with anyio.move_on_after(LONG_POLL):
+                    answer = await self._request("GET", form, time_limit=LONG_POLL + _MARGIN)
+                tasks.cancel_scope.cancel()
+        return answer
+
+    async def _request(
+        self, method: str, form: Form, payload: bytes = b"", *, time_limit: float | None = None
+    ) -> HttpAnswer:
+        client, url = await self._client(form)
+        return await client.request(
+            method,
+            url,
+            body=payload or None,
+            content_type=form.content_type if payload else "",
+            accept=form.response_type or form.content_type,
+            time_limit=time_limit,
+        )
+
+    async def _client(self, form: Form) -> tuple[HttpClient, str]:
+        """Return the client for the address of *form*, and the address to request."""
+        login, url = self._login(form)
+        client = self._clients.get(login)
+        if client is None:
+            made = HttpClient(guard=self._guard, login=login)
+            client = self._clients[login] = await self._stack.enter_async_context(made)
+        return client, url
+
+    def _login(self, form: Form) -> tuple[HttpLogin | None, str]:
+        where = parse_url(form.href)
+        schemes = self._schemes_of(form)
+        known = _known_at(where, self._logins)
+        if known is None or not schemes:
+            return None, form.href
+        if len(schemes) > 1:
+            raise RefusedError("credentials for the thing", "it wants several at once, which is not supported")
+        scheme = schemes[0]
+        if known.scheme and scheme.scheme not in {known.scheme, "auto"}:
+            raise RefusedError(
+                "credentials for the thing", f"it wants {scheme.scheme[:40]!a}, and {known.scheme} is configured"
+            )
+        if scheme.scheme == "apikey" and scheme.location in {"", "query"}:  # the default place in TD 1.1
+            if not scheme.name:
+                raise RefusedError("credentials for the thing", "its description does not name the parameter")
+            return None, str(where.update_query({scheme.name: known.password.get_secret_value()}))
+        return _http_login(known, where, scheme), form.href
+
+    def _schemes_of(self, form: Form) -> list[SecurityScheme]:
+        schemes = [self._thing.security[name] for name in form.security if name in self._thing.security]
+        return [one for one in schemes if one.scheme != "nosec"]
+
+
+def login_at(where: URL, logins: Sequence[ThingLogin]) -> HttpLogin | None:
+    """Return the credentials for reading descriptions at an address, if the configuration says how they are sent."""
+    known = _known_at(where, logins)
+    if known is None or known.scheme in {"", "apikey"}:
+        return None
+    return _http_login(known, where, SecurityScheme(known.scheme))
+
+
+def _known_at(where: URL, logins: Sequence[ThingLogin]) -> ThingLogin | None:
+    return next((one for one in logins if one.is_for(where.host or "", where.port)), None)
+
+
+def _http_login(login: ThingLogin, where: URL, scheme: SecurityScheme) -> HttpLogin:
+    """Return how requests to the server of *where* carry credentials."""
+    origin, secret = str(where.origin()), login.password
+    found: Literal["basic", "digest", "bearer"] | None = None
+    match scheme.scheme, scheme.location:
+        case ("basic" | "digest" | "bearer") as found, "" | "header":
+            pass
+        case "auto", _:
+            found = "digest"
+        case "apikey", "header" if _HEADER.fullmatch(scheme.name) and scheme.name.lower() not in _NOT_SENT:
+            return HttpLogin(origin, "header", scheme.name, secret)
+        case "apikey", "cookie" if _HEADER.fullmatch(scheme.name):
+            return HttpLogin(origin, "header", "Cookie", SecretStr(f"{scheme.name}={secret.get_secret_value()}"))
+        case _:
+            what = f"{scheme.scheme[:40]} in {scheme.location[:40] or 'its own place'}"
+            raise RefusedError("credentials for the thing", f"it wants {what!a}, which is not supported")
+    return HttpLogin(origin, found, login.user, secret)
+
+
+def _payload(answer: HttpAnswer, form: Form) -> ThingPayload:
+    return ThingPayload(answer.body, answer.content_type or form.response_type or form.content_type)

@@ -1,0 +1,18 @@
+"""The family of simulated WLED controllers."""
+
+from types import MappingProxyType
+
+from homebot.house.family import LoopbackMdns, ServedFamily
+
+__all__ = ["WledFamily"]
+
+
+class WledFamily(ServedFamily):
+    """Strips of lights."""
+
+    kinds = frozenset({"lamp"})
+    device = "homebot.integrations.wled.simulated:ServedWled"
+    options = MappingProxyType({"announced": True})
+    network = LoopbackMdns
+    extra = "mdns"
+    libraries = ("aiohttp", "zeroconf")

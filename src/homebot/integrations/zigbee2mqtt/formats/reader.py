@@ -1,0 +1,237 @@
+"""Reader of Zigbee2MQTT's own messages: the list of devices in, descriptions out. Pure.
+
+Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
+"""
+
+from collections.abc import Iterator, Mapping
+from itertools import islice
+
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, GroupsListed
+from homebot.conventions.long_json import parse_list
+from homebot.conventions.payload import as_fields, clean_text, parse_object, shown
+from homebot.devices.identity import identifiers
+from homebot.errors import WireError
+from homebot.integrations.zigbee2mqtt.formats.bridge_device import (
+    BridgeDevice,
+    BridgeSettings,
+    ieee_address,
+    read_bridge_device,
+    read_bridge_settings,
+)
+from homebot.integrations.zigbee2mqtt.formats.parts import build_parts
+
+__all__ = ["MAX_BRIDGE_BYTES", "MAX_DEVICES", "MAX_PARTS", "Zigbee2MqttReader"]
+
+MAX_BRIDGE_BYTES = 32 * 1024 * 1024
+"""Longest list of devices; a device has about 4 kB, some remotes and thermostats have ten times that."""
+
+_MAX_GROUPS_BYTES = 1024 * 1024
+"""Longest list of groups; a member has about 60 bytes."""
+
+MAX_DEVICES = 5_000
+"""Most devices of one bridge; the largest known networks have some hundreds."""
+
+MAX_PARTS = 50_000
+"""Most parts of all devices of one bridge; a usual device has ten. Further devices are rejected."""
+
+_DEFAULT_BASE = "zigbee2mqtt"
+
+
+class Zigbee2MqttReader:
+    """Reader of the messages of the bridges at *bases*; stores the descriptions of the last list of each."""
+
+    def __init__(self, bases: tuple[str, ...]) -> None:
+        self.rejected = 0
+        self._devices: dict[str, dict[str, DeviceAnnounced]] = {base: {} for base in bases}
+        self._settings = {base: BridgeSettings() for base in bases}
+        self._without_json: set[str] = set()
+        self._endpoints: dict[str, Mapping[str, str]] = {}  # their names by number, by address of the device
+        self._listless = dict.fromkeys(bases, False)  # bridges without a list yet: whether they sent their settings
+
+    def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+        """Return the descriptions of the devices in a list. A broken entry affects only its device."""
+        return tuple(one for one in self.read_message_in_slices(topic, payload, retained=retained) if one is not None)
+
+    def read_message_in_slices(
+        self,
+        topic: str,
+        payload: bytes,
+        *,
+        retained: bool,  # noqa: ARG002 - the bridge's lists are retained
+    ) -> Iterator[AnnouncementEvent | None]:
+        """Read a message in steps: a list of hundreds of devices needs a second."""
+        base, _, last = topic.rpartition("/bridge/")
+        if base not in self._devices:
+            return
+        if last == "devices":
+            yield from self._read_devices(base, topic, payload)
+        elif last == "groups":
+            yield from self._read_groups(base, topic, payload)
+        elif last == "info" and payload:
+            yield from self._read_info(base, payload)
+
+    def problems(self) -> tuple[str, ...]:
+        """Return the bridges that cannot be used.
+
+        They sent their settings without their list, although both are retained, or publish unsupported states.
+        """
+        listless = tuple(
+            f"{base}/bridge/info came, but {base}/bridge/devices did not: a list that is larger than max_announcement "
+            "is dropped silently by the broker"
+            for base, has_info in self._listless.items()
+            if has_info
+        )
+        return *listless, *(
+            f"{base} publishes each value on a topic of its own, which homebot does not read: set 'advanced.output' of "
+            "Zigbee2MQTT to json or attribute_and_json"
+            for base in sorted(self._without_json)
+        )
+
+    def _read_devices(self, base: str, topic: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
+        before = self._devices[base]
+        self._listless.pop(base, None)
+        if not payload:
+            self._devices[base] = {}
+            yield from (DeviceWithdrawn(one.key, "its bridge's list was removed") for one in before.values())
+            return
+        entries: list[object] = []
+        for entry in parse_list(payload, MAX_BRIDGE_BYTES):
+            entries.append(entry)
+            if len(entries) > MAX_DEVICES:
+                raise WireError(f"{topic}: it lists more than the limit of {MAX_DEVICES} devices")
+            yield None
+        devices: dict[str, DeviceAnnounced] = {}
+        for _ in self._describe_all(base, topic, entries, devices):
+            yield None
+        self._devices[base] = devices
+        listed = {ieee_address(entry) for entry in entries}
+        yield from (_withdrawn(one, ieee in listed) for ieee, one in before.items() if ieee not in devices)
+        yield from devices.values()
+
+    def _describe_all(
+        self, base: str, topic: str, entries: list[object], found: dict[str, DeviceAnnounced]
+    ) -> Iterator[None]:
+        """Describe the entries into *found*. A device with a broken entry retains its last description."""
+        topics: set[str] = set()
+        problems = []
+        room = MAX_PARTS
+        via = _bridge_name(entries)
+        for entry in entries:
+            yield
+            ieee = ieee_address(entry)
+            try:
+                device = _read(base, entry, topics, is_known=ieee in found, room=room)
+            except WireError as error:
+                problems.append(error)
+                old = self._devices[base].get(ieee)
+                if ieee in found or old is None or _topic_of(old) in topics:
+                    continue
+                found[ieee] = old
+            else:
+                if device.is_coordinator or device.is_disabled:
+                    continue
+                found[ieee] = self._describe(base, topic, device, via)
+            topics.add(_topic_of(found[ieee]))
+            room -= len(found[ieee].parts)
+        if problems and not found:
+            raise problems[0]
+        self.rejected += len(problems)
+
+    def _describe(self, base: str, topic: str, device: BridgeDevice, via: str) -> DeviceAnnounced:
+        self._endpoints[device.ieee] = device.endpoint_names
+        described = DeviceAnnounced(
+            key=device.ieee if base == _DEFAULT_BASE else f"{base}/{device.ieee}",
+            convention="zigbee2mqtt",
+            native=True,
+            whole_device=True,
+            identifiers=identifiers([device.ieee]),
+            name=clean_text(device.name),
+            parts=build_parts(device),
+            topic=topic,
+            facts={**device.facts, **({"via_device": via} if via else {}), "origin": "Zigbee2MQTT"},
+            owns=tuple(dict.fromkeys((device.topic, f"{base}/{device.ieee}"))),
+        )
+        return self._with_settings(base, device.ieee, described)
+
+    def _read_groups(self, base: str, topic: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
+        """Read the members of the groups, under the identifiers with which the bridge announces these."""
+        groups: dict[str, tuple[str, ...]] = {}
+        coded = "".join(str(ord(letter)) for letter in base)
+        for entry in islice(parse_list(payload, _MAX_GROUPS_BYTES) if payload else (), MAX_DEVICES):
+            fields = as_fields(entry)
+            number, listed = fields.get("id"), fields.get("members")
+            if not isinstance(number, int):
+                continue
+            members = listed[:MAX_DEVICES] if isinstance(listed, list) else ()
+            named = dict.fromkeys(name for one in members for name in self._names_of(base, as_fields(one)))
+            groups[f"id:zigbee2mqtt_{coded}_{number}"] = tuple(named)
+            yield None
+        yield GroupsListed(topic, groups)
+
+    def _names_of(self, base: str, member: Mapping[str, object]) -> Iterator[str]:
+        """Yield what a group calls a member: its device, or the parts of one of its endpoints."""
+        ieee = ieee_address(member)
+        device = self._devices[base].get(ieee)
+        endpoint = self._endpoints.get(ieee, {}).get(str(member.get("endpoint")))
+        if device is not None and endpoint:
+            ids = [one.part.id for one in device.parts if one.part.id.endswith(f"_{endpoint}")]
+            yield from (f"{device.identifiers[0]}#{one}" for one in ids)
+        elif ieee:
+            yield from identifiers([ieee])
+
+    def _with_settings(self, base: str, ieee: str, described: DeviceAnnounced) -> DeviceAnnounced:
+        """Return *described* with the availability and the room that the bridge's settings give it."""
+        settings = self._settings[base]
+        return described._replace(
+            availability=settings.availability(base, ieee, _topic_of(described)), area=settings.areas.get(ieee, "")
+        )
+
+    def _read_info(self, base: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
+        """Read the settings, and describe the devices with a changed availability or room again."""
+        if base in self._listless:
+            self._listless[base] = True
+        info = parse_object(payload, MAX_BRIDGE_BYTES)
+        settings = read_bridge_settings(info)
+        is_without_json = as_fields(as_fields(info.get("config")).get("advanced")).get("output") == "attribute"
+        (self._without_json.add if is_without_json else self._without_json.discard)(base)
+        if settings == self._settings[base]:
+            return
+        self._settings[base] = settings
+        changed = {
+            ieee: described
+            for ieee, one in self._devices[base].items()
+            if (described := self._with_settings(base, ieee, one)) != one
+        }
+        self._devices[base].update(changed)
+        yield from changed.values()
+
+
+def _read(base: str, entry: object, topics: set[str], *, is_known: bool, room: int) -> BridgeDevice:
+    if not isinstance(entry, dict) or not ieee_address(entry):
+        address = entry.get("ieee_address") if isinstance(entry, dict) else entry
+        raise WireError(f"ieee_address is {shown(address)}, not 0x and 16 digits")
+    device = read_bridge_device(base, entry)
+    if is_known or device.topic in topics:
+        raise WireError(f"{device.ieee} or its friendly_name {shown(device.name)} occurs twice")
+    if room <= 0:
+        raise WireError(f"{device.ieee}: the devices before it already have {MAX_PARTS} parts, the limit")
+    return device
+
+
+def _topic_of(described: DeviceAnnounced) -> str:
+    """Return the topic on which a device publishes."""
+    return described.owns[0]
+
+
+def _bridge_name(entries: list[object]) -> str:
+    """Return the device id of the bridge, from its coordinator's address."""
+    for entry in entries:
+        if isinstance(entry, dict) and entry.get("type") == "Coordinator" and ieee_address(entry):
+            return f"zigbee2mqtt_bridge_{ieee_address(entry)}"
+    return ""
+
+
+def _withdrawn(one: DeviceAnnounced, is_listed: bool) -> DeviceWithdrawn:  # noqa: FBT001 - only called above
+    if is_listed:
+        return DeviceWithdrawn(one.key, "it was disabled, or its name was taken")
+    return DeviceWithdrawn(one.key, "it left its bridge", is_final=True)

@@ -1,1 +1,0 @@
-"""Things over CoAP: content formats, and devices that have no Thing Description. Pure."""

@@ -1,0 +1,341 @@
+"""The driver for things over HTTP, with a simulated thing and with servers of the test's."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import anyio
+import pytest
+from aiohttp import web
+from tests.gateways.drivers.driver_host import KeepingHost, command, found, running
+from tests.gateways.http_servers import serving
+from tests.gateways.served import served
+from tests.things.thing import ServedThing
+
+from homebot.errors import RefusedError, WireError
+from homebot.gateways.drivers.base import FoundService
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.integrations.things.driver import HttpThingDriver, ThingDriver
+from homebot.integrations.things.driver.driver import ThingDriverSettings
+from homebot.integrations.things.formats.parse import CONTEXT
+
+WOT = "_wot._tcp.local."
+
+
+class Obeying(ServedThing):
+    """A lamp that does what it is told, and is dimmed and switched by others."""
+
+    def __init__(self, **access: str) -> None:
+        super().__init__(SimulatedDeviceInfo("home", "lamp", "Shelf", "lights", "hall"), self.obey, **access)  # type: ignore[arg-type]
+        self.told: list[str] = []
+        self.begin(DeviceState(text="off", brightness=0.4, kelvin=2700), has_power=True)
+
+    def obey(self, text: str) -> None:
+        self.told.append(text)
+        is_on = text != "off"
+        brightness = self.state.brightness if text in {"on", "off"} or text.endswith("K") else float(text)
+        self.publish(DeviceState(text=text, is_on=is_on, brightness=brightness, kelvin=2700))
+
+
+def driver(port: int, host: KeepingHost, settings: dict[str, Any] | None = None, **text: str) -> ThingDriver:
+    return ThingDriver(found(WOT, port, **text), ThingDriverSettings.model_validate(settings or {}), host)
+
+
+def description(**changes: Any) -> dict[str, Any]:
+    return {
+        "@context": CONTEXT,
+        "title": "Kettle",
+        "securityDefinitions": {"open": {"scheme": "nosec"}},
+        "security": "open",
+        "properties": {"on": {"type": "boolean", "@type": "OnOffProperty", "forms": [{"href": "/on"}]}},
+    } | changes
+
+
+def port_of(origin: str) -> int:
+    return int(origin.rpartition(":")[2])
+
+
+async def test_changes_by_others_are_pushed() -> None:
+    host, lamp = KeepingHost(), Obeying()
+    async with served(lamp), running(driver(lamp.server.port, host)):
+        await host.until(lambda: len(lamp.server.peers) == 3)
+        lamp.publish(DeviceState(text="on", is_on=True, brightness=1.0))
+        await host.until(lambda: host.values.get(("", "on_off")) is True and host.values.get(("", "level")) == 100)
+
+
+@pytest.mark.parametrize("scheme", ["basic", "bearer"])
+async def test_a_password_is_sent_the_way_the_description_asks_for(scheme: str, tmp_path: Path) -> None:
+    secret = tmp_path / "secret"
+    secret.write_text("sesame\n")
+    secret.chmod(0o600)
+    host, lamp = KeepingHost(), Obeying(token="sesame", user="ann" if scheme == "basic" else "")
+    settings = {"credentials": [{"host": "hall.local", "user": "ann", "password_file": str(secret)}]}
+    async with served(lamp):
+        thing = driver(lamp.server.port, host, settings)
+        async with running(thing):
+            await host.until(lambda: ("", "on_off") in host.values)
+            await thing.perform(command("", "on_off", True, key=thing.service.key))
+    assert lamp.told == ["on"]
+
+
+async def test_without_its_password_the_thing_refuses_and_the_error_says_so() -> None:
+    host, lamp = KeepingHost(), Obeying(token="sesame")
+    async with served(lamp):
+        with pytest.raises(RefusedError, match="wants a password"):
+            await driver(lamp.server.port, host).run()
+    assert len(host.devices) == 1
+
+
+@pytest.mark.parametrize(
+    ("scheme", "sent"),
+    [
+        ({"scheme": "apikey", "in": "header", "name": "X-Key"}, "header"),
+        ({"scheme": "apikey", "in": "query", "name": "key"}, "query"),
+        ({"scheme": "apikey", "name": "key"}, "query"),
+        ({"scheme": "apikey", "in": "cookie", "name": "key"}, "cookie"),
+        ({"scheme": "oauth2", "flow": "code", "token": "http://hall.local/oauth/token"}, "bearer"),
+    ],
+)
+async def test_a_key_is_sent_where_the_description_says(
+    scheme: dict[str, str], sent: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """WebThings Gateway asks for OAuth 2, and gives a token for it to its owner: w3c/wot-testing, WebThings."""
+    monkeypatch.setenv("KETTLE_KEY", "a b&c")
+    seen: list[str] = []
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        if request.path == "/.well-known/wot":
+            return web.json_response(description(securityDefinitions={"open": scheme}))
+        where = {
+            "header": request.headers.get("X-Key"),
+            "query": request.query.get("key"),
+            "cookie": request.headers.get("Cookie", "").removeprefix("key="),
+            "bearer": request.headers.get("Authorization", "").removeprefix("Bearer "),
+        }
+        seen.append(str(where[sent]))
+        return web.json_response(True)
+
+    host = KeepingHost()
+    settings = {"credentials": [{"host": "127.0.0.1", "password_env": "KETTLE_KEY"}]}
+    async with serving(answer) as origin, running(driver(port_of(origin), host, settings)):
+        await host.until(lambda: ("", "on_off") in host.values)
+    assert seen[0] == "a b&c"
+
+
+async def test_a_way_other_than_the_configured_one_gets_no_password(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stranger who answers in place of the thing cannot ask for the password in clear."""
+    monkeypatch.setenv("KETTLE_KEY", "sesame")
+    seen: list[str | None] = []
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        seen.append(request.headers.get("Authorization"))
+        return web.json_response(description(securityDefinitions={"open": {"scheme": "basic"}}))
+
+    settings = {"credentials": [{"host": "127.0.0.1", "scheme": "digest", "user": "ann", "password_env": "KETTLE_KEY"}]}
+    async with serving(answer) as origin:
+        with pytest.raises(RefusedError, match="digest is configured"):
+            await driver(port_of(origin), KeepingHost(), settings).run()
+    assert set(seen) == {None}
+
+
+@pytest.mark.parametrize("claimed", ["192.0.2.7.", "lamp.example.org."])
+async def test_a_claimed_address_or_name_of_the_internet_gets_no_password(
+    claimed: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SECRET", "sesame")
+    settings = {"credentials": [{"host": claimed.removesuffix("."), "scheme": "bearer", "password_env": "SECRET"}]}
+    seen: list[str | None] = []
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        seen.append(request.headers.get("Authorization"))
+        return web.json_response(description() if request.path.endswith("wot") else True)
+
+    host = KeepingHost()
+    async with serving(answer) as origin:
+        service = replace(found(WOT, port_of(origin)), host=claimed)
+        async with running(ThingDriver(service, ThingDriverSettings.model_validate(settings), host)):
+            await host.until(lambda: ("", "on_off") in host.values)
+    assert set(seen) == {None}
+
+
+async def test_a_web_thing_is_read_and_commanded_as_its_api_wants_it() -> None:
+    on = {"type": "boolean", "@type": "OnOffProperty", "links": [{"rel": "property", "href": "/properties/on"}]}
+    lamp = {
+        "@context": "https://iot.mozilla.org/schemas",
+        "title": "Lamp",
+        "@type": ["Light"],
+        "properties": {"on": on},
+    }
+    state: dict[str, object] = {"on": True}
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        if request.method == "PUT":
+            state.update(await request.json())
+        return web.json_response(lamp if request.path == "/lamp" else state)
+
+    host = KeepingHost()
+    async with serving(answer) as origin:
+        service = found("_webthing._tcp.local.", port_of(origin), path="/lamp")
+        thing = ThingDriver(service, ThingDriverSettings(), host)
+        async with running(thing):
+            await host.until(lambda: host.values.get(("", "on_off")) is True)
+            await thing.perform(command("", "on_off", False, key=thing.service.key))
+            await host.until(lambda: host.values.get(("", "on_off")) is False)
+    assert state == {"on": False}
+
+
+async def test_each_web_thing_of_a_server_is_a_device_behind_it() -> None:
+    """As the servers of the libraries for Python and Arduino have it."""
+
+    def web_thing(number: int) -> dict[str, object]:
+        on = {"type": "boolean", "@type": "OnOffProperty", "links": [{"href": f"/{number}/properties/on"}]}
+        return {"@context": "https://webthings.io/schemas", "title": f"Lamp {number}", "properties": {"on": on}}
+
+    state = {"/0/properties/on": {"on": True}, "/1/properties/on": {"on": True}}
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        if request.method == "PUT":
+            state[request.path] = await request.json()
+        return web.json_response(state.get(request.path, [web_thing(0), web_thing(1)]))
+
+    host = KeepingHost()
+    async with serving(answer) as origin:
+        service = found("_webthing._tcp.local.", port_of(origin), path="/")
+        things = ThingDriver(service, ThingDriverSettings(), host)
+        async with running(things):
+            await host.until(lambda: host.values.get(("", "on_off")) is True)
+            assert [one.name for one in (host.device, *host.behind.values())] == ["Hall", "Lamp 0", "Lamp 1"]
+            await things.perform(command("", "on_off", False, key=f"{service.key}/1"))
+            await host.until(lambda: host.values.get(("", "on_off")) is False)
+    assert state == {"/0/properties/on": {"on": True}, "/1/properties/on": {"on": False}}
+
+
+async def test_forms_that_lead_to_other_hosts_are_not_used() -> None:
+    """A stranger's description must not make homebot ask, or switch, what the stranger cannot reach."""
+    asked: list[str] = []
+
+    async def other(request: web.Request) -> web.StreamResponse:
+        asked.append(request.path)
+        return web.json_response(True)
+
+    async with serving(other) as target:
+        elsewhere = target.replace("127.0.0.1", "localhost")
+
+        async def answer(request: web.Request) -> web.StreamResponse:
+            form = {"href": f"{elsewhere}/on"}
+            power = {"type": "number", "forms": [{"href": "/power"}], "@type": "InstantaneousPowerProperty"}
+            on = {"type": "boolean", "@type": "OnOffProperty", "forms": [form]}
+            body: object = description(properties={"on": on, "power": power})
+            return web.json_response(body if request.path.endswith("wot") else 5)
+
+        host = KeepingHost()
+        async with serving(answer) as origin, running(driver(port_of(origin), host)):
+            await host.until(lambda: 5 in host.values.values())
+    assert asked == []
+
+
+async def test_addresses_by_the_name_of_the_host_are_reached_without_a_name_server() -> None:
+    async def answer(request: web.Request) -> web.StreamResponse:
+        if request.path == "/lamp/td":
+            port = request.url.port
+            return web.json_response(description(base=f"http://HALL.local:{port}/"))
+        return web.json_response(True)
+
+    host = KeepingHost()
+    async with serving(answer) as origin, running(driver(port_of(origin), host, td="/lamp/td")):
+        await host.until(lambda: host.values.get(("", "on_off")) is True)
+
+
+async def test_a_change_between_two_long_polls_is_read_after_the_next_one_has_begun() -> None:
+    """The server answers a poll with changes after it only, as node-wot does."""
+    is_on, polls = False, 0
+    change, over = anyio.Event(), anyio.Event()
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        nonlocal is_on, polls
+        if request.path == "/.well-known/wot":
+            forms = [{"href": "/on"}, {"href": "/on/observe", "op": "observeproperty", "subprotocol": "longpoll"}]
+            on = {"type": "boolean", "@type": "OnOffProperty", "forms": forms}
+            return web.json_response(description(properties={"on": on}))
+        if request.path == "/on/observe":
+            polls += 1
+            await (change if polls == 1 else over).wait()
+            seen, is_on = is_on, False  # it changes again before the next poll
+            return web.json_response(seen)
+        return web.json_response(is_on)
+
+    host = KeepingHost()
+    async with serving(answer) as origin:
+        async with running(driver(port_of(origin), host)):
+            await host.until(lambda: host.values.get(("", "on_off")) is False)
+            is_on = True
+            change.set()
+            await host.until(lambda: [one[2] for one in host.events][-2:] == [True, False])
+            assert polls == 2  # not by another one, when its time was over
+        over.set()
+
+
+async def test_an_action_is_posted_and_an_event_is_reported() -> None:
+    posted: list[str] = []
+    over = anyio.Event()
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        if request.path == "/.well-known/wot":
+            actions = {"boil": {"forms": [{"href": "/boil"}]}}
+            events = {"boiled": {"data": {"type": "string"}, "forms": [{"href": "/boiled", "subprotocol": "sse"}]}}
+            return web.json_response(description(actions=actions, events=events))
+        if request.path == "/boiled":
+            stream = web.StreamResponse(headers={"Content-Type": "text/event-stream"})
+            await stream.prepare(request)
+            await stream.write(b'event: boiled\ndata: "hot"\n\n')
+            await over.wait()
+            return stream
+        if request.path == "/boil":
+            posted.append(request.method)
+            return web.Response(status=204)
+        return web.json_response(True)
+
+    host = KeepingHost()
+    async with serving(answer) as origin:
+        thing = driver(port_of(origin), host)
+        async with running(thing):
+            await host.until(lambda: ("boiled", "press", "hot") in host.events)
+            await thing.perform(command("boil", "push", True, key=thing.service.key))
+        over.set()
+    assert posted == ["POST"]
+
+
+async def test_of_a_directory_only_its_place_is_told() -> None:
+    async def answer(_: web.Request) -> web.StreamResponse:
+        return web.json_response(description(**{"@type": "ThingDirectory"}))
+
+    host = KeepingHost()
+    async with serving(answer) as origin, running(driver(port_of(origin), host, type="Directory")):
+        await host.until(lambda: bool(host.devices))
+    assert (host.device.parts, host.device.metadata["thing_directory"]) == ((), origin)
+
+
+@pytest.mark.parametrize(
+    ("body", "kind"),
+    [(b"{", "application/td+json"), (b"{}", "application/json"), (b"<html>", "text/html"), (b"[]", "")],
+)
+async def test_an_invalid_description_is_an_error(body: bytes, kind: str) -> None:
+    async def answer(_: web.Request) -> web.StreamResponse:
+        return web.Response(body=body, headers={"Content-Type": kind} if kind else {})
+
+    async with serving(answer) as origin:
+        with pytest.raises(WireError):
+            await driver(port_of(origin), KeepingHost()).run()
+
+
+@pytest.mark.parametrize("status", [404, 200])
+async def test_a_web_server_need_not_be_a_thing(status: int) -> None:
+    async def answer(_: web.Request) -> web.StreamResponse:
+        return web.Response(status=status, text="<html>", content_type="text/html")
+
+    host = KeepingHost()
+    async with serving(answer) as origin:
+        service = FoundService("P._http", "Printer", "_http._tcp.local.", "p.local.", port_of(origin), ("127.0.0.1",))
+        async with running(HttpThingDriver(service, ThingDriverSettings(), host)):
+            await host.until(lambda: bool(host.devices))
+    assert (host.device.name, host.device.parts) == ("Printer", ())
