@@ -1,23 +1,17 @@
 """The MQTT gateway keeps the contract, with a lamp of Home Assistant discovery on a broker in memory."""
 
 import json
-from collections.abc import AsyncIterator, Mapping
-from contextlib import asynccontextmanager
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import anyio
-import pytest
 
 from homebot.devices.value import PlainValue
-from homebot.gateways import Gateway, GatewayContext
-from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
-from homebot.graph import Node
 from homebot.mqtt.client import MqttSubscription
-from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
-from homebot.mqtt.options import MqttOptions
-from homebot.testing.gateway_contract import GatewayContract, Lamp, Neighbour
+from homebot.testing.gateway_contract import Lamp, Neighbour
+from homebot.testing.gateway_contract.mqtt import MqttContract, MqttLamp
 
 CONFIG = {
     "name": "Hall",
@@ -33,7 +27,7 @@ CONFIG = {
 }
 
 
-class MqttLamp(Lamp):
+class AnnouncedLamp(MqttLamp):
     """A lamp that announces itself as Home Assistant wants it."""
 
     settings: ClassVar[Mapping[str, PlainValue]] = {
@@ -44,43 +38,32 @@ class MqttLamp(Lamp):
     }
 
     def __init__(self, wire: MqttConnection, broker: MemoryBroker) -> None:
-        super().__init__("homeassistant:light/hall", "hall", address="hall/state")
-        self.wire = wire
-        self.broker = broker
-        self._orders: list[dict[str, Any]] = []
+        super().__init__(wire, broker, "homeassistant:light/hall", "hall", address="hall/state")
 
     async def announce(self) -> None:
-        await self.wire.wait_connected()
-        await self.wire.subscribe(MqttSubscription("hall/set", qos=1))
-        await self.wire.publish("homeassistant/light/hall/config", json.dumps(CONFIG).encode(), qos=1, retain=True)
-        await self.wire.publish("hall/state", self.raw(on=False), qos=1, retain=True)
+        await self.take_commands_on("hall/set")
+        await self.say("homeassistant/light/hall/config", json.dumps(CONFIG).encode(), retain=True)
+        await self.say("hall/state", self.raw(on=False), retain=True)
 
     async def report(self, *, on: bool) -> None:
-        await self.wire.publish("hall/state", self.raw(on=on), qos=1)
+        await self.say("hall/state", self.raw(on=on))
 
     def raw(self, *, on: bool) -> bytes:
         return json.dumps({"state": "ON" if on else "OFF"}).encode()
 
     async def misbehave(self) -> None:
         for number in range(100):
-            await self.wire.publish(f"homeassistant/light/stranger{number}/config", b"?" * 60_000, qos=1)
+            await self.say(f"homeassistant/light/stranger{number}/config", b"?" * 60_000)
 
     async def withdraw(self) -> None:
-        await self.wire.publish("homeassistant/light/hall/config", b"", qos=1, retain=True)
-
-    async def lose_link(self) -> None:
-        await self.broker.stop(abrupt=True)
-
-    async def mend_link(self) -> None:
-        await self.broker.start()
+        await self.say("homeassistant/light/hall/config", b"", retain=True)
 
     async def told(self) -> bool | None:
-        await self._listen()
-        return self._orders[-1].get("state") == "ON" if self._orders else None
+        told = await self._told()
+        return told.get("state") == "ON" if told else None
 
     async def told_value(self, capability: str) -> PlainValue:
-        await self._listen()
-        told = self._orders[-1] if self._orders else {}
+        told = await self._told()
         match capability:
             case "level" if "brightness" in told:
                 return float(told["brightness"] * 100 / 255)
@@ -92,12 +75,10 @@ class MqttLamp(Lamp):
                 return str(told.get("effect", ""))
         return None
 
-    async def _listen(self) -> None:
-        with anyio.move_on_after(0.1):
-            while True:
-                batch = await self.wire.receive()
-                self.wire.ack(batch)
-                self._orders += [json.loads(one.payload) for one in batch]
+    async def _told(self) -> dict[str, Any]:
+        await self.listen()
+        told: dict[str, Any] = json.loads(self.orders[-1]) if self.orders else {}
+        return told
 
 
 class Onlooker(Neighbour):
@@ -130,27 +111,11 @@ class Onlooker(Neighbour):
         return next((one for one in configs if one.get("device", {}).get("name") == name), {})
 
 
-@pytest.mark.virtual_time
-class TestMqttGateway(GatewayContract):
+class TestMqttGateway(MqttContract):
     """One lamp of Home Assistant discovery."""
 
-    name = "mqtt"
-    time_is_virtual = True
-
-    @asynccontextmanager
-    async def lamp(self) -> AsyncIterator[Lamp]:
-        async with (
-            MemoryBroker() as broker,
-            MqttConnection(MqttOptions.from_url(broker.url), broker.make_client, status_topic=None) as wire,
-        ):
-            await wire.wait_connected()
-            yield MqttLamp(wire, broker)
-
-    def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
-        assert isinstance(lamp, MqttLamp)
-        table = {"url": lamp.broker.url, "act": True, "homeassistant": {"publish": True}, **settings}
-        context = GatewayContext.of(HostedBroker.in_memory(lamp.broker))
-        return MqttGateway(node, MqttGatewaySettings.model_validate(table), context)
+    lamp_type = AnnouncedLamp
+    table: ClassVar[Mapping[str, object]] = {"homeassistant": {"publish": True}}
 
     def neighbour(self, lamp: Lamp) -> Neighbour:
         assert isinstance(lamp, MqttLamp)
