@@ -24,7 +24,7 @@ __all__ = ["gc_paused", "main", "make_parser"]
 
 COMMANDS: Final = {
     "run": "run homebot: find the devices of a house and control them",
-    "new": "create a folder with an app, its test, configuration and service",
+    "new": "create a folder with an app, or a package for devices, with tests and configuration",
     "app": "list, load, unload and reload apps of a running homebot",
     "config": "check the configuration",
     "devices": "list the devices in the house",
