@@ -1,1 +1,16 @@
-"""homie."""
+"""Homie: the convention for MQTT, in its versions 3, 4 and 5, as Valetudo and many self-made devices use it.
+
+Reads and commands: devices, their nodes and properties. With the types of the smart-home profile a node is a part with
+a known function; without a type, a part is guessed from datatypes, formats and names, which must all fit: a child lock
+locks no door. A guess is marked as one.
+
+Transport: MQTT (``homebot.mqtt_conventions``), below ``homie/5/DEVICE`` or ``homie/DEVICE``; ``domains`` names others.
+
+Source: Homie convention 5 (homieiot/convention, develop of October 2024), 4.0.0 and 3.0.1; hc-smarthome v2 and v1;
+homie5-device-profiles, draft; Valetudo 2021.10 to 2025, ``backend/lib/mqtt``.
+
+Tested against: messages of the library Homie4 0.4.0, the documents of convention 5, a robot by Valetudo that announces
+itself to Home Assistant too, hostile documents, and simulated devices of Homie 5 (``dialect = "homie"``).
+
+Not done: broadcasts to all devices, and the alerts of Homie 5.
+"""
