@@ -16,13 +16,11 @@ OFFLINE = ("--no-deps", "--no-index", "--no-build-isolation", "--disable-pip-ver
 def test_the_tests_of_packages_pass_where_they_are_installed(tmp_path: Path) -> None:
     """Each is installed beside homebot, from wheels; its tests start a homebot that finds it by its entry point."""
     installed, source = tmp_path / "installed", tmp_path / "source"
-    shutil.copytree(PACKAGES, source, ignore=shutil.ignore_patterns("__pycache__", "*.py"))
-    for module in PACKAGES.glob("*/*.py"):
-        shutil.copy(module, source / module.parent.name)
+    shutil.copytree(PACKAGES, source, ignore=shutil.ignore_patterns("__pycache__", "conftest.py"))
     packages = sorted(str(path) for path in source.glob("homebot-*"))
     _run(sys.executable, "-m", "pip", "install", *OFFLINE, "--target", str(installed), str(HOMEBOT), *packages)
-    for module in source.glob("*/homebot_*.py"):
-        module.unlink()
+    for module in source.glob("*/homebot_*"):
+        module.rename(tmp_path / module.name)  # else its source would be found, and not the installed one
     found = _run(sys.executable, "-c", "import homebot; print(homebot.__file__)", cwd=source, path=installed)
     assert Path(found.strip()).is_relative_to(installed)
     flags = ("-q", "-p", "no:cacheprovider", "-p", "no:xdist", "-p", "no:asyncio")

@@ -6,8 +6,8 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
-import homebot_folder
 import pytest
+from homebot_folder.gateway import FolderGateway, FolderSettings
 
 from homebot.gateways import Gateway
 from homebot.graph import Node
@@ -62,5 +62,5 @@ class TestFolderOfThePackage(GatewayContract):
 
     def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
         del lamp
-        table = homebot_folder.FolderSettings.model_validate({"folder": str(self.folder), **settings})
-        return homebot_folder.FolderGateway(node, table)
+        table = FolderSettings.model_validate({"folder": str(self.folder), **settings})
+        return FolderGateway(node, table)

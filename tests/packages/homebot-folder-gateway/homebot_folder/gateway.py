@@ -1,8 +1,4 @@
-"""A gateway to lamps that are files: ``NAME.lamp`` holds the state of a lamp, ``NAME.set`` the last command to it.
-
-A lamp writes ``on`` or ``off`` into its file, and is removed with the file. The folder is read ten times a second.
-While it is missing, such as a disk that is unplugged, the gateway is unavailable and keeps its lamps.
-"""
+"""The gateway to a folder of lamps."""
 
 from __future__ import annotations
 
