@@ -14,7 +14,7 @@ Source: W3C Recommendations "Web of Things (WoT) Thing Description 1.1" and "Web
 Specification 2.2.5; OMA LwM2M registry; RFC 8428 (SenML), RFC 9176.
 
 Tested against: descriptions of real things; the contract of gateways, for things over HTTP and for directories;
-libcoap, over CoAP; node-wot, which reads and commands the devices that homebot describes (``tests/peers``).
+libcoap, over CoAP (``tests/peers``).
 
 Not done: forms that lead to another host, tokens of OAuth 2, and over HTTP payloads other than JSON and text.
 """
