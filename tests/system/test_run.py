@@ -204,6 +204,29 @@ def test_a_service_without_a_configuration_runs_no_simulated_house(start: Start)
     ]
 
 
+HANGUP = """
+import os, signal
+import anyio
+from homebot import App
+
+os.kill(os.getpid(), signal.SIGHUP)
+
+class Idle(App):
+    async def run(self):
+        await anyio.sleep_forever()
+"""
+
+
+def test_a_hangup_during_the_start_reloads_once_it_runs(start: Start, tmp_path: Path) -> None:
+    """The module of the app is loaded long before the event loop runs."""
+    (tmp_path / "homebot.toml").write_text('[gateways.mqtt]\nurl = "embedded"\n')
+    (tmp_path / "idle.py").write_text(HANGUP)
+    run = start("--app", "idle.py")
+    run.until("is running")
+    run.until("were reloaded")
+    assert run.stop() == 0
+
+
 def test_a_hangup_that_is_ignored_as_under_nohup_reloads_and_stops_nothing(start: Start, tmp_path: Path) -> None:
     (tmp_path / "homebot.toml").write_text('[gateways.mqtt]\nurl = "embedded"\n')
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # which a program hands on to those that it starts

@@ -8,6 +8,7 @@ import argparse
 import gc
 import importlib
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -20,7 +21,7 @@ from homebot.errors import HomebotError
 from homebot.support.output import clean_output
 from homebot.version import __version__
 
-__all__ = ["gc_paused", "main", "make_parser"]
+__all__ = ["gc_paused", "has_terminal", "main", "make_parser"]
 
 COMMANDS: Final = {
     "run": "run homebot: find the devices of a house and control them",
@@ -108,6 +109,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     Raises:
         SystemExit: The command line is wrong (code 2), or requests ``--help`` or ``--version`` (code 0).
     """
+    argv = sys.argv[1:] if argv is None else argv
+    if "run" in argv:
+        _hold_hangups()
     for name in ("stdout", "stderr"):  # None if it was closed before the start
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w"))
@@ -116,7 +120,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             errors="backslashreplace"
         )  # a device name may contain characters that a terminal cannot show
     with clean_output():
-        return _run(sys.argv[1:] if argv is None else argv)
+        return _run(argv)
 
 
 def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
@@ -146,6 +150,20 @@ def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
         if argv is None or name in argv:
             _add_arguments(name, command)
     return parser
+
+
+def _hold_hangups() -> None:
+    """Let SIGHUP wait until ``serve`` can reload: so early, it would end the process, and it should at a terminal."""
+    if hasattr(signal, "SIGHUP") and not has_terminal():  # Windows has none
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP})
+
+
+def has_terminal() -> bool:
+    """Return whether the standard input is a terminal that is still there."""
+    try:
+        return os.isatty(0)
+    except OSError:
+        return False
 
 
 def _run(argv: Sequence[str]) -> int:

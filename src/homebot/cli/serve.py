@@ -22,6 +22,7 @@ from typing import Final, Self, TypeVar, final
 
 import anyio
 
+from homebot.cli.main import has_terminal
 from homebot.support.logger import get_logger
 from homebot.support.production_loop import ProductionLoop, own_time
 
@@ -154,11 +155,11 @@ def _at_stop_signals(
         on_hangup: Called by the event loop instead of both at a SIGHUP that does not come from a closed terminal.
     """
     loop = asyncio.get_running_loop()
-    had_terminal = _has_terminal()
+    had_terminal = has_terminal()
     ignored = {number for number in _STOP_SIGNALS if signal.getsignal(number) is signal.SIG_IGN}
 
     def handle(number: int, _frame: FrameType | None) -> None:
-        if number == _HANGUP and on_hangup is not None and (number in ignored or had_terminal == _has_terminal()):
+        if number == _HANGUP and on_hangup is not None and (number in ignored or had_terminal == has_terminal()):
             loop.call_soon_threadsafe(on_hangup)
             return
         at_once()
@@ -169,6 +170,8 @@ def _at_stop_signals(
     wanted = [one for one in _STOP_SIGNALS if one not in ignored or (one == _HANGUP and on_hangup is not None)]
     with _in_a_thread([one for one in wanted if one != _HANGUP], at_once):
         before = {number: signal.signal(number, handle) for number in wanted}
+        if _HANGUP is not None:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, {_HANGUP})  # one may have waited since the start
         try:
             yield
         finally:
@@ -199,13 +202,6 @@ def _in_a_thread(wanted: Collection[int], at_once: Callable[[], None]) -> Iterat
             yield
         finally:
             signal.set_wakeup_fd(before)
-
-
-def _has_terminal() -> bool:
-    try:
-        return os.isatty(0)
-    except OSError:
-        return False
 
 
 def _log_hangup() -> None:
