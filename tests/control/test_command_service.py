@@ -43,6 +43,34 @@ async def test_a_query_reaches_all_that_fit_and_nothing_else(home: Home) -> None
     assert sent(home) == [("one", "on_off", True), ("two", "on_off", True)]
 
 
+@pytest.mark.parametrize("target", ["everything", "Everything in hall", "all devices"])
+async def test_everything_is_what_takes_the_command(home: Home, target: str) -> None:
+    home.put("lamp", "light", "on_off", area="hall")
+    home.put("blind", "window_covering", "position", area="hall")
+    answer = await command(home, target, "off")
+    assert ([one.name for one in answer.results], answer.success) == (["Lamp"], True)
+    assert sent(home) == [("lamp", "on_off", False)]
+
+
+@pytest.mark.parametrize(("states", "value"), [((True, False), False), ((False, False), True), ((None, True), False)])
+async def test_toggle_turns_off_what_is_on_and_else_on(
+    home: Home, states: tuple[bool | None, bool], *, value: bool
+) -> None:
+    for key, state in zip(("one", "two"), states, strict=True):
+        home.put(key, "light", "on_off", area="hall")
+        if state is not None:
+            await home.report(key, "on_off", state)
+    assert (await command(home, "light in hall", "Toggle")).success
+    assert {told for _, _, told in sent(home)} <= {value}
+
+
+async def test_toggle_of_an_unknown_state_sends_nothing(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    answer = await command(home, "lamp", "toggle")
+    assert (answer.success, answer.message) == (False, "whether lamp is on is unknown; say on or off")
+    assert sent(home) == []
+
+
 @pytest.mark.parametrize("target", ["lamp", "Lamp", "LAMP"])
 async def test_a_device_is_called_by_its_id_or_its_name(home: Home, target: str) -> None:
     home.put("lamp", "light", "on_off")
@@ -232,7 +260,7 @@ COLOR = "it takes hue (0 to 360) and saturation (0 to 100), such as 0,100 for re
 @pytest.mark.parametrize(
     ("word", "values", "problem"),
     [
-        ("on", {"color": "red"}, f"'red' as color of Lamp: {COLOR}"),
+        ("on", {"color": "reddish"}, f"'reddish' as color of Lamp: {COLOR}"),
         ("on", {"color": "120"}, f"'120' as color of Lamp: {COLOR}"),
         ("on", {"color": "120,x,80"}, f"'120,x,80' as color of Lamp: {COLOR}"),
         ("color", {}, f"color without a value: {COLOR}"),

@@ -51,6 +51,32 @@ def test_a_share_of_one_in_place_of_a_percentage_is_asked_back() -> None:
     assert spoken_settings("0.4", (), lamp, "Lamp") == {"level": 40.0}
 
 
+@pytest.mark.parametrize(
+    ("words", "setting"),
+    [
+        (("red",), {"color": (0.0, 100.0)}),
+        (("Sky_Blue",), {"color": (197.0, 43.0)}),
+        (("set", "color", "hot pink"), {"color": (330.0, 59.0)}),
+        (("warm white",), {"color_temperature": 2700.0}),
+    ],
+)
+def test_a_lamp_takes_colours_by_name(words: tuple[str, ...], setting: dict[str, object]) -> None:
+    settable = [Capability(name=name, settable=True) for name in ("on_off", "color", "color_temperature")]
+    lamp = Part(id="", service_type="light", capabilities=tuple(settable))
+    word, *value = words
+    given = (KeyValue(key=value[0], value=value[1]),) if value else ()
+    assert spoken_settings(word, given, lamp, "Lamp") == setting
+    for part in (Part(id="", service_type="light", capabilities=tuple(settable[:1])), lamp):
+        with pytest.raises(RefusedError):
+            spoken_settings("red" if part is not lamp else "rde", (), part, "Lamp")
+
+
+def test_a_choice_named_as_a_colour_is_the_choice() -> None:
+    choice = Capability(name="option", settable=True, options=("red", "green"))
+    part = Part(id="", service_type="x_setting", capabilities=(choice,))
+    assert spoken_settings("option red", (), part, "Strip") == {"option": "red"}
+
+
 def test_a_number_in_another_unit_may_be_below_one() -> None:
     setpoint = Capability(name="heating_setpoint", settable=True)
     freezer = Part(id="", service_type="thermostat", capabilities=(setpoint,))

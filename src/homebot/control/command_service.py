@@ -6,7 +6,14 @@ from typing import Final, final
 
 import anyio
 
-from homebot.control.command_targets import CommandTargets, NoTargetError, SpokenSettings, part_name, settings_by_part
+from homebot.control.command_targets import (
+    CommandTargets,
+    NoTargetError,
+    SpokenSettings,
+    Target,
+    part_name,
+    settings_by_part,
+)
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.executor import CommandExecutor
 from homebot.devices import Device, DevicePart
@@ -47,7 +54,7 @@ class CommandService:
             on_commanded: Called with each outcome as soon as it is known, and the number of parts that still have none.
         """
         try:
-            targets = await self._targets.find(request)
+            targets, request = await self._found(request)
         except (NoTargetError, ServiceError, UsageError) as exc:
             return CommandDevicesResponse(success=False, message=str(exc))
         commanded: list[tuple[CommandedPart, Outcome]] = []
@@ -75,6 +82,18 @@ class CommandService:
             outcome=worst_one.result.outcome,
             results=parts,
         )
+
+    async def _found(self, request: CommandDevicesRequest) -> tuple[list[Target], CommandDevicesRequest]:
+        """Return the targets, and *request* with ``off`` or ``on`` for ``toggle``: off if any of them is on."""
+        if request.command.strip().casefold() != "toggle":
+            return await self._targets.find(request), request
+        request = request.model_copy(update={"command": "on"})
+        targets = await self._targets.find(request)
+        parts = ((device, one) for device, own in targets for one, _ in settings_by_part(request, device, own))
+        states = {_is_on(*one) for one in parts}
+        if states <= {None}:
+            raise NoTargetError(f"whether {request.target} is on is unknown; say on or off")
+        return targets, request.model_copy(update={"command": "off"}) if True in states else request
 
     async def _command(
         self,
@@ -112,6 +131,15 @@ class CommandService:
         with suppress(ServiceError):
             newest = await self._lookup.device(device.id)
         return newest.reachable.why if newest is not None and newest.reachable.state == "no" else ""
+
+
+def _is_on(device: Device, part: DevicePart) -> bool | None:
+    """Return whether *part* is on; None if that is unknown, or long ago."""
+    if device.reachable.state == "no" or device.freshness == "stale":
+        return None
+    known = (one.value.plain() for one in device.states if (one.part, one.capability) == (part.id, "on_off"))
+    value = next(known, None)
+    return value if isinstance(value, bool) else None
 
 
 def _part_request(

@@ -25,7 +25,15 @@ from homebot.graph import Node
 from homebot.support.folding import fold, words_of
 from homebot.support.similar import did_you_mean
 
-__all__ = ["MOST_DEVICES", "CommandTargets", "NoTargetError", "SpokenSettings", "part_name", "settings_by_part"]
+__all__ = [
+    "MOST_DEVICES",
+    "CommandTargets",
+    "NoTargetError",
+    "SpokenSettings",
+    "Target",
+    "part_name",
+    "settings_by_part",
+]
 
 MOST_DEVICES: Final = 1000
 """Devices that one command may be for."""
@@ -36,7 +44,7 @@ _TYPO: Final = 0.8
 SpokenSettings: TypeAlias = dict[str, PlainValue] | RefusedError
 """The values by capability for a part, or the reason why it cannot take them."""
 
-_Target: TypeAlias = tuple[Device, tuple[DevicePart, ...]]
+Target: TypeAlias = tuple[Device, tuple[DevicePart, ...]]
 
 
 class NoTargetError(Exception):
@@ -52,14 +60,16 @@ class CommandTargets:
     """
 
     def __init__(
-        self, node: Node, lookup: DeviceLookup, refusal: Callable[[CommandDevicesRequest, _Target], str]
+        self, node: Node, lookup: DeviceLookup, refusal: Callable[[CommandDevicesRequest, Target], str]
     ) -> None:
         self._lookup = lookup
         self._refusal = refusal
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
 
-    async def find(self, request: CommandDevicesRequest) -> list[_Target]:
-        """Return the targets, each a device with its parts; no button of that name if something else takes the command.
+    async def find(self, request: CommandDevicesRequest) -> list[Target]:
+        """Return the targets, each a device with its parts.
+
+        Left out are buttons of that name if something else takes the command, and of everything what does not take it.
 
         Raises:
             NoTargetError: There is no target, there are too many, or several devices have the name.
@@ -73,12 +83,12 @@ class CommandTargets:
             for part, spoken in settings_by_part(request, device, parts)
             if not isinstance(spoken, RefusedError)
         }
-        if len(set(takes.values())) <= 1:
+        if len(set(takes.values())) <= 1 and not (takes and _EVERYTHING.match(request.target)):
             return found
         kept = [(device, tuple(one for one in parts if takes.get((device.id, one.id)))) for device, parts in found]
         return [one for one in kept if one[1]]
 
-    async def _find(self, request: CommandDevicesRequest, target: str) -> list[_Target]:
+    async def _find(self, request: CommandDevicesRequest, target: str) -> list[Target]:
         if not target:
             raise NoTargetError("give the id or the name of a device, or a query such as 'light in hall'")
         if named := await self._named(request, target):
@@ -95,13 +105,13 @@ class CommandTargets:
             raise NoTargetError(f"{target!r} could be {_names(found)}; give the name of one")
         return found
 
-    async def _named(self, request: CommandDevicesRequest, target: str) -> list[_Target]:
+    async def _named(self, request: CommandDevicesRequest, target: str) -> list[Target]:
         """Return the device, or its part, that has the id or name *target*, perhaps quoted or with an article."""
         spelled = _ARTICLE.fullmatch(target) or _QUOTED.fullmatch(target)
         called = await self._called(request, target)
         return called or (await self._called(request, spelled[1]) if spelled is not None else [])
 
-    async def _called(self, request: CommandDevicesRequest, target: str) -> list[_Target]:
+    async def _called(self, request: CommandDevicesRequest, target: str) -> list[Target]:
         device_id, _, part_id = target.partition("#")
         called = await self._lookup.called(target, device_id)
         if part_id and called and called[0].id.casefold() == device_id.casefold():
@@ -112,7 +122,7 @@ class CommandTargets:
             raise NoTargetError(ask_which(target, called))
         return [(called[0], _parts_called(request, called[0], target))] if called else []
 
-    async def _any_of(self, request: CommandDevicesRequest, target: str, readings: Readings) -> list[_Target]:
+    async def _any_of(self, request: CommandDevicesRequest, target: str, readings: Readings) -> list[Target]:
         """Return the targets that fit any alternative of the query *target*; an ambiguous one is an error."""
         if len(readings.alternatives) == 1:
             return await self._one_query(request, target)
@@ -131,7 +141,7 @@ class CommandTargets:
             raise NoTargetError(f"{unnamed[0]!r} in {target!r} is not the name of a device; give names, or {literal}")
         return found
 
-    async def _listed(self, request: CommandDevicesRequest, target: str, readings: Readings) -> list[_Target]:
+    async def _listed(self, request: CommandDevicesRequest, target: str, readings: Readings) -> list[Target]:
         """Return the targets that fit all of *target*, unless it can also be read as a list; see :meth:`_any_of`."""
         others, _ = await self._all_of(request, readings.distributed)
         try:
@@ -151,7 +161,7 @@ class CommandTargets:
 
     async def _all_of(
         self, request: CommandDevicesRequest, alternatives: Iterable[str], words: Collection[str] = ()
-    ) -> tuple[list[_Target], list[str]]:
+    ) -> tuple[list[Target], list[str]]:
         """Return the targets that fit any of *alternatives*, and the alternatives that are no name or fit no device."""
         found: dict[str, tuple[Device, dict[str, DevicePart]]] = {}
         unnamed: list[str] = []
@@ -165,7 +175,7 @@ class CommandTargets:
 
     async def _alternative(
         self, request: CommandDevicesRequest, text: str, *, is_words: bool
-    ) -> tuple[list[_Target], bool]:
+    ) -> tuple[list[Target], bool]:
         """Return the targets that fit one alternative, and False if its words are not a name or fit no device."""
         named = await self._named(request, text) or (await self._named_part(text) if is_words else [])
         targets = named or await self._one_query(request, text, is_alternative=True)
@@ -175,7 +185,7 @@ class CommandTargets:
 
     async def _one_query(
         self, request: CommandDevicesRequest, text: str, *, is_alternative: bool = False
-    ) -> list[_Target]:
+    ) -> list[Target]:
         near, rest = split_near(parse_query(text))
         if near is not None and math.isinf(near.within):
             return await self._nearest(request, near, rest)
@@ -185,7 +195,7 @@ class CommandTargets:
         # the word may be the name of a part that takes the command: a button called Garage door
         return await self._named_part(text, request) or found
 
-    async def _named_part(self, text: str, taking: CommandDevicesRequest | None = None) -> list[_Target]:
+    async def _named_part(self, text: str, taking: CommandDevicesRequest | None = None) -> list[Target]:
         """Return the parts of a device that are called *text*, such as one of four relays; one has to take *taking*."""
         words, name = words_of(text), fold(text)
         devices = await self._lookup.devices(And(tuple(map(HasText, words)))) if words else ()
@@ -198,7 +208,7 @@ class CommandTargets:
             raise NoTargetError(f"{len(found)} devices have a part called {text}; give the id of one: {ids}")
         return found
 
-    async def _nearest(self, request: CommandDevicesRequest, near: IsNear, rest: Query) -> list[_Target]:
+    async def _nearest(self, request: CommandDevicesRequest, near: IsNear, rest: Query) -> list[Target]:
         """Return the nearest target that may be commanded; if none may, the error names the nearest and the reasons."""
         wanted = query_terms(And((rest, near)))
         answer = await self._query.call(QueryDevicesRequest(query=wanted, limit=_MOST_NEAR))
@@ -216,7 +226,7 @@ class CommandTargets:
             raise NoTargetError(f"nothing near {near.robot} may be commanded; left out: {'; '.join(refused)}")
         return []
 
-    async def _fitting(self, text: str, *, is_alternative: bool) -> list[_Target]:
+    async def _fitting(self, text: str, *, is_alternative: bool) -> list[Target]:
         query = parse_query(text)
         if _texts(query) and (named := await self._named_part(text)):
             return named
@@ -249,6 +259,7 @@ _SETTINGS = frozenset({"x_setting"})
 _JOINED = re.compile(r"\band\b|,", re.IGNORECASE)
 _ARTICLE = re.compile(r"(?:the|an?|my)\s+(.+)", re.IGNORECASE | re.DOTALL)
 _QUOTED = re.compile(r'"([^"]+)"')
+_EVERYTHING = re.compile(r"\s*(?:everything|all)\b", re.IGNORECASE)
 _ONE = re.compile(r"an?\s", re.IGNORECASE)
 _MOST_NAMES = 8
 
@@ -256,11 +267,11 @@ _MOST_NEAR = 10
 """The number of nearest devices that are tried."""
 
 
-def _places(targets: list[_Target]) -> frozenset[tuple[str, str]]:
+def _places(targets: list[Target]) -> frozenset[tuple[str, str]]:
     return frozenset((device.id, part.id) for device, parts in targets for part in parts)
 
 
-def _names(targets: list[_Target]) -> str:
+def _names(targets: list[Target]) -> str:
     names = sorted(part_name(device, part) for device, parts in targets for part in parts)
     more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
     return f"{', '.join(names[:_MOST_NAMES])}{more}" or "nothing"
@@ -292,7 +303,7 @@ def _is_other_setting(part: DevicePart, spoken: SpokenSettings) -> bool:
     return part.part.service_type in _SETTINGS and isinstance(spoken, RefusedError)
 
 
-def _takes(request: CommandDevicesRequest, target: _Target) -> bool:
+def _takes(request: CommandDevicesRequest, target: Target) -> bool:
     return any(not isinstance(spoken, RefusedError) for _, spoken in settings_by_part(request, *target))
 
 

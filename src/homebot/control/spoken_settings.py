@@ -10,6 +10,7 @@ from homebot.control.values import changes, related
 from homebot.devices import KeyValue
 from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
 from homebot.devices.part import Capability, Part, accepted_values, check_no_share, check_setting
+from homebot.devices.text.colors import COLORS, WHITES
 from homebot.devices.text.commands import decode_command
 from homebot.devices.text.states import FRACTION_CAPABILITIES
 from homebot.devices.value import PlainValue
@@ -109,7 +110,11 @@ def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
         return decode_command(given, part)
     except RefusedError as exc:
         found = (
-            _respelt(word, part) or _with_unit(word, part) or _named_value(word, part, target) or _state_for(word, part)
+            _respelt(word, part)
+            or _with_unit(word, part)
+            or _named_value(word, part, target)
+            or _state_for(word, part)
+            or _colored(word, part)
         )
         if found is not None:
             return found
@@ -135,6 +140,14 @@ def _state_for(word: str, part: Part) -> tuple[str, PlainValue] | None:
         elif one.settable and one.name == "push" and word == part.name.casefold():
             return one.name, True
     return None
+
+
+def _colored(word: str, part: Part) -> tuple[str, PlainValue] | None:
+    """Return the setting for the name of a colour, or of a white tone, that *part* takes; None for none."""
+    name = word.replace("_", " ")
+    named = {"color": COLORS.get(name), "color_temperature": WHITES.get(name)}
+    settable = [one.name for one in part.capabilities if one.settable]
+    return next(((capability, value) for capability, value in named.items() if value and capability in settable), None)
 
 
 def _named_value(text: str, part: Part, target: str) -> tuple[str, PlainValue] | None:
@@ -195,6 +208,8 @@ def _value(name: str, text: str, part: Part, target: str) -> PlainValue:
 
 def _color(text: str) -> PlainValue:
     """Return the hue and the saturation, or *text* if it is not a colour, which :func:`check_setting` refuses."""
+    if (named := COLORS.get(text.casefold().replace("_", " "))) is not None:
+        return named
     match [to_number(one) for one in re.split(r"[\s,]+", text)]:
         case [float() as hue, float() as saturation]:
             return hue, saturation

@@ -24,7 +24,9 @@ __all__ = ["add_arguments"]
 
 _EXAMPLES = """\
   homebot do 'Kitchen lamp' on
-  homebot do 'lamp near robot' on
+  homebot do 'lamp near robot' toggle
+  homebot do 'light in hall' 'warm white'
+  homebot do everything off
   homebot do 'light in hall' on --level 40 --transition 3
   homebot do 'window covering' close
   homebot do Heating heating_setpoint 21
@@ -46,12 +48,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_client_command(parser, _do, _EXAMPLES, acts=True)
     parser.add_argument("target", metavar="QUERY", help="the id or name of a device, or a query as for `homebot find`")
     parser.add_argument(
-        "word", metavar="COMMAND", help="a word such as on, off, open, close, lock, or a capability such as level"
+        "word", metavar="COMMAND", help="a word such as on, off, toggle, open, lock, red, or a capability such as level"
     )
     parser.add_argument("values", metavar="VALUE", nargs="*", default=[], help="the value of a capability")
     parser.add_argument("--level", metavar="PERCENT", help="brightness, above 0 and up to 100")
     parser.add_argument("--kelvin", metavar="K", help="colour temperature")
-    parser.add_argument("--color", metavar="HUE,SATURATION", help="hue to 360, and saturation to 100: 0,100 is red")
+    parser.add_argument(
+        "--color", metavar="COLOR", help="a name such as red, or hue to 360 and saturation to 100: 0,100"
+    )
     parser.add_argument(
         "--transition",
         metavar="TIME",

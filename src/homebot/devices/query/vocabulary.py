@@ -43,7 +43,7 @@ __all__ = [
 
 KEYWORDS = frozenset({"and", "or", "not", "in", "with", "without", "but"})
 
-_FILLERS = "the a an all any every each which device devices are is my of"
+_FILLERS = "the a an all any every everything each which device devices are is my of"
 FILLERS = frozenset(_FILLERS.split())
 """Words without meaning that turn a query into a sentence."""
 
