@@ -8,6 +8,7 @@ from typing import assert_type
 import homebot
 from homebot import App, Device, DeviceChange, Light, Node, RefusedError, qos_profile_latched, run
 from homebot.apps import App as AppOfItsPackage
+from homebot.apps import AppSettings
 from homebot.messages import String
 
 
@@ -24,7 +25,13 @@ class Evening(App):
                 assert_type(exc.reason, str)
 
 
+class Morning(App[AppSettings]):
+    async def run(self) -> None:
+        assert_type(self.settings, AppSettings)
+
+
 def start() -> None:
+    run(Morning)
     assert_type(run(Evening), int)
     run(Evening, "light_service", mqtt="mqtt://127.0.0.1", act=True)
     run(Evening, mqqt="mqtt://127.0.0.1")  # type: ignore[call-arg]  # no such option

@@ -47,13 +47,13 @@ class NoSettings(AppSettings):
     """The empty table of an app without settings."""
 
 
-SettingsT = TypeVar("SettingsT", bound=BaseModel, default=BaseModel)
+SettingsT_co = TypeVar("SettingsT_co", bound=BaseModel, default=BaseModel, covariant=True)
 ItemT = TypeVar("ItemT")
 HandleT = TypeVar("HandleT", bound=Handle)
 _Queries: TypeAlias = AsyncIterable[ItemT] | Sequence[AsyncIterable[ItemT]]
 
 
-class App(ABC, Generic[SettingsT]):
+class App(ABC, Generic[SettingsT_co]):
     """The base class of apps; the entry-point group is ``homebot.apps``.
 
     Override :meth:`run`. An app with settings names their model: ``class Hall(App[HallSettings])``.
@@ -82,7 +82,7 @@ class App(ABC, Generic[SettingsT]):
                 given = get_args(base)[0]
                 cls.Settings = given if isinstance(given, type) else cls.Settings
 
-    def __init__(self, node: Node, settings: SettingsT) -> None:
+    def __init__(self, node: Node, settings: SettingsT_co) -> None:
         self.node = node
         self.settings = settings
         self.log = node.log

@@ -120,11 +120,18 @@ def _without_cache() -> Iterator[None]:
 
 @final
 class AppPlanner:
-    """Plans one app at a time. Blocking."""
+    """Plans one app at a time. Blocking.
 
-    def __init__(self, read_config: Callable[[], Config], grants: Mapping[str, tuple[str, ...]]) -> None:
+    Args:
+        given: The classes of apps that keep theirs.
+    """
+
+    def __init__(
+        self, read_config: Callable[[], Config], grants: Mapping[str, tuple[str, ...]], given: Mapping[str, type[App]]
+    ) -> None:
         self._read_config = read_config
         self._grants = grants
+        self._given = given
         self._files: dict[str, str] = {}
 
     def plan(self, name: str, *, is_new: bool) -> tuple[PlannedComponent[App], FreshCode]:
@@ -157,7 +164,7 @@ class AppPlanner:
     def _checked(
         self, name: str, table: Table, config: Config, load: Callable[[str, str], type[App]]
     ) -> PlannedComponent[App]:
-        planned = planned_app(name, table, config, load)
+        planned = planned_app(name, table, config, self._given.get(name), load)
         if scope_of(f"apps.{name}", table, config) != self._grants.get(f"/{name}"):
             raise ConfigError(
                 config.source,

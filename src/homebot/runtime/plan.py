@@ -66,6 +66,8 @@ OWN_NODES = frozenset(
     }
 )
 
+_NONE_GIVEN: Mapping[str, type[App]] = {}
+
 LoadPlugin: TypeAlias = "Callable[[str, str], type[Any]]"
 ComponentT = TypeVar("ComponentT", Gateway, App)
 
@@ -143,19 +145,23 @@ class Plan:
         return by_default
 
 
-def make_plan(config: Config) -> Plan:
+def make_plan(config: Config, given: Mapping[str, type[App]] = _NONE_GIVEN) -> Plan:
     """Find every class that *config* names and check every table.
+
+    Args:
+        given: The classes of further apps, or of apps whose tables name none, by the name of the app.
 
     Raises:
         ConfigError: A class cannot be found, a table is wrong, or a secret cannot be read; names the file, the key and
             the reason.
     """
+    config = config.model_copy(update={"apps": config.apps | {name: config.apps.get(name, {}) for name in given}})
     return Plan(
         config=config,
         home=config.home.name,
         home_settings=config.home,
         gateways=tuple(_gateway(name, table, config) for name, table in config.gateways.items()),
-        apps=tuple(planned_app(name, table, config) for name, table in config.apps.items()),
+        apps=tuple(planned_app(name, table, config, given.get(name)) for name, table in config.apps.items()),
         grants=dict(grants_of(config)),
         **{name: read(config) for name, read in _TABLES.items()},
     )
@@ -201,11 +207,17 @@ def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gatewa
     return gateway
 
 
-def planned_app(name: str, table: Table, config: Config, load: LoadPlugin = load_plugin) -> PlannedComponent[App]:
-    """Return the app *name* with the settings of its *table*, its class loaded by *load*."""
+def planned_app(
+    name: str, table: Table, config: Config, given: type[App] | None = None, load: LoadPlugin = load_plugin
+) -> PlannedComponent[App]:
+    """Return the app *name* with the settings of its *table*, and the class *given*, or else loaded by *load*."""
+    if given is not None and "class" in table:
+        problem = f"the program gives the class {given.__name__} for this app; remove the key, or rename one of both"
+        raise ConfigError(config.source, f"apps.{name}.class", problem)
     _check_name(f"apps.{name}", name, config.source)
     scope_of(f"apps.{name}", table, config)
-    return _component(App, APPS, name, without_act(table), config, f"apps.{name}", load)  # type: ignore[type-abstract]
+    made = load if given is None else lambda *_: given
+    return _component(App, APPS, name, without_act(table), config, f"apps.{name}", made)  # type: ignore[type-abstract]
 
 
 def _check_name(key: str, name: str, source: str) -> None:

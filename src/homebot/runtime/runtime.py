@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from datetime import datetime
 from functools import partial
 from http import HTTPStatus
@@ -21,6 +21,7 @@ import anyio
 from anyio import to_thread
 from anyio.abc import TaskStatus
 
+from homebot.apps import App
 from homebot.bridges.rosbridge import Door
 from homebot.clock import Clock, LoopClock, home_time, read_zone
 from homebot.config import Config
@@ -78,6 +79,7 @@ class Runtime:
     Entering starts everything and returns when it is ready; leaving stops everything in reverse order.
 
     Args:
+        apps: Classes of apps by name, beside those that *config* names; ``[apps.NAME]`` has the settings of each.
         house: A simulated house whose devices connect to the embedded broker, or are found by gateways that are added
             if the configuration has none of that name; its state is that of last midnight, UTC.
         robot: The name of the ROS robot in a *house* with a floor plan; empty for none.
@@ -111,6 +113,7 @@ class Runtime:
 
     config: Config
     _: KW_ONLY
+    apps: Mapping[str, type[App]] = field(default_factory=dict)
     house: World | None = None
     robot: str = ""
     with_door: bool = True
@@ -171,7 +174,7 @@ class Runtime:
         self._reloaded = ChangeAppResponse()
 
     def _planner(self) -> AppPlanner:
-        return AppPlanner(self._read, self._plan.grants)
+        return AppPlanner(self._read, self._plan.grants, self.apps)
 
     def _make_plan(self, config: Config) -> Plan:
         if self._house is not None:
@@ -182,7 +185,7 @@ class Runtime:
             config = observing(config)
             self._gateway_node = MutedNode
             self.rehearsal = self.rehearsal or DryRun()
-        plan = make_plan(config)
+        plan = make_plan(config, self.apps)
         return plan if self._house is None else self._house.completed(plan, config.source)
 
     async def __aenter__(self) -> Self:
