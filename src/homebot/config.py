@@ -156,6 +156,7 @@ class Config(BaseModel):
         history: The table ``[history]``: which measurements are kept, and how long; None for the defaults.
         notify: The table ``[notify]``: where notifications of apps are sent; None to only log them.
         alerts: The table ``[alerts]``: seconds after which people are told of each kind; false for never.
+        devices: The tables ``[devices.NAME]``: the owner's limits of readings.
         source: The file, or another source of the values, for error messages.
         folder: The base folder of relative paths: that of the file.
     """
@@ -172,6 +173,7 @@ class Config(BaseModel):
     notify: Table | None = None
     alerts: dict[AlertKey, _Delay] = Field(default_factory=dict)
     places: Table = Field(default_factory=dict)
+    devices: dict[str, Table] = Field(default_factory=dict)
     robots: dict[str, Table] = Field(default_factory=dict)
     ros: Table = Field(default_factory=dict)
     source: str = Field(default="configuration", exclude=True)
@@ -206,7 +208,7 @@ def load_tables(path: Path, *, may_be_cut: bool = False) -> dict[str, object]:
                 source,
                 name,
                 "unknown key; known are home, gateways, apps, door, discovery, control, history, notify, alerts, "
-                "places, robots, ros",
+                "places, devices, robots, ros",
             )
     return tables
 

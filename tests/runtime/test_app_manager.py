@@ -12,6 +12,7 @@ from pathlib import Path
 import anyio
 import pytest
 from structlog.testing import capture_logs
+from tests.patience import PATIENCE
 from tests.sizes import size
 
 from homebot.bridges.rosbridge.access import right_to_call
@@ -259,6 +260,10 @@ async def test_reloads_leave_nothing_behind(tmp_path: Path) -> None:
         for number in range(1000):
             runtime.app_manager._report("test.line", "a line", f"{number}")
         await reload(runtime, 400)
+        with anyio.fail_after(PATIENCE):
+            while "/alerts" not in runtime.graph.get_node_names():  # noqa: ASYNC110 - it begins when all else has
+                await anyio.sleep(0.01)
+        await reload(runtime, 10)
         first, before = seen(runtime), resident()
         await reload(runtime, rounds)
         second, grown = seen(runtime), resident() - before

@@ -1,7 +1,9 @@
 """The devices, their announcements, and their pending updates. Pure."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import final
+from typing import TYPE_CHECKING, final
 
 from homebot.devices.device import ChangeKind
 from homebot.discovery.changes import ChangeQueue
@@ -11,6 +13,9 @@ from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.search.postings import Postings
 from homebot.discovery.source_record import LostLink, SourceKey, SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
+
+if TYPE_CHECKING:
+    from homebot.discovery.reading_limits import LimitsOfDevices
 
 __all__ = ["DeviceTable", "IndexCounters"]
 
@@ -26,11 +31,13 @@ class IndexCounters:
         rejected: Announcements of new devices while the index was full, or of a device with too many.
         retained_only: Retained announcements of forgotten devices.
         unknown_parts: Readings of unannounced parts or capabilities; they are ignored.
+        outside_limits: Values outside the limits that the owner states; they are ignored.
     """
 
     rejected: int = 0
     retained_only: int = 0
     unknown_parts: int = 0
+    outside_limits: int = 0
 
 
 @final
@@ -38,6 +45,7 @@ class DeviceTable:
     """The tables of the index, which merging, liveness, states and search share and change.
 
     Attributes:
+        limits: The owner's limits of readings; None for none.
         lost: The lost links, by gateway.
         outdated: Ids of devices with outdated postings.
         panels: The identifiers of alarm panels.
@@ -50,6 +58,7 @@ class DeviceTable:
         self.sources: dict[SourceKey, SourceRecord] = {}
         self.owners: dict[SourceKey, Entry] = {}
         self.entries: dict[str, Entry] = {}
+        self.limits: LimitsOfDevices | None = None
         self.lost: dict[str, LostLink] = {}
         self.tombstones = Tombstones()
         self.topics = TopicOwnership()

@@ -1,10 +1,12 @@
 """The node of the discovery layer, which follows all gateways, maintains the index, and forgets silent devices."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import anyio
 import anyio.lowlevel
@@ -39,6 +41,9 @@ from homebot.messages import Time
 from homebot.places import Places
 from homebot.support.isolation import run_as
 from homebot.units import Seconds
+
+if TYPE_CHECKING:
+    from homebot.discovery.reading_limits import LimitsOfDevices
 
 __all__ = ["Directory", "DirectorySettings"]
 
@@ -92,6 +97,7 @@ class Directory:
         owner: OwnerFacts | None = None,
         *,
         needs_approval: bool = True,
+        limits: LimitsOfDevices | None = None,
         known: Sequence[IndexRow] = (),
     ) -> None:
         self._node = node
@@ -104,6 +110,7 @@ class Directory:
         )
         self.index.owner.prefer = settings.prefer
         self.index.postings.needs_approval = needs_approval
+        self.index.table.limits = limits
         self._clock = node.graph.clock
         self._publisher = ChangePublisher(node, self.index)
         self._persistence = IndexPersistence(node, self.index, file if settings.persist else None, known)

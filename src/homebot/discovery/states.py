@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Generator, Iterable, Iterator
 from math import inf
 from operator import attrgetter
-from typing import Final, TypeAlias, final
+from typing import TYPE_CHECKING, Final, TypeAlias, final
 
 from homebot.devices import DevicePart, Fact
 from homebot.devices.capabilities import ALERTING, EVENTS, SETTABLE
@@ -23,6 +23,9 @@ from homebot.discovery.merging.trust import Agreement, EndpointKey, can_hurt, en
 from homebot.discovery.search.columns import StoredValue
 from homebot.discovery.source_record import LostLink, Reach, SourceRecord
 from homebot.messages import Time
+
+if TYPE_CHECKING:
+    from homebot.discovery.reading_limits import LimitsOfDevices
 
 __all__ = ["SettingChanges", "StateRecorder", "has_capability", "is_denied", "store_reachability"]
 
@@ -62,9 +65,9 @@ class StateRecorder:
         """Record *report*, received through *source*, an announcement of *entry*."""
         states_reach = REACHABLE in map(_CAPABILITY, report.readings)
         for one in report.unreadable:
-            if not source.unreadable:
-                self._table.outdated[entry.id] = None
-            source.unreadable = {**source.unreadable, one.key: _unreadable_fact(source, one.value, report.received_at)}
+            self._record_unreadable(entry, source, one.key, one.value, report.received_at)
+        if self._table.limits is not None:
+            report = self._within_limits(entry, source, report, self._table.limits)
         before = self._reach(entry) if states_reach or entry.is_denied else None
         if new := self._record_values(entry, source, report):
             self._publish(entry, source, new, report)
@@ -74,6 +77,28 @@ class StateRecorder:
             self._liveness.mark_seen(entry, source, report.received_at, "it sent a message")
         if before is not None and self._reach(entry) != before:
             self._table.record_change("changed", entry, entry.reachability().why)
+
+    def _record_unreadable(self, entry: Entry, source: SourceRecord, part: str, why: str, at: Time) -> None:
+        if not source.unreadable:
+            self._table.outdated[entry.id] = None
+        source.unreadable = {**source.unreadable, part: _unreadable_fact(source, why, at)}
+        entry.device = None
+
+    def _within_limits(self, entry: Entry, source: SourceRecord, report: Report, given: LimitsOfDevices) -> Report:
+        """Return *report* without the values outside the limits *given*, which are recorded as unreadable."""
+        if given.capabilities.isdisjoint(map(_CAPABILITY, report.readings)):
+            return report
+        device = entry.to_device(self._table.topics)
+        if (limits := given.of((device.id, *device.names))) is None:
+            return report
+        kept: list[Reading] = []
+        for one in report.readings:
+            if problem := limits.problem(one):
+                self._table.counters.outside_limits += 1
+                self._record_unreadable(entry, source, one.part, problem, report.received_at)
+            else:
+                kept.append(one)
+        return report.model_copy(update={"readings": tuple(kept)})
 
     def record_link(self, gateway: str, lost: LostLink | None) -> Generator[None, None, int]:
         """Record that *gateway* lost or restored its link; return the number of devices for which that matters.

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from homebot.apps.notifier import NotifySettings
     from homebot.control import ControlSettings
     from homebot.devices.robot_owners import RobotOwners
+    from homebot.discovery.reading_limits import LimitsOfDevices
     from homebot.history.settings import HistorySettings
     from homebot.messages import Interfaces
     from homebot.robots.settings import RobotSettings
@@ -95,6 +96,7 @@ class Plan:
         grants: The scope of each app that may not command everything, by the name of its node; a reload updates it.
         interfaces: The ROS interfaces that clients may name; None for those built into homebot.
         places: The rooms and the owner's statements about devices.
+        limits: The limits of readings; None for none.
         history: The settings of the history; None for the defaults.
         notify: The settings of notifications of apps; None to only log them.
     """
@@ -109,6 +111,7 @@ class Plan:
     door: DoorSettings
     interfaces: Interfaces | None = None
     places: Places = NO_PLACES
+    limits: LimitsOfDevices | None = None
     grants: dict[str, tuple[str, ...]] = field(default_factory=dict)
     robots: Mapping[str, RobotSettings] = field(default_factory=dict)
     history: HistorySettings | None = None
@@ -286,6 +289,15 @@ def _places(config: Config) -> Places:
     return homebot.places.read_places(config.places, config.home.name, config.source, "configuration")
 
 
+def _limits(config: Config) -> LimitsOfDevices | None:
+    if not config.devices:
+        return None
+    from homebot.discovery.reading_limits import LimitSettings, LimitsOfDevices  # noqa: PLC0415 - only with a table
+
+    read = partial(parse_settings, LimitSettings, source=config.source, folder=config.folder)
+    return LimitsOfDevices({name: read(table, key=f"devices.{name}") for name, table in config.devices.items()})
+
+
 def _robots(config: Config) -> Mapping[str, RobotSettings]:
     if not config.robots:
         return {}
@@ -336,6 +348,7 @@ _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "door": read_door,
     "interfaces": _interfaces,
     "places": _places,
+    "limits": _limits,
     "robots": _robots,
     "history": _history,
     "notify": _notify,

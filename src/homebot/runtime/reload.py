@@ -30,7 +30,7 @@ RELOADED = "runtime.reloaded"
 
 _log = get_logger(node="/homebot")
 
-_SECTIONS: Final = ("gateways", "apps", "robots")
+_SECTIONS: Final = ("gateways", "apps", "devices", "robots")
 """The keys that contain tables by name."""
 
 _TOKEN: Final = frozenset({"token", "token_file"})
@@ -38,6 +38,7 @@ _LIVE: Final[Mapping[str, frozenset[str]]] = {
     "door": _TOKEN | {"tokens", "scope"},
     "control": frozenset(PolicySettings.model_fields),
     "apps": frozenset({ACT}),
+    "devices": frozenset({"limits"}),
 }
 """The keys that take effect without a restart; so do all of ``[places]``."""
 
@@ -167,11 +168,12 @@ async def reload_configuration(
     needs_approval = parts.control is None or parts.control.update_policies(new.control)
     if parts.directory is not None and rooms is not None:
         parts.directory.index.postings.needs_approval = needs_approval
+        parts.directory.index.table.limits = new.limits
         if new.places != plan.places:
             await parts.directory.reconfigure(new.places, rooms)
     waiting = ", ".join(keys_for_restart(running, config))
     rest = f"; restart homebot for the changes of {waiting}" if waiting else ""
     message = f"tokens, rights, policies and places were reloaded{rest}"
     _log.info(RELOADED, message=message)
-    done = replace(plan, config=new.config, door=new.door, control=new.control, places=new.places)
+    done = replace(plan, config=new.config, door=new.door, control=new.control, places=new.places, limits=new.limits)
     return done, ChangeAppResponse(success=True, message=message)

@@ -327,7 +327,10 @@ class Runtime:
             control = self._plan.control  # None means the defaults, which are not loaded just for this
             needs_approval = not self._approves_all and (control is None or control.approvals)
             settings, file = self._plan.discovery, self.index_file
-            self._index = Directory(node, settings, file, self._owner, needs_approval=needs_approval, known=self.known)
+            limits, known = self._plan.limits, self.known
+            self._index = Directory(
+                node, settings, file, self._owner, needs_approval=needs_approval, limits=limits, known=known
+            )
             await run_as(node.full_name, partial(self._index.serve, task_status=task_status))
 
     async def _control(self, *, task_status: TaskStatus[None]) -> None:
