@@ -4,7 +4,7 @@ from pathlib import Path
 
 from hypothesis import given, settings
 
-from homebot.house.world import World
+from homebot.house import World
 from homebot.testing import Day, live_day
 from homebot.testing.strategies import days, houses
 

@@ -8,13 +8,10 @@ import anyio
 from anyio.abc import TaskStatus
 from pydantic import BaseModel, ValidationError
 
-from homebot.devices.capabilities import implied_settings
-from homebot.devices.gateway_messages import Command
+from homebot import Node
+from homebot.devices import Command, implied_settings
 from homebot.errors import LinkError
-from homebot.gateways import Gateway, GatewayContext, GatewaySettings
-from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
-from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.graph import Node
+from homebot.gateways import Gateway, GatewayContext, GatewayDevice, GatewaySettings, PublishedDevices, simple_part
 
 
 class FolderSettings(GatewaySettings):  # the table [gateways.NAME]

@@ -7,15 +7,9 @@ from __future__ import annotations
 
 from pydantic import BaseModel
 
-from homebot.apps.base import App
-from homebot.devices import Device, DevicePart, RawMessage
-from homebot.devices.handles import Light
-from homebot.devices.names import read_text_address
-from homebot.devices.part import Capability, Part
-from homebot.devices.text.states import decode_text
-from homebot.devices.value import PlainValue
+from homebot import App, Capability, Device, DevicePart, Light, Node, Part, RawMessage
+from homebot.devices import PlainValue, decode_text, read_text_address
 from homebot.errors import HomebotError, LinkError, RefusedError, ServiceError, WireError
-from homebot.graph import Node
 from homebot.log import LogLimit, more_like_this
 
 __all__ = ["ThesisLightService"]

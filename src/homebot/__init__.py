@@ -1,8 +1,8 @@
 """homebot: the home runtime for robots.
 
 An app imports from here: ``from homebot import App, Light, run``. Test helpers are in :mod:`homebot.testing`, ROS's
-standard messages in :mod:`homebot.messages`. Each name is imported on first use. Submodules may change from one
-release to the next; the names in this module are stable.
+standard messages in :mod:`homebot.messages`. Each name is imported on first use. The names in this module
+are stable, of those below the ones that docs/reference/stable.md lists.
 """
 
 TYPE_CHECKING = False  # typing.TYPE_CHECKING would import typing

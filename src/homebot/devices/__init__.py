@@ -8,6 +8,7 @@ from homebot.support.lazy_names import lazy_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from homebot.devices.capabilities import implied_settings
     from homebot.devices.device import (
         Device,
         DeviceChange,
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
     )
     from homebot.devices.devices import Devices
     from homebot.devices.follow import Follow
-    from homebot.devices.gateway_messages import GatewayState, RawCommand, RawMessage, Sighting
+    from homebot.devices.gateway_messages import Command, GatewayState, RawCommand, RawMessage, Sighting
+    from homebot.devices.identity import identifiers
     from homebot.devices.names import (
         DEVICE_CHANGES,
         DEVICE_STATES,
@@ -33,8 +35,11 @@ if TYPE_CHECKING:
         QUERY_DEVICES,
         GatewayNames,
         gateway_of,
+        read_text_address,
     )
     from homebot.devices.services import FindDevices, Found, GetChanges, GetIndexData, QueryDevices, SubscribeToTopic
+    from homebot.devices.text.states import decode_text
+    from homebot.devices.value import PlainValue
 
 __all__ = [
     "DEVICE_CHANGES",
@@ -43,6 +48,7 @@ __all__ = [
     "GET_CHANGES",
     "GET_INDEX_DATA",
     "QUERY_DEVICES",
+    "Command",
     "Device",
     "DeviceChange",
     "DevicePart",
@@ -58,6 +64,7 @@ __all__ = [
     "GetChanges",
     "GetIndexData",
     "KeyValue",
+    "PlainValue",
     "QueryDevices",
     "RawCommand",
     "RawMessage",
@@ -67,23 +74,31 @@ __all__ = [
     "State",
     "StateChange",
     "SubscribeToTopic",
+    "decode_text",
     "gateway_of",
+    "identifiers",
+    "implied_settings",
+    "read_text_address",
 ]
 
 if not TYPE_CHECKING:  # else a type checker would accept any name
     __getattr__ = lazy_names(
         __name__,
         {
+            "homebot.devices.capabilities": "implied_settings",
             "homebot.devices.device": """
                 Device DeviceChange DevicePart Endpoint Fact Freshness KeyValue Reachability Route State StateChange
                 """,
             "homebot.devices.devices": "Devices",
             "homebot.devices.follow": "Follow",
-            "homebot.devices.gateway_messages": "GatewayState RawCommand RawMessage Sighting",
+            "homebot.devices.gateway_messages": "Command GatewayState RawCommand RawMessage Sighting",
+            "homebot.devices.identity": "identifiers",
             "homebot.devices.names": """
                 DEVICE_CHANGES DEVICE_STATES FIND_DEVICES GET_CHANGES GET_INDEX_DATA QUERY_DEVICES GatewayNames
-                gateway_of
+                gateway_of read_text_address
                 """,
             "homebot.devices.services": "FindDevices Found GetChanges GetIndexData QueryDevices SubscribeToTopic",
+            "homebot.devices.text.states": "decode_text",
+            "homebot.devices.value": "PlainValue",
         },
     )

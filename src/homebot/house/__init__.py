@@ -5,8 +5,16 @@ from homebot.house.house import SimulatedHouse
 from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.simulated_device import Placed
 from homebot.house.world import World
+from homebot.support.lazy_names import lazy_names
 
-__all__ = ["SimulatedHouse", "SimulatedLamp", "WindowMotor", "World", "thesis_world"]
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from homebot.house.description import load_world
+
+__all__ = ["SimulatedHouse", "SimulatedLamp", "WindowMotor", "World", "load_world", "thesis_world"]
+
+if not TYPE_CHECKING:  # else a type checker would accept any name
+    __getattr__ = lazy_names(__name__, {"homebot.house.description": "load_world"})
 
 
 def thesis_world() -> World:

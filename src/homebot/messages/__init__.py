@@ -28,15 +28,16 @@ if TYPE_CHECKING:
     from homebot.messages.std_srvs import SetBool as SetBool
     from homebot.messages.std_srvs import Trigger as Trigger
 
+_NAMES = {
+    "homebot.messages.builtin_interfaces": "Duration Time",
+    "homebot.messages.interfaces": "Interfaces",
+    "homebot.messages.message": "Message ServiceType",
+    "homebot.messages.rcl_interfaces": "Log Parameter ParameterEvent ParameterValue",
+    "homebot.messages.std_msgs": "Bool Empty Float32 Float64 Int32 Int64 String UInt8",
+    "homebot.messages.std_srvs": "SetBool Trigger",
+}
+
+__all__ = [name for names in _NAMES.values() for name in names.split()]
+
 if not TYPE_CHECKING:  # else a type checker would accept any name
-    __getattr__ = lazy_names(
-        __name__,
-        {
-            "homebot.messages.builtin_interfaces": "Duration Time",
-            "homebot.messages.interfaces": "Interfaces",
-            "homebot.messages.message": "Message ServiceType",
-            "homebot.messages.rcl_interfaces": "Log Parameter ParameterEvent ParameterValue",
-            "homebot.messages.std_msgs": "Bool Empty Float32 Float64 Int32 Int64 String UInt8",
-            "homebot.messages.std_srvs": "SetBool Trigger",
-        },
-    )
+    __getattr__ = lazy_names(__name__, _NAMES)

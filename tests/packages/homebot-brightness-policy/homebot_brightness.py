@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from homebot.control.command import IssuedCommand
-from homebot.control.policies import Facts, HomePolicy, Verdict
-from homebot.control.policies.command_pattern import Patterns
+from homebot.control.policies import Facts, HomePolicy, IssuedCommand, Patterns, Verdict
 
 
 class BrightnessSettings(BaseModel):

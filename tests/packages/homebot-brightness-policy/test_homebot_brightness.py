@@ -7,8 +7,7 @@ from importlib.metadata import entry_points
 
 import pytest
 
-from homebot import App, ConfigError, Light, Runtime, parse_config
-from homebot.devices.outcomes import Outcome, Refused
+from homebot import App, ConfigError, Light, Outcome, Refused, Runtime, parse_config
 from homebot.testing import TestHouse
 
 CONFIG = {

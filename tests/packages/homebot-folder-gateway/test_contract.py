@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from homebot_folder.gateway import FolderGateway, FolderSettings
 
+from homebot import Node
 from homebot.gateways import Gateway
-from homebot.graph import Node
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 

@@ -1,5 +1,7 @@
 """Policies: reasons to refuse a command of any issuer, as small pure functions of a command and facts."""
 
+from homebot.control.command import IssuedCommand
+from homebot.control.policies.command_pattern import Patterns
 from homebot.control.policies.facts import Facts, FactUsed, Verdict
 from homebot.control.policies.home_policy import HomePolicy
 from homebot.control.policies.house import House, SensorReading
@@ -9,6 +11,8 @@ __all__ = [
     "Facts",
     "HomePolicy",
     "House",
+    "IssuedCommand",
+    "Patterns",
     "SensorReading",
     "Verdict",
 ]

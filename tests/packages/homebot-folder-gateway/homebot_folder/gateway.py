@@ -10,14 +10,10 @@ import anyio
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
-from homebot.devices import RawCommand
-from homebot.devices.gateway_messages import Command
-from homebot.devices.part import Capability, Part
+from homebot import Capability, Node, Part
+from homebot.devices import Command, RawCommand
 from homebot.errors import LinkError, RefusedError, UsageError
-from homebot.gateways import Gateway, GatewayContext, GatewaySettings
-from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.graph import Node
+from homebot.gateways import Gateway, GatewayContext, GatewayDevice, GatewaySettings, PublishedDevices
 
 __all__ = ["FolderGateway", "FolderSettings"]
 
