@@ -185,6 +185,11 @@ class RefusedError(PeerError):
 class WrongCodeError(RefusedError):
     """A device requires a code and got none, or a wrong one. The message never shows it."""
 
+    @classmethod
+    def missing(cls, what: str) -> "WrongCodeError":
+        """Return the error for a command without a code; it says how to give one."""
+        return cls(what, "it needs a code: `homebot do` asks for it with --ask-code, the page has a field")
+
 
 class UnableError(PeerError):
     """A part cannot carry out a command as described; nothing was sent, and another route may work."""

@@ -60,11 +60,11 @@ def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
     assert "front_door Front door door_lock Hall unknown mqtt door/set fresh, unapproved now" in listed
     assert listed.count("unapproved") == 1
     assert waits in run("show", "Front door")[1]
-    assert "always asks its type is door_lock" in run("show", "Front door")[1]
+    assert "always asks it is a door lock" in run("show", "Front door")[1]
     assert waits not in run("show", "Lamp")[1]
     assert "always asks" not in run("show", "Lamp")[1]
     assert "not harmless" not in run("show", "Front door")[1] + run("show", "Lamp")[1]
-    assert f"{note} (`homebot approve DEVICE`): front_door (its type is door_lock)" in run("doctor")[1]
+    assert f"{note} (`homebot approve DEVICE`): front_door (it is a door lock)" in run("doctor")[1]
     assert "front_door" in run("find", "unapproved")[1]
     assert "lamp" not in run("find", "unapproved")[1]
     assert approved(run("devices", "--json")[1]) == {"front_door": False, "lamp": None, "double_switch": None}
@@ -84,7 +84,7 @@ def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
     assert "unapproved" not in run("devices")[1]
     _, shown = run("show", "Front door")
     assert waits not in shown
-    assert "always asks its type is door_lock" in shown
+    assert "always asks it is a door lock" in shown
     assert "approved yes by the owner now" in shown
     assert note not in run("doctor")[1]
     assert approved(run("devices", "--json")[1]) == {"front_door": True, "lamp": None, "double_switch": None}

@@ -67,7 +67,7 @@ async def test_one_refusal_names_right_and_approval(open_home: OpenHome, *, appr
         await put_house(home)
         of_app = await refusal((await home.handle(DoorLock, "door")).unlock())
         for reason in ((await unlock(home, "client:robot")).reason, of_app):
-            assert "a right that names it (its type is door_lock)" in reason
+            assert "a right that names it (it is a door lock)" in reason
             assert ("; approve it with `homebot approve Door`, and " in reason) is approvals
             assert "homebot token new NAME" in reason or "[apps.app] act = " in reason
 

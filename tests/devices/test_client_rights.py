@@ -382,7 +382,7 @@ def test_a_setting_that_opens_asks(part_id: str, capability: str) -> None:
 @pytest.mark.parametrize(
     ("one", "reason"),
     [
-        (HALL_LOCK, "its type is door_lock"),
+        (HALL_LOCK, "it is a door lock"),
         (OVEN, "it calls itself oven"),
         (ODD_LOCK, "its lock can be set"),
         (OVEN_PLUG, "the name 'Oven Plug' says 'oven'"),

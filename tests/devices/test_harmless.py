@@ -9,6 +9,7 @@ from tests.devices.handles.conftest import device, part
 from homebot.devices.always_ask import always_asks, why_it_asks
 from homebot.devices.client_rights import APP_RIGHTS, LOCAL_RIGHTS, ClientRights, read_scope
 from homebot.devices.device import Device, Fact, KeyValue
+from homebot.devices.device_types import spoken_type
 from homebot.devices.harmless import why_not_harmless
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
@@ -97,15 +98,15 @@ def test_what_says_that_it_can_hurt_nobody_is_harmless(one: Device) -> None:
         (of_model("Curtain motor or window pusher", ("window_covering", "movement")), "says 'window pusher'"),
         (device("x", part("window_covering", "movement", name="Shop shutter")), "says 'shop shutter'"),
         *(
-            (device("x", part(kind, "on_off")), f"its type is {kind}")
+            (device("x", part(kind, "on_off")), f"it is {spoken_type(kind)}")
             for kind in ("siren", "pump", "x_unknown", "x_lawn_mower", "robotic_vacuum_cleaner", "camera", "x_setting")
         ),
-        (device("x", part("x_scene", "scene", name="Evening")), "its type is x_scene"),
-        (device("x", part("x_setting", "push", name="Emergency stop")), "its type is x_setting"),
-        (device("x", part("x_setting", "number", name="Charge limit")), "its type is x_setting"),
+        (device("x", part("x_scene", "scene", name="Evening")), "it is a scene"),
+        (device("x", part("x_setting", "push", name="Emergency stop")), "it is a setting"),
+        (device("x", part("x_setting", "number", name="Charge limit")), "it is a setting"),
         (of_model("Boiler thermostat", ("thermostat", "heating_setpoint")), "says 'boiler'"),
         (of_model("Fan with valve", ("fan", "fan_speed")), "says 'valve'"),
-        (device("x", part("door_lock", "lock")), "its type is door_lock"),
+        (device("x", part("door_lock", "lock")), "it is a door lock"),
     ],
 )
 def test_everything_else_says_why_it_is_not(one: Device, reason: str) -> None:

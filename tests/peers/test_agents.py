@@ -72,7 +72,7 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
                 "reason": "this device always asks, and no person confirmed the command",
             }
             assert (await call(session, "command", device="front_door", do="unlock"))["outcome"] == "confirmed"
-            assert asked == ["locks/front_door: unlock? It always asks: its type is door_lock."] * 2
+            assert asked == ["locks/front_door: unlock? It always asks: it is a door lock."] * 2
 
         async with client("keys") as session, api.answering(False) as questions:  # one that can ask nobody
             refused = await call(session, "command", device="front_door", do="lock")

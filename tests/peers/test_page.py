@@ -20,6 +20,7 @@ from homebot.apps import App
 from homebot.config import parse_config
 from homebot.house import SimulatedLamp, World, thesis_world
 from homebot.house.description import load_world
+from homebot.house.devices import SimulatedDoorLock
 from homebot.runtime import Runtime
 
 SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
@@ -72,8 +73,25 @@ socket.onclose = async () => {
 
 AXE = """
 const done = arguments[0];
-axe.run({ resultTypes: ["violations"] }).then((found) => done(found.violations));
+const isInvisible = (node) => node.any.some((check) => check.data?.messageKey === "equalRatio");
+axe.run({ resultTypes: ["violations", "incomplete"] }).then(({ violations, incomplete }) => {
+  const unseen = incomplete.filter((one) => one.id === "color-contrast" && one.nodes.some(isInvisible));
+  done([...violations, ...unseen.map((one) => ({ ...one, nodes: one.nodes.filter(isInvisible) }))]);
+});
 """
+"""A text in the colour of its background is left to a person by axe, and is an error here."""
+
+COVERED = """
+scrollTo(0, document.documentElement.scrollHeight);
+const last = [...document.querySelectorAll("main section")].at(-1).getBoundingClientRect();
+return last.bottom > document.querySelector("[role=alert]").getBoundingClientRect().top;
+"""
+"""Whether the outcome of a command covers the end of the page, also after it was scrolled there."""
+
+ALWAYS_ASKING = {
+    "gateways": {"mqtt": {"root": "home425"}, "real": {"class": "homebot.gateways.memory:MemoryGateway"}},
+    "places": {"devices": {"lights/philips165": {"tags": ["always_ask"]}}},
+}
 
 
 COMMAND = """
@@ -219,11 +237,7 @@ async def test_lines_of_a_full_journal_are_not_drawn_anew_with_each_entry(page: 
 
 
 async def test_a_failed_command_is_red_in_the_journal(page: OpenPage) -> None:
-    tables = {
-        "gateways": {"mqtt": {"root": "home425"}, "real": {"class": "homebot.gateways.memory:MemoryGateway"}},
-        "places": {"devices": {"lights/philips165": {"tags": ["always_ask"]}}},
-    }
-    async with page(tables=tables) as own:
+    async with page(tables=ALWAYS_ASKING) as own:
         await own.open("#/device/lights%2Fphilips165", shows="Commands")
         await own.click("div[aria-label='on/off'] button")
         await own.open("#/journal", shows="such a device needs a right")
@@ -360,27 +374,56 @@ async def test_axe_finds_nothing_serious(page: OpenPage, axe: str, scheme: str, 
         found = [one for one in browser.execute_async_script(AXE) if one["impact"] in {"serious", "critical"}]
         return [f"{view} {one['id']}: {one['nodes'][0]['html']}" for one in found]
 
+    found = []
     async with page() as own:
         own.prefer(scheme)
         own.resize(width, 800)
-        found = []
         for view, shown in dict(VIEWS).items():
             await own.open(view, shows=shown)
             found += await to_thread.run_sync(partial(serious, own.browser, view))
+    async with page(tables=ALWAYS_ASKING) as own:
+        await own.open(shows="philips165")
+        await own.click(SWITCH)
+        await own.shows("close", "[role=alert]")
+        found += await to_thread.run_sync(partial(serious, own.browser, "an error"))
         own.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-        assert found == []
+    assert found == []
 
 
-async def test_a_field_has_the_value_with_two_decimal_places(page: OpenPage, zigbee_lamp: World) -> None:
+async def test_an_error_covers_nothing_and_is_gone_in_the_next_view(page: OpenPage) -> None:
+    """The last devices could not be reached below it, and it followed through all views."""
+    async with page(tables=ALWAYS_ASKING) as own:
+        own.resize(390, 500)
+        await own.open(shows="philips165")
+        await own.click(SWITCH)
+        await own.shows("close", "[role=alert]")
+        assert not await to_thread.run_sync(own.browser.execute_script, COVERED)
+        await own.click("nav a[href='#/journal']")
+        await own.shows("such a device needs a right", "ol")
+        await own.hides("close", "[role=alert]")
+        own.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+async def test_a_lock_has_a_field_for_a_code_that_is_used_once(page: OpenPage) -> None:
+    async with page(World.of(SimulatedDoorLock("front_door")), {"control": {"always_ask": False}}) as own:
+        await own.open("#/device/locks%2Ffront_door", shows="code, if it needs one")
+        await own.write("input[name=code]", "4321")
+        await own.click("div[aria-label=lock] button")
+        await own.shows("front_door:", "[role=alert]")
+        assert own.browser.find_element("css selector", "input[name=code]").get_attribute("value") == ""
+        assert "4321" not in await own.open("#/journal", shows="front_door")
+
+
+async def test_a_field_has_the_value_in_the_steps_of_its_device(page: OpenPage, zigbee_lamp: World) -> None:
     """A lamp at 102 of 254 had 40.15748031496063, of which the field showed the half."""
     async with page(zigbee_lamp) as own:
         await own.open("#/device/lamp", shows="Commands")
         assert await to_thread.run_sync(own.browser.execute_async_script, COMMAND, "lamp", "40 %") == "confirmed"
-        await own.shows("40.2")
+        await own.shows("40 %")
         await own.open("#/house", shows="lamp")
         await own.open("#/device/lamp", shows="Commands")
         field = own.browser.find_element("css selector", "form input[type=number]")
-        assert field.get_attribute("value") == "40.16"
+        assert field.get_attribute("value") == "40"
 
 
 async def test_a_way_to_a_device_is_none_of_homebots_own_addresses(page: OpenPage, zigbee_lamp: World) -> None:

@@ -14,6 +14,7 @@ from types import MappingProxyType
 from typing import Final
 
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.device_types import spoken_type
 from homebot.devices.part import Capability, Part
 from homebot.devices.words import (
     ALL_THAT_ASK,
@@ -137,7 +138,7 @@ def why_it_drives(device: Device, part: DevicePart, groups: Groups = ALL_THAT_AS
     """
     kind = part.part.service_type
     if _LOADS.get(kind) in groups:
-        return f"its type is {kind}"
+        return f"it is {spoken_type(kind)}"
     if kind in _RELAYS and (kind != "siren" or part.part.guessed):
         reason = _why_named(groups, *names_of(device, part)) or _why_of_model(device, part, groups)
         return reason or (_why_garage(device, part) if "entry" in groups else "")
@@ -246,7 +247,7 @@ def _why_on_panel(device: Device) -> str:
 
 def _why_declared(part: Part) -> str:
     if part.service_type in ALWAYS_ASK:
-        return f"its type is {part.service_type}"
+        return f"it is {spoken_type(part.service_type)}"
     if part.tag == BREAKER:
         return "it is a circuit breaker"
     if part.advertised and matching_words(part.advertised, HEAT) and _does_something(part):

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-__all__ = ["CAN_HURT", "DEVICE_TYPES", "DeviceType", "wanted_types"]
+__all__ = ["CAN_HURT", "DEVICE_TYPES", "DeviceType", "spoken_type", "wanted_types"]
 
 
 class DeviceType(NamedTuple):
@@ -97,6 +97,12 @@ CAN_HURT = frozenset(
     }
 )
 """Types of devices that open, flood, heat or hurt if a command is wrong or not obeyed."""
+
+
+def spoken_type(name: str) -> str:
+    """Return a type as people say it, for sentences: ``an alarm panel``."""
+    spoken = name.removeprefix("x_").replace("_", " ")
+    return f"{'an' if spoken[:1] in 'aeiou' else 'a'} {spoken}"
 
 
 def wanted_types(word: str) -> frozenset[str]:

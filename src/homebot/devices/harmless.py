@@ -12,6 +12,7 @@ from homebot.devices import words
 from homebot.devices.always_ask import models_of, names_of, why_it_asks
 from homebot.devices.client_rights import HARMLESS
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.device_types import spoken_type
 from homebot.devices.names import OWNER
 from homebot.devices.value import PlainValue
 from homebot.support.folding import fold
@@ -54,7 +55,7 @@ def why_not_harmless(device: Device, part: DevicePart, settings: Mapping[str, Pl
             else "nothing says that it is a blind, a curtain or an awning"
         )
     if kind not in {"plug", "switch"}:
-        return f"its type is {kind}"
+        return f"it is {spoken_type(kind)}"
     is_lamp = any(words.matching_words(one, words.LAMP, anywhere=True) for one in (part.part.tag, *models_of(device)))
     return "" if is_lamp else f"nothing but its name says what this {kind} turns on"
 

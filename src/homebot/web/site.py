@@ -10,6 +10,7 @@ from typing import Final
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.outcomes import OUTCOMES
+from homebot.devices.wording.values import flag_texts
 
 __all__ = ["answer"]
 
@@ -58,6 +59,13 @@ def _file(name: str) -> tuple[str, bytes]:
 
 
 def _vocabulary() -> bytes:
-    """Return the unit of each capability that has one, and the words of the outcomes that are failures."""
-    units = {name: one.unit for name, one in CAPABILITIES.items() if one.unit}
-    return json.dumps({"units": units, "failures": [kind for kind, one in OUTCOMES.items() if one.is_failure]}).encode()
+    """Return units, words for no and yes and only reported texts by capability, and the outcomes that are failures."""
+    known = CAPABILITIES.items()
+    return json.dumps(
+        {
+            "units": {name: one.unit for name, one in known if one.unit},
+            "flags": {name: flag_texts(name) for name, one in known if one.kind == "bool"},
+            "passing": {name: sorted(one.only_reported) for name, one in known if one.only_reported},
+            "failures": [kind for kind, one in OUTCOMES.items() if one.is_failure],
+        }
+    ).encode()

@@ -25,7 +25,7 @@ async def test_a_house_is_found_commanded_and_explained(tmp_path: Path) -> None:
         lamp = (await api.get(f"/api/devices/{turned_on.values['id']}")).values
         assert (lamp["on"], lamp["level"], lamp["takes"]["level"]) == (True, 40, "0 to 100 %")
         lock = (await api.get("/api/devices/front_door")).values
-        assert lock["always_asks"] == "its type is door_lock"
+        assert lock["always_asks"] == "it is a door lock"
 
         why = (await api.get("/api/why/lamp1")).values
         assert "the client local asked for level 40 %" in why["why"]

@@ -237,7 +237,7 @@ async def test_who_asks_learns_which_devices_wait(open_home: OpenHome) -> None:
         assert await waiting(home, "lamp") == ()
         (note,) = (await health.call(GetHealth.Request())).notes
         assert note.startswith("2 devices wait for approval")
-        assert note.endswith("lock (its type is door_lock), lock_2 (its type is door_lock)")
+        assert note.endswith("lock (it is a door lock), lock_2 (it is a door lock)")
         for one in await waiting(home):
             await approve(home, one)
         assert await waiting(home) == ()

@@ -137,7 +137,7 @@ def test_a_refusal_has_the_line_that_allows_it(scope: tuple[str, ...], act: str)
     command = make_command(LOCK, {"lock": "unlocked"}, scope=scope, issuer=issuer)
     reason = Policies(ControlSettings(approvals=False)).check(command, make_facts())[-1].reason
     line = f"[{table}] act = {act}"
-    right = "front_door needs a right that names it (its type is door_lock)"
+    right = "front_door needs a right that names it (it is a door lock)"
     assert reason == f"{right}, and {issuer} has none; {line} gives one"
     config = parse_config(tomllib.loads(f"{table}.act = {act}"), "homebot.toml")
     allowed = replace(command, rights=read_scope(make_plan(config).grants[issuer]))

@@ -45,4 +45,4 @@ def test_the_panel_itself_hangs_on_nothing() -> None:
     index = DeviceIndex(forget_after=1000.0)
     index.observe(PANEL, 1.0)
     (panel,) = index.devices()
-    assert why_it_asks(panel, panel.parts[0]) == "its type is x_alarm_panel"
+    assert why_it_asks(panel, panel.parts[0]) == "it is an alarm panel"

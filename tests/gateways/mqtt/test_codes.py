@@ -103,7 +103,11 @@ async def test_a_lock_that_reports_where_it_is_told_is_read_unless_a_code_is_tol
 
 @pytest.mark.parametrize(
     ("value", "code", "why"),
-    [("disarmed", "", "it needs a code"), ("pending", CODE, "it takes disarmed"), ("disarmed", CODE, None)],
+    [
+        ("disarmed", "", "it needs a code: `homebot do`"),
+        ("pending", CODE, "it takes disarmed"),
+        ("disarmed", CODE, None),
+    ],
 )
 async def test_a_refusal_shows_no_code(value: str, code: str, why: str | None) -> None:
     async with simple_house(conventions=(CONVENTION,), act=why is not None) as house:

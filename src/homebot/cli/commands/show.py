@@ -21,7 +21,7 @@ from homebot.cli.terminal import print_line, print_rows
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.names import OWNER, PREFER, TAG
 from homebot.devices.wording.time_format import ago
-from homebot.devices.wording.values import is_topic, life, plain_value, span, type_text, value_text
+from homebot.devices.wording.values import is_topic, life, plain_value, span, step_of, type_text, value_text
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -163,7 +163,7 @@ def _capability(capability: Capability, state: State | None, now: float) -> tupl
     shown = "unknown" if capability.readable else "not reported"
     since = ""
     if state is not None and value is not None:
-        shown = value_text(capability.name, value, capability.unit)
+        shown = value_text(capability.name, value, capability.unit, step_of(capability))
         kept = "" if state.live or capability.name in EVENTS else "retained, "
         since = f"{kept}{ago(state.since, now)}"
     return capability.name, shown, use, span(capability), since

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypeAlias, cast
 
@@ -14,7 +15,19 @@ if TYPE_CHECKING:
     from homebot.devices.part import Capability
     from homebot.devices.value import Value
 
-__all__ = ["is_topic", "life", "main_parts", "plain_value", "span", "state_text", "type_text", "types", "value_text"]
+__all__ = [
+    "flag_texts",
+    "is_topic",
+    "life",
+    "main_parts",
+    "plain_value",
+    "span",
+    "state_text",
+    "step_of",
+    "type_text",
+    "types",
+    "value_text",
+]
 
 PlainValue: TypeAlias = "bool | float | str | list[float] | tuple[float, ...] | None"
 
@@ -33,9 +46,12 @@ _FLAGS = {
     "safety": ("safe", "unsafe"),
     "water_leak": ("dry", "wet"),
     "muted": ("not muted", "muted"),
-    "state": ("no", "yes"),
+    "smoke": ("no smoke", "smoke"),
+    "state": ("off", "on"),
 }
 _MOST = 4
+_DIGITS, _LARGE = 2, 10
+"""Decimal places of a number, and from where on it has only one of them."""
 
 
 def state_text(device: Device) -> str:
@@ -47,7 +63,7 @@ def state_text(device: Device) -> str:
             reports_nothing = reports_nothing and (not capability.readable or capability.name in EVENTS)
             value = values.get((part.id, capability.name))
             if value is not None:
-                shown.append(value_text(capability.name, value, capability.unit))
+                shown.append(value_text(capability.name, value, capability.unit, step_of(capability)))
     if not shown:
         return "" if reports_nothing else "unknown"
     return ", ".join(shown[:_MOST]) + (", …" if len(shown) > _MOST else "")
@@ -79,21 +95,30 @@ def main_parts(device: Device) -> Sequence[DevicePart]:
     return [one for one in device.parts if not one.part.category] or device.parts
 
 
-def value_text(capability: str, value: PlainValue, unit: str = "") -> str:
-    """Return a value with *unit*, by default that of the vocabulary: ``on``, ``40 %``, ``no smoke``."""
+def flag_texts(capability: str) -> tuple[str, str]:
+    """Return the words for no and yes."""
+    words = capability.replace("_", " ")
+    return _FLAGS.get(capability, (f"no {words}", words))
+
+
+def value_text(capability: str, value: PlainValue, unit: str = "", step: float = 0.0) -> str:
+    """Return a value with *unit*, by default that of the vocabulary: ``on``, ``40 %``, ``no smoke``.
+
+    Args:
+        step: That of the device's numbers; 0 if unknown.
+    """
     match value:
         case None:
             return "unknown"
         case bool():
-            words = capability.replace("_", " ")
-            no, yes = _FLAGS.get(capability, (f"no {words}", words))
-            return yes if value else no
+            return flag_texts(capability)[value]
         case str():
             return value
         case list() | tuple():
             return " ".join(_number(one) for one in value)
         case _:
-            return f"{_number(value)} {unit or CAPABILITIES.get(capability, OWN).unit}".rstrip()
+            unit = unit or CAPABILITIES.get(capability, OWN).unit
+            return f"{_rounded(value, unit, step)} {unit}".rstrip()
 
 
 def span(capability: Capability) -> str:
@@ -108,6 +133,11 @@ def span(capability: Capability) -> str:
     return ""
 
 
+def step_of(capability: Capability) -> float:
+    """Return the step between two numbers that it can be set to; 0 if unknown."""
+    return capability.grid[1] if capability.grid else 0.0
+
+
 def plain_value(value: Value) -> PlainValue:
     """Return *value* of a message or of its JSON form, where it is plain; None if unknown."""
     plain = value.plain() if hasattr(value, "plain") else value
@@ -117,6 +147,14 @@ def plain_value(value: Value) -> PlainValue:
 def is_topic(address: str) -> bool:
     """Return whether *address* is meaningful to people, unlike the text address of a part."""
     return bool(address) and not is_text_address(address)
+
+
+def _rounded(value: float, unit: str, step: float) -> str:
+    """Return *value* as people say it: 40.16 % is 40 %, unless the device has half percents."""
+    near, most = abs(value), 1 if unit == "%" else _DIGITS
+    usual = int(0 < near < 1) if unit == "%" else 1 if unit == "°C" or near >= _LARGE else _DIGITS
+    shown = (one for one in range(_DIGITS + 1) if step and math.isclose(step * 10**one, round(step * 10**one)))
+    return f"{round(value, min(next(shown, usual), most)):.15g}"
 
 
 def _number(value: float) -> str:

@@ -11,10 +11,10 @@ export const outcome = signal(null);
 
 const SWITCHED = new Set(["light", "plug", "switch", "fan", "on_off_light", "on_off_plug", "outlet"]);
 
-export async function command(device, word, values = []) {
+export async function command(device, word, values = [], code = "") {
   tell(`${device.name}: ${word === "set" ? "…" : `${word} …`}`, true);
   try {
-    const answer = await call("/devices/command", { target: device.id, command: word, values });
+    const answer = await call("/devices/command", { target: device.id, command: word, values, code });
     missing.value = answer.results.find((one) => one.result.policy === "rights")?.result.reason ?? "";
     const found = answer.results.map((one) => `${one.name}: ${outcomeText(one.result)}`).join("; ");
     tell(found || `${device.name}: ${answer.message}`, answer.success);

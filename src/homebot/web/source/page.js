@@ -80,6 +80,7 @@ function LogIn({ reason }) {
 
 addEventListener("hashchange", () => {
   place.value = placeNow();
+  outcome.value = null; // it is of the view before
   document.querySelector("main")?.scrollTo?.(0, 0);
   scrollTo(0, 0);
 });

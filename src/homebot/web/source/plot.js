@@ -11,9 +11,9 @@ const date = new Intl.DateTimeFormat([], { month: "short", day: "numeric" });
 
 /**
  * A plot over time, from `from` to `to`: `values` has a list for each of `names`, null for a gap; `isStepped` where a
- * value lasts until the next one; `text` writes a number; `isFlag` where 0 and 1 are all there is.
+ * value lasts until the next one; `most` is the largest possible value; `text` writes a number; `isFlag` where 0 and 1 are all there is.
  */
-export function Plot({ label, times, values, names, from, to, isStepped = false, isFlag = false, text = String }) {
+export function Plot({ label, times, values, names, from, to, most, isStepped = false, isFlag = false, text = String }) {
   const place = useRef(null);
   const plot = useRef(null);
   const span = useRef([]);
@@ -38,7 +38,7 @@ export function Plot({ label, times, values, names, from, to, isStepped = false,
       height: HEIGHT,
       legend: { show: false },
       cursor: { y: false, points: { show: false }, drag: { x: false } },
-      scales: { x: { range: () => span.current }, y: { range: (_, least, most) => rangeOf(least, most) } },
+      scales: { x: { range: () => span.current }, y: { range: (_, low, high) => rangeOf(low, high, most) } },
       series: [{}, ...series],
       axes: [
         { ...axis, space: 90, size: 30, values: (_, splits) => splits.map(short) },
@@ -67,9 +67,10 @@ export function Plot({ label, times, values, names, from, to, isStepped = false,
 const round = (value) => Number(value.toFixed(Math.abs(value) < 10 ? 2 : 1));
 
 /** From 0 on, or closer where all values are far from it. */
-function rangeOf(least, most) {
+function rangeOf(least, most, limit) {
   if (least === null) return [0, 1];
-  if (least >= 0 && least < most * 0.8) return [0, most * 1.1 || 1];
+  const end = most <= limit ? limit : Infinity;
+  if (least >= 0 && least < most * 0.8) return [0, Math.min(most * 1.1, end) || 1];
   const room = (most - least) * 0.15 || Math.abs(most) * 0.1 || 1;
-  return [least >= 0 ? Math.max(0, least - room) : least - room, most + room];
+  return [least >= 0 ? Math.max(0, least - room) : least - room, Math.min(most + room, end)];
 }

@@ -1,52 +1,53 @@
 // Values, times and causes as people read them.
 import { signal } from "@preact/signals";
 
-/** Unit of each capability, and the outcomes that are failures. */
-export const vocabulary = signal({ units: {}, failures: [] });
+/** Of capabilities: units, words for no and yes, and texts that only report; and the outcomes that are failures. */
+export const vocabulary = signal({ units: {}, failures: [], flags: {}, passing: {} });
 
 export async function loadVocabulary() {
   const answer = await fetch("vocabulary.json");
   if (answer.ok) vocabulary.value = await answer.json();
 }
 
-const TRUE = {
-  on_off: ["on", "off"],
-  contact: ["open", "closed"],
-  occupancy: ["occupied", "clear"],
-  smoke: ["smoke", "no smoke"],
-  water_leak: ["wet", "dry"],
-};
 /** Capabilities whose value needs no name beside it. */
-const PLAIN = new Set([...Object.keys(TRUE), "movement", "lock", "valve", "vacuum", "mower", "thermostat_action", "place", "value", "state", "scan", "press"]);
+const PLAIN = new Set(["alarm", "movement", "lock", "valve", "vacuum", "mower", "thermostat_action", "place", "value", "state", "scan", "press"]);
 /** Those of the summary too, as the unit tells the capability. */
 const BY_UNIT = new Set(["level", "position", "temperature", "local_temperature", "illuminance", "power", "energy", "voltage", "current"]);
 /** Values of a device that its summary leaves out, if it has the other one. */
 const TOLD_BY = { thermostat_mode: "thermostat_action", temperature: "local_temperature" };
 const SHORT = { heating_setpoint: "set to ", cooling_setpoint: "cooled to ", humidity_setpoint: "set to " };
 
-/** A value of a capability, with its unit. */
-export function valueText(capability, value, unit = "") {
+/** A number as people say it, in the steps of its device where they are known: 40.16 % is 40 %. */
+export function roundedTo(value, unit, step = 0) {
+  const near = Math.abs(value);
+  const digits = [0, 1, 2].find((one) => step && Math.abs(step * 10 ** one - Math.round(step * 10 ** one)) < 1e-6);
+  const usual = unit === "%" ? (near > 0 && near < 1 ? 1 : 0) : near < 10 && unit !== "°C" ? 2 : 1;
+  return Number(value.toFixed(unit === "%" ? Math.min(digits ?? usual, 1) : (digits ?? usual)));
+}
+
+/** A value of a capability, with its unit, in steps of that number. */
+export function valueText(capability, value, unit = "", step = 0) {
   if (value === null || value === undefined) return "unknown";
-  if (typeof value === "boolean") {
-    const [yes, no] = TRUE[capability] ?? ["yes", "no"];
-    return value ? yes : no;
-  }
+  if (typeof value === "boolean") return (wordsOf(capability) ?? ["no", "yes"])[Number(value)];
   if (typeof value === "number") {
     const own = unit || vocabulary.value.units[capability] || "";
-    const text = Number.isInteger(value) ? String(value) : String(Number(value.toFixed(Math.abs(value) < 10 ? 2 : 1)));
-    return own ? `${text}\u00a0${own}` : text;
+    const text = roundedTo(value, own, step);
+    return own ? `${text}\u00a0${own}` : String(text);
   }
-  return Array.isArray(value) ? value.map((one) => Math.round(one)).join(", ") : String(value);
+  return Array.isArray(value) ? value.map((one) => Math.round(one)).join(", ") : textOf(capability, String(value));
 }
 
 /** The name of a capability, a type or a count, as text. */
 export const label = (name) => (name === "on_off" ? "on/off" : name.replace(/^x_/, "").replaceAll("_", " "));
 
+/** A text of a capability, as people write it; a device's own texts are left as they are. */
+export const textOf = (capability, text) => (capability === "alarm" || capability === "place" ? text.replaceAll("_", " ") : text);
+
 /** The unit of a capability: of the device, else of the vocabulary. */
 export const unitOf = (capability) => capability.unit || vocabulary.value.units[capability.name] || "";
 
-/** The words of a capability for 1 and 0; undefined if it has none. */
-export const wordsOf = (capability) => TRUE[capability];
+/** The words of a capability for 0 and 1; undefined if it has none. */
+export const wordsOf = (capability) => vocabulary.value.flags[capability];
 
 /** The values of a device in one line, the most telling first. */
 export function summary(device) {
@@ -55,10 +56,11 @@ export function summary(device) {
   const isTold = ({ capability, value }) =>
     capability.startsWith("color") ||
     (capability === "level" && has("on_off", false)) ||
+    (capability === "state" && has("on_off")) ||
     (capability === "measurement" && found.some((one) => BY_UNIT.has(one.capability))) ||
     (capability === "position" && has("movement", value === 100 ? "open" : value === 0 ? "closed" : "")) ||
     has(TOLD_BY[capability]);
-  const isFirst = (one) => (PLAIN.has(one.capability) ? 0 : 1);
+  const isFirst = (one) => (PLAIN.has(one.capability) || typeof one.value === "boolean" ? 0 : 1);
   return found
     .filter((one) => !isTold(one))
     .sort((a, b) => isFirst(a) - isFirst(b))
@@ -120,7 +122,7 @@ export function durationText(length) {
 export const settingsText = (settings) => settings.map(readingText).join(", ");
 
 const readingText = (one) =>
-  (PLAIN.has(one.capability) ? "" : `${label(one.capability)} `) + valueText(one.capability, one.value);
+  (PLAIN.has(one.capability) || typeof one.value === "boolean" ? "" : `${label(one.capability)} `) + valueText(one.capability, one.value);
 
 /** The text of an outcome, with its time as people read it. */
 export const outcomeText = (result) => result.text.replace(/(after|within) ([\d.e-]+) s\b/, (_, word, time) => `${word} ${durationText(Number(time))}`);

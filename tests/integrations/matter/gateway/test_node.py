@@ -219,7 +219,7 @@ def test_an_air_conditioner_dries_and_blows_although_no_feature_says_that_it_can
 
 def test_a_lock_that_requires_a_code_gets_it_in_a_timed_command_and_no_text_shows_it() -> None:
     coded = {**LOCK, "1/257/51": True}
-    with pytest.raises(WrongCodeError, match="requires"):
+    with pytest.raises(WrongCodeError, match="needs a code"):
         orders(coded, "lock", "unlocked")
     (args,) = orders(coded, "lock", "unlocked", "1234")
     assert args["payload"] == {"PINCode": "MTIzNA=="}

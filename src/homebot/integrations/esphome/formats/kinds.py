@@ -107,7 +107,7 @@ def _write_lock(info: Fields, value: PlainValue, code: str) -> Fields:
     commands = {"unlocked": 0, "locked": 1} | ({"open": 2} if info.get("supports_open") is True else {})
     command = commands[require_option("lock", value, commands)]
     if info.get("requires_code") is True and not code:
-        raise WrongCodeError(f"lock {value}", "it needs a code")
+        raise WrongCodeError.missing(f"lock {value}")
     return _with_code(command, code)
 
 
@@ -116,7 +116,7 @@ def _write_alarm(info: Fields, value: PlainValue, code: str) -> Fields:
     state = require_option("alarm", value, alarm_commands(info))
     field = {"disarmed": "requires_code", "triggered": ""}.get(state, "requires_code_to_arm")
     if not code and info.get(field) is True:
-        raise WrongCodeError(f"alarm {state}", "it needs a code")
+        raise WrongCodeError.missing(f"alarm {state}")
     return _with_code(_ALARM_COMMANDS.index(state), code)
 
 

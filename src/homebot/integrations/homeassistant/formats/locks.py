@@ -48,7 +48,7 @@ def build_lock(config: DiscoveryConfig) -> DescribedPart:
 
     def write(value: PlainValue, code: str) -> Publications:
         if needs_code and not code:
-            raise WrongCodeError(f"lock {shown(value)}", "it needs a code")
+            raise WrongCodeError.missing(f"lock {shown(value)}")
         return (command.publication_with_code(payloads[require_option("lock", value, payloads)], code),)
 
     entity = Entity(config, "door_lock")
@@ -109,6 +109,6 @@ def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
 
 def _check_code(state: str, code: str, known: str) -> None:
     if not code:
-        raise WrongCodeError(f"alarm {state}", "it needs a code")
+        raise WrongCodeError.missing(f"alarm {state}")
     if known not in _REMOTE_CODES and not compare_digest(code.encode(), known.encode()):
         raise WrongCodeError(f"alarm {state}", "the code is wrong")

@@ -104,7 +104,7 @@ def _write_lock(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
     commands, code = _lock_commands(endpoint), command.code
     name = commands[require_option("lock", command.value.text, commands)]
     if not code and endpoint.flag(LOCK, _NEEDS_PIN):
-        raise WrongCodeError("the lock", "it requires its PIN code")
+        raise WrongCodeError.missing("the lock")
     payload = {"PINCode": base64.b64encode(code.encode()).decode()} if code else {}
     return (ClusterInvocation(LOCK, name, payload, is_timed=True, is_secret=bool(code)),)
 

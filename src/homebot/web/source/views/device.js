@@ -5,9 +5,9 @@ import { Switch, command } from "../acting.js";
 import { call, connection, subscribe } from "../door.js";
 import { deviceOf } from "../house.js";
 import { html } from "../html.js";
-import { durationText, label, seconds, timeText, unitOf, valueText } from "../words.js";
+import { durationText, label, roundedTo, seconds, textOf, timeText, unitOf, valueText, vocabulary } from "../words.js";
 import { History } from "./history.js";
-import { Marks } from "./house.js";
+import { LastKnown, Marks } from "./house.js";
 import { Entry } from "./journal.js";
 
 const WORDS = {
@@ -17,6 +17,12 @@ const WORDS = {
   valve: ["open", "close"],
   push: ["press"],
 };
+
+/** Capabilities that only the name of their part tells. */
+const UNNAMED = new Set(["measurement", "number", "option", "state", "text", "value"]);
+
+/** Those that may need a code. */
+const CODED = new Set(["alarm", "lock"]);
 
 const wanted = signal(0); // grows when the device is to be asked for again
 
@@ -51,6 +57,7 @@ export function Device({ id }) {
       <${Marks} device=${short} />
       <${Switch} device=${short} />
     </div>
+    <${LastKnown} device=${short} />
     <div class="pair">
       <div>
         <${Values} short=${short} full=${full} />
@@ -71,11 +78,12 @@ function Values({ short, full }) {
   const rows = readings.map(([key, reading]) => {
     const state = since.get(key);
     const at = state ? timeText(state.since) : "";
-    const unit = capabilityOf(full, reading)?.unit;
+    const { unit, grid = [] } = capabilityOf(full, reading) ?? {};
+    const name = UNNAMED.has(reading.capability) && partName(full, reading.part);
     const isTwice = readings.filter(([, one]) => one.capability === reading.capability).length > 1;
     return html`<tr key=${key}>
-      <th scope="row">${isTwice && reading.part && `${partName(full, reading.part)} `}${label(reading.capability)}</th>
-      <td>${valueText(reading.capability, reading.value, unit)}</td>
+      <th scope="row">${isTwice && !name && reading.part && `${partName(full, reading.part)} `}${name || label(reading.capability)}</th>
+      <td>${valueText(reading.capability, reading.value, unit, grid[1])}</td>
       <td>${at && html`<time>since ${at}</time>`}</td>
     </tr>`;
   });
@@ -112,26 +120,39 @@ function Command({ target, name, of, capability, now }) {
   if (words)
     return html`<div role="group" aria-label=${name}>
       <span>${name}</span>
-      ${words.map((word) => html`<button key=${word} type="button" onClick=${() => command(device, word)}>${word}</button>`)}
+      ${words.map((word) => html`<button key=${word} type="button" onClick=${(event) => command(device, word, [], codeBeside(event.currentTarget))}>${word}</button>`)}
+      ${CODED.has(capability.name) && CODE}
     </div>`;
   const submit = (event) => {
     event.preventDefault();
-    command(device, "set", [{ key: capability.name, value: new FormData(event.target).get("value") }]);
+    command(device, "set", [{ key: capability.name, value: new FormData(event.target).get("value") }], codeBeside(event.target));
   };
   const unit = unitOf(capability);
   const [least, most] = capability.bounds.length || unit !== "%" ? capability.bounds : [0, 100];
+  const settable = capability.options.filter((one) => !vocabulary.value.passing[capability.name]?.includes(one));
   const field = capability.options.length
     ? html`<select name="value">
-        ${capability.options.map((one) => html`<option key=${one} selected=${one === now}>${one}</option>`)}
+        ${settable.map((one) => html`<option key=${one} value=${one} selected=${one === now}>${textOf(capability.name, one)}</option>`)}
       </select>`
     : typeof now === "number" || most !== undefined
-      ? html`<input name="value" type="number" required step="any" min=${least} max=${most} defaultValue=${typeof now === "number" ? Number(now.toFixed(2)) : ""} />`
+      ? html`<input name="value" type="number" required step="any" min=${least} max=${most} defaultValue=${typeof now === "number" ? roundedTo(now, unit, capability.grid[1]) : ""} />`
       : html`<input name="value" required />`;
   return html`<form onSubmit=${submit}>
     <label><span>${name}</span> ${field}</label>
+    ${CODED.has(capability.name) && CODE}
     <button>set</button>
     <small>${most === undefined ? unit : `${least} to ${most} ${unit}`}</small>
   </form>`;
+}
+
+const CODE = html`<label>code, if it needs one <input name="code" type="password" inputmode="numeric" autocomplete="off" maxlength="255" /></label>`;
+
+/** The code beside a button or in a form, which is used once. */
+function codeBeside(element) {
+  const field = element.closest("form, [role=group]").querySelector("[name=code]");
+  const code = field?.value ?? "";
+  if (field) field.value = "";
+  return code;
 }
 
 const FINDINGS = {
@@ -164,7 +185,7 @@ function Facts({ device }) {
     <table class="facts">
       <tbody>
         ${known("id", device.id)}
-        ${known("last seen", `${durationText(Math.max(age, 0))} ago`, device.freshness)}
+        ${known("last seen", `${durationText(Math.max(age, 0))} ago`, device.freshness === "unconfirmed" ? "before homebot started" : device.freshness)}
         ${device.facts.filter((fact) => !unreadable.includes(fact)).map((fact) => known(label(fact.name), fact.value, fact.convention === "owner" ? `you, by the ${fact.key}` : [fact.gateway, fact.convention].filter(Boolean).join(", ")))}
         ${device.endpoints.map((one) => known("reached by", `${one.gateway}: ${topic(one.address) || one.key}`, topic(one.command_address)))}
         ${device.conflicts.map((text) => known("conflict", text))}

@@ -45,8 +45,8 @@ function Series({ answer }) {
   const words = found.values.length ? undefined : wordsOf(found.capability);
   const [times, values] = words ? flagsOf(found) : numbersOf(found, answer.now);
   const unit = unitOf({ unit: found.unit, name: found.capability });
-  const text = (value) => (words ? words[value ? 0 : 1] : `${value} ${unit}`.trim());
-  return html`<${Plot} label=${label(found.capability)} times=${times} values=${[values]} names=${[""]} from=${Math.max(answer.now - answer.period, Math.min(times[0], answer.now - LEAST))} to=${answer.now} isStepped=${!found.width} isFlag=${Boolean(words)} text=${text} />`;
+  const text = (value) => (words ? words[value ? 1 : 0] : `${value} ${unit}`.trim());
+  return html`<${Plot} label=${label(found.capability)} times=${times} values=${[values]} names=${[""]} from=${Math.max(answer.now - answer.period, Math.min(times[0], answer.now - LEAST))} to=${answer.now} most=${unit === "%" ? 100 : undefined} isStepped=${!found.width} isFlag=${Boolean(words)} text=${text} />`;
 }
 
 /** Numbers; a single value lasts until now. */

@@ -25,6 +25,7 @@ export function House() {
   return html`
     ${count.value > MANY && html`<p class="choices"><label>Search <input type="search" value=${sought.value} onInput=${(event) => (sought.value = event.target.value)} /></label></p>`}
     ${!found.value.length && html`<p class="empty">No device has these words in its name, type or room.</p>`}
+    <${LastKnown} />
     <div class="rooms">
       ${found.value.map(
         ([room, ids]) => html`<section class="room" key=${room}>
@@ -71,11 +72,19 @@ function Cells({ id }) {
   </tr>`;
 }
 
+const isLastKnown = (device) => device.is_reachable && device.freshness === "unconfirmed" && [...device.states.values()].some((one) => one.value !== null);
+const someAreLastKnown = computed(() => rooms.value.some(([, ids]) => ids.some((id) => isLastKnown(deviceOf(id).value))));
+
+/** What "last known" means, once on a view where a device has that mark. */
+export function LastKnown({ device }) {
+  return (device ? isLastKnown(device) : someAreLastKnown.value) && html`<p class="legend"><span class="mark">last known</span> was kept from before: the device has not reported since homebot started.</p>`;
+}
+
 export function Marks({ device }) {
   const marks = [];
   if (!device.is_reachable) marks.push(["bad", "unreachable"]);
   else if (device.freshness === "stale") marks.push(["bad", "silent"]);
-  else if (device.freshness === "unconfirmed") marks.push(["", "unconfirmed"]);
+  else if (isLastKnown(device)) marks.push(["", "last known"]);
   if (device.waits) marks.push(["", "not approved"]);
   return marks.map(([kind, text]) => html`<span class=${`mark ${kind}`} key=${text}>${text}</span>`);
 }

@@ -148,7 +148,7 @@ def _write_lock(info: Fields, value: PlainValue, code: str) -> Fields:
     services = {"locked": "lock", "unlocked": "unlock"} | ({"open": "open"} if has(1)(info) else {})
     service = services[require_option("lock", value, services)]
     if info.get("code_format") and not code:
-        raise WrongCodeError(f"lock {shown(value)}", "it needs a code")
+        raise WrongCodeError.missing(f"lock {shown(value)}")
     return {"service": service, **({"code": code} if code else {})}
 
 
@@ -156,7 +156,7 @@ def _write_alarm(info: Fields, value: PlainValue, code: str) -> Fields:
     state = require_option("alarm", value, alarm_commands(info))
     is_coded = state == "disarmed" or (state != "triggered" and info.get("code_arm_required") is not False)
     if info.get("code_format") and is_coded and not code:
-        raise WrongCodeError(f"alarm {state}", "it needs a code")
+        raise WrongCodeError.missing(f"alarm {state}")
     return {"service": f"alarm_{ALARM_ACTIONS[state][1]}", **({"code": code} if code else {})}
 
 
