@@ -11,6 +11,9 @@ import pytest
 from tests.set_clock import SetClock
 
 from homebot.devices.history_messages import (
+    CorrectHistory,
+    CorrectHistoryRequest,
+    CorrectHistoryResponse,
     EnergyOfDay,
     HistorySeries,
     ReadEnergy,
@@ -19,7 +22,7 @@ from homebot.devices.history_messages import (
     ReadHistoryRequest,
     ReadHistoryResponse,
 )
-from homebot.devices.names import READ_ENERGY, READ_HISTORY
+from homebot.devices.names import CORRECT_HISTORY, READ_ENERGY, READ_HISTORY
 from homebot.devices.value import PlainValue
 from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
@@ -45,6 +48,7 @@ class KeptHouse:
         self._gateway = gateway
         self._read = app.create_client(ReadHistory, READ_HISTORY)
         self._energy = app.create_client(ReadEnergy, READ_ENERGY)
+        self._correct = app.create_client(CorrectHistory, CORRECT_HISTORY)
         self.history = history
 
     async def report(self, device: str, **values: PlainValue) -> None:
@@ -63,6 +67,16 @@ class KeptHouse:
         begin = Time.from_seconds(self.clock.now() - since)
         request = ReadHistoryRequest(device=device, capability=capability, since=begin, points=points)
         return await self._read.call(request)
+
+    async def correct(
+        self, device: str, capability: str, begin: float, end: float, value: float | None = None
+    ) -> CorrectHistoryResponse:
+        """Correct numbers between two times, in seconds after midnight."""
+        since, until = (Time.from_seconds(MIDNIGHT + one) for one in (begin, end))
+        request = CorrectHistoryRequest(
+            device=device, capability=capability, since=since, until=until, value=value or 0.0, drops=value is None
+        )
+        return await self._correct.call(request)
 
     async def energy(self, since: float = 86_400.0) -> tuple[EnergyOfDay, ...]:
         request = ReadEnergyRequest(since=Time.from_seconds(self.clock.now() - since))

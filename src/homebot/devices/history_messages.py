@@ -11,6 +11,9 @@ from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
 __all__ = [
     "MOST_POINTS",
+    "CorrectHistory",
+    "CorrectHistoryRequest",
+    "CorrectHistoryResponse",
     "EnergyOfDay",
     "HistorySeries",
     "ReadEnergy",
@@ -138,3 +141,37 @@ class ReadEnergyResponse(ServiceAnswer):
 
 ReadHistory = ServiceType("homebot/srv/ReadHistory", ReadHistoryRequest, ReadHistoryResponse)
 ReadEnergy = ServiceType("homebot/srv/ReadEnergy", ReadEnergyRequest, ReadEnergyResponse)
+
+
+class CorrectHistoryRequest(Message):
+    """Request to correct the stored numbers of one value of a device, which other nodes than the history never change.
+
+    Attributes:
+        device: The id of the device, even if it is gone.
+        part: The id of the part; empty for the only one with the capability.
+        since: The start.
+        until: The end, which is not corrected.
+        value: In place of the numbers, unless *drops*.
+        drops: Whether the numbers are dropped.
+    """
+
+    device: ShortText
+    part: ShortText = ""
+    capability: ShortText
+    since: Time
+    until: Time
+    value: float = 0.0
+    drops: bool = False
+
+
+class CorrectHistoryResponse(ServiceAnswer):
+    """The answer to a correction.
+
+    Attributes:
+        count: How many numbers and summaries were corrected.
+    """
+
+    count: UInt32 = 0
+
+
+CorrectHistory = ServiceType("homebot/srv/CorrectHistory", CorrectHistoryRequest, CorrectHistoryResponse)

@@ -106,6 +106,13 @@ class Collector(HouseWatcher):
         for reading in change.readings:
             self._record(change.device, reading.part, reading.capability, reading.value.plain(), at)
 
+    def restart_total(self, series: int, last: float | None) -> None:
+        """Let the counter of *series*, if it is one, go on from its *last* value after a correction."""
+        for followed in self._followed.values():
+            for one in followed.values():
+                if one.series.number == series and one.total is not None:
+                    one.total = CounterTotal(last)
+
     def close(self) -> None:
         """End all values now. Idempotent."""
         self.interrupt(self._now())

@@ -10,9 +10,9 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.history_messages import ReadEnergy, ReadHistory
+from homebot.devices.history_messages import CorrectHistory, ReadEnergy, ReadHistory
 from homebot.devices.house_view import HouseView
-from homebot.devices.names import READ_ENERGY, READ_HISTORY
+from homebot.devices.names import CORRECT_HISTORY, READ_ENERGY, READ_HISTORY
 from homebot.graph import Graph, Node
 from homebot.history.collector import Collector
 from homebot.history.history_file import HistoryStore
@@ -67,6 +67,7 @@ class HistoryKeeper:
         """Keep the history until cancelled."""
         create = self._node.create_service
         create(ReadHistory, READ_HISTORY, self._service.read, concurrent=True)
+        create(CorrectHistory, CORRECT_HISTORY, self._service.correct)
         create(ReadEnergy, READ_ENERGY, self._service.energy, concurrent=True)
         create(GetHealth, "~/health", self.health)
         try:

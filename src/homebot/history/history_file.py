@@ -19,6 +19,7 @@ from homebot.history.batch import Batch, Place, Series
 from homebot.history.buckets import COUNTERS, HOUR
 from homebot.history.codec import decode_values, encode_batch
 from homebot.history.collector import Collector
+from homebot.history.correction import Correction, correct
 from homebot.history.reading import HistoryReader
 from homebot.history.sealing import BITS, HOURS, MASK, key_of, points_of, read_recent, seal_day, seal_hours
 from homebot.history.settings import HistorySettings, KeepSettings
@@ -137,6 +138,17 @@ class HistoryFile(SqliteFile):
             self._recent_hour, self._open_days = state
             raise
 
+    def correct(self, correction: Correction) -> tuple[int, float | None]:
+        """Correct numbers in one transaction; return how many, and the last value of the series if it is a counter.
+
+        Raises:
+            LinkError: It cannot be written now; nothing was changed.
+            WireError: The file is damaged; nothing was changed.
+        """
+        with self._used("written") as connection, connection:
+            count = correct(connection, correction, is_counter=correction.series in self._counters)
+            return count, self._last_of_counters().get(correction.series)
+
     def _write_series(self, new: Iterable[Series]) -> None:
         rows = [(one.number, *one.place, one.unit) for one in new]
         self._opened().executemany("INSERT OR IGNORE INTO series VALUES (?, ?, ?, ?, ?)", rows)
@@ -239,6 +251,18 @@ class HistoryStore:
                 batch = collector.batch.copy()
                 await to_thread.run_sync(file.write, batch, round(self._clock.now() * 1000))
                 collector.batch.remove(batch)
+
+    async def correct(self, collector: Collector, correction: Correction) -> int:
+        """Correct numbers in the file, after writing those that wait; return how many.
+
+        Raises:
+            LinkError: The file cannot be written now.
+        """
+        await self.write(collector)
+        async with self.kept.opened(writes=True) as file:
+            count, last = await to_thread.run_sync(file.correct, correction)
+        collector.restart_total(correction.series, last)
+        return count
 
     async def read(self, collector: Collector, work: Callable[[HistoryReader], T]) -> T:
         """Return the result of *work*, in a thread.

@@ -1,11 +1,13 @@
 """Services of the history: values, states, and energy by day."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from datetime import datetime, timedelta, tzinfo
 from typing import Final, NamedTuple, final
 
 from homebot.devices.device import Device
 from homebot.devices.history_messages import (
+    CorrectHistoryRequest,
+    CorrectHistoryResponse,
     EnergyOfDay,
     HistorySeries,
     ReadEnergyRequest,
@@ -21,12 +23,19 @@ from homebot.graph import Node
 from homebot.history.batch import Series
 from homebot.history.buckets import COUNTERS
 from homebot.history.collector import Collector
+from homebot.history.correction import Correction
 from homebot.history.history_file import HistoryStore
 from homebot.history.reading import HistoryReader, Numbers, Span, StoredStates
 from homebot.messages import Time
+from homebot.support.similar import did_you_mean
 
 __all__ = ["HistoryService"]
 
+_NOTHING: Final = (
+    "there are no numbers in that time, or only summaries of a longer one: "
+    "older numbers are kept as five minutes, then as hours"
+)
+CORRECTED: Final = "history.corrected"
 _DAY: Final = 86_400.0
 _POINTS: Final = 500
 _MOST_SERIES: Final = 50
@@ -51,7 +60,7 @@ class HistoryService:
     """
 
     def __init__(self, node: Node, store: HistoryStore, zone: tzinfo | None) -> None:
-        self._clock = node.graph.clock
+        self._clock, self._log = node.graph.clock, node.log
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._store = store
         self._zone = zone
@@ -97,6 +106,28 @@ class HistoryService:
             return ReadEnergyResponse(success=False, message=str(exc))
         return ReadEnergyResponse(success=True, days=tuple(days))
 
+    async def correct(self, request: CorrectHistoryRequest) -> CorrectHistoryResponse:
+        """Correct the numbers in *request*, and log it, as nothing else changes what is stored."""
+        if self.collector is None:
+            return CorrectHistoryResponse(success=False, message=self._store.kept.problem or _NOT_YET)
+        since, until = (round(one.to_seconds() * 1000) for one in (request.since, request.until))
+        places = {place: one for place, one in self.collector.series.items() if place[0] == request.device}
+        meant = [one for (_, part, name), one in places.items() if name == request.capability]
+        meant = [one for one in meant if request.part in {"", one.place[1]}]
+        if problem := _problem(request, [name for _, _, name in places], meant, is_span=since < until):
+            return CorrectHistoryResponse(success=False, message=problem)
+        value = None if request.drops else request.value
+        try:
+            count = await self._store.correct(self.collector, Correction(meant[0].number, since, until, value))
+        except LinkError as exc:
+            return CorrectHistoryResponse(success=False, message=str(exc))
+        if not count:
+            return CorrectHistoryResponse(success=False, message=_NOTHING)
+        done = "dropped" if value is None else f"set to {value:g}"
+        text = f"{count} numbers of {request.capability} of {request.device} were {done} on request"
+        self._log.info(CORRECTED, message=text, device=request.device, capability=request.capability, count=count)
+        return CorrectHistoryResponse(success=True, message=text, count=count)
+
     def _bounds(self, since: Time, until: Time, length: float) -> tuple[float, float]:
         end = until.to_seconds() or self._clock.now()
         return since.to_seconds() or end - length, end
@@ -119,6 +150,23 @@ class HistoryService:
         if asked := [one for one in series if one.place[2] in named]:
             series = asked
         return _FoundSeries(_main_first(series, devices), {key: one.name for key, one in devices.items()})
+
+
+def _problem(
+    request: CorrectHistoryRequest, names: Collection[str], meant: Collection[Series], *, is_span: bool
+) -> str:
+    """Return why *request* is not carried out, in words; empty if it is."""
+    if not is_span:
+        return "the start must be before the end"
+    if not names:
+        return f"there is no history of {request.device!r}; `homebot devices` lists the ids"
+    if not meant:
+        hint = did_you_mean(request.capability, names, f"it has {', '.join(sorted(set(names)))}")
+        return f"{request.device} has no history of {request.capability!r}; {hint}"
+    if len(meant) > 1:
+        parts = ", ".join(repr(one.place[1]) for one in meant)
+        return f"several parts of {request.device} have {request.capability}: {parts}; name one with --part"
+    return ""
 
 
 def _main_first(series: Iterable[Series], devices: Mapping[str, Device]) -> list[Series]:

@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
+from datetime import time as time_of_day
 from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import duration, whole
@@ -18,7 +19,7 @@ from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import entities
 from homebot.cli.terminal import print_table
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.names import READ_ENERGY, READ_HISTORY
+from homebot.devices.names import CORRECT_HISTORY, READ_ENERGY, READ_HISTORY
 from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.devices.wording.time_format import from_seconds
 from homebot.devices.wording.values import value_text
@@ -27,7 +28,7 @@ from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
-    from homebot.devices.history_messages import EnergyOfDay, HistorySeries, ReadHistoryResponse
+    from homebot.devices.history_messages import CorrectHistoryResponse, EnergyOfDay, HistorySeries, ReadHistoryResponse
 
 __all__ = ["add_arguments", "plot_lines"]
 
@@ -43,12 +44,16 @@ _BEGINS_WITHIN = 5.0
 """Seconds after the start of homebot until it begins a history."""
 
 _PAUSE = 0.3
+_LONGEST_TIME = 8
+"""Characters of a time without a date."""
 _SEE_VALUES = "`homebot show DEVICE` lists those of a device"
 _EXAMPLES = """\
   homebot history 'Kitchen lamp'
   homebot history 'temperature in kitchen' --since 7d --plot
   homebot history Washer --capability power --since 2h --csv
   homebot history --energy --since 30d
+  homebot history correct Boiler temperature --from 14:00 --to 14:10 --drop
+  homebot history correct Meter energy --from "2026-11-02 08:00" --to "2026-11-02 09:00" --value 812.4
 
 Values are kept for 2 days, five-minute summaries for 30 days, and hourly summaries forever. If there are more rows than
 --points, adjacent rows are combined. A pause is a time in which the value was unknown.
@@ -63,6 +68,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--until", metavar="SPAN", type=duration, default=0.0, help="without the last SPAN")
     parser.add_argument("--points", metavar="N", type=whole, help="most rows for each value (default: 24, files 5000)")
     parser.add_argument("--energy", action="store_true", help="energy by device and day, in kWh (default: 7 days)")
+    corrected = parser.add_argument_group("correct DEVICE CAPABILITY")
+    corrected.add_argument("--from", metavar="TIME", dest="begin", default="", help="14:00 today, or 2026-11-02 14:00")
+    corrected.add_argument("--to", metavar="TIME", dest="end", default="", help="the end, which is not corrected")
+    corrected.add_argument("--part", metavar="ID", default="", help="the part, if several have the value")
+    instead = corrected.add_mutually_exclusive_group()
+    instead.add_argument("--drop", action="store_true", help="drop the numbers between")
+    instead.add_argument("--value", metavar="N", type=float, help="set them to N")
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--plot", action="store_true", help="draw numbers")
     form.add_argument("--csv", action="store_true", help="print comma-separated values, times in ISO 8601 UTC")
@@ -71,6 +83,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _history(door: DoorClient, options: argparse.Namespace) -> int:
     text = " ".join(options.query)
+    if options.drop or options.value is not None or options.begin or options.end:
+        return _correct(door, options)
     if not text.strip() and not options.energy:
         raise UsageError("give a device or a query, such as 'temperature in kitchen'; --energy needs none")
     if options.plot and options.energy:
@@ -86,6 +100,39 @@ def _history(door: DoorClient, options: argparse.Namespace) -> int:
         raise PeerError(f"nothing has a value {name!r}; {did_you_mean(name, CAPABILITIES, _SEE_VALUES)}")
     _print_history(found, options, since, until)
     return 0 if found.series else 1
+
+
+def _correct(door: DoorClient, options: argparse.Namespace) -> int:
+    match options.query:
+        case ["correct", name, capability] if options.begin and options.end:
+            pass
+        case _:
+            raise UsageError("give: homebot history correct DEVICE CAPABILITY --from TIME --to TIME --drop")
+    if not options.drop and options.value is None:
+        raise UsageError("give --drop, or --value N")
+    now = datetime.fromtimestamp(house_time(door)).astimezone()
+    request = {
+        "device": getattr(device_or_similar(door, name), "id", name),
+        "part": options.part,
+        "capability": capability,
+        "since": from_seconds(_moment(options.begin, now)),
+        "until": from_seconds(_moment(options.end, now)),
+        "value": options.value or 0.0,
+        "drops": options.drop,
+    }
+    count = cast("CorrectHistoryResponse", _ask(door, CORRECT_HISTORY, request)).count
+    print(f"{count} numbers corrected")
+    return 0
+
+
+def _moment(text: str, now: datetime) -> float:
+    """Return a local time as seconds since the Unix epoch; one without a date is of today."""
+    try:
+        if len(text) <= _LONGEST_TIME:
+            return datetime.combine(now.date(), time_of_day.fromisoformat(text), now.tzinfo).timestamp()
+        return datetime.fromisoformat(text).timestamp()
+    except ValueError:
+        raise UsageError(f"{text!r} is no time such as 14:00 or '2026-11-02 14:00'") from None
 
 
 def _series(door: DoorClient, request: Mapping[str, object], since: float) -> tuple[ReadHistoryResponse, float]:
