@@ -99,10 +99,9 @@ def lost_keys(before: Config, after: Config) -> tuple[str, ...]:
 
 def _lost(old: Mapping[str, Any], new: Mapping[str, Any], *path: str, is_last: bool = True) -> Iterator[str]:
     for key, value in old.items():
-        here, other, others = (*path, key), new.get(key), new.keys() & _TOKEN
+        here, other = (*path, key), new.get(key)
         tables, left = _tables_in(value), _tables_in(other)
-        is_token = here[:2] == ("door", "tokens") and (len(here) == 3 or (len(here) == 2 and bool(others)))
-        if _is_empty(value) or (is_token and not other):
+        if _is_empty(value) or (not other and _is_revoked(here, new)):
             continue
         is_gone = other in (None, {}) or 0 < len(left) < len(tables)
         if tables and is_gone and (here[0] not in _BY_KEY or _is_limit(here)):
@@ -110,8 +109,15 @@ def _lost(old: Mapping[str, Any], new: Mapping[str, Any], *path: str, is_last: b
         elif tables:
             for one, its_new in zip(tables, left, strict=False):
                 yield from _lost(one, its_new, *here, is_last=key == [*new][-1])
-        elif other is None and _is_limit(here) and not (key in _TOKEN and others) and (is_last or here[0] != "places"):
+        elif other is None and _is_limit(here) and (is_last or here[0] != "places"):
             yield ".".join(here)
+
+
+def _is_revoked(path: tuple[str, ...], new: Mapping[str, Any]) -> bool:
+    """Return whether the key *path* may be gone because it is a token, or all of them, and *new* has another."""
+    if path[:2] == ("door", "tokens") and len(path) == len(("door", "tokens", "NAME")):
+        return True
+    return bool(new.keys() & _TOKEN) and (path == ("door", "tokens") or path[-1] in _TOKEN)
 
 
 def _is_empty(value: object) -> bool:

@@ -83,7 +83,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _history(door: DoorClient, options: argparse.Namespace) -> int:
     text = " ".join(options.query)
-    if options.drop or options.value is not None or options.begin or options.end:
+    if any((options.drop, options.value is not None, options.begin, options.end)):
         return _correct(door, options)
     if not text.strip() and not options.energy:
         raise UsageError("give a device or a query, such as 'temperature in kitchen'; --energy needs none")
