@@ -1,5 +1,6 @@
 """The page in Chromium: every view, its accessibility, hostile names, and the build that is committed."""
 
+import json
 import shutil
 import subprocess
 from collections.abc import AsyncIterator, Callable, Iterator
@@ -21,6 +22,10 @@ from homebot.config import parse_config
 from homebot.house import SimulatedLamp, World, thesis_world
 from homebot.house.description import load_world
 from homebot.house.devices import SimulatedDoorLock
+from homebot.mqtt.clients import HostedBroker
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 
 SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
@@ -28,6 +33,15 @@ BUILT = SOURCE.parent / "page"
 MARKUP = "<img src=x onerror=alert(1)><b>lamp"
 LAMP = "#/device/lights%2Froomlights405"
 SWITCH = "button[role=switch][aria-label=philips165]"
+PANEL = {
+    "homeassistant/alarm_control_panel/panel/config": json.dumps(
+        {"unique_id": "panel", "device": {"identifiers": ["panel"], "name": "panel"}, "name": None}
+        | {"state_topic": "panel/state", "command_topic": "panel/set", "code": "REMOTE_CODE"}
+    ),
+    "panel/state": "armed_away",
+}
+"""A panel that is kept by the broker alone."""
+
 VIEWS = (
     ("", "roomlights405"),
     (LAMP, "What is known, and from where"),
@@ -131,12 +145,15 @@ def page(browser: Any) -> OpenPage:
 
     @asynccontextmanager
     async def opened(
-        world: World | None = None, tables: dict[str, object] | None = None, **door: object
+        world: World | None = None,
+        tables: dict[str, object] | None = None,
+        services: tuple[HostedBroker, ...] = (),
+        **door: object,
     ) -> AsyncIterator[Page]:
         gateways = {"gateways": {"mqtt": {"root": "home425"}}}
         home = {"home": {"name": "villa"}, "door": {"port": 0, **door}, **gateways, **(tables or {})}
         config = await to_thread.run_sync(parse_config, home, "test")
-        async with Runtime(config, house=world or thesis_world(), robot="robot") as runtime:
+        async with Runtime(config, house=world or thesis_world(), robot="robot", services=services) as runtime:
             assert runtime.door is not None
             try:
                 yield Page(browser, runtime.door)
@@ -414,6 +431,27 @@ async def test_a_lock_has_a_field_for_a_code_that_is_used_once(page: OpenPage) -
         assert "4321" not in await own.open("#/journal", shows="front_door")
 
 
+async def test_a_kept_value_is_explained_once_and_a_panel_has_a_field_for_its_code(page: OpenPage) -> None:
+    """It read "alarm armed_away unconfirmed", offered "arming", and had no way to give a code."""
+    async with MemoryBroker() as broker:
+        options = MqttOptions.from_url(broker.url, client_id="panel")
+        async with MqttConnection(options, broker.make_client, status_topic=None) as connection:
+            await connection.wait_connected()
+            for topic, payload in PANEL.items():
+                await connection.publish(topic, payload.encode(), qos=1, retain=True)
+        async with page(services=(HostedBroker.in_memory(broker),)) as own:
+            text = await own.open(shows="armed away")
+            assert text.count("the device has not reported since homebot started") == 1
+            assert "unconfirmed" not in text
+            await own.open("#/device/panel", shows="code, if it needs one")
+            assert "armed night\narmed vacation" in await own.shows("disarmed", "select[name=value]")
+            await own.hides("arming", "select[name=value]")
+            await own.write("input[name=code]", "4321")
+            await own.click(".commands form button")
+            await own.shows("panel: ", "[role=alert]")
+            assert own.browser.find_element("css selector", "input[name=code]").get_attribute("value") == ""
+
+
 async def test_a_field_has_the_value_in_the_steps_of_its_device(page: OpenPage, zigbee_lamp: World) -> None:
     """A lamp at 102 of 254 had 40.15748031496063, of which the field showed the half."""
     async with page(zigbee_lamp) as own:
@@ -438,14 +476,15 @@ async def test_a_summary_has_no_measurement_without_a_name_beside_a_known_one() 
     home = node_folder(SOURCE)
     shutil.copytree(SOURCE, home, dirs_exist_ok=True)
     readings = [{"capability": name, "value": value} for name, value in (("measurement", 1850), ("power", 1840))]
-    script = f"""import {{ summary }} from "./words.js";
+    script = f"""import {{ summary, valueText }} from "./words.js";
         const states = (all) => ({{ states: new Map(all.entries()) }});
-        console.log(summary(states({readings})), "|", summary(states({readings[:1]})));"""
+        console.log(summary(states({readings})), "|", summary(states({readings[:1]})), "|",
+            valueText("level", 40.157, "%", 100 / 254), valueText("fan_speed", 33.5, "%", 0.5));"""
     command = ("node", "--input-type=module", "--eval", script)
     done = await to_thread.run_sync(
         partial(subprocess.run, command, cwd=home, check=True, capture_output=True, text=True)
     )
-    assert done.stdout.strip() == "1840 | measurement 1850"
+    assert done.stdout.strip() == "1840 | measurement 1850 | 40\u00a0% 33.5\u00a0%"
 
 
 async def test_the_committed_page_is_what_its_source_builds(tmp_path: Path) -> None:

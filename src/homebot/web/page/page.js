@@ -125,7 +125,7 @@ var ae,yr,xs,sn,ks,cl,wr,rl,$r,Ts,Ss,lf,Eo=Symbol.for("pv"),ul={},fl=[],sf=/^m(i
     <table class="facts">
       <tbody>
         ${Bo("id",e.id)}
-        ${Bo("last seen",`${qs(Math.max(n,0))} ago`,e.freshness==="unconfirmed"?"before homebot started":e.freshness)}
+        ${Bo("last seen",`${qs(Math.max(n,0))} ago`,e.freshness==="unconfirmed"?"last known":e.freshness)}
         ${e.facts.filter(o=>!t.includes(o)).map(o=>Bo(Be(o.name),o.value,o.convention==="owner"?`you, by the ${o.key}`:[o.gateway,o.convention].filter(Boolean).join(", ")))}
         ${e.endpoints.map(o=>Bo("reached by",`${o.gateway}: ${uu(o.address)||o.key}`,uu(o.command_address)))}
         ${e.conflicts.map(o=>Bo("conflict",o))}

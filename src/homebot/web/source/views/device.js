@@ -185,7 +185,7 @@ function Facts({ device }) {
     <table class="facts">
       <tbody>
         ${known("id", device.id)}
-        ${known("last seen", `${durationText(Math.max(age, 0))} ago`, device.freshness === "unconfirmed" ? "before homebot started" : device.freshness)}
+        ${known("last seen", `${durationText(Math.max(age, 0))} ago`, device.freshness === "unconfirmed" ? "last known" : device.freshness)}
         ${device.facts.filter((fact) => !unreadable.includes(fact)).map((fact) => known(label(fact.name), fact.value, fact.convention === "owner" ? `you, by the ${fact.key}` : [fact.gateway, fact.convention].filter(Boolean).join(", ")))}
         ${device.endpoints.map((one) => known("reached by", `${one.gateway}: ${topic(one.address) || one.key}`, topic(one.command_address)))}
         ${device.conflicts.map((text) => known("conflict", text))}
