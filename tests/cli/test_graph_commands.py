@@ -203,7 +203,7 @@ def test_parameters_of_a_file_are_set_one_by_one(door: str, capsys: Text, tmp_pa
     [
         ("/arm:\n  ros__parameters:\n    a: 1\n", "{} has no ros__parameters for /robot, only for /arm"),
         ("/robot:\n  speed: 1\n", "{} has no ros__parameters for /robot, only for no node"),
-        ("/robot: [1\n", "{} cannot be read: line 2: expected ',' or ']', but got '<stream end>'"),
+        ("/robot: [1\n", "{} cannot be read: line 2, column 1: expected ',' or ']', but got '<stream end>'"),
     ],
 )
 def test_a_file_that_cannot_be_loaded_says_why(

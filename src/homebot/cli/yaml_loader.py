@@ -1,0 +1,52 @@
+"""The loader of PyYAML with the core schema of YAML 1.2, in which ``on`` and ``yes`` are texts; without aliases.
+
+Source: YAML 1.2.2, section 10.3.2 (tag resolution).
+"""
+
+import re
+from collections.abc import Hashable
+
+import yaml
+
+__all__ = ["CoreLoader"]
+
+
+class CoreLoader(yaml.SafeLoader):
+    """Makes dicts with texts as keys, lists and plain values."""
+
+    yaml_implicit_resolvers = {}  # noqa: RUF012 - as PyYAML declares it
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        """Refuse aliases, which can expand a short text to any size."""
+        if self.check_event(yaml.AliasEvent):
+            mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]
+            raise yaml.MarkedYAMLError(None, None, "it has an alias (*NAME): write the value itself there", mark)
+        return super().compose_node(parent, index)
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, object]:  # noqa: FBT001, FBT002 - PyYAML's
+        """Return the fields; their names are texts."""
+        del deep
+        found: dict[Hashable, object] = {}
+        for key, value in node.value:
+            name = self.construct_scalar(key)
+            if name in found:
+                raise yaml.MarkedYAMLError(None, None, f"the field {name[:60]!r} occurs twice", key.start_mark)
+            found[name] = self.construct_object(value, deep=True)
+        return found
+
+
+for _tag, _shape, _first in (
+    ("null", r"~|null|Null|NULL|", ["~", "n", "N", ""]),
+    ("bool", r"true|True|TRUE|false|False|FALSE", list("tTfF")),
+    ("int", r"[-+]?[0-9]{1,999}", list("-+0123456789")),
+    ("float", r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?", list("-+0123456789.")),
+    ("float", r"[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)", list("-+.")),
+):
+    CoreLoader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"(?:{_shape})\\Z"), _first)
+
+
+def _integer(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> int:
+    return int(loader.construct_scalar(node))  # in YAML 1.1, 010 is 8
+
+
+CoreLoader.add_constructor("tag:yaml.org,2002:int", _integer)
