@@ -57,15 +57,25 @@ _ROOMS = {
 }
 
 
+_IMPORTED = re.compile(r"^ *(?:from|import) tests\.([\w.]+)", re.MULTILINE)
+
+
+@functools.cache
+def _lacks_an_integration(path: Path) -> bool:
+    """Return whether a module of tests, or one that it imports, needs an integration that was taken out."""
+    text = path.read_text("utf-8")
+    named = (folder / "".join(found.groups("")) for shape, folder in _ROOMS.items() for found in shape.finditer(text))
+    if any(not (one.exists() or one.with_suffix(".py").exists()) for one in named):
+        return True
+    imported = (_HERE.joinpath(*name.split(".")).with_suffix(".py") for name in _IMPORTED.findall(text))
+    return any(one.exists() and _lacks_an_integration(one) for one in imported)
+
+
 def pytest_ignore_collect(collection_path: Path) -> bool | None:
     """Leave out tests of an integration that was taken out."""
-    if collection_path.suffix != ".py" or not collection_path.is_relative_to(_HERE):
-        return None
-    text = collection_path.read_text("utf-8")
-    named = (
-        folder / "".join(found.groups("")) for pattern, folder in _ROOMS.items() for found in pattern.finditer(text)
-    )
-    return True if any(not (one.exists() or one.with_suffix(".py").exists()) for one in named) else None
+    path = collection_path / "conftest.py" if collection_path.is_dir() else collection_path
+    is_ours = path.suffix == ".py" and path.is_relative_to(_HERE) and path.exists()
+    return True if is_ours and _lacks_an_integration(path) else None
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:

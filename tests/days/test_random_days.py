@@ -1,6 +1,8 @@
 """Random days of random houses with random apps: no policy is ever violated, and every command has its chain.
 
 ``DAYS`` in the environment is their number; ``make days`` lives 1,000 whole ones and prints a table.
+
+Its devices are those of ``homebot.integrations.homeassistant``.
 """
 
 import os

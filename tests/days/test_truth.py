@@ -1,4 +1,7 @@
-"""What the judge of random days takes for a hand at a device, and for somebody who stayed in a closed room."""
+"""What the judge of random days takes for a hand at a device, and for somebody who stayed in a closed room.
+
+Its devices are those of ``homebot.integrations.thesis``.
+"""
 
 import pytest
 from tests.days.random_day import RandomDay

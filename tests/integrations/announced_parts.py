@@ -5,13 +5,11 @@ from collections.abc import Callable, Iterable, Mapping
 
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced
+from homebot.conventions.installed_conventions import find_conventions
 from homebot.devices.value import PlainValue
-from homebot.integrations.homeassistant.formats import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.integrations.homie.formats import Homie, HomieSettings
-from homebot.integrations.things.formats.mqtt import ThingDescriptions, ThingSettings
-from homebot.integrations.things.formats.parse import CONTEXT
-from homebot.integrations.things.formats.thing import NO_SECURITY
-from homebot.integrations.zigbee2mqtt.formats import Zigbee2Mqtt, Zigbee2MqttSettings
+
+CONTEXT = "https://www.w3.org/2022/wot/td/v1.1"
+NO_SECURITY = {"securityDefinitions": {"nosec_sc": {"scheme": "nosec"}}, "security": "nosec_sc"}
 
 Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
@@ -66,16 +64,20 @@ def told(part: DescribedPart, capability: str, value: PlainValue, transition: fl
     return [(one.topic, one.payload.decode()) for one in publications]
 
 
+def installed(name: str) -> Convention:
+    """The convention of that name, with the usual settings; its integration may be taken out."""
+    (convention,) = find_conventions((name,), {}, "")
+    return convention
+
+
 def homeassistant_parts(component: str, config: Mapping[str, object]) -> tuple[DescribedPart, ...]:
     """The parts of one config of Home Assistant's discovery."""
     message = (f"homeassistant/{component}/x/config", config)
-    return tuple(
-        part for one in announced(HomeAssistantDiscovery(HomeAssistantSettings()), message) for part in one.parts
-    )
+    return tuple(part for one in announced(installed("homeassistant"), message) for part in one.parts)
 
 
 def homeassistant_part(capability: str, component: str, config: Mapping[str, object]) -> DescribedPart:
-    convention = HomeAssistantDiscovery(HomeAssistantSettings())
+    convention = installed("homeassistant")
     return part_with(capability, convention, (f"homeassistant/{component}/x/config", config))
 
 
@@ -88,14 +90,14 @@ def zigbee2mqtt_part(capability: str, expose: Mapping[str, object]) -> Described
         "interview_completed": True,
         "definition": {"model": "m", "vendor": "v", "description": "d", "exposes": [expose]},
     }
-    return part_with(capability, Zigbee2Mqtt(Zigbee2MqttSettings()), ("zigbee2mqtt/bridge/devices", [entry]))
+    return part_with(capability, installed("zigbee2mqtt"), ("zigbee2mqtt/bridge/devices", [entry]))
 
 
 def homie_part(capability: str, properties: Mapping[str, object], node_type: str = "") -> DescribedPart:
     """Of the node ``homie/5/x/n``."""
     description = {"homie": "5.0", "version": 1, "nodes": {"n": {"type": node_type, "properties": properties}}}
     messages = (("homie/5/x/$description", description), ("homie/5/x/$state", "ready"))
-    return part_with(capability, Homie(HomieSettings()), *messages)
+    return part_with(capability, installed("homie"), *messages)
 
 
 def thing_part(capability: str, types: str, schema: Mapping[str, object]) -> DescribedPart:
@@ -106,4 +108,4 @@ def thing_part(capability: str, types: str, schema: Mapping[str, object]) -> Des
     ]
     properties = {"p": {"@type": types, "forms": forms, **schema}}
     description = {"@context": CONTEXT, "title": "T", **NO_SECURITY, "properties": properties}
-    return part_with(capability, ThingDescriptions(ThingSettings()), ("homebot/things/x/td", description))
+    return part_with(capability, installed("thing"), ("homebot/things/x/td", description))

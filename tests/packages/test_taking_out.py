@@ -31,7 +31,7 @@ def rest(request: pytest.FixtureRequest, tmp_path: Path) -> Rest:
     """A project without one integration, in which a program of Python runs; it returns what that prints."""
     name = request.param
     for folder in ("src", "tests"):
-        left_out = ignore_patterns("__pycache__", "web", *([] if folder == "src" else ["data"]))
+        left_out = ignore_patterns("__pycache__", *(["web"] if folder == "src" else []))
         copytree(ROOT / folder, tmp_path / folder, copy_function=os.link, ignore=left_out)
         taken = tmp_path / folder / ("homebot/integrations" if folder == "src" else "integrations") / name
         if taken.exists():
@@ -39,7 +39,6 @@ def rest(request: pytest.FixtureRequest, tmp_path: Path) -> Rest:
     for one in ("docs", "examples", "benchmarks", "README.md", "CHANGELOG.md", "Makefile", "Containerfile"):
         (tmp_path / one).symlink_to(ROOT / one)
     (tmp_path / "src/homebot/web").symlink_to(ROOT / "src/homebot/web")
-    (tmp_path / "tests/data").symlink_to(ROOT / "tests/data")
     lines = (ROOT / "pyproject.toml").read_text().splitlines(keepends=True)
     kept = "".join(one for one in lines if f"homebot.integrations.{name}." not in one)
     (tmp_path / "pyproject.toml").write_text(kept)

@@ -10,6 +10,7 @@ from typing import Any
 
 import anyio
 import pytest
+from anyio import to_thread
 from structlog.testing import capture_logs
 
 import homebot.house
@@ -38,7 +39,7 @@ from homebot.runtime import Runtime
 pytestmark = pytest.mark.virtual_time
 
 FAMILY = tomllib.loads((Path(__file__).parents[2] / "examples" / "houses" / "family.toml").read_text("utf-8"))
-FAMILY_HOUSE = load_world(Path(homebot.house.__file__).parent / "family" / "house.toml")
+FAMILY_HOUSE = Path(homebot.house.__file__).parent / "family" / "house.toml"
 BATTERY_STATE = find_message("sensor_msgs/msg/BatteryState")
 CONFIG = {"home": {"name": "home425"}, "gateways": {"mqtt": {"root": "home425"}}}
 
@@ -95,7 +96,8 @@ async def test_the_robot_of_the_house_is_found_in_its_room_and_stays_known_while
 
 async def test_in_the_hall_of_the_family_the_lamp_of_the_hall_is_the_nearest() -> None:
     """The hall is long: while its lamp had no position, ten metres were added, and the lamp of the study came first."""
-    async with running(world=FAMILY_HOUSE) as (_, node):
+    world = await to_thread.run_sync(load_world, FAMILY_HOUSE)
+    async with running(world=world) as (_, node):
         await anyio.sleep(1.5)  # then it drives off
         found = await Devices(node).find(Light, near="robot")
         assert found[0].device.id == "hall_lamp"

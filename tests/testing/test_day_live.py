@@ -1,4 +1,7 @@
-"""A day on the wire goes as the day that is played, but for what happens to the wire."""
+"""A day on the wire goes as the day that is played, but for what happens to the wire.
+
+Its devices are those of ``homebot.integrations.thesis``.
+"""
 
 from datetime import timedelta
 

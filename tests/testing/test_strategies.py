@@ -1,4 +1,7 @@
-"""Random houses and days: they cover what there is, and a failing day shrinks to the few things that make it fail."""
+"""Random houses and days: they cover what there is, and a failing day shrinks to the few things that make it fail.
+
+Its devices are those of ``homebot.integrations.thesis``.
+"""
 
 import subprocess
 import sys

@@ -30,7 +30,7 @@ RELOADED = "runtime.reloaded"
 
 _log = get_logger(node="/homebot")
 
-_SECTIONS: Final = ("gateways", "apps", "devices", "robots")
+_SECTIONS: Final = ("gateways", "apps", "robots")
 """The keys that contain tables by name."""
 
 _TOKEN: Final = frozenset({"token", "token_file"})
@@ -40,7 +40,7 @@ _LIVE: Final[Mapping[str, frozenset[str]]] = {
     "apps": frozenset({ACT}),
     "devices": frozenset({"limits"}),
 }
-"""The keys that take effect without a restart; so do all of ``[places]``."""
+"""The keys that take effect without a restart; so do all of ``[places]`` and ``[devices]``."""
 
 _BY_KEY: Final = frozenset({"control", "door"})
 """Tables of which only live keys are missed."""
@@ -67,7 +67,8 @@ class RunningParts(NamedTuple):
 
 def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
     """Return the keys that differ and take effect at the next start."""
-    old, new = before.model_dump(exclude={"places"}), after.model_dump(exclude={"places"})
+    live = {"places", "devices"}
+    old, new = before.model_dump(exclude=live), after.model_dump(exclude=live)
     keys = (key for table in old for key in _changed(table, old[table] or {}, new[table] or {}))
     robots = sorted(_robots(new["door"]) - _robots(old["door"]) - {ALL_ROBOTS, *old["robots"], *new["robots"]})
     return (*keys, *(f"door.tokens (the robot {name})" for name in robots))

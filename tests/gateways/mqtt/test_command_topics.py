@@ -1,4 +1,7 @@
-"""A topic of commands is read by its own device alone."""
+"""A topic of commands is read by its own device alone.
+
+Its devices are those of ``homebot.integrations.homeassistant``.
+"""
 
 import json
 from typing import Any

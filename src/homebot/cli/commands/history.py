@@ -121,7 +121,7 @@ def _correct(door: DoorClient, options: argparse.Namespace) -> int:
         "drops": options.drop,
     }
     count = cast("CorrectHistoryResponse", _ask(door, CORRECT_HISTORY, request)).count
-    print(f"{count} numbers corrected")
+    print(f"{count} number{'s' if count > 1 else ''} corrected")
     return 0
 
 
