@@ -37,7 +37,7 @@ NOT_NEEDED = (
     "homebot.integrations.homeassistant.formats.publisher",
     "homebot.integrations.homeassistant.formats.reader",
     "homebot.integrations.homie.formats.reader",
-    "homebot.conventions.jinja",
+    "homebot.integrations.homeassistant.formats.jinja",
     "homebot.integrations.shelly.formats.reader",
     "homebot.conventions.table_codec",
     "homebot.integrations.tasmota.formats.reader",

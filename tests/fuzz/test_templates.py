@@ -4,10 +4,10 @@ from contextlib import suppress
 
 from tests.fuzz.conftest import Fuzz, rows_of
 
-from homebot.conventions.jinja import TemplateError, compile_template
-from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS
-from homebot.conventions.jinja.lists import CHECKS
-from homebot.conventions.jinja.texts import METHODS
+from homebot.integrations.homeassistant.formats.jinja import TemplateError, compile_template
+from homebot.integrations.homeassistant.formats.jinja.functions import FILTERS, FUNCTIONS
+from homebot.integrations.homeassistant.formats.jinja.lists import CHECKS
+from homebot.integrations.homeassistant.formats.jinja.texts import METHODS
 
 SIGNS = r"- value_json value . | [ ] ( ) { } : , ' + * ** / % ~ == < a 1 2.5 \ é 1e9 _ *a range(3) loop.index"
 WORDS = "{{ }} {% %} if else elif endif for in endfor set is not and none"

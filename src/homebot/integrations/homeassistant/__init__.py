@@ -2,8 +2,8 @@
 
 Reads and commands, over MQTT: configs of components and of whole devices, with abbreviations, ``~``, availability,
 removal and migration; all components, lights in all schemas. Many programs announce so: ESPHome, Zigbee2MQTT,
-zwave-js-ui, OpenMQTTGateway, Valetudo. Templates run in :mod:`homebot.conventions.jinja`. With ``publish``, homebot's
-exposed devices are announced to a Home Assistant.
+zwave-js-ui, OpenMQTTGateway, Valetudo. Templates run in a bounded subset of Jinja2 (``formats.jinja``). With
+``publish``, homebot's exposed devices are announced to a Home Assistant.
 
 Over the WebSocket: the registries of devices, entities, areas, floors and labels, states, service calls, events and
 device triggers. A device that another gateway brought is one device.

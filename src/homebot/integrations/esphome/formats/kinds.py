@@ -9,6 +9,7 @@ from datetime import UTC, date, datetime, time
 from functools import partial
 from typing import Final
 
+from homebot.conventions.bounded_patterns import require_match
 from homebot.conventions.command_values import require_bool, require_moment, require_option
 from homebot.conventions.entity_rows import (
     EntityComponent,
@@ -31,7 +32,6 @@ from homebot.conventions.entity_rows import (
     text_of,
     whole_of,
 )
-from homebot.conventions.jinja.patterns import require_match
 from homebot.conventions.payload import shown
 from homebot.conventions.secrets import names_secret
 from homebot.devices.value import PlainValue

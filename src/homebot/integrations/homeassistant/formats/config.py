@@ -10,10 +10,10 @@ import math
 from collections.abc import Mapping
 from functools import lru_cache
 
-from homebot.conventions.jinja import Template, compile_template
 from homebot.conventions.payload import clean_text, shown
 from homebot.conventions.secrets import names_secret
 from homebot.errors import WireError
+from homebot.integrations.homeassistant.formats.jinja import Template, compile_template
 from homebot.integrations.homeassistant.formats.topics import CommandTopic, ValueSource, valid_topic
 from homebot.mqtt.topics import validate_filter, validate_topic
 

@@ -7,9 +7,9 @@ and text.py; core 2026.11: date.py, datetime.py and time.py.
 import re
 from collections.abc import Callable, Mapping
 
+from homebot.conventions.bounded_patterns import require_match
 from homebot.conventions.command_values import moment_text, option_writer, require_moment
 from homebot.conventions.description import DescribedPart, Publications
-from homebot.conventions.jinja.patterns import require_match
 from homebot.conventions.payload import Readings, clean_text, compact_json, fields_of, meaning_reader, unreadable
 from homebot.conventions.units import number_grid
 from homebot.devices.value import PlainValue

@@ -12,11 +12,16 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.jinja import PayloadContext, Template, TemplateError, UndefinedValueError
-from homebot.conventions.jinja.values import UNDEFINED
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown
 from homebot.conventions.unreadable import WholePayload, unreadable
 from homebot.errors import InvalidNameError, RefusedError, WireError
+from homebot.integrations.homeassistant.formats.jinja import (
+    PayloadContext,
+    Template,
+    TemplateError,
+    UndefinedValueError,
+)
+from homebot.integrations.homeassistant.formats.jinja.values import UNDEFINED
 
 __all__ = ["DEVICE", "CommandTopic", "ConfigTopic", "ValueSource", "parse_config_topic", "valid_topic"]
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from typing import Final
 
+from homebot.conventions.bounded_patterns import require_match
 from homebot.conventions.command_values import moment_text, require_moment, require_number, require_option
 from homebot.conventions.device_classes import is_quantity
 from homebot.conventions.entity_rows import (
@@ -28,7 +29,6 @@ from homebot.conventions.entity_rows import (
     switch_type,
     text_component,
 )
-from homebot.conventions.jinja.patterns import require_match
 from homebot.conventions.lamp import LightFeatures, WhiteRange
 from homebot.conventions.payload import shown
 from homebot.devices.value import PlainValue

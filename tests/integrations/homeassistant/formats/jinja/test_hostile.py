@@ -6,9 +6,9 @@ from contextlib import suppress
 import pytest
 
 from homebot.conventions.description import begin_message, work_left
-from homebot.conventions.jinja import PayloadContext, TemplateError, compile_template
-from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.values import MAX_ITEMS, MAX_STEPS, MAX_TEXT
+from homebot.integrations.homeassistant.formats.jinja import PayloadContext, TemplateError, compile_template
+from homebot.integrations.homeassistant.formats.jinja.evaluation import Run
+from homebot.integrations.homeassistant.formats.jinja.values import MAX_ITEMS, MAX_STEPS, MAX_TEXT
 
 pytestmark = pytest.mark.slow
 

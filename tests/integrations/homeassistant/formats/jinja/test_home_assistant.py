@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from homebot.conventions.jinja import TemplateError, compile_template
+from homebot.integrations.homeassistant.formats.jinja import TemplateError, compile_template
 
 RECORDED = json.loads((Path(__file__).parent / "home_assistant_2025_4_4.json").read_text(encoding="utf-8"))
 

@@ -5,11 +5,19 @@ from collections.abc import Callable, Sequence
 from datetime import datetime
 from typing import Final
 
-from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.numbers import BINARY, ORDER, is_number
-from homebot.conventions.jinja.patterns import matches, searches
-from homebot.conventions.jinja.texts import join
-from homebot.conventions.jinja.values import MAX_ITEMS, UNDEFINED, TemplateError, Undefined, item, text, whole
+from homebot.integrations.homeassistant.formats.jinja.evaluation import Run
+from homebot.integrations.homeassistant.formats.jinja.numbers import BINARY, ORDER, is_number
+from homebot.integrations.homeassistant.formats.jinja.patterns import matches, searches
+from homebot.integrations.homeassistant.formats.jinja.texts import join
+from homebot.integrations.homeassistant.formats.jinja.values import (
+    MAX_ITEMS,
+    UNDEFINED,
+    TemplateError,
+    Undefined,
+    item,
+    text,
+    whole,
+)
 
 __all__ = ["CHECKS", "LIST_FILTERS", "LIST_FUNCTIONS", "attribute_of", "slice_of", "values_of"]
 

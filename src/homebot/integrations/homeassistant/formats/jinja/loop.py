@@ -4,9 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from homebot.conventions.jinja.evaluation import Evaluate, Run
-from homebot.conventions.jinja.lists import values_of
-from homebot.conventions.jinja.values import UNDEFINED
+from homebot.integrations.homeassistant.formats.jinja.evaluation import Evaluate, Run
+from homebot.integrations.homeassistant.formats.jinja.lists import values_of
+from homebot.integrations.homeassistant.formats.jinja.values import UNDEFINED
 
 __all__ = ["Assign", "BreakLoop", "ContinueLoop", "Loop"]
 

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, final
 
-from homebot.conventions.jinja.syntax import parse
-from homebot.conventions.jinja.values import MAX_SOURCE, UNDEFINED, TemplateError
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, parse_json
 from homebot.errors import WireError
+from homebot.integrations.homeassistant.formats.jinja.syntax import parse
+from homebot.integrations.homeassistant.formats.jinja.values import MAX_SOURCE, UNDEFINED, TemplateError
 
 if TYPE_CHECKING:
-    from homebot.conventions.jinja.evaluation import Program
+    from homebot.integrations.homeassistant.formats.jinja.evaluation import Program
 
 __all__ = ["PayloadContext", "Template", "compile_template"]
 

@@ -8,9 +8,14 @@ from zoneinfo import ZoneInfo
 import pytest
 
 from homebot.clock import home_time
-from homebot.conventions.jinja import NotDefinedError, PayloadContext, TemplateError, compile_template
-from homebot.conventions.jinja.values import UndefinedValueError
 from homebot.errors import WireError
+from homebot.integrations.homeassistant.formats.jinja import (
+    NotDefinedError,
+    PayloadContext,
+    TemplateError,
+    compile_template,
+)
+from homebot.integrations.homeassistant.formats.jinja.values import UndefinedValueError
 
 
 @pytest.mark.parametrize(
@@ -288,3 +293,8 @@ def test_a_time_in_another_format_fails_without_default(value: str) -> None:
 def test_a_chain_of_defaults_takes_work_in_proportion_to_its_length() -> None:
     template = compile_template("{{ value_json.a" + "|default(value_json.b)" * 12 + "|default('x') }}")
     assert template.render_value(PayloadContext("{}")) == "x"
+
+
+def test_a_number_that_is_none_in_a_payload_is_none_and_the_rest_is_read() -> None:
+    template = compile_template("{{ value_json.h }},{{ value_json.t is none }}")
+    assert template.render_value('{"t": nan, "h": 44}') == "44,True"

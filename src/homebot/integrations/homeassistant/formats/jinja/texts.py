@@ -13,10 +13,18 @@ from datetime import datetime, timedelta
 from string import Formatter
 from typing import Final
 
-from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.values import MAX_ITEMS, MAX_TEXT, NotDefinedError, TemplateError, Undefined, text, whole
 from homebot.conventions.payload import parse_json
 from homebot.errors import WireError
+from homebot.integrations.homeassistant.formats.jinja.evaluation import Run
+from homebot.integrations.homeassistant.formats.jinja.values import (
+    MAX_ITEMS,
+    MAX_TEXT,
+    NotDefinedError,
+    TemplateError,
+    Undefined,
+    text,
+    whole,
+)
 from homebot.support.folding import fold
 
 __all__ = ["METHODS", "TEXT_FILTERS", "TEXT_FUNCTIONS", "join", "method_of", "percent", "replace", "strftime_format"]

@@ -1,7 +1,7 @@
 """Templates of announcements, in a bounded subset of Jinja2 as Home Assistant has it."""
 
-from homebot.conventions.jinja.template import PayloadContext, Template, compile_template
-from homebot.conventions.jinja.values import NotDefinedError, TemplateError, UndefinedValueError
+from homebot.integrations.homeassistant.formats.jinja.template import PayloadContext, Template, compile_template
+from homebot.integrations.homeassistant.formats.jinja.values import NotDefinedError, TemplateError, UndefinedValueError
 
 __all__ = [
     "NotDefinedError",

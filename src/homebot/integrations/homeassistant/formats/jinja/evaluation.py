@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from typing import TypeAlias, final
 
 from homebot.conventions.description import work_left
-from homebot.conventions.jinja.values import (
+from homebot.integrations.homeassistant.formats.jinja.values import (
     FREE_STEPS,
     MAX_NUMBER_BITS,
     MAX_STEPS,

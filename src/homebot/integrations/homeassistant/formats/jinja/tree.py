@@ -7,7 +7,7 @@ from typing import Final
 import jinja2
 from jinja2 import nodes
 
-from homebot.conventions.jinja.values import MAX_DEPTH, MAX_TOKENS, TemplateError
+from homebot.integrations.homeassistant.formats.jinja.values import MAX_DEPTH, MAX_TOKENS, TemplateError
 
 __all__ = ["tree_of"]
 

@@ -10,12 +10,24 @@ from datetime import UTC, datetime, timedelta
 from typing import Final
 
 from homebot.clock import home_time
-from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.lists import CHECKS, LIST_FILTERS, LIST_FUNCTIONS, attribute_of, values_of
-from homebot.conventions.jinja.numbers import MISSING, NUMBER_FILTERS, NUMBER_FUNCTIONS
-from homebot.conventions.jinja.patterns import COMPILING, find_all, find_all_index, matches, replaces, searches
-from homebot.conventions.jinja.texts import TEXT_FILTERS, TEXT_FUNCTIONS, strftime_format
-from homebot.conventions.jinja.values import Namespace, TemplateError, Undefined, real, text
+from homebot.integrations.homeassistant.formats.jinja.evaluation import Run
+from homebot.integrations.homeassistant.formats.jinja.lists import (
+    CHECKS,
+    LIST_FILTERS,
+    LIST_FUNCTIONS,
+    attribute_of,
+    values_of,
+)
+from homebot.integrations.homeassistant.formats.jinja.numbers import MISSING, NUMBER_FILTERS, NUMBER_FUNCTIONS
+from homebot.integrations.homeassistant.formats.jinja.patterns import (
+    find_all,
+    find_all_index,
+    matches,
+    replaces,
+    searches,
+)
+from homebot.integrations.homeassistant.formats.jinja.texts import TEXT_FILTERS, TEXT_FUNCTIONS, strftime_format
+from homebot.integrations.homeassistant.formats.jinja.values import Namespace, TemplateError, Undefined, real, text
 
 __all__ = ["FILTERS", "FUNCTIONS", "HOME_ASSISTANT"]
 
@@ -98,7 +110,7 @@ def _as_datetime(_: Run, value: object, default: object = MISSING) -> object:
 
 def _strptime(run: Run, value: object, date_format: object, default: object = MISSING) -> object:
     layout = strftime_format(text(date_format))
-    run.spend(COMPILING)
+    run.spend(_LAYOUT_STEPS)
     return _or_default(default, "strptime", lambda: datetime.strptime(_short(value), layout))  # noqa: DTZ007 - without a zone, as in Home Assistant
 
 
@@ -109,6 +121,8 @@ def _short(value: object) -> str:
 
 
 _LONGEST_MOMENT = 255
+_LAYOUT_STEPS = 200
+"""Steps for what a layout takes to be compiled."""
 
 
 def _as_timestamp(_: Run, value: object, default: object = MISSING) -> object:

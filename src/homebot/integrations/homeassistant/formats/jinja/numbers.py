@@ -11,9 +11,9 @@ import operator
 from collections.abc import Callable
 from typing import Final
 
-from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.texts import percent
-from homebot.conventions.jinja.values import (
+from homebot.integrations.homeassistant.formats.jinja.evaluation import Run
+from homebot.integrations.homeassistant.formats.jinja.texts import percent
+from homebot.integrations.homeassistant.formats.jinja.values import (
     MAX_ITEMS,
     MAX_NUMBER_BITS,
     MAX_NUMERAL,

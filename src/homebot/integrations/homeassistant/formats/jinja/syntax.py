@@ -12,14 +12,14 @@ from typing import Final, TypeAlias, final
 
 from jinja2 import nodes
 
-from homebot.conventions.jinja.evaluation import Evaluate, Program, Run, path_program
-from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS, HOME_ASSISTANT
-from homebot.conventions.jinja.lists import CHECKS, slice_of, values_of
-from homebot.conventions.jinja.loop import Assign, BreakLoop, ContinueLoop, Loop
-from homebot.conventions.jinja.numbers import BINARY, CONSTANTS, ORDER
-from homebot.conventions.jinja.texts import METHODS, method_of
-from homebot.conventions.jinja.tree import tree_of
-from homebot.conventions.jinja.values import (
+from homebot.integrations.homeassistant.formats.jinja.evaluation import Evaluate, Program, Run, path_program
+from homebot.integrations.homeassistant.formats.jinja.functions import FILTERS, FUNCTIONS, HOME_ASSISTANT
+from homebot.integrations.homeassistant.formats.jinja.lists import CHECKS, slice_of, values_of
+from homebot.integrations.homeassistant.formats.jinja.loop import Assign, BreakLoop, ContinueLoop, Loop
+from homebot.integrations.homeassistant.formats.jinja.numbers import BINARY, CONSTANTS, ORDER
+from homebot.integrations.homeassistant.formats.jinja.texts import METHODS, method_of
+from homebot.integrations.homeassistant.formats.jinja.tree import tree_of
+from homebot.integrations.homeassistant.formats.jinja.values import (
     MAX_DEPTH,
     MAX_FOR_DEPTH,
     UNDEFINED,

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from jinja2.sandbox import ImmutableSandboxedEnvironment
 from tests.sizes import examples
 
-from homebot.conventions.jinja import TemplateError, compile_template
+from homebot.integrations.homeassistant.formats.jinja import TemplateError, compile_template
 
 pytestmark = pytest.mark.slow
 
