@@ -71,18 +71,26 @@ def update_incidents(
     before: Mapping[str, Incident], alerts: Mapping[str, Alert], ended: Container[str], now: float
 ) -> dict[str, Incident]:
     """Return the incidents by key with the present *alerts*, and those that have *ended*. Pure."""
-    found: dict[str, Incident] = {}
-    for key, known in before.items():
-        is_ending = key not in alerts and not known.over_at and (not known.is_told or key in ended)
-        one = known._replace(over_at=now) if is_ending else known
-        if one.is_told or not one.over_at or (one.times and now < one.over_at + _DAY):
-            found[key] = one
+    known_now = {
+        key: _ended(one, now) if key not in alerts and (not one.is_told or key in ended) else one
+        for key, one in before.items()
+    }
+    found = {key: one for key, one in known_now.items() if _is_remembered(one, now)}
     for key, alert in list(alerts.items())[:MOST_INCIDENTS]:
         known = found.pop(key, Incident(0.0))
         is_new = not known.since or (known.over_at and not known.is_told)
         since = min(alert.since or now, now) if is_new else known.since
         found[key] = known._replace(since=since, over_at=0.0, end_text=f"{alert.name} no longer {alert.kind.words}")
     return dict(list(found.items())[-2 * MOST_INCIDENTS :])
+
+
+def _ended(incident: Incident, now: float) -> Incident:
+    return incident if incident.over_at else incident._replace(over_at=now)
+
+
+def _is_remembered(incident: Incident, now: float) -> bool:
+    """Return whether it is not over, is still to be told as over, or may come again within a day."""
+    return incident.is_told or not incident.over_at or bool(incident.times and now < incident.over_at + _DAY)
 
 
 class Alerts(App[AlertsSettings]):

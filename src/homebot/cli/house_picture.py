@@ -224,11 +224,7 @@ class PlanPicture(NamedTuple):
         boxes = {name: scale.box(*walls) for name, walls in self.rooms.items()}
         if not all(box.has_space_for(name) for name, box in boxes.items()):
             return []
-        cells = {place: (_WALLS[ways], _DARK) for place, ways in _walls(boxes.values()).items()}
-        for door in self.doors:
-            column, line = scale.at(*door)
-            half = round(self.door_width * scale.across / 2) if cells.get((column, line), ("",))[0] == "─" else 0
-            cells |= {(one, line): _EMPTY for one in range(column - half, column + half + 1)}
+        cells = self._walls_with_doors(boxes.values(), scale)
         for name, box in boxes.items():
             cells |= box.label(f"{name} {signs.get(name, '')}", _LIT if name in lit else _DARK)
         rows = ([cells.get((column, line), _EMPTY) for column in range(width)] for line in range(scale.lines))
@@ -241,6 +237,14 @@ class PlanPicture(NamedTuple):
         wanted = round(metres_down / metres_across * width / _ASPECT)
         lines = min(height, _MOST_LINES, max(LEAST_LINES, wanted))
         return _Scale(west, north, (width - 1) / metres_across, (lines - 1) / metres_down, lines)
+
+    def _walls_with_doors(self, boxes: Collection[_Box], scale: _Scale) -> dict[tuple[int, int], tuple[str, str]]:
+        cells = {place: (_WALLS[ways], _DARK) for place, ways in _walls(boxes).items()}
+        for door in self.doors:
+            column, line = scale.at(*door)
+            half = round(self.door_width * scale.across / 2) if cells.get((column, line), ("",))[0] == "─" else 0
+            cells |= {(one, line): _EMPTY for one in range(column - half, column + half + 1)}
+        return cells
 
 
 def _walls(boxes: Collection[_Box]) -> dict[tuple[int, int], int]:

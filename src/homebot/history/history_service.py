@@ -112,8 +112,7 @@ class HistoryService:
             return CorrectHistoryResponse(success=False, message=self._store.kept.problem or _NOT_YET)
         since, until = (round(one.to_seconds() * 1000) for one in (request.since, request.until))
         places = {place: one for place, one in self.collector.series.items() if place[0] == request.device}
-        meant = [one for (_, part, name), one in places.items() if name == request.capability]
-        meant = [one for one in meant if request.part in {"", one.place[1]}]
+        meant = [one for place, one in places.items() if _is_meant(place, request)]
         if problem := _problem(request, [name for _, _, name in places], meant, is_span=since < until):
             return CorrectHistoryResponse(success=False, message=problem)
         value = None if request.drops else request.value
@@ -150,6 +149,11 @@ class HistoryService:
         if asked := [one for one in series if one.place[2] in named]:
             series = asked
         return _FoundSeries(_main_first(series, devices), {key: one.name for key, one in devices.items()})
+
+
+def _is_meant(place: tuple[str, str, str], request: CorrectHistoryRequest) -> bool:
+    _, part, name = place
+    return name == request.capability and request.part in {"", part}
 
 
 def _problem(

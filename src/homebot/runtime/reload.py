@@ -5,7 +5,7 @@ A file that is half saved lacks limits, so a reload may lose none, nor a whole t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
@@ -101,17 +101,24 @@ def lost_keys(before: Config, after: Config) -> tuple[str, ...]:
 def _lost(old: Mapping[str, Any], new: Mapping[str, Any], *path: str, is_last: bool = True) -> Iterator[str]:
     for key, value in old.items():
         here, other = (*path, key), new.get(key)
-        tables, left = _tables_in(value), _tables_in(other)
         if _is_empty(value) or (not other and _is_revoked(here, new)):
             continue
-        is_gone = other in (None, {}) or 0 < len(left) < len(tables)
-        if tables and is_gone and (here[0] not in _BY_KEY or _is_limit(here)):
-            yield f"[{'.'.join(here)}]"
-        elif tables:
-            for one, its_new in zip(tables, left, strict=False):
-                yield from _lost(one, its_new, *here, is_last=key == [*new][-1])
+        if tables := _tables_in(value):
+            yield from _lost_tables(tables, other, here, is_last=key in [*new][-1:])
         elif other is None and _is_limit(here) and (is_last or here[0] != "places"):
             yield ".".join(here)
+
+
+def _lost_tables(
+    tables: Sequence[Mapping[str, Any]], other: object, here: tuple[str, ...], *, is_last: bool
+) -> Iterator[str]:
+    left = _tables_in(other)
+    is_gone = other in (None, {}) or 0 < len(left) < len(tables)
+    if is_gone and (here[0] not in _BY_KEY or _is_limit(here)):
+        yield f"[{'.'.join(here)}]"
+        return
+    for one, its_new in zip(tables, left, strict=False):
+        yield from _lost(one, its_new, *here, is_last=is_last)
 
 
 def _is_revoked(path: tuple[str, ...], new: Mapping[str, Any]) -> bool:

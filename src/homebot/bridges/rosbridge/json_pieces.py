@@ -46,26 +46,34 @@ def parse_in_pieces(text: str) -> Generator[None, None, object]:
     """
     arrays: list[tuple[int, int]] = []
     rest = text
-    if text.count('"') - text.count('\\"') > _MOST_QUOTES:
-        raise _too_many_values()
-    if text.count("[") + text.count("{") >= MAX_VALUES:
-        bare = _STRING.sub("", text)
-        yield
-        if bare.count("[") + bare.count("{") >= MAX_VALUES:
-            raise _too_many_values()
+    yield from _check_count(text)
     if len(text) > _SHORT and _MARK not in text:
         rest = _LONG_ARRAY.sub(lambda found: _put_aside(found, arrays), text)
         yield
     _check_size(rest, sum(text.count(",", *span) for span in arrays))
     lists: list[list[object]] = []
     value = parse_strict(rest, lambda name: _new_list(lists) if arrays and name == _MARK else float(name))
-    if rest.count("[") + rest.count("{") > MAX_NESTING:
+    if _openings(rest) > MAX_NESTING:
         _check_nesting(value)
     if "\\ud" in rest or "\\uD" in rest:
         _check_unicode(value)
     for found, span in zip(lists, arrays, strict=True):
         yield from _read_numbers(found, text, *span)
     return value
+
+
+def _check_count(text: str) -> Iterator[None]:
+    if text.count('"') - text.count('\\"') > _MOST_QUOTES:
+        raise _too_many_values()
+    if _openings(text) >= MAX_VALUES:
+        bare = _STRING.sub("", text)
+        yield
+        if _openings(bare) >= MAX_VALUES:
+            raise _too_many_values()
+
+
+def _openings(text: str) -> int:
+    return text.count("[") + text.count("{")
 
 
 def _read_numbers(found: list[object], text: str, start: int, end: int) -> Iterator[None]:

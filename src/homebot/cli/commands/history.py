@@ -85,21 +85,30 @@ def _history(door: DoorClient, options: argparse.Namespace) -> int:
     text = " ".join(options.query)
     if any((options.drop, options.value is not None, options.begin, options.end)):
         return _correct(door, options)
-    if not text.strip() and not options.energy:
-        raise UsageError("give a device or a query, such as 'temperature in kitchen'; --energy needs none")
-    if options.plot and options.energy:
-        raise UsageError("--plot is for values; --energy has a table, --csv and --json")
+    _check_options(text, options)
     since, until = _time_asked(door, options)
     request = _devices(door, text) | {"since": from_seconds(since), "until": from_seconds(until)}
     if options.energy:
         return _print_energy(_ask(door, READ_ENERGY, request), options)
-    points = _WIDEST if options.plot else _MOST if options.csv or options.json else _ROWS
-    request |= {"capability": options.capability, "points": min(options.points or points, _MOST)}
+    request |= {"capability": options.capability, "points": _points(options)}
     found, since = _series(door, request, since)
     if not found.series and (name := options.capability) and name not in CAPABILITIES:
         raise PeerError(f"nothing has a value {name!r}; {did_you_mean(name, CAPABILITIES, _SEE_VALUES)}")
     _print_history(found, options, since, until)
     return 0 if found.series else 1
+
+
+def _check_options(text: str, options: argparse.Namespace) -> None:
+    if not text.strip() and not options.energy:
+        raise UsageError("give a device or a query, such as 'temperature in kitchen'; --energy needs none")
+    if options.plot and options.energy:
+        raise UsageError("--plot is for values; --energy has a table, --csv and --json")
+
+
+def _points(options: argparse.Namespace) -> int:
+    """Return the largest number of points of a series."""
+    usual = _WIDEST if options.plot else _MOST if options.csv or options.json else _ROWS
+    return min(options.points or usual, _MOST)
 
 
 def _correct(door: DoorClient, options: argparse.Namespace) -> int:

@@ -107,19 +107,24 @@ def _link(text: str, at: int) -> tuple[WebLink, int]:
     while at < len(text) and text[at] == ";":
         if (empty := _EMPTY.match(text, at)) is not None:
             return WebLink(target[:_MAX_TEXT], tuple(attributes)), empty.end()
-        name = _NAME.match(text, at)
-        if name is None:
-            raise WireError(f"an attribute of a link has no name: {shown(text[at : at + 40])}")
-        at, value = name.end(), ""
-        if at < len(text) and text[at] == "=":
-            found = _VALUE.match(text, at)
-            if found is None:
-                raise WireError(f"the value of {name[1][:40]} of a link does not end")
-            at, value = found.end(), found[2].strip() if found[1] is None else _ESCAPED.sub(r"\1", found[1])
+        name, value, at = _next_attribute(text, at)
         if len(attributes) >= _MAX_ATTRIBUTES:
             raise WireError(f"a link has more than {_MAX_ATTRIBUTES} attributes")
-        attributes.append((name[1].lower()[:_MAX_TEXT], value[:_MAX_TEXT]))
+        attributes.append((name.lower()[:_MAX_TEXT], value[:_MAX_TEXT]))
     return WebLink(target[:_MAX_TEXT], tuple(attributes)), at
+
+
+def _next_attribute(text: str, at: int) -> tuple[str, str, int]:
+    name = _NAME.match(text, at)
+    if name is None:
+        raise WireError(f"an attribute of a link has no name: {shown(text[at : at + 40])}")
+    at = name.end()
+    if at >= len(text) or text[at] != "=":
+        return name[1], "", at
+    found = _VALUE.match(text, at)
+    if found is None:
+        raise WireError(f"the value of {name[1][:40]} of a link does not end")
+    return name[1], found[2].strip() if found[1] is None else _ESCAPED.sub(r"\1", found[1]), found.end()
 
 
 def _spelt(link: WebLink) -> str:

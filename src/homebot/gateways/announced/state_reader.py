@@ -137,12 +137,13 @@ class StateReader:
             readings += found
             for expiry in described.expiries:
                 self._schedule_expiry(part, expiry, values)
-            if (part.is_plain or _is_brief(values)) and not listened.get(part.address):
+            is_listened = bool(listened.get(part.address))
+            if not is_listened and (part.is_plain or _is_brief(values)):
                 self._record_lazy(part, values, retained)
                 continue
             has_events |= not EVENTS.isdisjoint(values)
             text = self._as_text(part, values, retained=retained)
-            if text is not None and listened.get(part.address):
+            if is_listened and text is not None:
                 texts.append(text)
         if stored is not None:
             self._report(stored, readings, address, retained=retained, has_events=has_events)

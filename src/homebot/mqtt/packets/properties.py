@@ -103,11 +103,7 @@ def decode_properties(cursor: Cursor, packet: PacketType) -> Properties:
     identifiers: list[int] = []
     while cursor.position < stop:
         number = cursor.varint()
-        row = _BY_NUMBER.get(number)
-        if row is None:
-            raise PacketError(f"unknown property 0x{number:02x}", cursor.body)
-        if packet not in row.packets:
-            raise _not_allowed(f"{packet.name} must not carry {row.name}", cursor)
+        row = _row_of(number, packet, cursor)
         if len(users) + len(identifiers) == _MOST_REPEATED:
             raise PacketError(f"more than {_MOST_REPEATED} properties", cursor.body, ReasonCode.QUOTA_EXCEEDED)
         if row.kind is _PAIR:
@@ -281,3 +277,12 @@ _TABLE = (
     _Row(0x2A, "shared_subscription_available", _UINT8, _in(_P.CONNACK), _flag),
 )
 _BY_NUMBER = {row.number: row for row in _TABLE}
+
+
+def _row_of(number: int, packet: PacketType, cursor: Cursor) -> _Row:
+    row = _BY_NUMBER.get(number)
+    if row is None:
+        raise PacketError(f"unknown property 0x{number:02x}", cursor.body)
+    if packet not in row.packets:
+        raise _not_allowed(f"{packet.name} must not carry {row.name}", cursor)
+    return row
