@@ -23,6 +23,7 @@ from homebot.devices.health import Count, HealthRequest, HealthResponse, PartFai
 from homebot.discovery.store import index_path
 from homebot.graph import Graph, Node
 from homebot.messages import Time
+from homebot.support.counters import Severity
 
 Text = pytest.CaptureFixture[str]
 
@@ -55,8 +56,9 @@ def test_a_gateway_that_is_unavailable_is_not_said_to_send_commands(
 
 def test_a_count_that_alone_makes_all_not_well_has_a_code_of_its_own(capsys: Text) -> None:
     """Who reads "problems found" at the end is to see which line is meant."""
-    counts = {"announcements_rejected": 2, "commands_failed": 1, "inbox_dropped": 7, "reports_lost": 0}
-    health = HealthResponse(counts=tuple(Count(name=name, count=count) for name, count in counts.items()))
+    losses = Count.each({"commands_failed": 1, "inbox_dropped": 7, "reports_lost": 0}, Severity.LOSS)
+    faults = Count.each({"announcements_rejected": 2}, Severity.FAULT)
+    health = HealthResponse(counts=(*faults, *losses, Count(name="lost_and_dropped_by_a_name_alone", count=3)))
     found = list(health_findings("gateway/mqtt", health, 0.0, everything=False))
     assert [one.is_problem for one in found] == [True, False]
     for one in found:

@@ -168,7 +168,7 @@ def test_reports_of_nobody_and_of_unknown_parts_are_counted(index: DeviceIndex) 
     index.observe(lamp)
     index.report(tell(lamp, "on_off", False, part="other"))
     index.report(tell(lamp, "level", 5.0, part="l"))
-    assert (index.counts()["strays"], index.counts()["unknown_parts"]) == (1, 2)
+    assert {("strays", 1), ("unknown_parts", 2)} <= {(one.name, one.count) for one in index.counts()}
     (device,) = index.devices()
     assert [(one.part, one.capability, one.value.plain()) for one in device.states] == [("l", "on_off", True)]
 

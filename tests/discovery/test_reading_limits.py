@@ -38,7 +38,7 @@ def test_the_value_before_stays_and_the_last_one_outside_is_told(name: str) -> N
     (device,) = index.devices()
     (fact,) = (one.value for one in device.facts if one.name == "unreadable")
     assert fact == f"payloads outside the limits -30 to 50 of [devices.{name}]: the last had temperature -127"
-    assert index.counts()["outside_limits"] == 2
+    assert index.counters.outside_limits == 2
 
 
 def test_the_limits_themselves_and_other_devices_are_read() -> None:

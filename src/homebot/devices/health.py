@@ -1,10 +1,17 @@
 """Health of gateways, the directory and the runtime: problems, counters, failures, quarantine."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
-from typing import ClassVar, Self
+from dataclasses import fields
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType, UInt32, UInt64
+from homebot.support.counters import Severity
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 __all__ = ["Count", "GetHealth", "HealthRequest", "HealthResponse", "PartFailure", "Quarantine"]
 
@@ -35,15 +42,23 @@ class Count(Message):
 
     Attributes:
         count: Number since the gateway started.
+        severity: What it means if it is above 0.
     """
 
     name: str
     count: UInt64
+    severity: Severity = Severity.NORMAL
 
     @classmethod
-    def each(cls, counts: Mapping[str, int]) -> tuple[Self, ...]:
+    def each(cls, counts: Mapping[str, int], severity: Severity = Severity.NORMAL) -> tuple[Self, ...]:
         """Return a counter for each name in *counts*."""
-        return tuple(cls(name=name, count=count) for name, count in counts.items())
+        return tuple(cls(name=name, count=count, severity=severity) for name, count in counts.items())
+
+    @classmethod
+    def of(cls, counters: DataclassInstance) -> tuple[Self, ...]:
+        """Return a counter for each field of *counters*, with its severity (:mod:`homebot.support.counters`)."""
+        declared = {one.name: one.metadata.get("severity", Severity.NORMAL) for one in fields(counters)}
+        return tuple(cls(name=name, count=getattr(counters, name), severity=how) for name, how in declared.items())
 
 
 class PartFailure(Message):

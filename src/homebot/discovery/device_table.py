@@ -13,6 +13,7 @@ from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.search.postings import Postings
 from homebot.discovery.source_record import LostLink, SourceKey, SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
+from homebot.support.counters import fault
 
 if TYPE_CHECKING:
     from homebot.discovery.reading_limits import LimitsOfDevices
@@ -34,7 +35,7 @@ class IndexCounters:
         outside_limits: Values outside the limits that the owner states; they are ignored.
     """
 
-    rejected: int = 0
+    rejected: int = fault()
     retained_only: int = 0
     unknown_parts: int = 0
     outside_limits: int = 0

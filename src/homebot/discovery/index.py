@@ -8,10 +8,10 @@ Times called *now* are in seconds on the monotonic clock; *wall* is in seconds s
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import TYPE_CHECKING, final
 
 from homebot.devices import Device
+from homebot.devices.health import Count
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.terms import Query, type_is
 from homebot.discovery.device_table import DeviceTable, IndexCounters
@@ -23,6 +23,7 @@ from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.search.postings import PostedValue
 from homebot.discovery.states import SettingChanges, StateRecorder
+from homebot.support.counters import Severity
 
 if TYPE_CHECKING:
     from homebot.discovery.places_editor import PlacesEditor
@@ -80,14 +81,14 @@ class DeviceIndex:
     def __len__(self) -> int:
         return len(self.table.entries)
 
-    def counts(self) -> dict[str, int]:
-        """Return the numbers of refused and dropped inputs, by name."""
-        return {
-            **asdict(self.counters),
-            "strays": self._pending.count,
-            "identifiers_cut": self._merger.identities.cut,
-            "states_lost": self.changes.states_lost,
-        }
+    def counts(self) -> tuple[Count, ...]:
+        """Return the numbers of refused and dropped inputs."""
+        return (
+            *Count.of(self.counters),
+            Count(name="strays", count=self._pending.count),
+            Count(name="identifiers_cut", count=self._merger.identities.cut, severity=Severity.FAULT),
+            Count(name="states_lost", count=self.changes.states_lost, severity=Severity.LOSS),
+        )
 
     @property
     def ids(self) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ import anyio
 from anyio import to_thread
 
 from homebot.clock import TimeSlice
+from homebot.devices.health import Count
 from homebot.devices.services import IndexRow, IndexTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone
@@ -25,6 +26,7 @@ from homebot.discovery.record import Records, entry_record, read_entry, read_tom
 from homebot.errors import LinkError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
+from homebot.support.counters import Severity
 from homebot.support.kept_file import KeptFile
 
 if TYPE_CHECKING:
@@ -84,10 +86,10 @@ class IndexPersistence:
         """The problem with the file, in words; empty for none."""
         return "" if self._kept is None else self._kept.trouble
 
-    def counts(self) -> Mapping[str, int]:
+    def counts(self) -> tuple[Count, ...]:
         """Return how often writing the file or a record failed."""
         failures = 0 if self._kept is None else self._kept.failures
-        return {"index_file_failures": failures + self._rejected}
+        return (Count(name="index_file_failures", count=failures + self._rejected, severity=Severity.LOSS),)
 
     async def load(self) -> None:
         """Load the content of the file as unconfirmed; an unusable file is set aside."""

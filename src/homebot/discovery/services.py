@@ -244,19 +244,15 @@ class DirectoryServices:
         return messages.ExportIndexResponse(rows=await self._persistence.export())
 
     def _get_health(self, _: HealthRequest) -> HealthResponse:
-        counts = {
-            "devices": len(self._index),
-            "forgotten_devices": len(self._index.tombstones),
-            **self._index.counts(),
-            **self._persistence.counts(),
-        }
+        sizes = {"devices": len(self._index), "forgotten_devices": len(self._index.tombstones)}
+        counts = (*Count.each(sizes), *self._index.counts(), *self._persistence.counts())
         troubles = (self._persistence.problem,) if self._persistence.problem else ()
         plan = self._index.owner.plan
         overlaps = homebot.places.FloorPlan.of(plan).overlaps if plan.has_areas else ()
         notes = [
             f"the rooms {one} and {other} overlap by {area:.1f} m²; correct [places]" for one, other, area in overlaps
         ]
-        return HealthResponse(counts=Count.each(counts), troubles=troubles, notes=tuple(notes))
+        return HealthResponse(counts=counts, troubles=troubles, notes=tuple(notes))
 
 
 def _reason(exc: RefusedError | UsageError) -> str:

@@ -18,6 +18,7 @@ from homebot.history.collector import Collector
 from homebot.history.history_file import HistoryStore
 from homebot.history.history_service import HistoryService
 from homebot.history.settings import HistorySettings
+from homebot.support.counters import Severity
 from homebot.support.isolation import run_as
 
 __all__ = ["HISTORY_FILE", "HistoryKeeper", "keep_history"]
@@ -90,12 +91,12 @@ class HistoryKeeper:
         collector, file = self._collector, self._store.kept
         counts = {
             "history_series": len(collector.series),
-            "history_lost": collector.lost,
             "history_left_out": collector.left_out,
             "history_folded": collector.folded,
-            "history_failures": file.failures,
         }
-        return HealthResponse(counts=Count.each(counts), troubles=(file.trouble,) if file.trouble else ())
+        losses = {"history_lost": collector.lost, "history_failures": file.failures}
+        counted = (*Count.each(counts), *Count.each(losses, Severity.LOSS))
+        return HealthResponse(counts=counted, troubles=(file.trouble,) if file.trouble else ())
 
     async def _open(self) -> None:
         while (stored := await self._store.open()) is None:  # noqa: ASYNC110 - a disk tells nobody that it is back

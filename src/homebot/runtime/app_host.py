@@ -11,9 +11,11 @@ from anyio.abc import TaskStatus
 
 from homebot.apps import App, AppContext
 from homebot.clock import Clock, LoopClock
+from homebot.devices.health import Count
 from homebot.devices.house_view import HouseView
 from homebot.graph import Graph, Node
 from homebot.runtime.plan import Plan, PlannedComponent
+from homebot.support.counters import Severity
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
@@ -91,11 +93,12 @@ class AppHost:
                 if self._stores is not None:
                     await self._stores.flush()
 
-    def counts(self) -> dict[str, int]:
+    def counts(self) -> tuple[Count, ...]:
         """Return counters for health reports."""
         if self._notifier is None:
-            return {}
-        return {"notifications_dropped": self._notifier.dropped, "notifications_failed": self._notifier.failed}
+            return ()
+        dropped = Count(name="notifications_dropped", count=self._notifier.dropped, severity=Severity.LOSS)
+        return dropped, Count(name="notifications_failed", count=self._notifier.failed, severity=Severity.FAULT)
 
     def problems(self) -> Iterator[str]:
         """Yield why the last notification was not sent, and the trouble of the file of the apps."""

@@ -9,6 +9,7 @@ from homebot.graph import Graph, Node, Subscription
 from homebot.messages.builtin_interfaces import Time
 from homebot.runtime.app_host import AppHost
 from homebot.runtime.supervisor import Supervisor
+from homebot.support.counters import Severity
 from homebot.support.production_loop import LoopWatch
 
 __all__ = ["RuntimeHealth"]
@@ -45,17 +46,25 @@ class RuntimeHealth:
             "components_crashed": len(crashes),
             "components_given_up": len(self._supervisor.given_up),
             "crashes": sum(one.count for one in crashes),
-            "callback_failures": sum(one.count for one in self._graph.failures),
+            "callback_failures": sum(one.count for one in self._graph.failures),  # each is among the failures too
             "loop_blocks": 0 if self._watch is None else self._watch.blocks,
             "task_exits": 0 if self._watch is None else self._watch.exits,
+        }
+        losses = {
             "log_lines_lost": self._lost_lines(),
             "messages_lost": self._graph.failures.messages_lost + sum(self._losses()),
+        }
+        faults = {
             "answers_late": self._graph.failures.late_answers,
             "calls_refused": self._graph.failures.refused_calls,
-            **self._apps.counts(),
         }
         return HealthResponse(
-            counts=Count.each(counts),
+            counts=(
+                *Count.each(counts),
+                *Count.each(losses, Severity.LOSS),
+                *Count.each(faults, Severity.FAULT),
+                *self._apps.counts(),
+            ),
             troubles=(*self._problems(), *[one async for one in self._apps.unknown_names()]),
             failures=tuple(self._failures()),
             home=self._home,

@@ -9,6 +9,7 @@ from homebot.devices.health import Count, GetHealth, HealthRequest, HealthRespon
 from homebot.devices.names import GatewayNames
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.graph import Graph, Node, qos_profile_latched
+from homebot.support.counters import Severity
 
 pytestmark = pytest.mark.virtual_time
 
@@ -42,7 +43,9 @@ async def test_a_failed_command_is_no_problem_any_more_after_ten_minutes() -> No
     async with Node(graph, "rosapi") as rosapi, Node(graph, "hub") as hub:
         hub.create_service(QueryDevices, QUERY_DEVICES, no_devices)
         hub.create_service(
-            GetHealth, "/hub/health", lambda _: HealthResponse(counts=Count.each({"commands_failed": failed}))
+            GetHealth,
+            "/hub/health",
+            lambda _: HealthResponse(counts=Count.each({"commands_failed": failed}, Severity.LOSS)),
         )
         doctor.serve(rosapi)
         client = hub.create_client(doctor.Examine, "/rosapi/doctor")

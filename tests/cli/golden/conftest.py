@@ -77,6 +77,7 @@ from homebot.devices.value import PlainValue, Value
 from homebot.errors import UsageError
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.messages import Time
+from homebot.support.counters import Severity
 
 LAMP_KEY = "homeassistant:light/0x00158d0001abcdef/light"
 NATIVE_KEY = "zigbee2mqtt:0x00158d0001abcdef"
@@ -264,7 +265,7 @@ class StillHouse:
         self.forgotten: list[str] = []
         self.acts = True
         self.is_well = False
-        self.counted: dict[str, int] = {}
+        self.counted: tuple[Count, ...] = ()
         self.failures: list[PartFailure] = []
         self.crowd = 0
         self.carried = 0
@@ -359,10 +360,9 @@ class StillHouse:
             since=ago(90),
             until=ago(-510),
         )
-        counts = (Count(name="announcements", count=1024), Count(name="announcements_rejected", count=7))
-        more = tuple(Count(name=name, count=count) for name, count in self.counted.items())
+        counts = Count.each({"announcements": 1024}) + Count.each({"announcements_rejected": 7}, Severity.FAULT)
         return HealthResponse(
-            counts=counts + more,
+            counts=counts + self.counted,
             quarantined=() if self.is_well else (offender,),
             failures=tuple(self.failures),
             notes=("a device waits to be paired",),

@@ -16,10 +16,13 @@ from tests.devices.handles.conftest import device, part
 from homebot.cli import main
 from homebot.cli.commands.import_thing import topic_level
 from homebot.cli.commands.why import _print_state
-from homebot.devices.health import PartFailure
+from homebot.devices.health import Count, PartFailure
 from homebot.errors import UsageError
+from homebot.gateways.announced.counters import GatewayCounters
 from homebot.integrations.things.formats.parse import CONTEXT, read_thing
 from homebot.messages import Time
+from homebot.mqtt.client.receiver import MqttCounters
+from homebot.support.counters import Severity
 
 HERE = Path(__file__).parent
 Text = pytest.CaptureFixture[str]
@@ -88,22 +91,24 @@ def test_where_nothing_is_wrong_the_doctor_says_so(still: StillHouse, run: Run, 
 
 
 @pytest.mark.parametrize(
-    ("count", "code"),
+    ("counted", "code"),
     [
-        ("commands_refused", 0),
-        ("commands_failed", 1),
-        ("failures", 1),
-        ("dropped_overflow", 1),
-        ("messages_lost", 1),
-        ("announcements_rejected", 0),
-        ("commands", 0),
+        (Count.of(GatewayCounters(commands_refused=1)), 0),
+        (Count.of(GatewayCounters(commands_failed=1)), 1),
+        (Count.of(GatewayCounters(failures=1)), 1),
+        (Count.of(MqttCounters(dropped_overflow=1)), 1),
+        (Count.of(GatewayCounters(announcements_rejected=1)), 0),
+        (Count.of(GatewayCounters(commands=1)), 0),
+        (Count.each({"messages_lost": 1}), 0),
+        (Count.each({"messages_lost": 1}, Severity.LOSS), 1),
+        (Count.each({"messages_lost": 0}, Severity.LOSS), 0),
     ],
 )
 def test_what_the_house_itself_failed_at_is_enough_not_to_be_well_and_what_outsiders_did_is_not(
-    still: StillHouse, run: Run, count: str, code: int
+    still: StillHouse, run: Run, counted: tuple[Count, ...], code: int
 ) -> None:
     still.is_well = True
-    still.counted = {count: 1}
+    still.counted = counted
     assert run("doctor") == code
 
 
@@ -120,7 +125,7 @@ def test_the_doctor_names_what_failed(still: StillHouse, run: Run, capsys: Text)
 
 def test_a_count_is_said_once(still: StillHouse, run: Run, capsys: Text) -> None:
     still.is_well = True
-    still.counted = {"commands_failed": 3}
+    still.counted = Count.each({"commands_failed": 3}, Severity.LOSS)
     assert run("doctor", "--json") == 1
     found = {one["code"]: one["rows"] for one in json.loads(capsys.readouterr().out)["findings"]}
     assert found["HB204"] == [{"what": "commands failed", "why": "3"}]

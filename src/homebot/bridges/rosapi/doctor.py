@@ -23,21 +23,13 @@ from homebot.devices.wording.time_format import age, ago
 from homebot.errors import ServiceError
 from homebot.graph import EntityKind, Node, qos_profile_latched
 from homebot.messages.message import Message, ServiceType, UInt32
+from homebot.support.counters import Severity
 from homebot.support.folding import fold
 
 __all__ = ["gateway_finding", "health_findings", "serve"]
 
 _ANSWERS_WITHIN = 2.0
 """Seconds for the state of a gateway that has just started, which is kept for late joiners, and for a node's health."""
-
-_FAULTS = (
-    *("rejected", "refused", "failed", "dropped", "oversize", "failures", "ignored"),
-    *("deferred", "quarantines", "damaged", "cut", "lost", "late"),
-)
-"""How the names of counts begin or end that should be 0."""
-
-_ILLS = ("commands_failed", "failures", "dropped", "lost")
-"""Those of them that homebot is to answer for: a new one is enough for not all to be well."""
 
 _LOOK_EVERY = 300.0
 """Seconds between two looks at the counts: what they count since the look before the last is new."""
@@ -274,10 +266,9 @@ def _count_rows(
 ) -> Iterator[tuple[FindingKind, Row]]:
     for one in counts:
         words, new = one.name.replace("_", " "), one.count - before.get(one.name, 0)
-        is_listed = one.name == "callback_failures"  # each with its reason, as a failure
-        if new > 0 and not is_listed and _is_one_of(_ILLS, one.name):
+        if new > 0 and one.severity is Severity.LOSS:
             yield FindingKind.LOSS, (words, str(new))
-        elif everything or (one.count and not is_listed and _is_one_of(_FAULTS, one.name)):
+        elif everything or (one.count and one.severity is not Severity.NORMAL):
             yield FindingKind.COUNT, (words, str(one.count))
 
 
@@ -341,7 +332,3 @@ _DEVICE_CHECKS = (
     _DeviceCheck(FindingKind.NO_GATEWAY, _UNUSED, _step, MOST_SHOWN),
     _DeviceCheck(FindingKind.NO_ROOM, "without area", lambda one, _now: one.name, _FEW),
 )
-
-
-def _is_one_of(faults: tuple[str, ...], name: str) -> bool:
-    return any(name == fault or name.endswith(f"_{fault}") or name.startswith(f"{fault}_") for fault in faults)

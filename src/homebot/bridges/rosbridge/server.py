@@ -8,7 +8,6 @@ from __future__ import annotations
 import errno
 import logging
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
 from functools import partial
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Final, cast
@@ -33,6 +32,7 @@ from homebot.devices.names import HOME_HEADER
 from homebot.errors import UsageError
 from homebot.graph import Node
 from homebot.messages.builtin_interfaces import Time
+from homebot.support.counters import Severity
 from homebot.support.logger import get_logger
 from homebot.support.owner_token import OwnerToken
 
@@ -132,13 +132,13 @@ class Door:
     def health(self, _request: HealthRequest) -> HealthResponse:
         """Return counters and guessing addresses, for the service ``health``."""
         counts = {
-            **asdict(self._shared.counters),
             "wrong_tokens": self._entrance.tokens.wrong,
-            "messages_lost": self._shared.backlog.lost,
             "latched_displaced": self._shared.kept.lost,
             "clients_now": self.client_count,
         }
-        return HealthResponse(counts=Count.each(counts), troubles=self._entrance.tokens.problems())
+        lost = Count(name="messages_lost", count=self._shared.backlog.lost, severity=Severity.LOSS)
+        counted = (*Count.of(self._shared.counters), lost, *Count.each(counts))
+        return HealthResponse(counts=counted, troubles=self._entrance.tokens.problems())
 
     def list_tokens(self, _request: ListTokensRequest) -> ListTokensResponse:
         """Return the tokens, with their rights and uses."""

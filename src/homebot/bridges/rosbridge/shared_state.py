@@ -17,6 +17,7 @@ from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.turns import ServerTurns
 from homebot.graph import EntityKind, Graph, Node, Publisher
 from homebot.support.bounded_map import BoundedMap
+from homebot.support.counters import fault, loss
 
 if TYPE_CHECKING:
     from homebot.devices.access_messages import AccessRefused
@@ -50,13 +51,13 @@ class DoorCounters:
     clients: int = 0
     turned_away: int = 0
     frames: int = 0
-    requests_refused: int = 0
+    requests_refused: int = fault()
     rights_missing: int = 0
     slowed_down: int = 0
-    clients_cut: int = 0
+    clients_cut: int = fault()
     clients_vanished: int = 0
-    fragments_dropped: int = 0
-    feedback_lost: int = 0
+    fragments_dropped: int = loss()
+    feedback_lost: int = loss()
 
 
 @final

@@ -35,6 +35,7 @@ from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.messages import Time
 from homebot.support.bounded_map import BoundedMap
+from homebot.support.counters import Severity
 
 if TYPE_CHECKING:
     from homebot.control.command import IssuedCommand
@@ -116,8 +117,9 @@ class CommandJournal:
     def health(self, counts: Mapping[str, int], notes: tuple[str, ...]) -> HealthResponse:
         """Return the counters and problems of the journal, after the *counts* of others, and with *notes*."""
         store, now = self._store, self._clock.now()
+        failures = Count(name="journal_failures", count=store.failures, severity=Severity.LOSS)
         return HealthResponse(
-            counts=Count.each({"journal_expired": store.dropped, "journal_failures": store.failures, **counts}),
+            counts=(Count(name="journal_expired", count=store.dropped), failures, *Count.each(counts)),
             notes=notes,
             troubles=(
                 *((store.problem,) if store.problem else ()),

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from homebot.support.counters import fault, loss
+
 __all__ = ["GatewayCounters"]
 
 
@@ -36,27 +38,27 @@ class GatewayCounters:
     """
 
     received: int = 0
-    rejected: int = 0
+    rejected: int = fault()
     commands: int = 0
-    commands_refused: int = 0
-    commands_failed: int = 0
+    commands_refused: int = fault()
+    commands_failed: int = loss()
     announcements: int = 0
     announcements_ambiguous: int = 0
-    announcements_rejected: int = 0
+    announcements_rejected: int = fault()
     announcements_derived: int = 0
-    announcements_deferred: int = 0
-    devices_refused: int = 0
-    topics_refused: int = 0
+    announcements_deferred: int = fault()
+    devices_refused: int = fault()
+    topics_refused: int = fault()
     topics_reserved: int = 0
-    types_refused: int = 0
-    addresses_refused: int = 0
+    types_refused: int = fault()
+    addresses_refused: int = fault()
     reports: int = 0
-    requests_dropped: int = 0
-    readings_refused: int = 0
-    oversize: int = 0
+    requests_dropped: int = loss()
+    readings_refused: int = fault()
+    oversize: int = fault()
     payloads_unreadable: int = 0
-    failures: int = 0
+    failures: int = loss()
     asks: int = 0
-    asks_dropped: int = 0
-    expiries_dropped: int = 0
-    quarantines: int = 0
+    asks_dropped: int = loss()
+    expiries_dropped: int = loss()
+    quarantines: int = fault()

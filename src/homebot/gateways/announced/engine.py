@@ -1,7 +1,6 @@
 """The mechanisms that gateways of all protocols share."""
 
 from collections.abc import Mapping
-from dataclasses import asdict
 from typing import Generic, TypeVar
 
 from homebot.devices.health import Count, HealthResponse
@@ -15,6 +14,7 @@ from homebot.gateways.announced.state_reader import StateReader
 from homebot.gateways.announced.work_budget import WorkBudgets
 from homebot.gateways.base import Gateway
 from homebot.gateways.raw_delivery import RawDelivery
+from homebot.support.counters import Severity
 
 __all__ = ["GatewayEngine"]
 
@@ -95,10 +95,11 @@ class GatewayEngine(Generic[MessageT]):
 
     def health(self, own: HealthResponse) -> HealthResponse:
         """Return the health report *own*, completed with the counters and quarantined sources of the engine."""
-        counts = {
-            **asdict(self.counters),
-            "announcements_ignored": self.quarantine.waiting.dropped,
-            "offenders_dropped": self.quarantine.budgets.forgotten,
-        }
+        ignored, forgotten = self.quarantine.waiting.dropped, self.quarantine.budgets.forgotten
+        counts = (
+            *Count.of(self.counters),
+            Count(name="announcements_ignored", count=ignored, severity=Severity.FAULT),
+            Count(name="offenders_dropped", count=forgotten, severity=Severity.LOSS),
+        )
         quarantined = self.quarantine.quarantined()
-        return own.model_copy(update={"counts": (*Count.each(counts), *own.counts), "quarantined": quarantined})
+        return own.model_copy(update={"counts": (*counts, *own.counts), "quarantined": quarantined})

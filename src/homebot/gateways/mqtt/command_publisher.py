@@ -19,6 +19,7 @@ from homebot.mqtt.packets import NO_PROPERTIES, Properties, ReasonCode
 from homebot.mqtt.topic_census import TopicCensus
 from homebot.mqtt.topics import validate_topic
 from homebot.support.bounded_map import BoundedMap
+from homebot.support.counters import fault
 
 __all__ = ["COMMAND_ID", "CommandPublisher", "ResponseCounters", "Responses", "problem_of"]
 
@@ -43,7 +44,7 @@ class ResponseCounters:
     """
 
     responses: int = 0
-    responses_late: int = 0
+    responses_late: int = fault()
     responses_unknown: int = 0
 
 

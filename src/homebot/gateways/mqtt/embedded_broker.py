@@ -3,7 +3,6 @@
 import errno
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
-from dataclasses import asdict
 from functools import partial
 
 from homebot.clock import Clock
@@ -53,7 +52,7 @@ async def embedded_broker(graph: Graph, clock: Clock, *, ports: Sequence[int] = 
 def _health(broker: Broker, _request: HealthRequest) -> HealthResponse:
     lost = broker.losses
     return HealthResponse(
-        counts=Count.each(asdict(broker.stats)),
+        counts=Count.of(broker.stats),
         troubles=(f"in the last ten minutes it dropped {lost}",) if lost else (),
     )
 

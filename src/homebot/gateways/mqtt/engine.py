@@ -6,7 +6,6 @@ waits: subscriptions, requests, expiry of values.
 
 import asyncio
 from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict
 from functools import partial
 from itertools import chain
 from typing import TypeVar
@@ -46,6 +45,7 @@ from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import NO_PROPERTIES
 from homebot.mqtt.topic_census import TopicCensus
 from homebot.mqtt.topics import validate_topic
+from homebot.support.counters import Severity
 from homebot.support.isolation import run_as
 
 __all__ = ["AnnouncedDevices"]
@@ -310,20 +310,19 @@ class AnnouncedDevices:
     def _health(self) -> HealthResponse:
         from homebot.gateways.mqtt.unread_topics import unread_notes  # noqa: PLC0415 - few runs are asked
 
-        lost = self._connection.counters
         counts = {
             "announcements_excess_bytes": self._registry.excess,
             "announcements_memory_bytes": self._registry.memory,
-            "dropped_oversize": lost.dropped_oversize,
-            "dropped_overflow": lost.dropped_overflow,
-            "dropped_malformed": lost.dropped_malformed,
-            **({} if self._responses is None else asdict(self._responses.counters)),
         }
+        losses = (one for one in Count.of(self._connection.counters) if one.severity is Severity.LOSS)
+        responses = () if self._responses is None else Count.of(self._responses.counters)
         troubled = (one for one in self._conventions if isinstance(one, ProblemReportingConvention))
         troubles = tuple(trouble for one in troubled for trouble in one.problems())
         rivals = (self._lease.trouble,) if self._lease.trouble else ()
         notes = tuple(unread_notes(self.census.counts, self.route, self._used_topics(), self.filters))
-        return HealthResponse(counts=Count.each(counts), troubles=(*rivals, *troubles), notes=notes)
+        return HealthResponse(
+            counts=(*Count.each(counts), *losses, *responses), troubles=(*rivals, *troubles), notes=notes
+        )
 
 
 def _filters(conventions: Iterable[Convention], *, of_texts: bool) -> tuple[str, ...]:

@@ -102,25 +102,10 @@ class AnnouncementRegistry(DeviceRegistry):
     def _enter(
         self, stored: StoredAnnouncement, before: StoredAnnouncement | None
     ) -> tuple[tuple[WireError, ...], Readers]:
-        availabilities = _availabilities(stored)
-        refused, replayed = self._enter_readings(stored, before)
-        reachability: dict[str, SharedReachability] = {}
-        for part_id, availability, key, topics in availabilities:
-            shared = reachability[part_id] = self._shared_reachability(availability, key, topics, refused, replayed)
-            shared.members.append((stored, part_id))
-        stored.reachability = reachability or stored.reachability
-        for part in stored.parts.values():
-            self._forget_routes(*self.commands.add(part))
-        if stored.described.text is not None:
-            self._register_text(stored, stored.described.text)
-        return tuple(refused), tuple(replayed)
-
-    def _enter_readings(
-        self, stored: StoredAnnouncement, before: StoredAnnouncement | None
-    ) -> tuple[list[WireError], _Readings]:
         refused: list[WireError] = []
         replayed: _Readings = []
         only_remembering = before is not None and stored.publishes_the_same(before)
+        availabilities = _availabilities(stored)
         for topic_filter, part in _readings(stored):
             count = self._topics.users.get(topic_filter, 0)
             if count >= self._limits.readers:
@@ -135,7 +120,16 @@ class AnnouncementRegistry(DeviceRegistry):
                 refused.append(WireError(f"commands of another device, or codes, go to {topic_filter!r}"))
             elif count and not has_wildcard(topic_filter) and (part.described.remembers or not only_remembering):
                 replayed.append((topic_filter, part))
-        return refused, replayed
+        reachability: dict[str, SharedReachability] = {}
+        for part_id, availability, key, topics in availabilities:
+            shared = reachability[part_id] = self._shared_reachability(availability, key, topics, refused, replayed)
+            shared.members.append((stored, part_id))
+        stored.reachability = reachability or stored.reachability
+        for part in stored.parts.values():
+            self._forget_routes(*self.commands.add(part))
+        if stored.described.text is not None:
+            self._register_text(stored, stored.described.text)
+        return tuple(refused), tuple(replayed)
 
     def _shared_reachability(
         self,

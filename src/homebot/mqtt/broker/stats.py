@@ -6,6 +6,8 @@ from collections import deque
 from dataclasses import asdict, dataclass
 from typing import Final, final
 
+from homebot.support.counters import fault, loss
+
 __all__ = ["BrokerStats", "Counters", "LossReport", "loss_text"]
 
 
@@ -25,21 +27,21 @@ class Counters:
     """
 
     connections_accepted: int = 0
-    connections_refused: int = 0
-    connections_failed: int = 0
+    connections_refused: int = fault()
+    connections_failed: int = fault()
     connections_closed: int = 0
     messages_received: int = 0
     messages_sent: int = 0
-    dropped_qos0: int = 0
-    dropped_offline: int = 0
-    dropped_overrun: int = 0
-    dropped_too_large: int = 0
+    dropped_qos0: int = loss()
+    dropped_offline: int = loss()
+    dropped_overrun: int = loss()
+    dropped_too_large: int = loss()
     dropped_expired: int = 0
-    dropped_refused: int = 0
-    subscriptions_refused: int = 0
-    retained_refused: int = 0
+    dropped_refused: int = fault()
+    subscriptions_refused: int = fault()
+    retained_refused: int = fault()
     sessions_evicted: int = 0
-    logins_failed: int = 0
+    logins_failed: int = fault()
     logins_slowed: int = 0
     logins_pushed_out: int = 0
     unread_given_up: int = 0

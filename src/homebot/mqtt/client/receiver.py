@@ -14,6 +14,7 @@ from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import PacketError, ProtocolVersion
 from homebot.mqtt.packets.publish import decode_publish
+from homebot.support.counters import loss
 from homebot.support.logger import get_logger
 
 __all__ = ["DeliveryLedger", "Frame", "Inbox", "MqttCounters", "Receiver"]
@@ -58,9 +59,9 @@ class MqttCounters:
     """
 
     received: int = 0
-    dropped_overflow: int = 0
-    dropped_oversize: int = 0
-    dropped_malformed: int = 0
+    dropped_overflow: int = loss()
+    dropped_oversize: int = loss()
+    dropped_malformed: int = loss()
 
 
 @final
