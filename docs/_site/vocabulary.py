@@ -15,7 +15,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined, to_json
 
 from homebot.devices import handles
-from homebot.devices.capabilities import CAPABILITIES, CapabilityType
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capability_type import CapabilityType
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.handles import Handle
 

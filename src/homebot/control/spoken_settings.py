@@ -12,7 +12,7 @@ from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
 from homebot.devices.part import Capability, Part, accepted_values, check_no_share, check_setting
 from homebot.devices.text.colors import COLORS, WHITES
 from homebot.devices.text.commands import decode_command
-from homebot.devices.text.states import FRACTION_CAPABILITIES
+from homebot.devices.text.states import is_share
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
@@ -22,19 +22,9 @@ __all__ = ["SET", "spoken_settings"]
 SET: Final = "set"
 """The command that only sets values."""
 
-_ALIASES: Final[Mapping[str, str]] = MappingProxyType(
-    {"kelvin": "color_temperature", "brightness": "level", "speed": "fan_speed"}
-)
-_MODES: Final = ("thermostat_mode", "fan_mode", "humidifier_mode", "water_heater_mode")
-"""Meanings of ``mode``; the first that the part takes is used."""
-
-_PRESSED: Final = frozenset({"locate", "push", "scene"})
-"""Capabilities that can only be set to true, so no value is needed."""
-
 _SAME_WORDS: Final[Mapping[str, str]] = MappingProxyType(
     {"on": "on", "turn_on": "on", "turn on": "on", "turn_off": "off", "turn off": "off", SET: SET}
 )
-_WITH_STATES: Final = frozenset({"alarm", "lock", "mower", "vacuum"})
 _STATES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "start": ("cleaning", "mowing"),
@@ -98,10 +88,9 @@ def _agree(settings: Mapping[str, PlainValue], part: Part) -> bool:
 
 
 def _capability(word: str, part: Part) -> str:
-    if word != "mode":
-        return _ALIASES.get(word, word)
-    settable = [one.name for one in part.capabilities if one.settable]
-    return next((name for name in _MODES if name in settable), word)
+    settable = {one.name for one in part.capabilities if one.settable}
+    meant = [name for name, known in CAPABILITIES.items() if known.spoken and known.spoken == word]
+    return next((name for name in meant if name in settable), word)
 
 
 def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
@@ -124,7 +113,7 @@ def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
         accepted = accepted_values(part, capability)
         if not accepted:
             raise
-        if capability in _PRESSED:
+        if "press" in CAPABILITIES.get(capability, OWN).words:  # it can only be set to true
             return capability, True
         raise RefusedError(f"{word} without a value", f"it takes {accepted}") from None
 
@@ -133,7 +122,7 @@ def _state_for(word: str, part: Part) -> tuple[str, PlainValue] | None:
     """Return the setting of a robot, alarm or lock for a word, or a press of the button of that name; None for none."""
     states = (*_STATES.get(word.replace("_", " "), ()), word.replace(" ", "_"))
     for one in part.capabilities:
-        if one.settable and one.name in _WITH_STATES:
+        if one.settable and CAPABILITIES.get(one.name, OWN).by_state:
             options = settable_options(one.name, one.options or CAPABILITIES[one.name].options)
             if (state := next((state for state in states if state in options), None)) is not None:
                 return one.name, state
@@ -168,7 +157,7 @@ def _respelt(word: str, part: Part) -> tuple[str, PlainValue] | None:
         capability, value = decode_command(spelling, part)
     except RefusedError:
         return None
-    is_fraction = capability in FRACTION_CAPABILITIES or capability == "on_off"  # 0 turns off a part with a switch
+    is_fraction = is_share(capability) or capability == "on_off"  # 0 turns off a part with a switch
     return (capability, value) if percentage is None or is_fraction else None
 
 
@@ -181,7 +170,7 @@ def _with_unit(word: str, part: Part) -> tuple[str, PlainValue] | None:
         capability, value = decode_command(match[1], part)
     except RefusedError:
         return None
-    is_whole = capability not in FRACTION_CAPABILITIES and capability != "on_off"
+    is_whole = not is_share(capability) and capability != "on_off"
     return (capability, value) if is_whole and _is_unit(match[2], _unit(capability, part.capabilities)) else None
 
 

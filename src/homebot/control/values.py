@@ -7,7 +7,8 @@ from datetime import datetime, time
 from types import MappingProxyType
 from typing import Final
 
-from homebot.devices.capabilities import CAPABILITIES, OWN, Obedience
+from homebot.devices.capabilities import CAPABILITIES, LIGHTS_UP, OWN, SPEED_WORDS
+from homebot.devices.capability_type import Obedience
 from homebot.devices.value import PlainValue
 
 __all__ = [
@@ -29,10 +30,10 @@ __all__ = [
 STOPPED: Final = "stopped"
 """The value of a stop command, which is always allowed."""
 
-POWERS: Final = frozenset({"on_off", "level", "fan_speed"})
+POWERS: Final = SPEED_WORDS | {"on_off"}
 """The capabilities that turn a part on or off: a true value means on, as any level but 0."""
 
-COLORS: Final = frozenset({"color_temperature", "color", "effect"})
+COLORS: Final = LIGHTS_UP - POWERS
 """Capabilities that turn most lamps on when they are set."""
 
 END_POSITIONS: Final[Mapping[PlainValue, float]] = MappingProxyType({"open": 100.0, "closed": 0.0})

@@ -5,10 +5,27 @@ Source: Matter 1.6 application clusters; capabilities without a Matter cluster h
 
 from __future__ import annotations
 
-import math
 from collections.abc import Container, Iterable, Mapping
+from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Final
+
+from homebot.devices.capability_type import (
+    ALARM,
+    DIMMER,
+    HUMIDITY,
+    LOCK,
+    MOTOR,
+    MOWER,
+    OPENING,
+    PLAYER,
+    SETPOINT,
+    SPEED,
+    VACUUM,
+    VOLUME,
+    WHITE,
+    CapabilityType,
+)
 
 if TYPE_CHECKING:
     from homebot.devices.value import PlainValue
@@ -20,164 +37,83 @@ __all__ = [
     "LIGHTS_UP",
     "MEASURED",
     "OWN",
-    "CapabilityType",
-    "Obedience",
-    "ValueKind",
+    "SPEED_WORDS",
     "implied_settings",
     "is_told_once",
     "settable_options",
 ]
 
-ValueKind: TypeAlias = Literal["bool", "number", "text", "numbers", ""]
-
-
-_Words: TypeAlias = Mapping[str, frozenset[str]]
-_NO_WORDS: Final[_Words] = MappingProxyType({})
-
-
-class Obedience(NamedTuple):
-    """The reports that prove that a command for a capability was obeyed.
-
-    Attributes:
-        tolerance: By how much a reported number may differ from the commanded one: motors stop a little off, many
-            devices count percentages in 100 or 254 steps, and most thermostats half degrees.
-        relative_tolerance: The tolerance as a share of the number instead; 0 for none.
-        fineness: By how much two numbers may differ and be the same setting; None for half a percent.
-        accepts: Further reports that confirm a commanded text.
-        on_the_way: Reports that a commanded text is being carried out.
-        always_sent: Commanded texts that are sent even if the device reports them already.
-        moves: Whether any number means that a motor is on its way.
-        zero_is_off: Whether 0 is a different state from a small number.
-        rounds: Whether many devices round it to steps of several percent.
-        rounds_up: Whether a device rounds it to the next higher step.
-    """
-
-    tolerance: float = 0.51
-    relative_tolerance: float = 0.0
-    fineness: float | None = None
-    accepts: _Words = _NO_WORDS
-    on_the_way: _Words = _NO_WORDS
-    always_sent: frozenset[str] = frozenset()
-    moves: bool = False
-    zero_is_off: bool = False
-    rounds: bool = False
-    rounds_up: bool = False
-
-
-_OBEDIENCE: Final = Obedience()
-
-
-class CapabilityType(NamedTuple):
-    """The meaning of all capabilities of one name.
-
-    Attributes:
-        kind: The kind of its values; empty for any.
-        cluster: Number of the Matter cluster; None if Matter has none.
-        unit: The unit of a number; empty if it has none, or each device names its own.
-        bounds: Smallest and largest number; empty if there is none.
-        options: The allowed texts; empty if each device names its own.
-        is_event: Whether a value is an event, which is over at once, rather than a lasting state: each is reported
-            exactly once, even if it equals the previous one.
-        is_momentary: Whether setting it twice acts twice.
-        is_told_once: Whether a command is sent once and by one route: the usual pulse relay of a garage door stops, and
-            then opens, at a second "close" (Shelly knowledge base, "Garage door opener"); a siren starts anew.
-        only_reported: Texts that no command sets.
-        obedience: How reports show that a command was obeyed.
-        sensor: The device type of a sensor for it; empty if there is none.
-    """
-
-    name: str
-    kind: ValueKind
-    meaning: str
-    cluster: int | None = None
-    unit: str = ""
-    bounds: tuple[float, ...] = ()
-    options: tuple[str, ...] = ()
-    is_event: bool = False
-    is_momentary: bool = False
-    is_told_once: bool = False
-    only_reported: frozenset[str] = frozenset()
-    obedience: Obedience = _OBEDIENCE
-    sensor: str = ""
-
-
-def _words(words: Mapping[str, str]) -> _Words:
-    """Return the space-separated words for each commanded text, split."""
-    return MappingProxyType({wanted: frozenset(seen.split()) for wanted, seen in words.items()})
-
-
 _PERCENT = (0.0, 100.0)
-_MIREDS = 0.02
-"""Whole mireds are up to 1.3 % of a cold white apart (Matter 1.6 application clusters, section 3.2.7)."""
-
-_HALF_STEP = 0.8
-"""Percent; devices with 255 or 99 steps."""
-
-_HALF_DEGREE = 0.29
-"""°C; half a degree Celsius, or one degree Fahrenheit."""
-
-_DIMMER = Obedience(tolerance=1.5, fineness=_HALF_STEP, zero_is_off=True, rounds=True)
-_VOLUME = Obedience(tolerance=1.5, fineness=_HALF_STEP, rounds=True)
-_WHITE = Obedience(relative_tolerance=_MIREDS, fineness=math.inf)
-_MOTOR = Obedience(tolerance=3.0, fineness=math.inf, moves=True)
-_SPEED = Obedience(tolerance=5.0, fineness=5.0, zero_is_off=True, rounds_up=True)
-_SETPOINT = Obedience(fineness=_HALF_DEGREE)
-_HUMIDITY = Obedience(tolerance=1.0, fineness=0.51)
-_OPENING = Obedience(
-    accepts=_words({"stopped": "open closed"}),
-    on_the_way=_words({"open": "opening", "closed": "closing"}),
-    always_sent=frozenset({"stopped"}),
-)
-_LOCK = Obedience(
-    accepts=_words({"open": "unlocked opening"}),
-    on_the_way=_words({"locked": "locking", "unlocked": "unlocking", "open": "unlocking"}),
-    always_sent=frozenset({"open"}),
-)
-_VACUUM = Obedience(
-    accepts=_words({"returning": "docked", "spot": "cleaning", "idle": "paused docked"}),
-    always_sent=frozenset({"spot", "idle"}),
-)
-_MOWER = Obedience(accepts=_words({"docked": "returning"}))
-_PLAYER = Obedience(accepts=_words({"paused": "stopped"}), on_the_way=_words({"playing": "buffering"}))
-_ARMED = tuple(f"armed_{one}" for one in ("home", "away", "night", "vacation", "custom_bypass"))
-_ALARM = Obedience(on_the_way=_words({"disarmed": "disarming pending", **dict.fromkeys(_ARMED, "arming pending")}))
-
+_ENDS: Final = {"open": 100.0, "close": 0.0}
+_PRESS: Final = {"press": True}
+_SHUT: Final = ("closed", "open")
 _AIR, _METER, _SMOKE = "air_quality_sensor", "electrical_meter", "smoke_co_alarm"
+
+
+_share = partial(CapabilityType, kind="number", unit="%", bounds=_PERCENT, is_set=True, bare="share")
+"""A percentage that people set; 0 to 1 in texts."""
 
 
 def _opening(name: str, meaning: str, cluster: int) -> CapabilityType:
     options = ("open", "closed", "opening", "closing", "stopped")
     passing = frozenset({"opening", "closing"})
-    settable = f"{meaning}; can be set to open, closed, stopped"
     return CapabilityType(
-        name, "text", settable, cluster, options=options, is_told_once=True, only_reported=passing, obedience=_OPENING
+        name,
+        "text",
+        f"{meaning}; can be set to open, closed, stopped",
+        cluster,
+        options=options,
+        is_told_once=True,
+        only_reported=passing,
+        obedience=OPENING,
+        is_set=True,
+        words={"open": "open", "close": "closed", "stop": "stopped"},
     )
 
 
 _CONTROLS = (
-    CapabilityType("on_off", "bool", "whether it is on", 0x0006),
     CapabilityType(
-        "level", "number", "brightness or strength; 0 only when off", 0x0008, "%", _PERCENT, obedience=_DIMMER
+        "on_off", "bool", "whether it is on", 0x0006, is_set=True, flags=("off", "on"), words={"on": True, "off": False}
+    ),
+    _share(
+        "level",
+        meaning="brightness or strength; 0 only when off",
+        cluster=0x0008,
+        obedience=DIMMER,
+        lights_up=True,
+        spoken="brightness",
     ),
     CapabilityType(
-        "color_temperature", "number", "warm to cold white", 0x0300, "K", (1000.0, 40_000.0), obedience=_WHITE
-    ),
-    CapabilityType("color", "numbers", "hue in degrees, 0 to 360, and saturation in percent", 0x0300),
-    CapabilityType("effect", "text", "light effect"),
-    CapabilityType(
-        "position",
+        "color_temperature",
         "number",
-        "how far open it is; 0 is closed",
-        0x0102,
-        "%",
-        _PERCENT,
-        is_told_once=True,
-        obedience=_MOTOR,
+        "warm to cold white",
+        0x0300,
+        "K",
+        (1000.0, 40_000.0),
+        obedience=WHITE,
+        lights_up=True,
+        spoken="kelvin",
     ),
-    CapabilityType(
-        "tilt", "number", "angle of the slats; 0 is closed", 0x0102, "%", _PERCENT, is_told_once=True, obedience=_MOTOR
-    ),
+    CapabilityType("color", "numbers", "hue in degrees, 0 to 360, and saturation in percent", 0x0300, lights_up=True),
+    CapabilityType("effect", "text", "light effect", lights_up=True),
     _opening("movement", "state of movement", 0x0102),
+    _opening("valve", "state of the valve", 0x0081),
+    _share(
+        "position",
+        meaning="how far open it is; 0 is closed",
+        cluster=0x0102,
+        obedience=MOTOR,
+        is_told_once=True,
+        words=_ENDS,
+    ),
+    _share(
+        "tilt",
+        meaning="angle of the slats; 0 is closed",
+        cluster=0x0102,
+        obedience=MOTOR,
+        is_told_once=True,
+        words=_ENDS,
+    ),
     CapabilityType(
         "lock",
         "text",
@@ -186,24 +122,48 @@ _CONTROLS = (
         options=("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed"),
         is_told_once=True,
         only_reported=frozenset({"locking", "unlocking", "opening", "jammed"}),
-        obedience=_LOCK,
+        obedience=LOCK,
+        is_set=True,
+        words={"open": "open", "lock": "locked", "unlock": "unlocked"},
+        by_state=True,
     ),
-    CapabilityType("heating_setpoint", "number", "temperature to heat to", 0x0201, "°C", obedience=_SETPOINT),
-    CapabilityType("cooling_setpoint", "number", "temperature to cool to", 0x0201, "°C", obedience=_SETPOINT),
+    _share("fan_speed", meaning="speed; 0 is off", cluster=0x0202, obedience=SPEED, spoken="speed"),
+    CapabilityType(
+        "heating_setpoint",
+        "number",
+        "temperature to heat to",
+        0x0201,
+        "°C",
+        obedience=SETPOINT,
+        is_set=True,
+        bare="number",
+    ),
+    CapabilityType(
+        "cooling_setpoint",
+        "number",
+        "temperature to cool to",
+        0x0201,
+        "°C",
+        obedience=SETPOINT,
+        is_set=True,
+        bare="number",
+    ),
     CapabilityType("local_temperature", "number", "temperature measured by the thermostat", 0x0201, "°C"),
-    CapabilityType("thermostat_mode", "text", "operating mode: off, heat, cool, auto, …", 0x0201),
+    CapabilityType(
+        "thermostat_mode", "text", "operating mode: off, heat, cool, auto, …", 0x0201, is_set=True, spoken="mode"
+    ),
     CapabilityType("thermostat_action", "text", "current action: heating, idle, …", 0x0201),
-    CapabilityType("preset_mode", "text", "preset of the device"),
+    CapabilityType("preset_mode", "text", "preset of the device", is_set=True),
     CapabilityType("swing_mode", "text", "movement of the vanes", 0x0202),
     CapabilityType("swing_horizontal_mode", "text", "movement of the vanes to the sides", 0x0202),
-    CapabilityType("humidity_setpoint", "number", "target humidity", None, "%", _PERCENT, obedience=_HUMIDITY),
-    CapabilityType("water_heater_mode", "text", "operating mode: off, eco, …", 0x0094),
-    CapabilityType("humidifier_mode", "text", "preset of the device"),
-    CapabilityType("fan_speed", "number", "speed; 0 is off", 0x0202, "%", _PERCENT, obedience=_SPEED),
-    CapabilityType("fan_mode", "text", "named speed of the device", 0x0202),
+    CapabilityType("fan_mode", "text", "named speed of the device", 0x0202, is_set=True, spoken="mode"),
     CapabilityType("oscillation", "bool", "whether it oscillates", 0x0202),
     CapabilityType("direction", "text", "direction of rotation", 0x0202, options=("forward", "reverse")),
-    _opening("valve", "state of the valve", 0x0081),
+    CapabilityType(
+        "humidity_setpoint", "number", "target humidity", None, "%", _PERCENT, obedience=HUMIDITY, bare="number"
+    ),
+    CapabilityType("humidifier_mode", "text", "preset of the device", spoken="mode"),
+    CapabilityType("water_heater_mode", "text", "operating mode: off, eco, …", 0x0094, spoken="mode"),
     CapabilityType(
         "vacuum",
         "text",
@@ -211,7 +171,9 @@ _CONTROLS = (
         0x0061,
         options=("cleaning", "docked", "returning", "paused", "idle", "error", "spot"),
         is_told_once=True,
-        obedience=_VACUUM,
+        obedience=VACUUM,
+        is_set=True,
+        by_state=True,
     ),
     CapabilityType(
         "mower",
@@ -219,7 +181,9 @@ _CONTROLS = (
         "activity; can be set to mowing, paused, docked",
         options=("mowing", "paused", "docked", "returning", "error"),
         is_told_once=True,
-        obedience=_MOWER,
+        obedience=MOWER,
+        is_set=True,
+        by_state=True,
     ),
     CapabilityType(
         "alarm",
@@ -227,7 +191,9 @@ _CONTROLS = (
         "state of the alarm; can be set to disarmed, armed_home, armed_away, …",
         is_told_once=True,
         only_reported=frozenset({"pending", "arming", "disarming"}),
-        obedience=_ALARM,
+        obedience=ALARM,
+        is_set=True,
+        by_state=True,
     ),
     CapabilityType("siren_tone", "text", "tone of the siren", is_told_once=True),
     CapabilityType(
@@ -237,28 +203,35 @@ _CONTROLS = (
         0x0506,
         options=("playing", "paused", "stopped", "buffering"),
         only_reported=frozenset({"buffering"}),
-        obedience=_PLAYER,
+        obedience=PLAYER,
+        words={"stop": "stopped", "play": "playing", "pause": "paused"},
     ),
-    CapabilityType("muted", "bool", "whether its sound is muted"),
-    CapabilityType("volume", "number", "volume", 0x0008, "%", _PERCENT, obedience=_VOLUME),
+    CapabilityType(
+        "muted",
+        "bool",
+        "whether its sound is muted",
+        flags=("not muted", "muted"),
+        words={"mute": True, "unmute": False},
+    ),
+    _share("volume", meaning="volume", cluster=0x0008, obedience=VOLUME),
 )
 
 _BUTTON = "which button was pressed and how; an event, never a state"
 
 _EVENTS = (
     CapabilityType("press", "text", _BUTTON, 0x003B, is_event=True, sensor="generic_switch"),
-    CapabilityType("push", "bool", "set to true to press this button", is_momentary=True),
-    CapabilityType("scene", "bool", "set to true to activate this scene", 0x0062),
+    CapabilityType("push", "bool", "set to true to press this button", is_momentary=True, words=_PRESS),
+    CapabilityType("scene", "bool", "set to true to activate this scene", 0x0062, words=_PRESS),
     CapabilityType("scan", "text", "which tag was read; an event", is_event=True),
-    CapabilityType("locate", "bool", "set to true to make the device identify itself", 0x0003),
+    CapabilityType("locate", "bool", "set to true to make the device identify itself", 0x0003, words=_PRESS),
 )
 
 _SETTINGS = (
     CapabilityType("option", "text", "selected option", 0x0050),
-    CapabilityType("number", "number", "number without a standard meaning"),
+    CapabilityType("number", "number", "number without a standard meaning", bare="number"),
     CapabilityType("text", "text", "text without a standard meaning"),
     CapabilityType("value", "text", "reported text without a standard meaning"),
-    CapabilityType("state", "bool", "reported condition without a standard meaning"),
+    CapabilityType("state", "bool", "reported condition without a standard meaning", flags=("off", "on")),
     CapabilityType("raw", "text", "raw payload that could not be decoded"),
     CapabilityType("version", "text", "installed version", 0x0028),
     CapabilityType("latest_version", "text", "latest available version", 0x002A),
@@ -268,30 +241,69 @@ _SETTINGS = (
 )
 
 _CONDITIONS = (
-    CapabilityType("contact", "bool", "whether it is open", 0x0045, sensor="contact_sensor"),
-    CapabilityType("occupancy", "bool", "whether presence or motion is detected", 0x0406, sensor="occupancy_sensor"),
-    CapabilityType("smoke", "bool", "whether there is smoke", 0x005C, sensor=_SMOKE),
-    CapabilityType("carbon_monoxide_alarm", "bool", "whether there is carbon monoxide", 0x005C, sensor=_SMOKE),
-    CapabilityType("gas", "bool", "whether there is gas", sensor=_SMOKE),
-    CapabilityType("water_leak", "bool", "whether it is wet", 0x0045, sensor="water_leak_detector"),
+    CapabilityType(
+        "contact",
+        "bool",
+        "whether it is open",
+        0x0045,
+        sensor="contact_sensor",
+        is_alerting=True,
+        flags=_SHUT,
+        texts=_SHUT,
+    ),
+    CapabilityType(
+        "occupancy",
+        "bool",
+        "whether presence or motion is detected",
+        0x0406,
+        sensor="occupancy_sensor",
+        flags=("clear", "occupied"),
+        texts=("clear", "motion"),
+    ),
+    CapabilityType("smoke", "bool", "whether there is smoke", 0x005C, sensor=_SMOKE, is_alerting=True),
+    CapabilityType(
+        "carbon_monoxide_alarm", "bool", "whether there is carbon monoxide", 0x005C, sensor=_SMOKE, is_alerting=True
+    ),
+    CapabilityType("gas", "bool", "whether there is gas", sensor=_SMOKE, is_alerting=True),
+    CapabilityType(
+        "water_leak",
+        "bool",
+        "whether it is wet",
+        0x0045,
+        sensor="water_leak_detector",
+        is_alerting=True,
+        flags=("dry", "wet"),
+    ),
     CapabilityType("rain", "bool", "whether it is raining", 0x0045, sensor="rain_sensor"),
-    CapabilityType("freeze", "bool", "whether freezing is detected", 0x0045),
-    CapabilityType("heat", "bool", "whether it is too hot"),
-    CapabilityType("tamper", "bool", "whether tampering is detected"),
+    CapabilityType("freeze", "bool", "whether freezing is detected", 0x0045, is_alerting=True),
+    CapabilityType("heat", "bool", "whether it is too hot", is_alerting=True),
+    CapabilityType("tamper", "bool", "whether tampering is detected", is_alerting=True),
     CapabilityType("vibration", "bool", "whether vibration is detected"),
     CapabilityType("sound", "bool", "whether sound is detected"),
-    CapabilityType("moving", "bool", "whether it is moving"),
-    CapabilityType("running", "bool", "whether it is running"),
-    CapabilityType("problem", "bool", "whether it has a problem"),
-    CapabilityType("safety", "bool", "whether it is unsafe"),
+    CapabilityType("moving", "bool", "whether it is moving", flags=("still", "moving")),
+    CapabilityType("running", "bool", "whether it is running", flags=("idle", "running")),
+    CapabilityType("problem", "bool", "whether it has a problem", is_alerting=True),
+    CapabilityType("safety", "bool", "whether it is unsafe", is_alerting=True, flags=("safe", "unsafe")),
     CapabilityType("light_detected", "bool", "whether light is detected"),
     CapabilityType("power_detected", "bool", "whether power is detected"),
-    CapabilityType("plugged_in", "bool", "whether it is plugged in"),
-    CapabilityType("connectivity", "bool", "whether it is connected"),
-    CapabilityType("unlocked", "bool", "whether the monitored lock is unlocked"),
-    CapabilityType("battery_low", "bool", "whether its battery is low", 0x002F, sensor="x_battery"),
-    CapabilityType("battery_charging", "bool", "whether its battery is charging", 0x002F),
-    CapabilityType("update_available", "bool", "whether an update is available", 0x002A),
+    CapabilityType("plugged_in", "bool", "whether it is plugged in", flags=("unplugged", "plugged in")),
+    CapabilityType("connectivity", "bool", "whether it is connected", flags=("disconnected", "connected")),
+    CapabilityType("unlocked", "bool", "whether the monitored lock is unlocked", flags=("locked", "unlocked")),
+    CapabilityType(
+        "battery_low",
+        "bool",
+        "whether its battery is low",
+        0x002F,
+        sensor="x_battery",
+        is_alerting=True,
+        flags=("battery good", "battery low"),
+    ),
+    CapabilityType(
+        "battery_charging", "bool", "whether its battery is charging", 0x002F, flags=("not charging", "charging")
+    ),
+    CapabilityType(
+        "update_available", "bool", "whether an update is available", 0x002A, flags=("up to date", "update available")
+    ),
 )
 
 _MEASUREMENTS = (
@@ -306,7 +318,7 @@ _MEASUREMENTS = (
     CapabilityType("voltage", "number", "voltage", 0x0090, "V", sensor=_METER),
     CapabilityType("current", "number", "current", 0x0090, "A", sensor=_METER),
     CapabilityType("frequency", "number", "frequency", 0x0090, "Hz", sensor=_METER),
-    CapabilityType("battery", "number", "battery charge", 0x002F, "%", _PERCENT, sensor="x_battery"),
+    CapabilityType("battery", "number", "battery charge", 0x002F, "%", _PERCENT, sensor="x_battery", is_alerting=True),
     CapabilityType("carbon_dioxide", "number", "carbon dioxide", 0x040D, "ppm", sensor=_AIR),
     CapabilityType("carbon_monoxide", "number", "carbon monoxide", 0x040C, "ppm", sensor=_AIR),
     CapabilityType("pm25", "number", "particulate matter (PM2.5)", 0x042A, "µg/m³", sensor=_AIR),
@@ -325,7 +337,10 @@ def _by_name(*groups: Iterable[CapabilityType]) -> Mapping[str, CapabilityType]:
 
 
 CAPABILITIES: Mapping[str, CapabilityType] = _by_name(_CONTROLS, _EVENTS, _SETTINGS, _CONDITIONS, _MEASUREMENTS)
-"""Every capability by name. A value that fits none is a ``value``, ``measurement`` or ``state``."""
+"""Every capability by name; of those that the same word or number sets, a part takes the first.
+
+A value that fits none is a ``value``, ``measurement`` or ``state``.
+"""
 
 MEASURED: frozenset[str] = frozenset(one.name for one in _MEASUREMENTS)
 """Names of capabilities that sensors measure."""
@@ -341,24 +356,17 @@ MOMENTARY: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() 
 
 _TOLD_ONCE: frozenset[str] = MOMENTARY | {one.name for one in CAPABILITIES.values() if one.is_told_once}
 
-SETTABLE: frozenset[str] = frozenset(
-    {
-        *("on_off", "level", "position", "tilt", "movement", "lock", "valve", "alarm", "vacuum", "mower", "volume"),
-        *("heating_setpoint", "cooling_setpoint", "thermostat_mode", "preset_mode", "fan_speed", "fan_mode"),
-    }
-)
-"""Names of capabilities that people and programs set; measurements change all the time and need no reason."""
+SETTABLE: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_set)
+"""Names of capabilities that people and programs set."""
 
-ALERTING: frozenset[str] = frozenset(
-    {
-        *("smoke", "heat", "carbon_monoxide_alarm", "gas", "water_leak", "tamper", "problem", "safety", "freeze"),
-        *("contact", "battery", "battery_low"),
-    }
-)
+ALERTING: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_alerting)
 """Names of further capabilities that :data:`homebot.devices.alerts.ALERTS` are about."""
 
-LIGHTS_UP: Final = frozenset({"level", "color", "color_temperature", "effect"})
-"""Capabilities that turn a light on."""
+LIGHTS_UP: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.lights_up)
+"""Names of capabilities that turn a light on."""
+
+SPEED_WORDS: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.obedience.zero_is_off)
+"""Names of capabilities that are 0 only when off."""
 
 
 def is_told_once(service_type: str, capabilities: Iterable[str]) -> bool:

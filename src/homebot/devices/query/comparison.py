@@ -5,7 +5,8 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import get_args
 
-from homebot.devices.capabilities import CAPABILITIES, CapabilityType
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capability_type import CapabilityType
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.query.terms import (
     And,

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator, Mapping
 from operator import attrgetter
+from typing import Final
 
-from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
+from homebot.devices.capabilities import CAPABILITIES, OWN, SPEED_WORDS, settable_options
 from homebot.devices.device import Device, DevicePart, Endpoint
 from homebot.devices.names import is_text_address, text_address
 from homebot.devices.part import Capability, Part
-from homebot.devices.text.states import FRACTION_CAPABILITIES, SPEED_WORDS, bounds_of, encode_value, percent
+from homebot.devices.text.states import bounds_of, encode_value, is_share, percent
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
@@ -22,32 +23,14 @@ __all__ = [
     "part_at",
 ]
 
-_PHRASES: Mapping[str, tuple[tuple[str, PlainValue], ...]] = {
-    "on": (("on_off", True),),
-    "off": (("on_off", False),),
-    "open": (("movement", "open"), ("valve", "open"), ("position", 100.0), ("tilt", 100.0), ("lock", "open")),
-    "close": (("movement", "closed"), ("valve", "closed"), ("position", 0.0), ("tilt", 0.0)),
-    "stop": (("movement", "stopped"), ("valve", "stopped"), ("playback", "stopped")),
-    "play": (("playback", "playing"),),
-    "pause": (("playback", "paused"),),
-    "mute": (("muted", True),),
-    "unmute": (("muted", False),),
-    "lock": (("lock", "locked"),),
-    "unlock": (("lock", "unlocked"),),
-    "press": (("push", True), ("scene", True), ("locate", True)),
+_WORDS: Final[Mapping[str, Mapping[str, PlainValue]]] = {
+    word: {name: known.words[word] for name, known in CAPABILITIES.items() if word in known.words}
+    for one in CAPABILITIES.values()
+    for word in one.words
 }
+"""The capabilities that a word sets, with their values; it sets the first one that the part has."""
 
-_NUMBERS = (
-    "level",
-    "position",
-    "fan_speed",
-    "heating_setpoint",
-    "cooling_setpoint",
-    "humidity_setpoint",
-    "volume",
-    "tilt",
-    "number",
-)
+_NUMBERS: Final = tuple(name for name, one in CAPABILITIES.items() if one.bare)
 """The capabilities that a bare number may set; it sets the first one that the part has."""
 
 
@@ -87,7 +70,7 @@ def decode_command(text: str, part: Part) -> tuple[str, PlainValue]:
 
 
 def _phrase_command(text: str, settable: Mapping[str, Capability]) -> tuple[str, PlainValue] | None:
-    for name, value in _PHRASES.get(text, ()):
+    for name, value in _WORDS.get(text, {}).items():
         if name in settable:
             return name, value
     speed = next((name for name in SPEED_WORDS if name in settable), None)
@@ -120,8 +103,8 @@ def encode_command(capability: str, value: PlainValue, part: Part) -> str:
 
 
 def _candidates(capability: str, value: PlainValue) -> Iterator[str]:
-    for text, command in _PHRASES.items():
-        if any(name == capability and wanted == value and type(wanted) is type(value) for name, wanted in command):
+    for text, wanted in CAPABILITIES.get(capability, OWN).words.items():
+        if wanted == value and type(wanted) is type(value):
             yield text
     own = encode_value(capability, value)
     if own is not None and not isinstance(value, bool):
@@ -154,7 +137,7 @@ def _number_command(text: str, settable: Mapping[str, Capability]) -> tuple[str,
     name = _number_in(settable)
     if number is None or name is None:
         return None
-    if name not in FRACTION_CAPABILITIES:
+    if not is_share(name):
         return name, number
     if not 0 <= number <= 1:
         return None
@@ -170,12 +153,12 @@ def _number_in(settable: Mapping[str, Capability]) -> str | None:
 
 
 def _known(settable: Mapping[str, Capability]) -> str:
-    words = [text for text, command in _PHRASES.items() if any(name in settable for name, _ in command)]
+    words = [text for text, names in _WORDS.items() if not settable.keys().isdisjoint(names)]
     if not settable.keys().isdisjoint(SPEED_WORDS):
         words.append("off")
     words += ["2700 K"] if "color_temperature" in settable else []
     if (name := _number_in(settable)) is not None:
-        words.append("a number from 0 to 1 (0.4 for 40 %)" if name in FRACTION_CAPABILITIES else "a number")
+        words.append("a number from 0 to 1 (0.4 for 40 %)" if is_share(name) else "a number")
     words += [option for name, one in settable.items() for option in settable_options(name, one.options)]
     return ", ".join(dict.fromkeys(words)) or "nothing"
 

@@ -10,17 +10,14 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
-from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.capabilities import CAPABILITIES, OWN, SPEED_WORDS
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
 
 __all__ = [
-    "BOOL_WORDS",
-    "FRACTION_CAPABILITIES",
     "OPENING_WORDS",
     "PRIORITY",
-    "SPEED_WORDS",
     "Decoded",
     "TextDecoder",
     "bounds_of",
@@ -28,16 +25,11 @@ __all__ = [
     "decoder_for",
     "encode_state",
     "encode_value",
+    "is_share",
     "means_unknown",
     "percent",
 ]
 
-
-FRACTION_CAPABILITIES: Final = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
-"""Percentages that are 0 to 1 in texts."""
-
-SPEED_WORDS: Final = frozenset({"level", "fan_speed"})
-"""Capabilities that are 0 only when off."""
 
 _UNKNOWN: Final = frozenset({"none", "null", "unknown", "unavailable"})
 
@@ -47,9 +39,6 @@ OPENING_WORDS: Final = ("movement", "valve")
 
 PRIORITY: Final = ("lock", "on_off", "occupancy", "contact", "vacuum", "mower", "alarm", "local_temperature")
 """The first of these is the text of a message with several values; movements follow, with their own rule."""
-
-BOOL_WORDS: Final[Mapping[str, tuple[str, str]]] = {"occupancy": ("clear", "motion"), "contact": ("closed", "open")}
-"""Texts for false and true; ``off`` and ``on`` for any other capability."""
 
 Decoded: TypeAlias = Mapping[str, PlainValue]
 """Values by capability."""
@@ -83,10 +72,10 @@ def encode_value(name: str, value: PlainValue) -> str | None:
         case None | tuple():
             return None
         case bool():
-            return BOOL_WORDS.get(name, ("off", "on"))[value]
+            return CAPABILITIES.get(name, OWN).texts[value]
         case str():
             return value
-        case _ if name in FRACTION_CAPABILITIES:
+        case _ if is_share(name):
             return _digits(value / 100)
         case _ if name == "color_temperature":
             return f"{_digits(value)} K"
@@ -129,7 +118,7 @@ class TextDecoder:
         if number is not None:
             for name, low, high in self._numbers:
                 if low <= number <= high:
-                    return self._values(name, percent(number) if name in FRACTION_CAPABILITIES else number)
+                    return self._values(name, percent(number) if is_share(name) else number)
         elif self._kelvin is not None and text.endswith(b" K"):
             number = to_number(text[:-2])
             if number is not None and self._kelvin[0] <= number <= self._kelvin[1]:
@@ -139,7 +128,7 @@ class TextDecoder:
     def _learn(self, name: str, capability: Capability) -> None:
         match CAPABILITIES.get(name, OWN).kind:
             case "bool":
-                for value, text in enumerate(BOOL_WORDS.get(name, ("off", "on"))):
+                for value, text in enumerate(CAPABILITIES.get(name, OWN).texts):
                     self._texts.setdefault(text.encode(), self._values(name, bool(value)))
             case "text":
                 self._learn_texts(name, capability.options or CAPABILITIES[name].options)
@@ -156,7 +145,7 @@ class TextDecoder:
         if name == "color_temperature":
             self._kelvin = low, high
             return
-        share = 100 if name in FRACTION_CAPABILITIES else 1
+        share = 100 if is_share(name) else 1
         self._numbers.append((name, low / share, high / share))
         self._measured = self._measured or ("" if capability.settable else name)
 
@@ -198,6 +187,11 @@ def means_unknown(text: str | bytes) -> bool:
     except ValueError:
         word = text.decode(errors="replace") if isinstance(text, bytes) else text
         return word.strip().lower() in _UNKNOWN
+
+
+def is_share(name: str) -> bool:
+    """Return whether the capability *name* is a percentage that is 0 to 1 in texts."""
+    return CAPABILITIES.get(name, OWN).bare == "share"
 
 
 def percent(share: float) -> float:

@@ -31,24 +31,6 @@ __all__ = [
 
 PlainValue: TypeAlias = "bool | float | str | list[float] | tuple[float, ...] | None"
 
-_FLAGS = {
-    "on_off": ("off", "on"),
-    "contact": ("closed", "open"),
-    "occupancy": ("clear", "occupied"),
-    "connectivity": ("disconnected", "connected"),
-    "unlocked": ("locked", "unlocked"),
-    "plugged_in": ("unplugged", "plugged in"),
-    "battery_low": ("battery good", "battery low"),
-    "battery_charging": ("not charging", "charging"),
-    "update_available": ("up to date", "update available"),
-    "running": ("idle", "running"),
-    "moving": ("still", "moving"),
-    "safety": ("safe", "unsafe"),
-    "water_leak": ("dry", "wet"),
-    "muted": ("not muted", "muted"),
-    "smoke": ("no smoke", "smoke"),
-    "state": ("off", "on"),
-}
 _MOST = 4
 _DIGITS, _LARGE = 2, 10
 """Decimal places of a number, and from where on it has only one of them."""
@@ -98,7 +80,7 @@ def main_parts(device: Device) -> Sequence[DevicePart]:
 def flag_texts(capability: str) -> tuple[str, str]:
     """Return the words for no and yes."""
     words = capability.replace("_", " ")
-    return _FLAGS.get(capability, (f"no {words}", words))
+    return CAPABILITIES.get(capability, OWN).flags or (f"no {words}", words)
 
 
 def value_text(capability: str, value: PlainValue, unit: str = "", step: float = 0.0) -> str:

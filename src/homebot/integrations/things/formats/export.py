@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 from typing import Final, Protocol
 from urllib.parse import quote
 
-from homebot.devices.capabilities import CAPABILITIES, CapabilityType
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capability_type import CapabilityType
 from homebot.devices.device import Device, DevicePart, Endpoint, Route
 from homebot.devices.names import read_text_address
 from homebot.devices.part import Capability

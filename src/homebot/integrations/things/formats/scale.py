@@ -6,7 +6,7 @@ from dataclasses import replace
 from homebot.conventions.light_color import MIRED, nearest_mired_bounds
 from homebot.conventions.units import Conversion, celsius_bounds, conversion_of, to_celsius, to_fahrenheit
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.text.states import FRACTION_CAPABILITIES
+from homebot.devices.text.states import is_share
 from homebot.integrations.things.formats.thing import Affordance, DataSchema
 from homebot.integrations.things.formats.vocabulary import UNITS
 
@@ -112,9 +112,7 @@ def _ends(capability: str, affordance: Affordance) -> tuple[float, float] | None
     low, high = affordance.schema.minimum, affordance.schema.maximum
     if low is None or high is None or not 0 < high - low < _NO_RANGE:
         return None
-    is_fraction = capability in FRACTION_CAPABILITIES or (
-        high == 1 and CAPABILITIES[capability].bounds == (0.0, _PERCENT)
-    )
+    is_fraction = is_share(capability) or (high == 1 and CAPABILITIES[capability].bounds == (0.0, _PERCENT))
     return (low, high) if is_fraction else None
 
 
