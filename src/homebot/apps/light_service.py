@@ -20,11 +20,9 @@ class LightService(App):
         await self.each(Light.turn_off, await self.devices.find(Light, on=True))
 
     async def _answer(self, change: HandleChange[Light]) -> None:
-        lamp, message = change.handle, change.message
-        if lamp.is_gone or (
-            message and (change.text != "on" or lamp.since("on_off") >= message.received_at.to_seconds())
-        ):
-            return  # a later change of the lamp is handled too
+        lamp = change.handle
+        if lamp.is_gone or (change.message and change.text != "on"):
+            return
         if lamp.on:
             await lamp.turn_off()
         elif lamp.on is False and not lamp.is_commanded:

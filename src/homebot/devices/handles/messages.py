@@ -65,14 +65,16 @@ class HandleMessages(Generic[HandleT]):
         if not self._is_running:
             self._is_running = True
             self._node.create_task(self._run)
-        while not self._waiting:
-            if self._end is not None:
-                raise self._end
-            await self._news.wait()
-            self._news = anyio.Event()
-        handle, message = self._waiting.popleft()
-        CURRENT_CAUSE.set((handle.device.id, message))
-        return HandleChange("message", handle, message=message)
+        while True:
+            while not self._waiting:
+                if self._end is not None:
+                    raise self._end
+                await self._news.wait()
+                self._news = anyio.Event()
+            handle, message = self._waiting.popleft()
+            if _is_newest(handle, message):
+                CURRENT_CAUSE.set((handle.device.id, message))
+                return HandleChange("message", handle, message=message)
 
     async def _run(self) -> None:
         end: Exception = StopAsyncIteration()
@@ -96,9 +98,13 @@ class HandleMessages(Generic[HandleT]):
 
     def _add(self, device_id: str, message: RawMessage) -> None:
         for handle in self._handles.get(device_id, {}).values():
-            if handle.told_at < message.received_at.to_seconds():
+            if _is_newest(handle, message):
                 if len(self._waiting) >= _MOST:
                     self._waiting.popleft()
                     self.lost += 1
                 self._waiting.append((handle, message))
                 self._news.set()
+
+
+def _is_newest(handle: Handle, message: RawMessage) -> bool:
+    return handle.told_at < message.received_at.to_seconds()
