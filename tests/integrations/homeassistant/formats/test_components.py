@@ -20,6 +20,7 @@ import pytest
 from homebot.conventions.description import DescribedPart, Publication, TakesCode
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
+from homebot.integrations.homeassistant.formats.components import BUILDERS
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.reader import builder_of
 from homebot.integrations.homeassistant.formats.shapes import PartShapes
@@ -86,6 +87,10 @@ def test_a_config_is_described_and_its_states_are_read_and_commands_are_written(
             part = made(line)
             for step in steps:
                 check_step(part, step, f"{sentence}: {step}")
+
+
+def test_every_component_has_its_line() -> None:
+    assert {line["component"] for line in LINES if "part" in line} == set(BUILDERS)
 
 
 @pytest.mark.parametrize("line", [line for line in LINES if "refused" in line], ids=name)
