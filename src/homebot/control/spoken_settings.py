@@ -72,9 +72,12 @@ def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target
     if not found:
         raise RefusedError(f"{SET} without values", "give one, such as level 40")
     if not _agree({"on_off": True, **found} if is_light_on else found, part):
-        told = ", ".join(f"{one.key} {one.value}" for one in values)
-        raise RefusedError(f"{word} with {told}", "these contradict each other; give one of them")
+        raise RefusedError(_command_text(word, values), "these contradict each other; give one of them")
     return found
+
+
+def _command_text(word: str, values: Sequence[KeyValue]) -> str:
+    return f"{word} with {', '.join(f'{one.key} {one.value}' for one in values)}"
 
 
 def _agree(settings: Mapping[str, PlainValue], part: Part) -> bool:
@@ -98,14 +101,7 @@ def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
     try:
         return decode_command(given, part)
     except RefusedError as exc:
-        found = (
-            _respelt(word, part)
-            or _with_unit(word, part)
-            or _named_value(word, part, target)
-            or _state_for(word, part)
-            or _colored(word, part)
-        )
-        if found is not None:
+        if (found := _reworded(word, part, target)) is not None:
             return found
         if to_number(word) is not None and _respelt(f"{word}%", part) is not None:
             raise RefusedError(exc.what, f"{exc.reason}; did you mean {word} %?") from None
@@ -116,6 +112,17 @@ def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
         if "press" in CAPABILITIES.get(capability, OWN).words:  # it can only be set to true
             return capability, True
         raise RefusedError(f"{word} without a value", f"it takes {accepted}") from None
+
+
+def _reworded(word: str, part: Part, target: str) -> tuple[str, PlainValue] | None:
+    """Return the setting for a *word* that no text of the part is; None for none."""
+    return (
+        _respelt(word, part)
+        or _with_unit(word, part)
+        or _named_value(word, part, target)
+        or _state_for(word, part)
+        or _colored(word, part)
+    )
 
 
 def _state_for(word: str, part: Part) -> tuple[str, PlainValue] | None:

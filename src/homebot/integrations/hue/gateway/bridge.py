@@ -187,20 +187,27 @@ class BridgeRunner(DeviceRunner):
     def _describe(self, why: str, ids: Collection[str]) -> None:
         """Publish the devices with these ids, and remove those that the bridge no longer has."""
         devices = {self.key if one.is_bridge else one.id: one for one in devices_of(self._resources, sorted(ids))}
-        before = {key for key, one in self._described.items() if one.id in ids}
-        for gone in before - devices.keys():
-            del self._described[gone]
-            self._devices.remove(gone, "the bridge no longer has it")
+        self._forget(ids, devices.keys())
         self._described |= devices
         self._places = {service.id: (key, service) for key, one in self._described.items() for service in one.services}
         self._pressed = {rid: at for rid, at in self._pressed.items() if rid in self._places}
-        name = next((one.name for one in devices.values() if one.is_bridge and one.name), self.name)
-        if name != self.name:  # all devices have it
-            self.name, devices = name, self._described
-        for key, device in devices.items():
+        is_renamed = any(self._takes_name(one) for one in devices.values())
+        for key, device in (self._described if is_renamed else devices).items():
             self._put(key, device, why)
             if not device.is_bridge:
                 self._devices.report_reachable(key, reachable=device.reachable)
+
+    def _takes_name(self, device: HueDevice) -> bool:
+        """Take the name of the bridge, which all devices have, and return whether it is a new one."""
+        before = self.name
+        self.name = (device.is_bridge and device.name) or before
+        return self.name != before
+
+    def _forget(self, ids: Collection[str], kept: Collection[str]) -> None:
+        before = {key for key, one in self._described.items() if one.id in ids}
+        for gone in before.difference(kept):
+            del self._described[gone]
+            self._devices.remove(gone, "the bridge no longer has it")
 
     def _put(self, key: str, device: HueDevice, why: str) -> None:
         published = GatewayDevice(

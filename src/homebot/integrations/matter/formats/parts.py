@@ -87,18 +87,23 @@ _LONGEST_NAME: Final = 40
 
 def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tuple[Part, tuple[ClusterRow, ...]]]:
     """Yield the parts of an endpoint, the main one first; a closure that *covers* is a blind, or a panel of one."""
+    for suffix, found in _found(endpoint).items():
+        rows, capabilities = (tuple(row for row, _ in found.values()), tuple(one for _, one in found.values()))
+        if suffix and rows:
+            yield _extra_part(endpoint, suffix, capabilities), rows
+        elif any(row.read is not None or row.capability == "press" for row in rows):
+            yield _main_part(endpoint, capabilities, covers=covers), rows
+
+
+def _found(endpoint: MatterEndpoint) -> Mapping[str, Mapping[str, tuple[ClusterRow, Capability]]]:
+    """Return the capabilities of each part, by the suffix of its id and by name; the first row of a name counts."""
     by_suffix: dict[str, dict[str, tuple[ClusterRow, Capability]]] = {"": {}}
     for row in _ROWS:
         is_spare = row.spare_suffix and row.capability in by_suffix[""]
         found = by_suffix.setdefault(row.spare_suffix if is_spare else row.part_suffix, {})
         if row.capability not in found and (capability := row.describe(endpoint)) is not None:
             found[row.capability] = row, capability
-    for suffix, found in by_suffix.items():
-        rows, capabilities = (tuple(row for row, _ in found.values()), tuple(one for _, one in found.values()))
-        if suffix and rows:
-            yield _extra_part(endpoint, suffix, capabilities), rows
-        elif any(row.read is not None or row.capability == "press" for row in rows):
-            yield _main_part(endpoint, capabilities, covers=covers), rows
+    return by_suffix
 
 
 def _main_part(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...], *, covers: bool) -> Part:
