@@ -17,7 +17,6 @@ from tests.cli.conftest import Homebot
 from homebot.apps.stores import StoreFile
 from homebot.cli import main
 from homebot.cli.commands.backup import copies_in
-from homebot.control.journal.journal_file import JournalFile
 from homebot.devices.names import COPY_FILES
 from homebot.discovery.record import Records
 from homebot.discovery.store import IndexFile, index_path
@@ -25,6 +24,7 @@ from homebot.errors import LinkError
 from homebot.graph import Graph, Node
 from homebot.history.history_file import HistoryFile
 from homebot.history.settings import KeepSettings
+from homebot.journal.journal_file import JournalFile
 from homebot.runtime.kept_files import serve_copies
 from homebot.support.owner_token import OWNER_FILE, make_owner_token
 from homebot.support.sqlite_file import SqliteFile

@@ -11,12 +11,12 @@ import pytest
 
 from homebot.apps.stores import StoreFile
 from homebot.cli import main
-from homebot.control.journal.journal_file import JournalFile
 from homebot.devices.journal_messages import ReadJournalRequest
 from homebot.discovery.persistence import _understood
 from homebot.discovery.store import IndexFile
 from homebot.history.history_file import HistoryFile
 from homebot.history.settings import KeepSettings
+from homebot.journal.journal_file import JournalFile
 from homebot.recording.recording import load_recording
 from homebot.runtime.kept_files import KEPT_FILES
 from homebot.support.sqlite_file import SqliteFile

@@ -14,7 +14,6 @@ from tests.one_task import in_one_task
 
 from homebot.clock import Clock
 from homebot.control import Control, ControlSettings
-from homebot.control.journal.store import JournalStore
 from homebot.devices import Devices
 from homebot.devices.command_messages import CommandEvent, Setting
 from homebot.devices.gateway_messages import Command
@@ -29,6 +28,7 @@ from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway
 from homebot.graph import Graph, Node
+from homebot.journal.store import JournalStore
 
 P = ParamSpec("P")
 HandleT = TypeVar("HandleT", bound=Handle)

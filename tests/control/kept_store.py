@@ -1,6 +1,6 @@
 """A store for tests of what is known after a restart."""
 
-from homebot.control.journal.store import JournalStore, LearntRow
+from homebot.journal.store import JournalStore, LearntRow
 
 __all__ = ["KeptStore"]
 

@@ -8,8 +8,8 @@ from structlog.testing import capture_logs
 from tests.control.conftest import OpenHome, report
 from tests.control.kept_store import KeptStore
 
-from homebot.control.journal.store import LearntRow
 from homebot.devices.outcomes import Confirmed, Contradicted
+from homebot.journal.store import LearntRow
 
 pytestmark = pytest.mark.virtual_time
 

@@ -5,11 +5,14 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
 import anyio
 import pytest
+from tests.control.conftest import home, home_settings, open_home
 from tests.one_task import in_one_task
 
 from homebot.discovery import Directory, DirectorySettings
 from homebot.graph import Graph, Node
 from homebot.testing import FakeGateway, FakeGatewaySettings
+
+__all__ = ["home", "home_settings", "open_home"]
 
 RunGateway = Callable[..., AbstractAsyncContextManager[FakeGateway]]
 RunDirectory = Callable[[], AbstractAsyncContextManager[Directory]]

@@ -13,7 +13,7 @@ ROW = """CapabilityType(
 """
 
 STRANGER = """
-from homebot.control.spoken_settings import spoken_settings
+from homebot.command_words.settings import parse_command_words
 from homebot.devices.capabilities import SETTABLE
 from homebot.devices.part import Capability, Part
 from homebot.devices.query.terms import CanDo
@@ -26,7 +26,7 @@ from homebot.integrations.homeassistant.formats.published_entity import publish_
 name = "fragrance_intensity"
 scent = Capability(name=name, settable=True)
 part = Part(id="", service_type="x_setting", capabilities=(scent,))
-spoken = {word: spoken_settings(word, (), part, "the diffuser") for word in ("0.4", "40 %", "puff", "fragrance 40")}
+spoken = {word: parse_command_words(word, (), part, "the diffuser") for word in ("0.4", "40 %", "puff", "fragrance 40")}
 assert spoken == {word: {name: 100.0 if word == "puff" else 40.0} for word in spoken}, spoken
 assert decode_command(encode_command(name, 40.0, part), part) == (name, 40.0)
 assert decode_text(encode_state({name: 40.0}), part) == {name: 40.0}

@@ -8,13 +8,13 @@ import pytest
 from pydantic import ValidationError
 
 from homebot.cli.journal_client import chain_json
-from homebot.control.journal.journal_file import JournalFile
-from homebot.control.journal.store import JournalNote
 from homebot.devices.command_messages import CommandDevicesResponse, CommandResult
 from homebot.devices.journal_messages import ReadJournalRequest
 from homebot.devices.outcomes import OUTCOMES, Confirmed, Evidence, Outcome, has_succeeded, worst
 from homebot.devices.wording.journal_words import result_text
 from homebot.devices.wording.json_message import JsonMessage
+from homebot.journal.journal_file import JournalFile
+from homebot.journal.store import JournalNote
 
 _VALUES = {
     "float": 6.5,

@@ -1,7 +1,7 @@
 """Names for people of devices and of their parts."""
 
+from homebot.command_words.targets import part_name
 from homebot.control.command import label_of
-from homebot.control.command_targets import part_name
 from homebot.devices import Device, DevicePart
 from homebot.devices.device import part_names
 from homebot.devices.part import Capability, Category, Part

@@ -5,7 +5,7 @@ from typing import Final, Literal, TypeAlias, final
 
 import anyio
 
-from homebot.control.command_service import UNNAMED_CLIENT
+from homebot.command_words.command_service import UNNAMED_CLIENT
 from homebot.control.control_layer import ControlLayer
 from homebot.control.lease_service import LeaseService
 from homebot.devices.action_messages import (

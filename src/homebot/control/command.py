@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Final
 
 from homebot.control import durations
 from homebot.control.timeline.facts import Order
-from homebot.control.values import COLORS, END_POSITIONS, POWERS, STOPPED, fits, is_same
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.capabilities import EVENTS, MOMENTARY, is_told_once
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import is_commanded, target_of
-from homebot.devices.outcomes import Gone
+from homebot.devices.obedience import COLORS, END_POSITIONS, POWERS, STOPPED, fits, is_same
 from homebot.devices.part import Part
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
@@ -33,7 +32,6 @@ __all__ = [
     "is_by_hand",
     "known_state",
     "label_of",
-    "no_such_part",
     "order_of",
     "rounding_text",
 ]
@@ -229,17 +227,6 @@ def commanded_part(device: Device | None, part_id: str, settings: Iterable[Setti
     able = [one for one in device.parts if wanted <= {can.name for can in one.part.capabilities if can.settable}]
     found = [one for one in able or device.parts if not one.part.category] or able
     return found[0] if len(found) == 1 else None
-
-
-def no_such_part(device_id: str, part_id: str, device: Device | None, command_id: str = "") -> Gone:
-    """Return the outcome of a command to a *device* that is None or has no such part."""
-    if device is None:
-        text = f"there is no device with the id {device_id}"
-    else:
-        known = ", ".join(one.id for one in device.parts if one.id) or "one part without an id"
-        problem = f"{device_id} has no part {part_id}" if part_id else f"no single part of {device_id} takes that"
-        text = f"{problem}; it has {known}"
-    return Gone(text, command_id=command_id)
 
 
 def known_state(

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Final, final
 import anyio
 from anyio.abc import TaskStatus
 
-from homebot.control.device_lookup import DeviceLookup
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal.house_watch import HouseWatch
 from homebot.devices import lease_messages as leases
@@ -21,6 +20,7 @@ from homebot.devices import names
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.approval_messages import GetUnapproved, TrustDevice
 from homebot.devices.command_messages import CommandDevices, PerformCommand, SendText
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.journal_messages import ExplainDevice, ExplainMissingState, ReadJournal
 from homebot.devices.question_messages import AnswerQuestion, GetQuestions
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
     from homebot.control.actions import ControlActions
     from homebot.control.control_layer import ControlLayer
     from homebot.control.executor import Rehearsal
-    from homebot.control.journal.store import JournalStore
     from homebot.control.settings import ControlSettings
     from homebot.devices.command_messages import CommandRequest
     from homebot.devices.misspelt_names import ConfiguredNames
     from homebot.devices.outcomes import Outcome
+    from homebot.journal.store import JournalStore
 
 __all__ = ["Control"]
 

@@ -6,15 +6,12 @@ from typing import Final, final
 
 import anyio
 
-from homebot.control.command_service import CommandService
-from homebot.control.device_lookup import DeviceLookup
+from homebot.command_words.command_service import CommandService
 from homebot.control.executor import CommandExecutor, Rehearsal
 from homebot.control.explanations import Explanations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal.denied_requests import DeniedRequests
-from homebot.control.journal.file_store import FileStore
 from homebot.control.journal.journal import CommandJournal
-from homebot.control.journal.store import JournalStore
 from homebot.control.learnt import PROFILE, LearntPersistence, Profiles
 from homebot.control.lease_service import LeaseService
 from homebot.control.leases import Leases
@@ -22,8 +19,11 @@ from homebot.control.policy_engine import PolicyEngine
 from homebot.control.settings import ControlSettings
 from homebot.control.text_commands import TextCommands
 from homebot.control.timelines import Timelines
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import HealthResponse
 from homebot.graph import Node
+from homebot.journal.file_store import FileStore
+from homebot.journal.store import JournalStore
 
 __all__ = ["ControlLayer"]
 

@@ -12,11 +12,9 @@ from homebot.control.command import (
     commanded_part,
     device_settings,
     known_state,
-    no_such_part,
     order_of,
     rounding_text,
 )
-from homebot.control.device_lookup import DeviceLookup
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal.given_codes import without_codes
 from homebot.control.journal.journal import CommandJournal
@@ -31,12 +29,13 @@ from homebot.control.timeline.facts import Order, Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.control.timelines import Timelines
-from homebot.control.values import changes, related
 from homebot.control.witnesses import Witness, Witnesses
 from homebot.devices import Device, DevicePart
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.command_messages import CommandEvent, CommandRequest, CommandResult, Setting
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import COMMAND_EVENTS
+from homebot.devices.obedience import changes, related
 from homebot.devices.outcomes import (
     AlreadySo,
     Confirmed,
@@ -46,6 +45,7 @@ from homebot.devices.outcomes import (
     Outcome,
     Refused,
     Reverted,
+    no_such_part,
 )
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.journal_words import settings_text

@@ -3,7 +3,6 @@
 from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
 from typing import Final, TypeAlias, final
 
-from homebot.control.values import value_text
 from homebot.devices import Device, KeyValue, State
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.command_messages import Setting
@@ -19,6 +18,7 @@ from homebot.devices.journal_messages import (
     ReadJournalRequest,
     ReadJournalResponse,
 )
+from homebot.devices.obedience import value_text
 from homebot.devices.outcomes import OUTCOMES, Confirmed
 from homebot.devices.part import Capability, accepted_values
 from homebot.devices.trigger import Trigger

@@ -8,10 +8,10 @@ from typing import Final, Literal, TypeAlias, final
 import anyio
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
-from homebot.control.journal.store import JournalStore, LearntRow
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.errors import WireError
 from homebot.graph import Node
+from homebot.journal.store import JournalStore, LearntRow
 from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["PROFILE", "LearntPersistence", "Profiles"]

@@ -7,20 +7,19 @@ from typing import Final, final
 import anyio
 from anyio.abc import TaskGroup
 
-from homebot.control.command import commanded_part, device_settings, no_such_part
-from homebot.control.device_lookup import DeviceLookup, ask_which
+from homebot.control.command import commanded_part, device_settings
 from homebot.control.executor import CommandExecutor
 from homebot.control.journal.given_codes import without_codes
 from homebot.control.journal.journal import CommandJournal, LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder
 from homebot.control.timeline.cause import Attribution, Cause
 from homebot.control.timeline.facts import ReportRole
-from homebot.control.values import STOPPED, value_text
 from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.device import target_of
+from homebot.devices.device_lookup import DeviceLookup, ask_which
 from homebot.devices.lease_messages import (
     EndLeasesRequest,
     GetLeasesRequest,
@@ -31,7 +30,8 @@ from homebot.devices.lease_messages import (
     LeasesResponse,
     LeaseState,
 )
-from homebot.devices.outcomes import Contradicted, Gone, NoAnswer, Outcome, Refused
+from homebot.devices.obedience import STOPPED, value_text
+from homebot.devices.outcomes import Contradicted, Gone, NoAnswer, Outcome, Refused, no_such_part
 from homebot.devices.part import check_setting
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue

@@ -9,8 +9,8 @@ import anyio
 
 from homebot.control.command import IssuedCommand
 from homebot.control.timeline.facts import PartRef
-from homebot.control.values import STOPPED, changes, departs, fits
 from homebot.devices.command_messages import Setting
+from homebot.devices.obedience import STOPPED, changes, departs, fits
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue

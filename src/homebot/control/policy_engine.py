@@ -7,7 +7,6 @@ from typing import Final, TypeAlias, final
 from zoneinfo import ZoneInfo
 
 from homebot.control.command import IssuedCommand
-from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
 from homebot.control.policies.facts import Facts, Verdict
@@ -21,6 +20,7 @@ from homebot.devices.always_ask import always_asks, waits_for_approval, why_devi
 from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
 from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, ClientRights, is_client, read_scope
 from homebot.devices.device import is_commanded
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.harmless import why_not_harmless
 from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.outcomes import Refused

@@ -8,12 +8,12 @@ from typing import Final, final
 import anyio
 
 from homebot.control.command import IssuedCommand
-from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.policies.facts import Verdict
 from homebot.control.policy_engine import PolicyEngine
 from homebot.devices.client_rights import ASK
 from homebot.devices.command_messages import Setting
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import OPEN_QUESTIONS
 from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
 from homebot.devices.question_messages import AnswerQuestionRequest, AnswerQuestionResponse, OpenQuestion, OpenQuestions

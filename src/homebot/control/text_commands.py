@@ -4,7 +4,6 @@ from dataclasses import replace
 from typing import Final, Literal, final
 
 from homebot.control.command import IssuedCommand
-from homebot.control.device_lookup import DeviceLookup
 from homebot.control.executor import CommandExecutor
 from homebot.control.journal.given_codes import CODE_GIVEN, MAY_BE_CODE, public_text, takes_code
 from homebot.control.journal.journal import CommandJournal
@@ -13,6 +12,7 @@ from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import always_asks
 from homebot.devices.command_messages import SendTextRequest, SendTextResponse, Setting
 from homebot.devices.command_sender import TextSender, TextTarget
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
 from homebot.devices.part import Part
 from homebot.devices.text.commands import decode_command, part_at

@@ -17,10 +17,10 @@ from homebot.control.timeline.nearby import MOST_NEARBY, NOWHERE, Nearby, Nearby
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
-from homebot.control.values import related
 from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.capabilities import SETTABLE
 from homebot.devices.device import ChangedSetting, target_of
+from homebot.devices.obedience import related
 from homebot.devices.value import PlainValue
 from homebot.graph import Node
 from homebot.support.bounded_map import BoundedMap

@@ -9,13 +9,13 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final, NamedTuple, final
 
-from homebot.control.device_lookup import DeviceLookup
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.sending import OpenCommand
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.evidence import outcome_of
 from homebot.devices import Device, DevicePart
 from homebot.devices.approval_messages import TrustDeviceRequest, TrustDeviceResponse
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
 from homebot.devices.part import Capability
 from homebot.devices.query.matching import PartFacets, fits

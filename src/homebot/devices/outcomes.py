@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Final
 
 if TYPE_CHECKING:
+    from homebot.devices.device import Device
     from homebot.devices.value import PlainValue
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "Reverted",
     "Superseded",
     "has_succeeded",
+    "no_such_part",
     "worst",
 ]
 
@@ -285,3 +287,14 @@ def _seconds_text(seconds: float) -> str:
     if 0 < seconds < 0.001:
         return "less than 0.001"
     return f"{seconds:.2g}" if seconds < 10 else f"{seconds:.0f}"
+
+
+def no_such_part(device_id: str, part_id: str, device: Device | None, command_id: str = "") -> Gone:
+    """Return the outcome of a command to a *device* that is None or has no such part."""
+    if device is None:
+        text = f"there is no device with the id {device_id}"
+    else:
+        known = ", ".join(one.id for one in device.parts if one.id) or "one part without an id"
+        problem = f"{device_id} has no part {part_id}" if part_id else f"no single part of {device_id} takes that"
+        text = f"{problem}; it has {known}"
+    return Gone(text, command_id=command_id)

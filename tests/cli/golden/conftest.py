@@ -8,7 +8,6 @@ from tests.cli.conftest import NOW, Homebot, HomebotWith
 from homebot.cli import main
 from homebot.clock import ManualClock
 from homebot.control.explanations import Explanations
-from homebot.control.journal.store import JournalNote, JournalStore
 from homebot.devices import (
     DEVICE_CHANGES,
     FIND_DEVICES,
@@ -76,6 +75,7 @@ from homebot.devices.services import (
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import UsageError
 from homebot.graph import Graph, Node, qos_profile_latched
+from homebot.journal.store import JournalNote, JournalStore
 from homebot.messages import Time
 from homebot.support.counters import Severity
 

@@ -8,7 +8,6 @@ from tests.set_clock import SetClock
 
 from homebot.config import parse_settings
 from homebot.control import ControlSettings
-from homebot.control.journal.store import LearntRow
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light, WindowCovering
@@ -17,6 +16,7 @@ from homebot.devices.outcomes import Confirmed, NoAnswer, Refused
 from homebot.devices.value import Value
 from homebot.errors import ConfigError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+from homebot.journal.store import LearntRow
 
 pytestmark = pytest.mark.virtual_time
 

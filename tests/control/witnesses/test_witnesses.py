@@ -5,10 +5,10 @@ import pytest
 from tests.control.conftest import Behaviour, Home, OpenHome, obey, obey_after
 
 from homebot.control import ControlSettings
-from homebot.control.device_lookup import DeviceLookup
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.witnesses import Observed, Witnesses, observed
 from homebot.devices.approval_messages import TrustDevice, TrustDeviceRequest
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import DoorLock, Light, Switch, WindowCovering
 from homebot.devices.health import HealthRequest

@@ -7,18 +7,18 @@ from functools import partial
 from typing import Final, TypeAlias, final
 
 from homebot.control.command import is_by_hand, label_of
-from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.fights import Fights, Turn
-from homebot.control.journal.store import JournalNote
 from homebot.devices import Device
 from homebot.devices.client_rights import is_client
 from homebot.devices.device import ChangedSetting
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.outcomes import AlreadySo, Gone, Refused
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.journal_words import settings_text
 from homebot.devices.wording.values import value_text
 from homebot.errors import ServiceError
 from homebot.graph import Node
+from homebot.journal.store import JournalNote
 from homebot.log import LogLimit, more_like_this
 
 __all__ = ["CommandLog"]

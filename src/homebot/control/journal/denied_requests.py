@@ -5,9 +5,9 @@ from typing import Final, TypeAlias, final
 
 import anyio
 
-from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.journal import CommandJournal
 from homebot.devices.access_messages import AccessRefused
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, gateway_of
 from homebot.errors import ServiceError
 from homebot.graph import Node

@@ -7,9 +7,9 @@ from types import MappingProxyType
 from typing import Final, NamedTuple, TypeAlias, final
 
 from homebot.control.timeline.facts import PartRef
-from homebot.control.values import changes, related
 from homebot.devices.command_messages import Setting
 from homebot.devices.journal_messages import DeviceFight
+from homebot.devices.obedience import changes, related
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.journal_words import settings_text
 from homebot.messages import Time

@@ -7,10 +7,10 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Final, TypeAlias, final
 
-from homebot.control.device_lookup import DeviceLookup
 from homebot.devices import Device, GatewayNames, RawCommand
 from homebot.devices.capabilities import SETTABLE
 from homebot.devices.device import ChangedSettings
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError

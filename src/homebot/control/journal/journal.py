@@ -7,16 +7,14 @@ from collections.abc import Mapping
 from itertools import count
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias, final
 
-from homebot.control.device_lookup import DeviceLookup
-from homebot.control.journal.command_folding import CommandFolding
 from homebot.control.journal.command_log import ENDS, CommandLog
 from homebot.control.journal.given_codes import CODE_GIVEN, is_for_code, public_text
-from homebot.control.journal.store import JournalNote, with_newer
 from homebot.control.timeline.facts import Order, PartRef, Reported
 from homebot.devices import Device, RawCommand
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import ChangedSetting, KeyValue, part_names
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import Count, HealthResponse
 from homebot.devices.journal_messages import (
     EntryKind,
@@ -33,17 +31,19 @@ from homebot.devices.value import PlainValue, Value
 from homebot.devices.wording.time_format import ago
 from homebot.errors import ServiceError
 from homebot.graph import Node
+from homebot.journal.command_folding import CommandFolding
+from homebot.journal.store import JournalNote, with_newer
 from homebot.messages import Time
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.counters import Severity
 
 if TYPE_CHECKING:
     from homebot.control.command import IssuedCommand
-    from homebot.control.journal.store import JournalStore
     from homebot.control.policies import Verdict
     from homebot.devices.access_messages import AccessRefused
     from homebot.devices.lease_messages import HoldRequest
     from homebot.devices.outcomes import Outcome
+    from homebot.journal.store import JournalStore
 
 __all__ = ["CommandJournal", "LeaseStep"]
 

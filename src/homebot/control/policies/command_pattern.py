@@ -11,8 +11,8 @@ from pydantic_core import CoreSchema, core_schema
 from homebot.config import value_errors
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
-from homebot.control.values import END_POSITIONS, POWERS
-from homebot.control.values import fits as is_reached
+from homebot.devices.obedience import END_POSITIONS, POWERS
+from homebot.devices.obedience import fits as is_reached
 from homebot.devices.query.exact import parse_exact_query
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import Query, type_is

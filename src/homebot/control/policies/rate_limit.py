@@ -9,7 +9,7 @@ from pydantic import Field
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
-from homebot.control.values import POWERS
+from homebot.devices.obedience import POWERS
 from homebot.devices.value import PlainValue
 from homebot.support.bounded_map import BoundedMap
 from homebot.units import Seconds

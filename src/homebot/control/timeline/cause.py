@@ -8,7 +8,7 @@ from homebot.control import durations
 from homebot.control.timeline.facts import Reported, ReportRole
 from homebot.control.timeline.profile import ENOUGH
 from homebot.control.timeline.progress import CommandProgress
-from homebot.control.values import STOPPED
+from homebot.devices.obedience import STOPPED
 
 __all__ = ["Attribution", "Cause", "cause_of", "cause_of_undoing"]
 

@@ -7,7 +7,7 @@ from typing import Final, Literal, NamedTuple
 from homebot.control import durations
 from homebot.control.timeline.goal import NOTHING
 from homebot.control.timeline.progress import CommandProgress
-from homebot.control.values import value_text
+from homebot.devices.obedience import value_text
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, NoAnswer, Outcome, Superseded
 
 __all__ = ["SendingPlan", "Step", "next_step", "outcome_of"]

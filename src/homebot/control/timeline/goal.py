@@ -6,7 +6,7 @@ from typing import Final, final
 
 from homebot.control.timeline.facts import Order, ReportRole
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.control.values import END_POSITIONS, STOPPED, changes, fits, is_other_end, is_same, related
+from homebot.devices.obedience import END_POSITIONS, STOPPED, changes, fits, is_other_end, is_same, related
 from homebot.devices.value import PlainValue
 
 __all__ = ["NOTHING", "STEP", "Motion", "Nothing", "WantedValue", "side_role"]

@@ -6,7 +6,7 @@ from homebot.control.timeline.goal import NOTHING
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
-from homebot.control.values import fits
+from homebot.devices.obedience import fits
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
 
 __all__ = ["learn_failure", "learn_late_answer", "learn_outcome", "learn_settled"]

@@ -8,8 +8,8 @@ from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole
 from homebot.control.timeline.goal import side_role
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
-from homebot.control.values import departs, fits
 from homebot.devices.device import target_of
+from homebot.devices.obedience import departs, fits
 
 __all__ = ["MOST_NEARBY", "NOWHERE", "Nearby", "NearbyCommands"]
 

@@ -10,8 +10,8 @@ from typing import Annotated, Final, NamedTuple, TypeAlias, TypeVar
 from pydantic import Field
 
 from homebot.control import durations
-from homebot.control.values import fits, is_same
 from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.obedience import fits, is_same
 from homebot.devices.value import PlainValue
 
 __all__ = ["ENOUGH", "KEPT", "DeviceProfile", "Return"]

@@ -14,7 +14,7 @@ from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole
 from homebot.control.timeline.goal import NOTHING, Motion, WantedValue, side_role
 from homebot.control.timeline.profile import ENOUGH, DeviceProfile
 from homebot.control.timeline.settling import Settling
-from homebot.control.values import MODES, POWERS, STOPPED, changes, is_intermediate, is_same, related
+from homebot.devices.obedience import MODES, POWERS, STOPPED, changes, is_intermediate, is_same, related
 from homebot.devices.outcomes import Confirmed, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 

@@ -7,7 +7,7 @@ from typing import Final, Literal, NamedTuple, TypeAlias, final
 from homebot.control import durations
 from homebot.control.timeline.facts import Order, Reported, ReportRole
 from homebot.control.timeline.goal import STEP, WantedValue, side_role
-from homebot.control.values import departs, is_intermediate
+from homebot.devices.obedience import departs, is_intermediate
 from homebot.devices.value import PlainValue
 
 __all__ = ["Settling", "Undoing"]

@@ -6,7 +6,7 @@ import pytest
 from tests.gateways.checked_command import checked_command
 from tests.integrations.homekit.gateway.fake_accessories import accessory, characteristic, service
 
-from homebot.control.values import fits
+from homebot.devices.obedience import fits
 from homebot.devices.part import Capability
 from homebot.devices.query.terms import OPENING_TAGS
 from homebot.devices.value import PlainValue

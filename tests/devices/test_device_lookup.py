@@ -4,8 +4,8 @@ import anyio
 import pytest
 from tests.control.conftest import Home
 
-from homebot.control.device_lookup import DeviceLookup
 from homebot.devices import FIND_DEVICES, FindDevices
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.handles import Light
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part

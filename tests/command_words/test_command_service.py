@@ -7,7 +7,7 @@ import pytest
 from tests.control.conftest import Home, ignore
 from tests.control.policies.houses import make_device
 
-from homebot.control.command_targets import _parts_called
+from homebot.command_words.targets import _parts_called
 from homebot.devices import DevicePart, KeyValue
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, CommandDevicesResponse
 from homebot.devices.gateway_messages import Command

@@ -7,14 +7,14 @@ import anyio
 import pytest
 from pydantic import ValidationError
 from tests.control.conftest import Home, OpenHome
-from tests.control.test_journal_file import NOW, opened, read
+from tests.journal.test_journal_file import NOW, opened, read
 
 from homebot import Light
-from homebot.control.journal.command_folding import IN_FULL, MOST_OF_ISSUER, CommandFolding
-from homebot.control.journal.store import JournalNote, JournalStore
 from homebot.devices.command_messages import CommandRequest
 from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
 from homebot.devices.outcomes import AlreadySo, NoAnswer
+from homebot.journal.command_folding import IN_FULL, MOST_OF_ISSUER, CommandFolding
+from homebot.journal.store import JournalNote, JournalStore
 
 FLOOD = 200
 

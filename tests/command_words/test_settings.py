@@ -2,7 +2,7 @@
 
 import pytest
 
-from homebot.control.spoken_settings import spoken_settings
+from homebot.command_words.settings import parse_command_words
 from homebot.devices import KeyValue
 from homebot.devices.part import Capability, Part
 from homebot.errors import RefusedError
@@ -20,22 +20,22 @@ def test_an_alarm_takes_what_people_say(word: str, state: str) -> None:
     alarm = Part(
         id="", service_type="x_alarm_panel", capabilities=(Capability(name="alarm", settable=True, options=options),)
     )
-    assert spoken_settings(word, (), alarm, "Alarm") == {"alarm": state}
+    assert parse_command_words(word, (), alarm, "Alarm") == {"alarm": state}
 
 
 @pytest.mark.parametrize("word", ["unlock", "unlocked"])
 def test_a_lock_takes_the_word_and_the_state(word: str) -> None:
     lock = Part(id="", service_type="door_lock", capabilities=(Capability(name="lock", settable=True),))
-    assert spoken_settings(word, (), lock, "Door") == {"lock": "unlocked"}
+    assert parse_command_words(word, (), lock, "Door") == {"lock": "unlocked"}
     with pytest.raises(RefusedError):
-        spoken_settings("jammed", (), lock, "Door")
+        parse_command_words("jammed", (), lock, "Door")
 
 
 def test_a_button_takes_its_name() -> None:
     start = Part(id="", name="Start", service_type="x_setting", capabilities=(Capability(name="push", settable=True),))
-    assert spoken_settings("start", (), start, "Dishwasher Start") == {"push": True}
+    assert parse_command_words("start", (), start, "Dishwasher Start") == {"push": True}
     with pytest.raises(RefusedError):
-        spoken_settings("stop", (), start, "Dishwasher Start")
+        parse_command_words("stop", (), start, "Dishwasher Start")
 
 
 def test_a_share_of_one_in_place_of_a_percentage_is_asked_back() -> None:
@@ -43,12 +43,12 @@ def test_a_share_of_one_in_place_of_a_percentage_is_asked_back() -> None:
     lamp = Part(id="", service_type="light", capabilities=(Capability(name="level", settable=True),))
     asked = r"0\.4 as level of Lamp was refused: it takes percent; did you mean 40 %\? To set 0\.4 %: level 0\.4 %"
     with pytest.raises(RefusedError, match=asked):
-        spoken_settings("level 0.4", (), lamp, "Lamp")
+        parse_command_words("level 0.4", (), lamp, "Lamp")
     with pytest.raises(RefusedError, match=asked):
-        spoken_settings("set", (KeyValue(key="level", value="0.4"),), lamp, "Lamp")
-    assert spoken_settings("level 0.4 %", (), lamp, "Lamp") == {"level": 0.4}
-    assert spoken_settings("level 1", (), lamp, "Lamp") == {"level": 1.0}
-    assert spoken_settings("0.4", (), lamp, "Lamp") == {"level": 40.0}
+        parse_command_words("set", (KeyValue(key="level", value="0.4"),), lamp, "Lamp")
+    assert parse_command_words("level 0.4 %", (), lamp, "Lamp") == {"level": 0.4}
+    assert parse_command_words("level 1", (), lamp, "Lamp") == {"level": 1.0}
+    assert parse_command_words("0.4", (), lamp, "Lamp") == {"level": 40.0}
 
 
 @pytest.mark.parametrize(
@@ -65,19 +65,19 @@ def test_a_lamp_takes_colours_by_name(words: tuple[str, ...], setting: dict[str,
     lamp = Part(id="", service_type="light", capabilities=tuple(settable))
     word, *value = words
     given = (KeyValue(key=value[0], value=value[1]),) if value else ()
-    assert spoken_settings(word, given, lamp, "Lamp") == setting
+    assert parse_command_words(word, given, lamp, "Lamp") == setting
     for part in (Part(id="", service_type="light", capabilities=tuple(settable[:1])), lamp):
         with pytest.raises(RefusedError):
-            spoken_settings("red" if part is not lamp else "rde", (), part, "Lamp")
+            parse_command_words("red" if part is not lamp else "rde", (), part, "Lamp")
 
 
 def test_a_choice_named_as_a_colour_is_the_choice() -> None:
     choice = Capability(name="option", settable=True, options=("red", "green"))
     part = Part(id="", service_type="x_setting", capabilities=(choice,))
-    assert spoken_settings("option red", (), part, "Strip") == {"option": "red"}
+    assert parse_command_words("option red", (), part, "Strip") == {"option": "red"}
 
 
 def test_a_number_in_another_unit_may_be_below_one() -> None:
     setpoint = Capability(name="heating_setpoint", settable=True)
     freezer = Part(id="", service_type="thermostat", capabilities=(setpoint,))
-    assert spoken_settings("heating_setpoint 0.5", (), freezer, "Freezer") == {"heating_setpoint": 0.5}
+    assert parse_command_words("heating_setpoint 0.5", (), freezer, "Freezer") == {"heating_setpoint": 0.5}

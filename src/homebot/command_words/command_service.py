@@ -1,21 +1,19 @@
 """The service ``/devices/command``: commands in words, with an id, name or query."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
-from typing import Final, final
+from typing import Final, Protocol, final
 
 import anyio
 
-from homebot.control.command_targets import (
+from homebot.command_words.targets import (
     CommandTargets,
     NoTargetError,
-    SpokenSettings,
+    ParsedSettings,
     Target,
     part_name,
     settings_by_part,
 )
-from homebot.control.device_lookup import DeviceLookup
-from homebot.control.executor import CommandExecutor
 from homebot.devices import Device, DevicePart
 from homebot.devices.command_messages import (
     CommandDevicesRequest,
@@ -25,6 +23,7 @@ from homebot.devices.command_messages import (
     CommandResult,
     Setting,
 )
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused, worst
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, ServiceError, UsageError
@@ -36,12 +35,22 @@ UNNAMED_CLIENT: Final = "client"
 """The issuer of a command that names none."""
 
 
+class CommandPort(Protocol):
+    """The port that carries out the command to each part."""
+
+    def perform(self, request: CommandRequest) -> Awaitable[Outcome]:
+        """Carry out a command to one part, and return its outcome."""
+
+    def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
+        """Return why the command would be refused now; None if it would not."""
+
+
 @final
 class CommandService:
     """Finds the target devices of a command in words, and commands all of them at once."""
 
-    def __init__(self, node: Node, lookup: DeviceLookup, executor: CommandExecutor) -> None:
-        self._executor = executor
+    def __init__(self, node: Node, lookup: DeviceLookup, commands: CommandPort) -> None:
+        self._commands = commands
         self._lookup = lookup
         self._targets = CommandTargets(node, lookup, self._refusal)
 
@@ -59,13 +68,13 @@ class CommandService:
             return CommandDevicesResponse(success=False, message=str(exc))
         commanded: list[tuple[CommandedPart, Outcome]] = []
         commands = [
-            (device, part, spoken)
+            (device, part, parsed)
             for device, parts in targets
-            for part, spoken in settings_by_part(request, device, parts)
+            for part, parsed in settings_by_part(request, device, parts)
         ]
 
-        async def command(device: Device, part: DevicePart, spoken: SpokenSettings) -> None:
-            commanded.append(await self._command(request, device, part, spoken))
+        async def command(device: Device, part: DevicePart, parsed: ParsedSettings) -> None:
+            commanded.append(await self._command(request, device, part, parsed))
             if on_commanded is not None:
                 on_commanded(commanded[-1][0], len(commands) - len(commanded))
 
@@ -100,12 +109,12 @@ class CommandService:
         request: CommandDevicesRequest,
         device: Device,
         part: DevicePart,
-        spoken: SpokenSettings,
+        parsed: ParsedSettings,
     ) -> tuple[CommandedPart, Outcome]:
-        if isinstance(spoken, RefusedError):
-            outcome: Outcome = Refused("device", f"{spoken.what}: {spoken.reason}")
+        if isinstance(parsed, RefusedError):
+            outcome: Outcome = Refused("device", f"{parsed.what}: {parsed.reason}")
         else:
-            outcome = await self._executor.perform(_part_request(request, device, part, spoken))
+            outcome = await self._commands.perform(_part_request(request, device, part, parsed))
         result = CommandResult.of(outcome)
         if isinstance(outcome, NoAnswer) and (reason := await self._why_unreachable(device)):
             result = result.model_copy(update={"text": f"{result.text}; {reason}"})
@@ -115,11 +124,11 @@ class CommandService:
         """Return why no part of *target* would get the command now; empty if one would."""
         device, parts = target
         problem = "it takes no commands"
-        for part, spoken in settings_by_part(request, device, parts):
-            if isinstance(spoken, RefusedError):
-                problem = spoken.reason
+        for part, parsed in settings_by_part(request, device, parts):
+            if isinstance(parsed, RefusedError):
+                problem = parsed.reason
                 continue
-            refused = self._executor.preview(_part_request(request, device, part, spoken), device, part)
+            refused = self._commands.preview(_part_request(request, device, part, parsed), device, part)
             if refused is None:
                 return ""
             problem = refused.reason

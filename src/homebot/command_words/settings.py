@@ -6,9 +6,9 @@ from itertools import combinations
 from types import MappingProxyType
 from typing import Final
 
-from homebot.control.values import changes, related
 from homebot.devices import KeyValue
 from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
+from homebot.devices.obedience import changes, related
 from homebot.devices.part import Capability, Part, accepted_values, check_no_share, check_setting
 from homebot.devices.text.colors import COLORS, WHITES
 from homebot.devices.text.commands import decode_command
@@ -17,7 +17,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
 
-__all__ = ["SET", "spoken_settings"]
+__all__ = ["SET", "parse_command_words"]
 
 SET: Final = "set"
 """The command that only sets values."""
@@ -45,7 +45,7 @@ _NUMBER: Final = re.compile(r"([+-]?[\d.]+)\s*(\S*)")
 _KELVIN: Final = re.compile(r"([\d.]+)\s*k")
 
 
-def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target: str) -> dict[str, PlainValue]:
+def parse_command_words(command: str, values: Sequence[KeyValue], part: Part, target: str) -> dict[str, PlainValue]:
     """Return the values by capability that a command sets on *part*.
 
     Args:

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final, final
 
-from homebot.control.journal.store import JournalNote, LearntRow
 from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournalRequest, ReadJournalResponse
+from homebot.journal.store import JournalNote, LearntRow
 from homebot.messages import Time
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from homebot.control.values import fits, value_text
+from homebot.devices.obedience import fits, value_text
 from homebot.devices.value import PlainValue
 
 

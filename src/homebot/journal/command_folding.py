@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
-from homebot.control.journal.store import JournalNote
 from homebot.devices.outcomes import Refused
+from homebot.journal.store import JournalNote
 
 __all__ = ["IN_FULL", "MOST_OF_ISSUER", "CommandFolding"]
 

@@ -14,14 +14,14 @@ from tests.patience import PATIENCE
 
 from homebot.clock import ManualClock
 from homebot.control import Control
-from homebot.control.journal.file_store import FileStore
-from homebot.control.journal.store import JournalNote, LearntRow
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.command_messages import Setting
 from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
 from homebot.devices.names import ACCESS_REFUSALS, JOURNAL_ENTRIES
 from homebot.devices.value import Value
 from homebot.graph import Graph, Node
+from homebot.journal.file_store import FileStore
+from homebot.journal.store import JournalNote, LearntRow
 from homebot.messages import Time
 
 DAY = 86_400.0

@@ -12,11 +12,11 @@ from typing import Final, final
 import anyio
 from anyio import to_thread
 
-from homebot.control.journal.journal_file import JournalFile
-from homebot.control.journal.store import JournalNote, JournalStore, LearntRow, with_newer
 from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
 from homebot.errors import LinkError
 from homebot.graph import Node
+from homebot.journal.journal_file import JournalFile
+from homebot.journal.store import JournalNote, JournalStore, LearntRow, with_newer
 from homebot.log import LogLimit
 from homebot.support.kept_file import KeptFile
 

@@ -6,12 +6,12 @@ from collections.abc import Callable, Collection, Iterable
 from itertools import chain
 from typing import Final, TypeAlias, final
 
-from homebot.control.command import no_such_part
-from homebot.control.device_lookup import DeviceLookup, ask_which
-from homebot.control.spoken_settings import spoken_settings
+from homebot.command_words.settings import parse_command_words
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, QueryDevices
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device import is_commanded
+from homebot.devices.device_lookup import DeviceLookup, ask_which
+from homebot.devices.outcomes import no_such_part
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.parse import parse_query
@@ -29,7 +29,7 @@ __all__ = [
     "MOST_DEVICES",
     "CommandTargets",
     "NoTargetError",
-    "SpokenSettings",
+    "ParsedSettings",
     "Target",
     "part_name",
     "settings_by_part",
@@ -41,7 +41,7 @@ MOST_DEVICES: Final = 1000
 _TYPO: Final = 0.8
 """How similar a name must be to be suggested."""
 
-SpokenSettings: TypeAlias = dict[str, PlainValue] | RefusedError
+ParsedSettings: TypeAlias = dict[str, PlainValue] | RefusedError
 """The values by capability for a part, or the reason why it cannot take them."""
 
 Target: TypeAlias = tuple[Device, tuple[DevicePart, ...]]
@@ -78,10 +78,10 @@ class CommandTargets:
         """
         found = await self._find(request, request.target.strip())
         takes = {
-            (device.id, part.id): spoken != {"push": True}
+            (device.id, part.id): parsed != {"push": True}
             for device, parts in found
-            for part, spoken in settings_by_part(request, device, parts)
-            if not isinstance(spoken, RefusedError)
+            for part, parsed in settings_by_part(request, device, parts)
+            if not isinstance(parsed, RefusedError)
         }
         if len(set(takes.values())) <= 1 and not (takes and _EVERYTHING.match(request.target)):
             return found
@@ -279,32 +279,34 @@ def _names(targets: list[Target]) -> str:
 
 def settings_by_part(
     request: CommandDevicesRequest, device: Device, parts: tuple[DevicePart, ...]
-) -> list[tuple[DevicePart, SpokenSettings]]:
+) -> list[tuple[DevicePart, ParsedSettings]]:
     """Return the settings of *request* for each of *parts*, or the reason why there are none.
 
     Only the most suitable parts are returned. A part whose type lacks the setting is left out if another type has it: a
     speed is for the fan, and not for its lamp. Switches of a suitable appliance, such as the powerful mode of an air
     conditioner, are left out too, and so are settings, such as the sound of a television, if another part is suitable.
     """
-    found: list[tuple[DevicePart, SpokenSettings]] = []
+    found: list[tuple[DevicePart, ParsedSettings]] = []
     for part in parts:
         try:
-            found.append((part, spoken_settings(request.command, request.values, part.part, part_name(device, part))))
+            found.append(
+                (part, parse_command_words(request.command, request.values, part.part, part_name(device, part)))
+            )
         except RefusedError as exc:
             found.append((part, exc))
-    able = {part.part.service_type for part, spoken in found if not isinstance(spoken, RefusedError)}
+    able = {part.part.service_type for part, parsed in found if not isinstance(parsed, RefusedError)}
     if not able.isdisjoint(_APPLIANCES):
         able -= _FUNCTIONS
     able = able - _SETTINGS or able
     return [one for one in found if not able or (one[0].part.service_type in able and not _is_other_setting(*one))]
 
 
-def _is_other_setting(part: DevicePart, spoken: SpokenSettings) -> bool:
-    return part.part.service_type in _SETTINGS and isinstance(spoken, RefusedError)
+def _is_other_setting(part: DevicePart, parsed: ParsedSettings) -> bool:
+    return part.part.service_type in _SETTINGS and isinstance(parsed, RefusedError)
 
 
 def _takes(request: CommandDevicesRequest, target: Target) -> bool:
-    return any(not isinstance(spoken, RefusedError) for _, spoken in settings_by_part(request, *target))
+    return any(not isinstance(parsed, RefusedError) for _, parsed in settings_by_part(request, *target))
 
 
 def part_name(device: Device, part: DevicePart) -> str:
@@ -375,7 +377,7 @@ def _parts_called(request: CommandDevicesRequest, device: Device, name: str) -> 
     if len(named) != 1 or len(parts) == 1 or (request.target == device.id != device.name):
         return parts
     names = set(map(fold, device.names))
-    able = [one for one, spoken in settings_by_part(request, device, parts) if not isinstance(spoken, RefusedError)]
+    able = [one for one, parsed in settings_by_part(request, device, parts) if not isinstance(parsed, RefusedError)]
     if fold(name) != fold(device.name) or names.issuperset(fold(one.part.name) for one in able):
         return tuple(named)
     if named[0] in able and len(able) > 1:
