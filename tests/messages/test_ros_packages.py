@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from homebot.errors import UnknownTypeError
-from homebot.messages.cdr import message_to_cdr
+from homebot.messages.cdr import message_from_cdr, message_to_cdr
 from homebot.messages.definition import FieldDefinition, definition_text, fields_of
 from homebot.messages.geometry_msgs import Pose, Quaternion, TwistStamped
 from homebot.messages.interfaces import find_message, find_service, interface_names
@@ -57,6 +57,7 @@ def test_a_type_has_the_fields_and_the_bytes_of_ros_2(name: str, fields: list[st
     message = sample(find_message(name))
     assert [field.declaration for field in fields_of(find_message(name))] == fields
     assert message_to_cdr(message) == raw
+    assert message_from_cdr(find_message(name), raw) == message
     assert message_from_json(find_message(name), message_to_json(message)) == message
 
 

@@ -14,7 +14,7 @@ from tests.sizes import size
 
 from homebot.devices.access_messages import DefineType
 from homebot.messages.action import ActionType
-from homebot.messages.cdr import message_to_cdr
+from homebot.messages.cdr import message_from_cdr, message_to_cdr
 from homebot.messages.definition import FieldDefinition, definition_text, fields_of
 from homebot.messages.interfaces import Interfaces, find_action, find_message, find_service, interface_names
 from homebot.messages.json import message_from_json, message_to_json
@@ -151,7 +151,9 @@ def compare(message_type: type[Message], random: Random) -> None:
     store.register(rosbags.get_types_from_msg(definition_text(message_type), name))
     if name == message_type.ros_type and not any("char" in field.ros_type for field in every_field(message_type)):
         assert type_hash(message_type) == store.hash_rihs01(name)
-    assert message_to_cdr(message) == bytes(store.serialize_cdr(foreign(store, message), name))
+    theirs = bytes(store.serialize_cdr(foreign(store, message), name))
+    assert message_to_cdr(message) == theirs
+    assert message_to_cdr(message_from_cdr(message_type, theirs)) == theirs
     assert message_from_json(message_type, message_to_json(message)) == message
 
 
