@@ -25,7 +25,7 @@ from homebot.control.questions import Questions
 from homebot.control.sending import OpenCommand, Sending
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.cause import Attribution, Cause
-from homebot.control.timeline.facts import Order, Reported, ReportRole
+from homebot.control.timeline.facts import Order, Reported, ReportRole, Sent
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.control.timelines import Timelines
@@ -173,7 +173,6 @@ class CommandExecutor:
         now = self._clock.monotonic()
         if command.place in self.leases.parts:
             self.leases.record_stop(command, now)
-        self._policies.turns.record(command, now)
         order = order_of(command)
         self.timelines.of(command.device, command.part).command(order, now, is_raw=True)
         if command.part.part.members:
@@ -189,7 +188,7 @@ class CommandExecutor:
         if outcome is not None:
             now = self._clock.monotonic()
             self.leases.record_stop(command, now)
-            self._policies.turns.record(command, now)
+            self.timelines.of(command.device, command.part).sent.append(Sent(command.id, command.settings, now))
             self._journal.record("would", command)
             wanted = settings_text(_shown(command, command.settings))
             text = f"{command.issuer.removeprefix('/')} would set {command.label} → {wanted}"

@@ -11,7 +11,6 @@ from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
 from homebot.control.policies.facts import Facts, Verdict
 from homebot.control.policies.house import DETECTION, Detections, House
-from homebot.control.policies.rate_limit import TurnCounter
 from homebot.control.policies.rights import check_approval, check_grants, client_refusal, must_ask
 from homebot.control.settings import PolicySettings
 from homebot.control.timelines import Timelines
@@ -77,7 +76,6 @@ class PolicyEngine(HouseWatcher):
         self._learnt = learnt
         self._house = House(Detections(learnt.saver(DETECTION)))
         self._house.detections.add(detected)
-        self.turns = TurnCounter()
         self._timelines = timelines
         self._ahead = self._clock.now() - self._clock.monotonic()
         self._clock_set_at = -math.inf
@@ -105,7 +103,7 @@ class PolicyEngine(HouseWatcher):
         if abs(now - monotonic - self._ahead) > _CLOCK_SET:
             self._clock_set_at = monotonic
         self._ahead = now - monotonic
-        facts = Facts(now, monotonic, self._zone, self._house, self.turns.count, self._timelines.of, self._clock_set_at)
+        facts = Facts(now, monotonic, self._zone, self._house, self._timelines.of, self._clock_set_at)
         verdicts = self._policies.check(command, facts)
         for verdict in verdicts:
             if is_recorded and (verdict.reason or not verdict.allowed):

@@ -12,6 +12,7 @@ from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
+from homebot.control.timeline.facts import Sent
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
 from homebot.devices.command_sender import CommandSender
@@ -130,7 +131,7 @@ class Sending:
         sent.progress.send(began)
         if command.place in self._leases.parts:
             self._leases.record_stop(command, began)
-        self._policies.turns.record(command, began)  # before any wait: a check in between needs it
+        sent.timeline.sent.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
         try:
             for capability, value in command.settings.items():
                 if command.place in self._leases.parts:  # a lease that began since the check or the previous setting
@@ -160,5 +161,5 @@ class Sending:
         except RefusedError as exc:
             return Refused("gateway", exc.reason, command_id=command.id)
         if clock.monotonic() - began > durations.SENT_AT_ONCE:
-            self._policies.turns.record(command, clock.monotonic())  # it may have reached the device only now
+            sent.timeline.sent.append(Sent(command.id, command.settings, clock.monotonic()))  # it arrives only now
         return None

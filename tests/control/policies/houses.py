@@ -5,7 +5,6 @@ from datetime import UTC, tzinfo
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies import Facts, House
-from homebot.control.policies.rate_limit import TurnCounter
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.devices import Device, DevicePart, Endpoint, Fact, Freshness, State
@@ -87,7 +86,7 @@ def make_facts(*devices: Device, now: float = START, zone: tzinfo = UTC, timelin
     for device in devices:
         house.put(DeviceView(device, 0))
     house.is_known = True
-    return Facts(now, now, zone, house, TurnCounter().count, new_timeline if timeline is None else lambda *_: timeline)
+    return Facts(now, now, zone, house, new_timeline if timeline is None else lambda *_: timeline)
 
 
 def new_timeline(_device: Device, _part: DevicePart) -> PartTimeline:

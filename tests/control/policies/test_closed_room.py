@@ -8,7 +8,6 @@ from tests.control.policies.houses import START, make_device, new_timeline
 from homebot.control.policies.facts import Facts
 from homebot.control.policies.house import House
 from homebot.control.policies.presence_guard import PresenceGuardSettings, remaining_person
-from homebot.control.policies.rate_limit import TurnCounter
 from homebot.devices import Device
 from homebot.devices.device_view import DeviceView
 from homebot.devices.handles import Light
@@ -33,7 +32,7 @@ def facts(*told: Device, now: float) -> Facts:
     for sequence, device in enumerate(told):
         house.put(DeviceView(device, sequence))
     house.is_known = True
-    return Facts(START + now, START + now, None, house, TurnCounter().count, new_timeline)
+    return Facts(START + now, START + now, None, house, new_timeline)
 
 
 def stays(*told: Device, now: float = 10_000.0, doors: tuple[str, ...] = DOORS) -> bool:

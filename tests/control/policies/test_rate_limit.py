@@ -1,17 +1,25 @@
 """The rate limit: a strobe is stopped, and whoever dims or repeats a command never meets it; in virtual time."""
 
+from collections.abc import Mapping
+from itertools import count
+
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, obey
-from tests.control.policies.houses import START, make_command, make_device
+from tests.control.policies.houses import START, make_command, make_device, new_timeline
 
-from homebot.control.policies.rate_limit import TurnCounter
-from homebot.devices import Device
+from homebot.control.command import IssuedCommand, order_of
+from homebot.control.policies.rate_limit import count_turns
+from homebot.control.timeline.facts import Sent
+from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
 from homebot.devices.outcomes import Outcome, Refused
+from homebot.devices.value import PlainValue
 
 pytestmark = pytest.mark.virtual_time
+
+_NUMBERS = count()
 
 
 async def blink(lamp: Light, times: int) -> list[Outcome]:
@@ -41,12 +49,11 @@ async def test_dimming_is_no_strobe(home: Home) -> None:
 
 def test_a_strobe_by_brightness_and_switch_in_turn_is_counted() -> None:
     """Each of the two alone never turns round."""
-    lamp, recent = make_device("lamp", "light", settable=("on_off", "level")), TurnCounter()
-    on, dark = make_command(lamp, {"on_off": True}), make_command(lamp, {"level": 0.0})
-    for number in range(10):
-        recent.record(on if number % 2 else dark, float(number))
-    assert recent.count(dark, 9.0, 10.0) == 9
-    assert recent.count(on, 9.0, 10.0) == 0
+    on: Mapping[str, PlainValue] = {"on_off": True}
+    dark: Mapping[str, PlainValue] = {"level": 0.0}
+    recent = sent(*((float(number), command(on if number % 2 else dark)) for number in range(10)))
+    assert count_turns(recent, command(dark), 9.5, 10.0) == 9
+    assert count_turns(recent, command(on), 9.5, 10.0) == 0
 
 
 async def test_a_command_that_is_still_being_sent_counts(open_home: OpenHome) -> None:
@@ -69,37 +76,44 @@ async def obey_slowly(home: Home, command: Command) -> None:
 
 def test_a_turn_counts_from_the_last_try() -> None:
     """The device may have missed those before."""
-    lamp, recent = make_device("lamp", "light", settable=("on_off",)), TurnCounter()
-    on, off = make_command(lamp, {"on_off": True}), make_command(lamp, {"on_off": False})
-    recent.record(on, 0.0)
-    recent.record(off, 1.0)
-    recent.record(off, 6.0)
-    assert (recent.count(on, 7.0, 2.0), recent.count(on, 7.0, 1.0)) == (1, 0)
+    on, off = command({"on_off": True}), command({"on_off": False})
+    recent = sent((0.0, on), (1.0, off))
+    recent.sent.append(Sent(off.id, off.settings, 6.0))
+    again = command({"on_off": True})
+    assert (count_turns(recent, again, 7.0, 2.0), count_turns(recent, again, 7.0, 1.0)) == (1, 0)
 
 
 def test_to_turn_on_again_what_reported_since_that_it_is_off_is_a_turn() -> None:
     """The command before was lost. A random day found it: the lamp was switched to and fro once more than it may be."""
-    recent = TurnCounter()
-    before = lamp_that_was(on=False, told=-100.0)
-    recent.record(make_command(before, {"on_off": True}, at=START), 0.0)
-    again = make_command(lamp_that_was(on=False, told=5.0), {"level": 40.0}, name="2", at=START + 10.0)
-    recent.record(again, 10.0)
-    off = make_command(lamp_that_was(on=True, told=11.0), {"on_off": False}, name="3", at=START + 12.0)
-    assert recent.count(off, 12.0, 10.0) == 1
+    recent = sent((0.0, command({"on_off": True})))
+    recent.report(5.0, START, "on_off", value=False)
+    recent.sent.append(Sent("again", {"level": 40.0}, 10.0))
+    recent.report(11.0, START, "on_off", value=True)
+    assert count_turns(recent, command({"on_off": False}), 12.0, 10.0) == 1
 
 
 def test_to_turn_on_again_what_has_not_reported_since_is_none() -> None:
     """It may be slow."""
-    recent = TurnCounter()
-    slow = lamp_that_was(on=False, told=-1.0)
-    for number in range(10):
-        recent.record(make_command(slow, {"on_off": True}, name=str(number), at=START + number), float(number))
-    assert recent.count(make_command(slow, {"on_off": False}, at=START + 10.0), 10.0, 10.0) == 0
+    recent = sent()
+    recent.report(-1.0, START, "on_off", value=False)
+    recent.sent.extend(Sent(f"again {number}", {"on_off": True}, float(number)) for number in range(10))
+    assert count_turns(recent, command({"on_off": False}), 10.0, 10.0) == 0
 
 
-def lamp_that_was(*, on: bool, told: float) -> Device:
-    """A lamp that reported so many seconds after the start whether it is on."""
-    return make_device("lamp", "light", settable=("level",), since=START + told, values={"on_off": on})
+def command(settings: Mapping[str, PlainValue]) -> IssuedCommand:
+    """Return a command to a lamp, with an id of its own."""
+    lamp = make_device("lamp", "light", settable=("on_off", "level"))
+    return make_command(lamp, settings, name=str(next(_NUMBERS)))
+
+
+def sent(*commands: tuple[float, IssuedCommand]) -> PartTimeline:
+    """Return the timeline of a lamp to which commands were sent, each at so many seconds."""
+    device = make_device("lamp", "light")
+    timeline = new_timeline(device, device.parts[0])
+    for at, one in commands:
+        timeline.command(order_of(one), at).send(at)
+        timeline.sent.append(Sent(one.id, one.settings, at))
+    return timeline
 
 
 async def test_the_limit_is_the_owners(open_home: OpenHome) -> None:

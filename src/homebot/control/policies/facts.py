@@ -25,7 +25,6 @@ class Facts(NamedTuple):
         now: Seconds since the Unix epoch.
         monotonic: Seconds of the monotonic clock.
         zone: The time zone of the home; None for the computer's.
-        turns: Returns how often the values that a command changes turned in the given seconds before a monotonic time.
         clock_set_at: When the computer's clock was last set, or its sleep ended, by the monotonic clock.
     """
 
@@ -33,7 +32,6 @@ class Facts(NamedTuple):
     monotonic: float
     zone: tzinfo | None
     house: House
-    turns: Callable[[IssuedCommand, float, float], int]
     timeline_of: Callable[[Device, DevicePart], PartTimeline]
     clock_set_at: float = -math.inf
 

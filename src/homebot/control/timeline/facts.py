@@ -4,12 +4,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES, MOMENTARY, OWN
 from homebot.devices.value import PlainValue
 
-__all__ = ["Order", "PartRef", "ReportRole", "Reported"]
+__all__ = ["Order", "PartRef", "ReportRole", "Reported", "Sent"]
 
 PartRef: TypeAlias = tuple[str, str]
 """The ids of a device and of one of its parts."""
@@ -69,6 +69,14 @@ class Order:
             name in MOMENTARY or value in CAPABILITIES.get(name, OWN).obedience.always_sent
             for name, value in self.settings.items()
         )
+
+
+class Sent(NamedTuple):
+    """One sending of a command; *at* is in seconds."""
+
+    command: str
+    settings: Mapping[str, PlainValue]
+    at: float
 
 
 @dataclass(slots=True, eq=False)

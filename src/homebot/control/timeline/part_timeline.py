@@ -8,7 +8,7 @@ from typing import Final, final
 
 from homebot.control import durations
 from homebot.control.timeline.cause import Attribution, Cause, cause_of, cause_of_undoing
-from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole
+from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole, Sent
 from homebot.control.timeline.learning import learn_failure, learn_late_answer, learn_outcome, learn_settled
 from homebot.control.timeline.nearby import NOWHERE, Nearby
 from homebot.control.timeline.profile import ENOUGH, DeviceProfile
@@ -21,6 +21,9 @@ __all__ = ["MOST_REPORTS", "PartTimeline"]
 
 MOST_REPORTS: Final = 128
 _MOST_WHILE_OPEN: Final = 256
+_MOST_SENT: Final = 2000
+"""As many as a rate limit needs, which counts up to 1,000 changes, and repetitions."""
+
 _NONE: Final[Mapping[str, PlainValue]] = MappingProxyType({})
 
 
@@ -37,6 +40,7 @@ class PartTimeline:
     Attributes:
         reports: The reports, oldest first.
         commands: The commands, including older ones that may still have an effect, oldest first.
+        sent: The newest 2,000 sendings of commands, oldest first.
         place: The part.
         nearby: The commands to this part and those near it.
         unsure_since: Since when the value of each capability may differ from the reported one.
@@ -48,6 +52,7 @@ class PartTimeline:
     def __init__(self, profile: DeviceProfile, first: float, settle: float) -> None:
         self.reports: deque[Reported] = deque()
         self.commands: deque[CommandProgress] = deque()
+        self.sent: deque[Sent] = deque(maxlen=_MOST_SENT)
         self.profile = profile
         self.place: PartRef = ("", "")
         self.nearby: Nearby = NOWHERE
@@ -87,6 +92,7 @@ class PartTimeline:
         progress = CommandProgress(order, at, known, last, self.profile, is_raw=is_raw)
         if is_raw:
             progress.send(at)
+            self.sent.append(Sent(order.id, order.settings, at))
             progress.decide(NoAnswer(0.0, command_id=order.id), at, self._settle)
         self.commands.append(progress)
         self.nearby.device.append(progress)
