@@ -7,6 +7,7 @@ from tests.fuzz.conftest import Fuzz
 from tests.gateways.checked_command import checked_command
 from tests.integrations.homekit.gateway.fake_accessories import PERMS, accessory, characteristic, service
 
+from homebot.conventions.capability_row import writer_of
 from homebot.errors import PeerError, WireError
 from homebot.gateways.announced.gateway_device import can_report
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
@@ -14,15 +15,16 @@ from homebot.integrations.homekit.formats.accessory import parse_accessories
 from homebot.integrations.homekit.formats.climate import CLIMATE_ROWS
 from homebot.integrations.homekit.formats.lights_and_power import POWER_ROWS
 from homebot.integrations.homekit.formats.openings import OPENING_ROWS
-from homebot.integrations.homekit.formats.parts import parts_of
+from homebot.integrations.homekit.formats.parts import _TYPE_OF, parts_of
 from homebot.integrations.hue.formats.devices import devices_of
 from homebot.integrations.hue.formats.resources import HueResources
 from homebot.integrations.hue.formats.service_rows import press_of
 from homebot.integrations.hue.simulated.resources import device_resources, group_resources, scene_resource
 
 ROWS = (*CLIMATE_ROWS, *OPENING_ROWS, *POWER_ROWS)
-SERVICES = [one for row in ROWS for one in row.services.split()]
-KINDS = sorted({one for row in ROWS for one in f"{row.watched} {row.target}".split()})
+SERVICES = sorted(_TYPE_OF)
+TARGETS = {"137", "1B300BC2-CFFC-47FF-89F9-BD6CCF5F2853", "7B", "7D"}  # set, but not watched
+KINDS = sorted({*TARGETS, *(str(one) for row in ROWS for one in row.watched)})
 LIMITS = ("minValue", "maxValue", "minStep", "valid-values")
 
 
@@ -35,12 +37,14 @@ def test_damaged_accessories_are_refused_or_read(fuzz: Fuzz) -> None:
         with suppress(WireError):
             for part in (part for one in parse_accessories(listed).values() for part in parts_of(one)):
                 for one in part.part.capabilities:
-                    value = part.rows[one.name].read_value(part.service)
+                    read = part.rows[one.name].read
+                    assert read is not None
+                    value = read(part.service)
                     assert not one.readable or can_report(part.part, one.name, value), (one.name, value)
                     with suppress(PeerError):
                         wanted = rng.choice((damage.plain(), *one.options))
                         command = checked_command(part.part, one.name, wanted)
-                        for kind, number in part.rows[one.name].write_value(part.service, command).items():
+                        for kind, number in writer_of(part.rows.values(), one.name)(part.service, command).items():
                             if kind in part.service.characteristics:
                                 json.dumps(part.service.characteristics[kind].encode(number), allow_nan=False)
 

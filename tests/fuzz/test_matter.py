@@ -8,6 +8,7 @@ from contextlib import suppress
 from tests.fuzz.conftest import Fuzz
 from tests.gateways.checked_command import checked_command
 
+from homebot.conventions.capability_row import writer_of
 from homebot.conventions.payload import as_fields, parse_json
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
@@ -58,13 +59,13 @@ def check_device(rng: random.Random, device: NodeDevice) -> None:
         for row, capability in zip(rows, part.capabilities, strict=True):
             assert capability.name in CAPABILITIES
             if row.read is not None:
-                value = row.read_value(endpoint)
+                value = row.read(endpoint)
                 assert can_report(part, capability.name, value), (capability.name, value)
             if capability.settable:
                 wanted: PlainValue = rng.choice((*WANTED, *capability.options))
                 try:
                     command = checked_command(part, capability.name, wanted, transition=rng.choice((0.0, 1.5, 1e5)))
-                    orders = row.orders_of(endpoint, command)
+                    orders = writer_of(rows, row.capability)(endpoint, command)
                 except RefusedError:
                     continue
                 for order in orders:

@@ -9,6 +9,7 @@ from tests.integrations.homeassistant.gateway.test_entities import only
 from tests.integrations.homekit.formats.test_parts import part as homekit_service
 
 from homebot.control.command import device_settings
+from homebot.conventions.capability_row import described
 from homebot.conventions.description import DescribedPart
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
@@ -161,8 +162,7 @@ def test_an_entity_of_a_home_assistant_has_its_step(
 
 
 def esphome(kind: str, capability: str, info: Mapping[str, object]) -> Capability:
-    rows = [row for row in KINDS[kind].rows if row.capability == capability and row.applies(info)]
-    return rows[0].describe(info)
+    return next(one for one, _ in described(KINDS[kind].rows, info) if one.name == capability)
 
 
 @pytest.mark.parametrize(

@@ -4,15 +4,14 @@ Source of the modes of thermostats: Home Assistant core 2025.4, ``components/cli
 """
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
 from functools import partial
 from typing import Final, NamedTuple, TypeAlias
 
+from homebot.conventions.capability_row import CapabilityRow
 from homebot.conventions.command_values import require_bool, require_number, require_true
 from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, quantity_of
-from homebot.conventions.payload import clean_text, shown
+from homebot.conventions.payload import clean_text
 from homebot.conventions.units import Quantity, number_grid
-from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -44,7 +43,6 @@ __all__ = [
     "text_component",
     "text_of",
     "whole_of",
-    "writer_of",
 ]
 
 Fields: TypeAlias = Mapping[str, object]
@@ -60,43 +58,8 @@ _MAX_OPTIONS = 500
 _MAX_TEXT = 255
 
 
-@dataclass(frozen=True, slots=True)
-class EntityRow:
-    """A capability of a kind of entity; texts and functions of the description.
-
-    Attributes:
-        read: The reader; None if it is not readable.
-        write: The writer; None if it is not settable.
-        needs: The boolean field of the description that an entity with it has; empty for none.
-    """
-
-    capability: str | Callable[[Fields], str]
-    read: ReadField | None
-    write: WriteField | None = None
-    needs: str = ""
-    when: Callable[[Fields], object] | None = None
-    options: tuple[str, ...] | Callable[[Fields], tuple[str, ...]] = ()
-    bounds: Callable[[Fields], tuple[float, ...]] | None = None
-    unit: str | Callable[[Fields], str] = ""
-    grid: Callable[[Fields], tuple[float, ...]] | None = None
-
-    def applies(self, info: Fields) -> bool:
-        """Return whether an entity with the description *info* has the capability."""
-        return (not self.needs or info.get(self.needs) is True) and (self.when is None or bool(self.when(info)))
-
-    def describe(self, info: Fields) -> Capability:
-        """Return the capability of an entity with the description *info*."""
-        is_assumed = info.get("assumed_state") is True  # it reports its last command
-        return Capability(
-            name=self.capability if isinstance(self.capability, str) else self.capability(info),
-            readable=self.read is not None,
-            settable=self.write is not None,
-            unit=self.unit if isinstance(self.unit, str) else self.unit(info),
-            bounds=() if self.bounds is None else self.bounds(info),
-            options=self.options if isinstance(self.options, tuple) else self.options(info),
-            grid=() if self.grid is None else self.grid(info),
-            echoed=is_assumed and self.read is not None and self.write is not None,
-        )
+EntityRow: TypeAlias = CapabilityRow[Fields, ReadField, WriteField]
+"""A capability of a kind of entity, by its description."""
 
 
 PLAIN_CLASSES: Final = frozenset({"", "outlet", "switch"})
@@ -113,19 +76,6 @@ class EntityComponent(NamedTuple):
     service_type: str | Callable[[Fields], str]
     rows: tuple[EntityRow, ...]
     tag: str | None = None
-
-
-def writer_of(rows: Mapping[str, EntityRow], capability: str) -> WriteField:
-    """Return the writer of *capability*.
-
-    Raises:
-        RefusedError: It is not settable; names those that are.
-    """
-    row = rows.get(capability)
-    if row is None or row.write is None:
-        settable = ", ".join(name for name, one in rows.items() if one.write is not None)
-        raise RefusedError(shown(capability), f"this part takes {settable or 'nothing'}")
-    return row.write
 
 
 def whole_of(fields: Fields, name: str) -> int:
@@ -191,7 +141,7 @@ def push_row(name: str, command: Fields, when: Callable[[Fields], object] | None
         require_true(name, value)
         return command
 
-    return EntityRow(name, None, write, "", when)
+    return EntityRow(name, None, write, when)
 
 
 def quantity_of_entity(info: Fields) -> Quantity:
@@ -207,16 +157,17 @@ def quantity_row(read: ReadField, when: Callable[[Fields], object] | None = None
         return quantity_of_entity(info).value(number) if isinstance(number, float) else None
 
     return EntityRow(
-        lambda info: quantity_of_entity(info).capability,
+        "measurement",
         read_quantity,
         when=when,
+        named=lambda info: quantity_of_entity(info).capability,
         unit=lambda info: quantity_of_entity(info).unit,
     )
 
 
 def condition_component(read: ReadField) -> EntityComponent:
     """Return the component of sensors that are on or off."""
-    row = EntityRow(lambda info: condition_of(class_of(info))[1], read)
+    row = EntityRow("state", read, named=lambda info: condition_of(class_of(info))[1])
     return EntityComponent(lambda info: condition_of(class_of(info))[0], (row,))
 
 

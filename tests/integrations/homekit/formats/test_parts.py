@@ -6,6 +6,7 @@ import pytest
 from tests.gateways.checked_command import checked_command
 from tests.integrations.homekit.gateway.fake_accessories import accessory, characteristic, service
 
+from homebot.conventions.capability_row import writer_of
 from homebot.devices.obedience import fits
 from homebot.devices.part import Capability
 from homebot.devices.query.terms import OPENING_TAGS
@@ -33,11 +34,11 @@ def part(kind: str, values: Mapping[str, object], read_only: str = "", **limits:
 
 
 def values(found: HomekitPart) -> dict[str, PlainValue]:
-    return {name: row.read_value(found.service) for name, row in found.rows.items()}
+    return {name: row.read(found.service) for name, row in found.rows.items() if row.read is not None}
 
 
 def written(found: HomekitPart, capability: str, value: PlainValue) -> Mapping[str, float]:
-    return found.rows[capability].write_value(found.service, checked_command(found.part, capability, value))
+    return writer_of(found.rows.values(), capability)(found.service, checked_command(found.part, capability, value))
 
 
 def described(found: HomekitPart, capability: str) -> Capability:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import pytest
 from tests.gateways.checked_command import checked_command
 
+from homebot.conventions.capability_row import writer_of
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError, WrongCodeError
 from homebot.gateways.announced.gateway_device import can_report
@@ -57,7 +58,7 @@ def only_device(attributes: Mapping[str, object]) -> NodeDevice:
 def readings(device: NodeDevice, part: str = "1") -> dict[str, PlainValue]:
     described = next(one for one in device.device.parts if one.id == part)
     endpoint, rows = device.rows[part]
-    found = {row.capability: row.read_value(endpoint) for row in rows if row.read is not None}
+    found = {row.capability: row.read(endpoint) for row in rows if row.read is not None}
     assert all(can_report(described, name, value) for name, value in found.items())
     return found
 
@@ -69,8 +70,7 @@ def orders(attributes: Mapping[str, object], name: str, value: PlainValue, code:
 def encoded(device: NodeDevice, name: str, value: PlainValue, part: str = "1", code: str = "") -> MatterOrders:
     endpoint, rows = device.rows[part]
     described = next(one for one in device.device.parts if one.id == part)
-    row = next(one for one in rows if one.capability == name)
-    return row.orders_of(endpoint, checked_command(described, name, value, code=code))
+    return writer_of(rows, name)(endpoint, checked_command(described, name, value, code=code))
 
 
 @pytest.mark.parametrize(

@@ -85,7 +85,7 @@ def _setpoint_row(
     def grid(info: Fields) -> tuple[float, ...]:
         return number_grid(0, number_of(info, step), is_fahrenheit=whole_of(info, "temperature_unit") == _FAHRENHEIT)
 
-    return EntityRow(capability, read, write, "", field_of, (), bounds, "°C", grid)
+    return EntityRow(capability, read, write, field_of, (), bounds, "°C", grid)
 
 
 def _has_pair(info: Fields) -> bool:
@@ -154,7 +154,7 @@ def _named_row(name: str, field: str, names: tuple[str, ...], standard: str, cus
         known, option = known_of(info), require_option(name, value, options(info))
         return {field: known[option]} if option in known else {f"custom_{field}": option}
 
-    return EntityRow(name, read, write, "", options, options)
+    return EntityRow(name, read, write, options, options)
 
 
 _VISUAL = ("visual_min_temperature", "visual_max_temperature", "visual_target_temperature_step")
@@ -212,8 +212,12 @@ WATER_HEATER: Final = EntityComponent(
 
 def _speed_levels(info: Fields) -> int:
     """Return the number of speeds; 0 if it has none or too many."""
-    levels = int(number_of(info, "supported_speed_count") or 0)
+    levels = int(number_of(info, "supported_speed_count") or 0) if info.get("supports_speed") is True else 0
     return levels if 0 < levels <= _MOST_LEVELS else 0
+
+
+def _directions(info: Fields) -> Mapping[str, object]:
+    return {"forward": 0, "reverse": 1} if info.get("supports_direction") is True else {}
 
 
 def _speed_grid(info: Fields) -> tuple[float, ...]:
@@ -238,9 +242,9 @@ FAN: Final = EntityComponent(
     "fan",
     (
         flag_row("on_off", "state"),
-        EntityRow("fan_speed", _read_speed, _write_speed, "supports_speed", _speed_levels, grid=_speed_grid),
+        EntityRow("fan_speed", _read_speed, _write_speed, _speed_levels, grid=_speed_grid),
         flag_row("oscillation", "oscillating", "supports_oscillation"),
-        choice_row("direction", "direction", lambda _info: {"forward": 0, "reverse": 1}, "supports_direction"),
+        choice_row("direction", "direction", _directions),
         choice_row("preset_mode", "preset_mode", listed("supported_preset_modes")),
     ),
 )

@@ -5,6 +5,7 @@ Source: ESPHome 2026.10, ``components/api/api.proto``; names of fields and numbe
 
 from collections.abc import Callable, Mapping
 
+from homebot.conventions.capability_row import described, writer_of
 from homebot.conventions.command_values import require_bool, require_number, require_option, require_transition
 from homebot.conventions.entity_rows import (
     EntityComponent,
@@ -17,7 +18,6 @@ from homebot.conventions.entity_rows import (
     tag_of,
     text_of,
     whole_of,
-    writer_of,
 )
 from homebot.conventions.payload import Readings
 from homebot.devices.capabilities import EVENTS
@@ -37,6 +37,7 @@ __all__ = [
     "read_named",
     "read_percent",
     "read_text",
+    "supports",
     "write_percent",
 ]
 
@@ -65,7 +66,7 @@ class EsphomeEntity:
         self.key = key_of(info)
         self.state: Fields = {}
         self._kind = kind
-        rows = [(row.describe(info), row) for row in kind.rows if row.applies(info)]
+        rows = described(kind.rows, info, assumed=info.get("assumed_state") is True)
         self._capabilities = tuple(capability for capability, _ in rows)
         self._rows = {capability.name: row for capability, row in rows}
 
@@ -98,7 +99,7 @@ class EsphomeEntity:
         Raises:
             RefusedError: It is not settable, or needs a code, or the value is invalid; names the valid ones.
         """
-        fields = writer_of(self._rows, capability)(self.info, value, code)
+        fields = writer_of(self._rows.values(), capability)(self.info, value, code)
         if self.component == "light" and transition:
             return {**fields, "transition_length": require_transition(transition, _MOST_SECONDS)}
         return fields
@@ -151,19 +152,24 @@ def listed(field: str) -> Callable[[Fields], Mapping[str, object]]:
     return lambda info: {one: one for one in options_of(info, field)}
 
 
+def supports(field: str) -> Callable[[Fields], bool]:
+    """Return a condition: a boolean field of the description is set, if *field* is not empty."""
+    return lambda info: not field or info.get(field) is True
+
+
 def flag_row(name: str, field: str, needs: str = "") -> EntityRow:
     """Return the row of a boolean field of state and command."""
-    return EntityRow(name, read_flag(field), lambda _info, value, _code: {field: require_bool(name, value)}, needs)
+    return EntityRow(
+        name, read_flag(field), lambda _info, value, _code: {field: require_bool(name, value)}, supports(needs)
+    )
 
 
 def percent_row(name: str, field: str, needs: str = "") -> EntityRow:
     """Return the row of a field from 0 to 1 in state and command."""
-    return EntityRow(name, read_percent(field), write_percent(name, field), needs)
+    return EntityRow(name, read_percent(field), write_percent(name, field), supports(needs))
 
 
-def choice_row(
-    name: str, field: str, choices: Callable[[Fields], Mapping[str, object]], needs: str = "", **more: object
-) -> EntityRow:
+def choice_row(name: str, field: str, choices: Callable[[Fields], Mapping[str, object]], **more: object) -> EntityRow:
     """Return the row of a field of state and command, with a value for each of the *choices* of the description.
 
     An entity without choices has no such row. A command has *more* fields.
@@ -178,4 +184,4 @@ def choice_row(
         known = choices(info)
         return {**more, field: known[require_option(name, value, known)]}
 
-    return EntityRow(name, read, write, needs, choices, lambda info: tuple(choices(info)))
+    return EntityRow(name, read, write, choices, lambda info: tuple(choices(info)))

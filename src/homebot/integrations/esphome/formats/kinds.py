@@ -45,6 +45,7 @@ from homebot.integrations.esphome.formats.entity import (
     percent_row,
     read_named,
     read_text,
+    supports,
     write_percent,
 )
 from homebot.integrations.esphome.formats.light import LIGHT
@@ -226,7 +227,7 @@ KINDS: Final[Mapping[str, EntityComponent]] = {
         (
             flag_row("on_off", "state"),
             replace(choice_row("siren_tone", "tone", listed("tones"), state=True), read=None),
-            EntityRow("volume", None, write_percent("volume", "volume", state=True), "supports_volume"),
+            EntityRow("volume", None, write_percent("volume", "volume", state=True), supports("supports_volume")),
         ),
     ),
     "alarm_control_panel": EntityComponent(

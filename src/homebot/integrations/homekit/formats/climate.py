@@ -14,7 +14,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.integrations.homekit.formats.accessory import HapService
-from homebot.integrations.homekit.formats.rows import ServiceRow, Writes, known_values, read_number
+from homebot.integrations.homekit.formats.rows import ServiceRow, Writes, known_values, read_number, service_row
 
 __all__ = ["CLIMATE_ROWS"]
 
@@ -68,7 +68,7 @@ def _heater_setpoint_row(capability: str, threshold: str) -> ServiceRow:
             _check_order(service, capability, threshold, command.value.number)
         return {threshold: command.value.number}
 
-    return ServiceRow(HEATER, capability, threshold, threshold, write=write)
+    return service_row(HEATER, capability, threshold, threshold, write=write)
 
 
 def _setpoint_row(capability: str, threshold: str, mode: int) -> ServiceRow:
@@ -87,7 +87,7 @@ def _setpoint_row(capability: str, threshold: str, mode: int) -> ServiceRow:
         return {kind: celsius}
 
     watched = f"{SETPOINT} {threshold} {TARGET}"
-    return ServiceRow(
+    return service_row(
         THERMOSTAT,
         capability,
         watched,
@@ -118,14 +118,14 @@ def _humidity_of(service: HapService) -> str:
 
 
 CLIMATE_ROWS: Final = (
-    ServiceRow(f"{THERMOSTAT} {HEATER}", "local_temperature", TEMPERATURE),
-    ServiceRow(THERMOSTAT, "thermostat_mode", TARGET, TARGET, _MODES),
-    ServiceRow(THERMOSTAT, "thermostat_action", "F", "", _ACTIONS),
+    service_row(f"{THERMOSTAT} {HEATER}", "local_temperature", TEMPERATURE),
+    service_row(THERMOSTAT, "thermostat_mode", TARGET, TARGET, _MODES),
+    service_row(THERMOSTAT, "thermostat_action", "F", "", _ACTIONS),
     _setpoint_row("heating_setpoint", HEAT_TO, _HEAT),
     _setpoint_row("cooling_setpoint", COOL_TO, _COOL),
-    ServiceRow(THERMOSTAT, "humidity_setpoint", "34", "34"),
-    ServiceRow(THERMOSTAT, "preset_mode", _ECOBEE_MODE, _ECOBEE_HOLD, {0: "home", 1: "sleep", 2: "away"}),
-    ServiceRow(
+    service_row(THERMOSTAT, "humidity_setpoint", "34", "34"),
+    service_row(THERMOSTAT, "preset_mode", _ECOBEE_MODE, _ECOBEE_HOLD, {0: "home", 1: "sleep", 2: "away"}),
+    service_row(
         HEATER,
         "thermostat_mode",
         f"{HEATER_TARGET} {ACTIVE}",
@@ -135,12 +135,12 @@ CLIMATE_ROWS: Final = (
         _write_heater_mode,
         lambda service: ("off", *known_values(service, HEATER_TARGET, _HEATER_MODES).values()),
     ),
-    ServiceRow(HEATER, "thermostat_action", "B1", "", _HEATER_ACTIONS),
+    service_row(HEATER, "thermostat_action", "B1", "", _HEATER_ACTIONS),
     _heater_setpoint_row("heating_setpoint", HEAT_TO),
     _heater_setpoint_row("cooling_setpoint", COOL_TO),
-    ServiceRow(HUMIDIFIER, "on_off", ACTIVE, ACTIVE),
-    ServiceRow(HUMIDIFIER, "humidifier_mode", HUMIDIFIER_TARGET, HUMIDIFIER_TARGET, _HUMIDIFIER_MODES),
-    ServiceRow(
+    service_row(HUMIDIFIER, "on_off", ACTIVE, ACTIVE),
+    service_row(HUMIDIFIER, "humidifier_mode", HUMIDIFIER_TARGET, HUMIDIFIER_TARGET, _HUMIDIFIER_MODES),
+    service_row(
         HUMIDIFIER,
         "humidity_setpoint",
         f"{WET_TO} {DRY_TO} {HUMIDIFIER_TARGET}",
@@ -150,7 +150,7 @@ CLIMATE_ROWS: Final = (
         lambda service, command: {_humidity_of(service): command.value.number},
         bounds=lambda service: service.characteristics[_humidity_of(service)].bounds or (0.0, 100.0),
     ),
-    ServiceRow(HUMIDIFIER, "humidity_setpoint", DRY_TO, DRY_TO),  # if it only dries
-    ServiceRow(HUMIDIFIER, "measurement", "B5", unit="%"),  # the level of its water
-    ServiceRow(HUMIDIFIER, "number", _VOCOLINC_SPRAY, _VOCOLINC_SPRAY),
+    service_row(HUMIDIFIER, "humidity_setpoint", DRY_TO, DRY_TO),  # if it only dries
+    service_row(HUMIDIFIER, "measurement", "B5", unit="%"),  # the level of its water
+    service_row(HUMIDIFIER, "number", _VOCOLINC_SPRAY, _VOCOLINC_SPRAY),
 )

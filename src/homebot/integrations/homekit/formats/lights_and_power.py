@@ -11,7 +11,7 @@ from homebot.conventions.units import number_grid
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.integrations.homekit.formats.accessory import HapService
-from homebot.integrations.homekit.formats.rows import ServiceRow, Writes
+from homebot.integrations.homekit.formats.rows import Writes, service_row
 
 __all__ = ["POWER_ROWS"]
 
@@ -101,10 +101,10 @@ def _write_speed(service: HapService, command: Command) -> Writes:
 
 
 POWER_ROWS: Final = (
-    ServiceRow(f"{LIGHT} {SWITCH} {OUTLET} {SIMPLE_FAN}", "on_off", ON, ON),
-    ServiceRow(f"{FAN} {PURIFIER} {TELEVISION}", "on_off", ACTIVE, ACTIVE),
-    ServiceRow(LIGHT, "level", BRIGHTNESS, BRIGHTNESS, write=_write_level),
-    ServiceRow(
+    service_row(f"{LIGHT} {SWITCH} {OUTLET} {SIMPLE_FAN}", "on_off", ON, ON),
+    service_row(f"{FAN} {PURIFIER} {TELEVISION}", "on_off", ACTIVE, ACTIVE),
+    service_row(LIGHT, "level", BRIGHTNESS, BRIGHTNESS, write=_write_level),
+    service_row(
         LIGHT,
         "color_temperature",
         MIREDS,
@@ -114,9 +114,9 @@ POWER_ROWS: Final = (
         bounds=_kelvin_bounds,
         grid=lambda _: (),
     ),
-    ServiceRow(LIGHT, "color", f"{HUE} {SATURATION}", HUE, None, _read_color, _write_color),
-    ServiceRow(OUTLET, "plugged_in", "26"),
-    ServiceRow(
+    service_row(LIGHT, "color", f"{HUE} {SATURATION}", HUE, None, _read_color, _write_color),
+    service_row(OUTLET, "plugged_in", "26"),
+    service_row(
         _BLOWERS,
         "fan_speed",
         f"{SPEED} {ON} {ACTIVE}",
@@ -126,13 +126,13 @@ POWER_ROWS: Final = (
         _write_speed,
         grid=_speed_grid,
     ),
-    ServiceRow(f"{FAN} {THERMOSTAT}", "fan_mode", "BF", "BF", _FAN_MODES),
-    ServiceRow(PURIFIER, "fan_mode", "A8", "A8", _FAN_MODES),
-    ServiceRow(f"{_FANS} {HEATER}", "oscillation", "B6", "B6"),
-    ServiceRow(_FANS, "direction", "28", "28", _DIRECTIONS),
-    ServiceRow(f"{SPEAKER} {SMART_SPEAKER}", "volume", "119", "119"),
-    ServiceRow("", "muted", "11A", "11A"),  # also of microphones and air purifiers
-    ServiceRow(f"{TELEVISION} {SMART_SPEAKER}", "playback", "E0", "137", _PLAYBACKS),
-    *(ServiceRow("", "volume", kind, kind) for kind in _AQARA_VOLUMES),
-    *(ServiceRow("", name, kind) for name, kinds in _METERS.items() for kind in kinds),
+    service_row(f"{FAN} {THERMOSTAT}", "fan_mode", "BF", "BF", _FAN_MODES),
+    service_row(PURIFIER, "fan_mode", "A8", "A8", _FAN_MODES),
+    service_row(f"{_FANS} {HEATER}", "oscillation", "B6", "B6"),
+    service_row(_FANS, "direction", "28", "28", _DIRECTIONS),
+    service_row(f"{SPEAKER} {SMART_SPEAKER}", "volume", "119", "119"),
+    service_row("", "muted", "11A", "11A"),  # also of microphones and air purifiers
+    service_row(f"{TELEVISION} {SMART_SPEAKER}", "playback", "E0", "137", _PLAYBACKS),
+    *(service_row("", "volume", kind, kind) for kind in _AQARA_VOLUMES),
+    *(service_row("", name, kind) for name, kinds in _METERS.items() for kind in kinds),
 )

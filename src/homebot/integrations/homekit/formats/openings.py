@@ -11,7 +11,7 @@ from homebot.conventions.command_values import require_option
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.integrations.homekit.formats.accessory import HapService
-from homebot.integrations.homekit.formats.rows import ServiceRow, Writes, known_values
+from homebot.integrations.homekit.formats.rows import ServiceRow, Writes, known_values, service_row
 
 __all__ = ["OPENING_ROWS"]
 
@@ -64,7 +64,7 @@ def _target_row(
             dict.fromkeys([*known_values(service, target, values).values(), *others.values(), *moving.values()])
         )
 
-    return ServiceRow(services, capability, f"{state} {target}", target, values, read, options=options)
+    return service_row(services, capability, f"{state} {target}", target, values, read, options=options)
 
 
 def _read_movement(service: HapService) -> PlainValue:
@@ -88,7 +88,7 @@ def _tilt_row(state: str, target: str) -> ServiceRow:
         is_negative = (service.number(state) or 0) < 0 or service.characteristics[target].bounds[1:] == (0.0,)
         return {target: -angle if is_negative else angle}
 
-    return ServiceRow(COVERING, "tilt", state, target, None, read, write, grid=lambda _: ())
+    return service_row(COVERING, "tilt", state, target, None, read, write, grid=lambda _: ())
 
 
 OPENING_ROWS: Final = (
@@ -97,13 +97,13 @@ OPENING_ROWS: Final = (
         "7E", "alarm", "66", "67", _ARMED, dict.fromkeys(range(3), "arming") | {3: "disarming"}, {4: "triggered"}
     ),
     _target_row(_VALVES, "valve", "D2", "B0", _OPENED, {0: "closing", 1: "opening"}, {}),
-    ServiceRow(_VALVES, "valve", "B0", "B0", _OPENED),  # a faucet
-    ServiceRow(_VALVES, "number", "D3", "D3", unit="s"),  # for how long it opens
-    ServiceRow(IRRIGATION, "on_off", "B0", "B0"),  # whether its programs may water
-    ServiceRow(IRRIGATION, "running", "D2"),
+    service_row(_VALVES, "valve", "B0", "B0", _OPENED),  # a faucet
+    service_row(_VALVES, "number", "D3", "D3", unit="s"),  # for how long it opens
+    service_row(IRRIGATION, "on_off", "B0", "B0"),  # whether its programs may water
+    service_row(IRRIGATION, "running", "D2"),
     _target_row(GARAGE, "movement", "E", "32", _OPEN, {0: "opening", 1: "closing"}, _DOOR_MOVES),
-    ServiceRow(_MOTORS, "position", POSITION, POSITION_TARGET),
-    ServiceRow(
+    service_row(_MOTORS, "position", POSITION, POSITION_TARGET),
+    service_row(
         _MOTORS,
         "movement",
         f"{POSITION} {MOVEMENT} {POSITION_TARGET}",
@@ -115,5 +115,5 @@ OPENING_ROWS: Final = (
     ),
     _tilt_row("6C", "7B"),  # horizontal slats
     _tilt_row("6E", "7D"),  # vertical slats
-    ServiceRow(f"{_MOTORS} {GARAGE}", "problem", "24"),  # obstructed
+    service_row(f"{_MOTORS} {GARAGE}", "problem", "24"),  # obstructed
 )

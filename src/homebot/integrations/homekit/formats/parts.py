@@ -8,13 +8,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from homebot.conventions.capability_row import described
 from homebot.conventions.units import sensor_type
 from homebot.devices.part import Capability, Category, Part
 from homebot.integrations.homekit.formats.accessory import INFORMATION, Accessory, HapService
 from homebot.integrations.homekit.formats.climate import CLIMATE_ROWS
 from homebot.integrations.homekit.formats.lights_and_power import POWER_ROWS
 from homebot.integrations.homekit.formats.openings import OPENING_ROWS
-from homebot.integrations.homekit.formats.rows import ServiceRow
+from homebot.integrations.homekit.formats.rows import ServiceRow, service_row
 
 __all__ = ["PRESS", "PRESSES", "HomekitPart", "parts_of"]
 
@@ -30,38 +31,38 @@ _HEATER, _COOL_TO = "BC", "D"
 _HEATERS: Final = frozenset({"4A", _HEATER})
 
 _SENSOR_ROWS: Final = (
-    ServiceRow("89 121", "press", PRESS, "", PRESSES),  # buttons and doorbells
-    ServiceRow(MOTION, "occupancy", "22"),
-    ServiceRow(OCCUPANCY, "occupancy", "71"),
-    ServiceRow(CONTACT, "contact", "6A"),  # 1 is "not detected": open
-    ServiceRow(LEAK, "water_leak", "70"),
-    ServiceRow(SMOKE, "smoke", "76"),
-    ServiceRow(MONOXIDE, "carbon_monoxide_alarm", "69"),
-    ServiceRow(f"{MONOXIDE} {AIR}", "carbon_monoxide", "90"),
-    ServiceRow(DIOXIDE, "safety", "92"),
-    ServiceRow(f"{DIOXIDE} {AIR}", "carbon_dioxide", "93"),
-    ServiceRow(AIR, "air_quality_index", "95", read=lambda one: one.number("95") or None),  # 1 is excellent, 5 is poor
-    ServiceRow(AIR, "pm25", "C6"),
-    ServiceRow(AIR, "pm10", "C7"),
-    ServiceRow(AIR, "volatile_organic_compounds", "C8"),
-    ServiceRow("", "temperature", "11", when=lambda service: service.type not in _HEATERS),
-    ServiceRow("", "humidity", "10"),
-    ServiceRow("", "illuminance", "6B"),
-    ServiceRow(BATTERY, "battery", "68"),
-    ServiceRow(
+    service_row("89 121", "press", PRESS, "", PRESSES),  # buttons and doorbells
+    service_row(MOTION, "occupancy", "22"),
+    service_row(OCCUPANCY, "occupancy", "71"),
+    service_row(CONTACT, "contact", "6A"),  # 1 is "not detected": open
+    service_row(LEAK, "water_leak", "70"),
+    service_row(SMOKE, "smoke", "76"),
+    service_row(MONOXIDE, "carbon_monoxide_alarm", "69"),
+    service_row(f"{MONOXIDE} {AIR}", "carbon_monoxide", "90"),
+    service_row(DIOXIDE, "safety", "92"),
+    service_row(f"{DIOXIDE} {AIR}", "carbon_dioxide", "93"),
+    service_row(AIR, "air_quality_index", "95", read=lambda one: one.number("95") or None),  # 1 is excellent, 5 is poor
+    service_row(AIR, "pm25", "C6"),
+    service_row(AIR, "pm10", "C7"),
+    service_row(AIR, "volatile_organic_compounds", "C8"),
+    service_row("", "temperature", "11", when=lambda service: service.type not in _HEATERS),
+    service_row("", "humidity", "10"),
+    service_row("", "illuminance", "6B"),
+    service_row(BATTERY, "battery", "68"),
+    service_row(
         BATTERY, "battery_charging", "8F", read=lambda service: service.number("8F") == 1
     ),  # 2 is "not chargeable"
-    ServiceRow(f"{BATTERY} {_SENSORS}", "battery_low", "79"),
-    ServiceRow(f"{_SENSORS} 7E", "tamper", "7A"),
-    ServiceRow(f"{_SENSORS} D0 D7 CF 7E", "problem", "77"),
-    ServiceRow(FILTER, "measurement", "AB", unit="%"),  # of its life that is left
-    ServiceRow(FILTER, "problem", "AC"),
-    ServiceRow("", "measurement", "B3BBFABC-D78C-5B8D-948C-5DAC1EE2CDE5", unit="dB"),  # of Netatmo: noise
-    ServiceRow("", "measurement", "E863F12E-079E-48FF-8F27-9C2605A29F52", unit="%"),  # of Eve: how far a valve is open
-    ServiceRow(INFORMATION, "locate", "14", "14"),
+    service_row(f"{BATTERY} {_SENSORS}", "battery_low", "79"),
+    service_row(f"{_SENSORS} 7E", "tamper", "7A"),
+    service_row(f"{_SENSORS} D0 D7 CF 7E", "problem", "77"),
+    service_row(FILTER, "measurement", "AB", unit="%"),  # of its life that is left
+    service_row(FILTER, "problem", "AC"),
+    service_row("", "measurement", "B3BBFABC-D78C-5B8D-948C-5DAC1EE2CDE5", unit="dB"),  # of Netatmo: noise
+    service_row("", "measurement", "E863F12E-079E-48FF-8F27-9C2605A29F52", unit="%"),  # of Eve: how far a valve is open
+    service_row(INFORMATION, "locate", "14", "14"),
 )
 
-_CHILD_LOCK: Final = ServiceRow("", "on_off", "A7", "A7")
+_CHILD_LOCK: Final = service_row("", "on_off", "A7", "A7")
 """A part of its own, as a plug, a purifier or a heater with it can be turned on itself."""
 
 _ROWS: Final = (*POWER_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *_SENSOR_ROWS)
@@ -117,9 +118,8 @@ def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
     rows, has_function = (*_ROWS, *_source_rows(accessory)), False
     for service in sorted(accessory.services.values(), key=lambda one: one.type == INFORMATION):
         found: dict[str, tuple[Capability, ServiceRow]] = {}
-        for row in rows:
-            if row.capability not in found and (capability := row.describe(service)) is not None:
-                found[row.capability] = capability, row
+        for capability, row in described(rows, service):
+            found.setdefault(capability.name, (capability, row))
         if found and (has_function or service.type != INFORMATION):
             has_function = True
             part = _part(service, own_name, tuple(capability for capability, _ in found.values()))
@@ -149,7 +149,7 @@ def _source_rows(accessory: Accessory) -> Iterator[ServiceRow]:
         if one.type == _INPUT and number is not None and name:
             sources[int(number)] = f"{name} {number:.0f}" if name in sources.values() else name
     if sources:
-        yield ServiceRow(_TELEVISION, "option", _SOURCE, _SOURCE, sources)
+        yield service_row(_TELEVISION, "option", _SOURCE, _SOURCE, sources)
 
 
 def _part(service: HapService, own_name: str, capabilities: tuple[Capability, ...]) -> Part:

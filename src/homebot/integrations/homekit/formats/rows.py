@@ -1,28 +1,46 @@
 """Rows: the capabilities of services, with what reads and sets them. Pure."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from functools import partial
 from typing import TypeAlias
 
+from homebot.conventions.capability_row import CapabilityRow
 from homebot.conventions.command_values import require_option
 from homebot.conventions.units import number_grid
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, EVENTS
 from homebot.devices.gateway_messages import Command
-from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.integrations.homekit.formats.accessory import HapService
 
-__all__ = ["ServiceRow", "Writes", "known_values", "read_number"]
+__all__ = ["ServiceRow", "Writes", "known_values", "read_number", "service_row"]
 
 Writes: TypeAlias = Mapping[str, float]
 """Values of characteristics, by their types."""
 
 
-@dataclass(frozen=True, slots=True)
-class ServiceRow:
-    """A capability of the services that have its characteristics.
+ServiceRow: TypeAlias = CapabilityRow[
+    HapService, Callable[[HapService], PlainValue], Callable[[HapService, Command], Writes]
+]
+"""A capability of the services that have its characteristics; it is watched by their types."""
 
-    Attributes:
+
+def service_row(
+    services: str,
+    capability: str,
+    watched: str,
+    target: str = "",
+    values: Mapping[int, str] | None = None,
+    read: Callable[[HapService], PlainValue] | None = None,
+    write: Callable[[HapService, Command], Writes] | None = None,
+    options: Callable[[HapService], tuple[str, ...]] | None = None,
+    bounds: Callable[[HapService], tuple[float, ...]] | None = None,
+    grid: Callable[[HapService], tuple[float, ...]] | None = None,
+    when: Callable[[HapService], object] | None = None,
+    unit: str = "",
+) -> ServiceRow:
+    """Return the row of a capability.
+
+    Args:
         services: The types of the services, separated by spaces; empty for any.
         watched: The types of the characteristics that its value depends on, separated by spaces; a service without the
             first one does not have the capability.
@@ -34,78 +52,60 @@ class ServiceRow:
         bounds: Returns the bounds of its value; by default those of *target* or the vocabulary.
         grid: Returns the grid of its value; by default that of *target*.
     """
+    kinds, types, is_number = watched.split(), services.split(), CAPABILITIES[capability].kind == "number"
+    first = kinds[0]
 
-    services: str
-    capability: str
-    watched: str
-    target: str = ""
-    values: Mapping[int, str] | None = None
-    read: Callable[[HapService], PlainValue] | None = None
-    write: Callable[[HapService, Command], Writes] | None = None
-    options: Callable[[HapService], tuple[str, ...]] | None = None
-    bounds: Callable[[HapService], tuple[float, ...]] | None = None
-    grid: Callable[[HapService], tuple[float, ...]] | None = None
-    when: Callable[[HapService], object] | None = None
-    unit: str = ""
+    def applies(service: HapService) -> bool:
+        is_of_row = first in service.characteristics and (not types or service.type in types)
+        return is_of_row and (when is None or bool(when(service)))
 
-    @property
-    def kinds(self) -> list[str]:
-        """The types of the characteristics that its value depends on."""
-        return self.watched.split()
+    def of_number(found: Callable[[HapService], tuple[float, ...]]) -> Callable[[HapService], tuple[float, ...]]:
+        return lambda service: found(service) if is_number and service.can(target, "pw") else ()
 
-    def describe(self, service: HapService) -> Capability | None:
-        """Return the capability of *service* by this row; None if it has none."""
-        first = self.kinds[0]
-        known = service.characteristics.get(first)
-        is_of_row = not self.services or service.type in self.services.split()
-        if known is None or not is_of_row or (self.when and not self.when(service)):
-            return None
-        is_settable = service.can(self.target, "pw")
-        kind, is_event = CAPABILITIES[self.capability].kind, CAPABILITIES[self.capability].is_event
-        target = service.characteristics.get(self.target, known)
-        grid = self.grid(service) if self.grid else number_grid(sum(target.bounds[:1]), target.step)
-        return Capability(
-            name=self.capability,
-            readable=is_event or "pr" in known.perms,
-            settable=is_settable,
-            unit=self.unit,
-            bounds=self._bounds(service) if is_settable and kind == "number" else (),
-            grid=grid if is_settable and kind == "number" else (),
-            options=self.options(service) if self.options else tuple(self._texts(service).values()),
-        )
+    return ServiceRow(
+        capability,
+        read or partial(_read, capability, first, values),
+        write or partial(_write, capability, target, values),
+        applies,
+        options or (lambda service: tuple(known_values(service, target or first, values or {}).values())),
+        of_number(bounds or partial(_bounds, capability, target, is_own=write is None)),
+        unit,
+        of_number(grid or partial(_grid, target)),
+        readable=lambda service: capability in EVENTS or "pr" in service.characteristics[first].perms,
+        settable=lambda service: service.can(target, "pw"),
+        watched=tuple(kinds),
+    )
 
-    def read_value(self, service: HapService) -> PlainValue:
-        """Return the value of its capability, or the last event; None for unknown."""
-        if self.read is not None:
-            return self.read(service)
-        first = self.kinds[0]
-        if self.values is None and CAPABILITIES[self.capability].kind == "number":
-            return read_number(self.capability, first, service)
-        value = service.number(first)
-        if value is None:
-            return None
-        return value != 0 if self.values is None else self.values.get(int(value))
 
-    def write_value(self, service: HapService, command: Command) -> Writes:
-        """Return what a command that fits its capability sets; raise RefusedError for what cannot be done now."""
-        if self.write is not None:
-            return self.write(service, command)
-        value = command.value
-        if self.values is not None:
-            raw = {text: number for number, text in self._texts(service).items()}
-            return {self.target: raw[require_option(self.capability, value.text, raw)]}
-        is_number = CAPABILITIES[self.capability].kind == "number"
-        return {self.target: value.number if is_number else float(value.flag)}
+def _read(capability: str, kind: str, values: Mapping[int, str] | None, service: HapService) -> PlainValue:
+    """Return the value of a characteristic, or the last event; None for unknown."""
+    if values is None and CAPABILITIES[capability].kind == "number":
+        return read_number(capability, kind, service)
+    value = service.number(kind)
+    if value is None:
+        return None
+    return value != 0 if values is None else values.get(int(value))
 
-    def _texts(self, service: HapService) -> dict[int, str]:
-        return known_values(service, self.target or self.kinds[0], self.values or {})
 
-    def _bounds(self, service: HapService) -> tuple[float, ...]:
-        if self.bounds is not None:
-            return self.bounds(service)
-        usual, own = CAPABILITIES[self.capability].bounds, service.characteristics[self.target].bounds
-        is_narrower = own and (not usual or (usual[0] <= own[0] and own[1] <= usual[1]))
-        return own if is_narrower and self.write is None else usual or own
+def _write(
+    capability: str, target: str, values: Mapping[int, str] | None, service: HapService, command: Command
+) -> Writes:
+    value = command.value
+    if values is not None:
+        raw = {text: number for number, text in known_values(service, target, values).items()}
+        return {target: raw[require_option(capability, value.text, raw)]}
+    return {target: value.number if CAPABILITIES[capability].kind == "number" else float(value.flag)}
+
+
+def _bounds(capability: str, target: str, service: HapService, *, is_own: bool) -> tuple[float, ...]:
+    usual, own = CAPABILITIES[capability].bounds, service.characteristics[target].bounds
+    is_narrower = own and (not usual or (usual[0] <= own[0] and own[1] <= usual[1]))
+    return own if is_narrower and is_own else usual or own
+
+
+def _grid(target: str, service: HapService) -> tuple[float, ...]:
+    found = service.characteristics[target]
+    return number_grid(sum(found.bounds[:1]), found.step)
 
 
 def known_values(service: HapService, kind: str, values: Mapping[int, str]) -> dict[int, str]:

@@ -13,6 +13,7 @@ from typing import Final
 import anyio
 from anyio.abc import TaskGroup
 
+from homebot.conventions.capability_row import writer_of
 from homebot.conventions.payload import as_fields, compact_json, shown
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError
@@ -129,8 +130,8 @@ class AccessoryRunner(DeviceRunner):
         """Carry out *command*; without a connection, wait for one (for one attempt unless it is sleepy)."""
         link = await self._connected()
         accessory, part = self._find(command)
-        row, known = part.rows[command.capability], part.service.characteristics
-        written = row.write_value(part.service, command).items()
+        known, watched = part.service.characteristics, part.rows[command.capability].watched
+        written = writer_of(part.rows.values(), command.capability)(part.service, command).items()
         wanted = {known[kind]: known[kind].encode(value) for kind, value in written if kind in known}
         self._writes += 1
         statuses = await link.write(
@@ -140,7 +141,7 @@ class AccessoryRunner(DeviceRunner):
         _check(f"{command.capability} for {accessory.device.name}", statuses.values())
         for one, value in wanted.items():
             one.value = value  # the next command, before it is read back, may depend on it: a temperature on a mode
-        self._read_back(link, accessory.aid, (one for one in known.values() if one in wanted or one.type in row.kinds))
+        self._read_back(link, accessory.aid, (one for one in known.values() if one in wanted or one.type in watched))
 
     def _read_back(self, link: HomekitLink, aid: int, written: Iterable[HapCharacteristic]) -> None:
         ids = {(aid, one.iid) for one in written if "pr" in one.perms}
@@ -185,7 +186,7 @@ class AccessoryRunner(DeviceRunner):
             for aid, accessory in self._accessories.items()
             for part in accessory.parts.values()
             for one in part.service.characteristics.values()
-            if permission in one.perms and any(one.type in row.kinds for row in part.rows.values())
+            if permission in one.perms and any(one.type in row.watched for row in part.rows.values())
         )
 
     def _on_event(self, values: HomekitValues) -> None:
@@ -260,8 +261,8 @@ class AccessoryRunner(DeviceRunner):
         for part in accessory.parts.values():
             kinds = {one.type for one in part.service.characteristics.values() if one.iid in values}
             for row in part.rows.values():  # one by one, as the newest report of each set of capabilities is kept
-                if not kinds.isdisjoint(row.kinds):
-                    await self._devices.report(key, {row.capability: row.read_value(part.service)}, part.part.id)
+                if row.read is not None and not kinds.isdisjoint(row.watched):
+                    await self._devices.report(key, {row.capability: row.read(part.service)}, part.part.id)
 
 
 def _check(what: str, statuses: Iterable[int]) -> None:

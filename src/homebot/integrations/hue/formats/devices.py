@@ -6,6 +6,7 @@ from itertools import count
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
+from homebot.conventions.capability_row import described
 from homebot.conventions.payload import text_of
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.devices.part import Category, Part
@@ -131,17 +132,17 @@ def _service(
 ) -> HueService:
     kind = text_of(resource.get("type"))
     service_type, category = _TYPES[kind]
-    rows = tuple(row for row in SERVICE_ROWS if row.type == kind and row.needs in resource)
+    found = described(SERVICE_ROWS, resource)
     part = Part(
         id=part_id,
         name=name,
         service_type="plug" if is_plug and kind == "light" else service_type,
         advertised=kind,
         category=category,
-        capabilities=tuple(row.describe(resource) for row in rows),
+        capabilities=tuple(capability for capability, _ in found),
         members=members,
     )
-    return HueService(rid, part, rows)
+    return HueService(rid, part, tuple(row for _, row in found))
 
 
 def _name(resource: Fields) -> str:

@@ -4,16 +4,15 @@ Source: Philips Hue, CLIP API v2: ``GET /clip/v2/resource``, and the events ``ad
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from homebot.conventions.capability_row import CapabilityRow
 from homebot.conventions.payload import as_fields, shown
 from homebot.devices.gateway_messages import Command
-from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
-__all__ = ["Fields", "HueBody", "HueResources", "HueRow", "at", "merged"]
+__all__ = ["Fields", "HueBody", "HueResources", "HueRow", "at", "hue_row", "merged"]
 
 Fields: TypeAlias = Mapping[str, object]
 """A resource, or an object in one, as the bridge sends it."""
@@ -22,39 +21,35 @@ HueBody: TypeAlias = dict[str, object]
 """The changes that a request asks for."""
 
 
-@dataclass(frozen=True, slots=True)
-class HueRow:
-    """A capability of the resources of one type.
+HueRow: TypeAlias = CapabilityRow[Fields, Callable[[Fields], PlainValue], Callable[[Fields, Command], HueBody]]
+"""A capability of a resource; it is watched by the fields of which a report has one."""
 
-    Attributes:
-        type: The type of the resource: ``light``.
-        fields: The fields that its value depends on; it is reported by a resource with one of them.
-        read: Returns its value, None for unknown; never raises. None for events, and for a capability without a state.
-        write: Returns the body of the request for a command that fits the capability; raises RefusedError. None for a
-            capability that cannot be set.
-        needs: The field that a resource has if it has the capability.
-        at_owner: Whether the request goes to the device that the resource belongs to.
+
+def hue_row(
+    kind: str,
+    capability: str,
+    fields: tuple[str, ...],
+    read: Callable[[Fields], PlainValue] | None = None,
+    write: Callable[[Fields, Command], HueBody] | None = None,
+    needs: str = "id",
+    bounds: Callable[[Fields], tuple[float, ...]] | tuple[()] = (),
+    options: Callable[[Fields], tuple[str, ...]] | tuple[()] = (),
+) -> HueRow:
+    """Return the row of a capability of the resources of a *kind*, such as ``light``, with the field that it *needs*.
+
+    Args:
+        fields: The fields that its value depends on; a resource with one of them reports it.
     """
-
-    type: str
-    capability: str
-    fields: frozenset[str]
-    read: Callable[[Fields], PlainValue] | None = None
-    write: Callable[[Fields, Command], HueBody] | None = None
-    needs: str = "id"
-    bounds: Callable[[Fields], tuple[float, ...]] = lambda _: ()
-    options: Callable[[Fields], tuple[str, ...]] = lambda _: ()
-    at_owner: bool = False
-
-    def describe(self, resource: Fields) -> Capability:
-        """Return the capability of a resource that has it."""
-        return Capability(
-            name=self.capability,
-            readable=not self.fields.isdisjoint(resource),
-            settable=self.write is not None,
-            bounds=self.bounds(resource),
-            options=self.options(resource),
-        )
+    return HueRow(
+        capability,
+        read,
+        write,
+        lambda one: one.get("type") == kind and needs in one,
+        options,
+        bounds,
+        readable=lambda one: any(field in one for field in fields),
+        watched=fields,
+    )
 
 
 def at(resource: object, *path: str) -> object:

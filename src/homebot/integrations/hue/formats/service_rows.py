@@ -17,7 +17,7 @@ from homebot.conventions.light_color import MIRED, from_hue_saturation, nearest_
 from homebot.conventions.payload import text_of
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
-from homebot.integrations.hue.formats.resources import Fields, HueBody, HueRow, at
+from homebot.integrations.hue.formats.resources import Fields, HueBody, at, hue_row
 from homebot.support.numbers import finite_number
 
 __all__ = ["BUTTON_KINDS", "MOTION_KINDS", "SERVICE_ROWS", "press_of"]
@@ -105,18 +105,18 @@ def _write_locate(_device: Fields, command: Command) -> HueBody:
     return {"identify": {"action": "identify"}}
 
 
-_COLORS: Final = frozenset({"color", "color_temperature"})
+_COLORS: Final = ("color", "color_temperature")
 
 _LIGHT_ROWS: Final = (
-    HueRow(
+    hue_row(
         "light",
         "on_off",
-        frozenset({"on"}),
+        ("on",),
         lambda light: _flag(at(light, "on", "on")),
         lambda _light, one: _body(one, on=one.value.flag),
     ),
-    HueRow("light", "level", frozenset({"dimming"}), _read_level, _write_level, "dimming"),
-    HueRow(
+    hue_row("light", "level", ("dimming",), _read_level, _write_level, "dimming"),
+    hue_row(
         "light",
         "color_temperature",
         _COLORS,
@@ -125,17 +125,17 @@ _LIGHT_ROWS: Final = (
         "color_temperature",
         lambda light: nearest_mired_bounds(*_mirek_bounds(light)),
     ),
-    HueRow("light", "color", _COLORS, _read_color, _write_color, "color"),
-    HueRow(
+    hue_row("light", "color", _COLORS, _read_color, _write_color, "color"),
+    hue_row(
         "light",
         "effect",
-        frozenset({"effects"}),
+        ("effects",),
         _read_effect,
         lambda light, one: _body(one, effects={"effect": require_option("effect", one.value.text, _effects(light))}),
         "effects",
         options=_effects,
     ),
-    HueRow("light", "locate", frozenset(), write=_write_locate, at_owner=True),
+    hue_row("light", "locate", (), write=_write_locate),
 )
 
 
@@ -180,6 +180,10 @@ def _sensed(sensor: Fields, feature: str, name: str) -> object:
     return at(sensor, feature, name) if found is None else found
 
 
+def _read_motion(sensor: Fields) -> PlainValue:
+    return _flag(_sensed(sensor, "motion", "motion"))
+
+
 def _read_celsius(sensor: Fields) -> PlainValue:
     celsius = finite_number(_sensed(sensor, "temperature", "temperature"))
     return None if celsius is None else round(celsius, 2)  # it sends 18.139999389648438
@@ -209,22 +213,22 @@ def _write_recall(scene: Fields, command: Command) -> HueBody:
     return {"recall": {"action": "activate"} if is_smart else {"action": "active", **_transition_of(command)}}
 
 
-_MOTION, _WARMTH, _LIGHT = (frozenset({one, "enabled"}) for one in ("motion", "temperature", "light"))
-_CONTACT, _POWER, _ANY = frozenset({"contact_report", "enabled"}), frozenset({"power_state"}), frozenset({"id"})
+_MOTION, _WARMTH, _LIGHT = ((one, "enabled") for one in ("motion", "temperature", "light"))
+_CONTACT, _POWER, _ANY = ("contact_report", "enabled"), ("power_state",), ("id",)
 
 _read_contact = _words({"contact": False, "no_contact": True}, "contact_report", "state")
 _read_low = _words({"normal": False, "low": True, "critical": True}, "power_state", "battery_state")
 
 SERVICE_ROWS: Final = (
     *_LIGHT_ROWS,
-    *(HueRow(kind, "occupancy", _MOTION, lambda one: _flag(_sensed(one, "motion", "motion"))) for kind in MOTION_KINDS),
-    HueRow("temperature", "temperature", _WARMTH, _read_celsius),
-    HueRow("light_level", "illuminance", _LIGHT, _read_lux),
-    HueRow("contact", "contact", _CONTACT, _read_contact),
-    HueRow("tamper", "tamper", frozenset({"tamper_reports"}), _read_tamper),
-    HueRow("device_power", "battery", _POWER, lambda one: finite_number(at(one, "power_state", "battery_level"))),
-    HueRow("device_power", "battery_low", _POWER, _read_low),
-    *(HueRow(kind, "press", _ANY, options=_presses) for kind in BUTTON_KINDS),
-    HueRow("relative_rotary", "press", _ANY, options=lambda _: tuple(_TURNS.values())),
-    *(HueRow(kind, "scene", frozenset(), write=_write_recall) for kind in ("scene", "smart_scene")),
+    *(hue_row(kind, "occupancy", _MOTION, _read_motion) for kind in MOTION_KINDS),
+    hue_row("temperature", "temperature", _WARMTH, _read_celsius),
+    hue_row("light_level", "illuminance", _LIGHT, _read_lux),
+    hue_row("contact", "contact", _CONTACT, _read_contact),
+    hue_row("tamper", "tamper", ("tamper_reports",), _read_tamper),
+    hue_row("device_power", "battery", _POWER, lambda one: finite_number(at(one, "power_state", "battery_level"))),
+    hue_row("device_power", "battery_low", _POWER, _read_low),
+    *(hue_row(kind, "press", _ANY, options=_presses) for kind in BUTTON_KINDS),
+    hue_row("relative_rotary", "press", _ANY, options=lambda _: tuple(_TURNS.values())),
+    *(hue_row(kind, "scene", (), write=_write_recall) for kind in ("scene", "smart_scene")),
 )

@@ -13,6 +13,7 @@ import anyio
 import anyio.lowlevel
 from pydantic import SecretStr
 
+from homebot.conventions.capability_row import writer_of
 from homebot.conventions.payload import as_fields, compact_json, parse_json, shown, text_of
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
@@ -116,11 +117,9 @@ class BridgeRunner(DeviceRunner):
             raise self.not_connected()
         device = self._described[command.key]
         service = next(one for one in device.services if one.part.id == command.part)
-        row = next(one for one in service.rows if one.capability == command.capability)
-        if row.write is None:
-            raise RefusedError(command.capability, "it cannot be set")
-        body = row.write(self._resources.get(service.id), command)
-        kind, rid = ("device", device.id) if row.at_owner else (service.part.advertised, service.id)
+        body = writer_of(service.rows, command.capability)(self._resources.get(service.id), command)
+        is_of_device = command.capability == "locate"
+        kind, rid = ("device", device.id) if is_of_device else (service.part.advertised, service.id)
         try:
             await self._link.change(f"{command.capability} for {device.name}", kind, rid, body)
         except RefusedError as exc:
@@ -267,10 +266,10 @@ class BridgeRunner(DeviceRunner):
     async def _report(self, key: str, service: HueService, change: Fields | None, *, is_old: bool = False) -> None:
         """Report the values in a change, or all values for None."""
         resource = self._resources.get(service.id)
-        values: dict[frozenset[str], dict[str, PlainValue]] = {}
+        values: dict[tuple[str | int, ...], dict[str, PlainValue]] = {}
         for row in service.rows:
-            if row.read is not None and (change is None or row.fields & change.keys()):
-                values.setdefault(row.fields, {})[row.capability] = row.read(resource)
+            if row.read is not None and (change is None or not change.keys().isdisjoint(row.watched)):
+                values.setdefault(row.watched, {})[row.capability] = row.read(resource)
         for together in values.values():
             await self._devices.report(key, together, service.part.id, retained=is_old)
         press, time = press_of(change or {})

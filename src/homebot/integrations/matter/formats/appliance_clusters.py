@@ -16,7 +16,15 @@ from homebot.conventions.payload import as_fields, clean_text, text_of
 from homebot.conventions.units import number_grid
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
-from homebot.integrations.matter.formats.cluster_row import ClusterRow, any_bit, choice, choice_row, number, one_of
+from homebot.integrations.matter.formats.cluster_row import (
+    ClusterRow,
+    any_bit,
+    choice,
+    choice_row,
+    cluster_row,
+    number,
+    one_of,
+)
 from homebot.integrations.matter.formats.endpoint import (
     ACCEPTED_COMMANDS,
     ClusterInvocation,
@@ -98,10 +106,9 @@ def _mode_row(cluster: int) -> ClusterRow:
     capability = "water_heater_mode" if cluster == HEATER_MODE else "option"
     labels, order = partial(_labels, cluster), partial(_change_to_mode, cluster)
     return replace(
-        choice_row(cluster, _current_attribute(cluster), labels, order, capability),
-        accepts=_CHANGE_TO_MODE,
-        part_suffix=MODE if cluster == MODE_SELECT else "",
-        spare_suffix="energy_mode" if cluster == ENERGY_MODE else "",
+        choice_row(cluster, _current_attribute(cluster), labels, order, capability, accepts=_CHANGE_TO_MODE),
+        part=MODE if cluster == MODE_SELECT else "",
+        spare_part="energy_mode" if cluster == ENERGY_MODE else "",
     )
 
 
@@ -129,20 +136,20 @@ def _rinses(endpoint: MatterEndpoint) -> dict[int, str]:
     return {raw: name for raw, name in _RINSES.items() if isinstance(listed, list) and raw in listed}
 
 
-def _button_row(number_: int, name: str, cluster: int = OPERATION, part_suffix: str = "") -> ClusterRow:
+def _button_row(number_: int, name: str, cluster: int = OPERATION, part: str = "") -> ClusterRow:
     """Return the row of a command, such as of an operation, which is a part beside it."""
 
     def write(_at: MatterEndpoint, command: Command) -> MatterOrders:
         require_true("push", command.value.plain())
         return (ClusterInvocation(cluster, name),)
 
-    return ClusterRow(
+    return cluster_row(
         cluster,
         ACCEPTED_COMMANDS,
         "push",
         write=write,
         when=lambda one: one.accepts(cluster, number_),
-        part_suffix=part_suffix or name.casefold(),
+        part=part or name.casefold(),
     )
 
 
@@ -202,7 +209,7 @@ def _write_charging(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
 
 APPLIANCE_ROWS: Final = (
     *map(_mode_row, _MODE_CLUSTERS),
-    ClusterRow(
+    cluster_row(
         TEMPERATURE,
         None,
         "number",
@@ -215,11 +222,11 @@ APPLIANCE_ROWS: Final = (
     ),
     replace(
         choice_row(TEMPERATURE, _LEVEL, _levels, partial(_to_temperature, "targetTemperatureLevel")),
-        spare_suffix="temperature",
+        spare_part="temperature",
     ),
-    replace(choice_row(WASHER, _SPIN, lambda one: _texts(one.value(WASHER, 0))), spare_suffix="spin_speed"),
-    replace(choice_row(WASHER, _RINSE, _rinses), spare_suffix="rinses"),
-    ClusterRow(
+    replace(choice_row(WASHER, _SPIN, lambda one: _texts(one.value(WASHER, 0))), spare_part="spin_speed"),
+    replace(choice_row(WASHER, _RINSE, _rinses), spare_part="rinses"),
+    cluster_row(
         MICROWAVE,
         _COOK_TIME,
         "number",
@@ -229,14 +236,14 @@ APPLIANCE_ROWS: Final = (
         ),
         bounds=lambda one: (1, one.number(MICROWAVE, _LONGEST, 1) or 86_400),
         unit="s",
-        part_suffix="cook_time",
+        part="cook_time",
     ),
-    ClusterRow(OPERATION, _STATE, "running", one_of(_RUNNING)),
-    ClusterRow(OPERATION, _STATE, "problem", one_of(_ERROR)),
+    cluster_row(OPERATION, _STATE, "running", one_of(_RUNNING)),
+    cluster_row(OPERATION, _STATE, "problem", one_of(_ERROR)),
     *(_button_row(number_, name) for number_, name in enumerate(("Pause", "Stop", "Start", "Resume"))),
-    ClusterRow(OVEN_CAVITY, _STATE, "running", one_of(_RUNNING)),
-    ClusterRow(OVEN_CAVITY, _STATE, "problem", one_of(_ERROR)),
-    ClusterRow(
+    cluster_row(OVEN_CAVITY, _STATE, "running", one_of(_RUNNING)),
+    cluster_row(OVEN_CAVITY, _STATE, "problem", one_of(_ERROR)),
+    cluster_row(
         CLEANING,
         _STATE,
         "vacuum",
@@ -246,7 +253,7 @@ APPLIANCE_ROWS: Final = (
         options=_VACUUM_OPTIONS,
         also_read=RUN_MODE,
     ),
-    ClusterRow(
+    cluster_row(
         SERVICE_AREA,
         _SELECTED,
         "option",
@@ -257,9 +264,9 @@ APPLIANCE_ROWS: Final = (
             for name, areas in _areas(one).items()
         },
         accepts=_SELECT_AREAS,
-        spare_suffix="area",
+        spare_part="area",
     ),
-    ClusterRow(
+    cluster_row(
         PLAYBACK,
         0,
         "playback",
@@ -270,16 +277,16 @@ APPLIANCE_ROWS: Final = (
             if one.accepts(PLAYBACK, number_)
         },
     ),
-    ClusterRow(EVSE, _SUPPLY, "on_off", one_of(1, 5), _write_charging, accepts=_ENABLE_CHARGING),
-    ClusterRow(EVSE, 0, "plugged_in", choice({state: state != 0 for state in range(_FAULT)})),  # a fault says nothing
-    ClusterRow(EVSE, 0, "running", one_of(_CHARGES)),
-    ClusterRow(EVSE, 0, "problem", one_of(_FAULT)),
-    ClusterRow(EVSE, 48, "battery", number(1, 0, 100)),  # of the car
-    ClusterRow(PUMP, 16, "running", any_bit(1 << 5)),
-    ClusterRow(PUMP, 16, "problem", any_bit(0b11)),  # of itself, or of its supply
-    ClusterRow(WATER_HEATER, 4, "measurement", number(1, 0, 100), unit="%"),  # how much of the water is hot
-    ClusterRow(FRIDGE_ALARM, 2, "problem", one_of(_IS_OPEN)),
-    ClusterRow(DISHWASHER_ALARM, 2, "problem", any_bit(), spare_suffix="alarm"),  # of water, heat or door
+    cluster_row(EVSE, _SUPPLY, "on_off", one_of(1, 5), _write_charging, accepts=_ENABLE_CHARGING),
+    cluster_row(EVSE, 0, "plugged_in", choice({state: state != 0 for state in range(_FAULT)})),  # a fault says nothing
+    cluster_row(EVSE, 0, "running", one_of(_CHARGES)),
+    cluster_row(EVSE, 0, "problem", one_of(_FAULT)),
+    cluster_row(EVSE, 48, "battery", number(1, 0, 100)),  # of the car
+    cluster_row(PUMP, 16, "running", any_bit(1 << 5)),
+    cluster_row(PUMP, 16, "problem", any_bit(0b11)),  # of itself, or of its supply
+    cluster_row(WATER_HEATER, 4, "measurement", number(1, 0, 100), unit="%"),  # how much of the water is hot
+    cluster_row(FRIDGE_ALARM, 2, "problem", one_of(_IS_OPEN)),
+    cluster_row(DISHWASHER_ALARM, 2, "problem", any_bit(), spare_part="alarm"),  # of water, heat or door
     choice_row(CHIME, _SELECTED_SOUND, _sounds, None, "siren_tone"),
     _button_row(0, "PlayChimeSound", CHIME, "play"),
 )

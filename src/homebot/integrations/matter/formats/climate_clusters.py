@@ -6,7 +6,6 @@ Source: Matter 1.4 Application Clusters, 4.3 (Thermostat; 4.3.9, presets), 4.4 (
 (Thermostat User Interface Configuration).
 """
 
-from dataclasses import replace
 from functools import partial
 from typing import Final
 
@@ -19,6 +18,7 @@ from homebot.integrations.matter.formats.cluster_row import (
     any_bit,
     choice,
     choice_row,
+    cluster_row,
     number,
     number_writer,
 )
@@ -144,7 +144,7 @@ def _write_rock(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
 
 
 def _setpoint_row(name: str, attribute: int, feature: int) -> ClusterRow:
-    return ClusterRow(
+    return cluster_row(
         THERMOSTAT,
         attribute,
         name,
@@ -156,16 +156,16 @@ def _setpoint_row(name: str, attribute: int, feature: int) -> ClusterRow:
 
 
 CLIMATE_ROWS: Final = (
-    ClusterRow(THERMOSTAT, _LOCAL, "local_temperature", number(100, -32_767, 32_767)),
-    ClusterRow(
+    cluster_row(THERMOSTAT, _LOCAL, "local_temperature", number(100, -32_767, 32_767)),
+    cluster_row(
         THERMOSTAT,
         _OUTDOOR,
         "measurement",
         number(100, -27_315, 32_767),
         unit="°C",
-        part_suffix="outdoor_temperature",
+        part="outdoor_temperature",
     ),
-    ClusterRow(
+    cluster_row(
         THERMOSTAT,
         _OFFSET,
         "number",
@@ -173,24 +173,24 @@ CLIMATE_ROWS: Final = (
         number_writer(THERMOSTAT, _OFFSET, 10),
         bounds=lambda _at: (-12.7, 12.7),
         unit="K",
-        part_suffix="temperature_offset",
+        part="temperature_offset",
     ),
-    ClusterRow(
+    cluster_row(
         KEYPAD,
         _LOCKOUT,
         "on_off",
         any_bit(),
         lambda _at, command: (AttributeWrite(KEYPAD, _LOCKOUT, int(command.value.flag)),),
-        part_suffix="child_lock",
+        part="child_lock",
     ),
-    ClusterRow(THERMOSTAT, _HEATING_DEMAND, "measurement", number(1, 0, 100), unit="%"),  # of the greatest heating
+    cluster_row(THERMOSTAT, _HEATING_DEMAND, "measurement", number(1, 0, 100), unit="%"),  # of the greatest heating
     _setpoint_row("heating_setpoint", _HEATING, _HEATS),
     _setpoint_row("cooling_setpoint", _COOLING, _COOLS),
-    ClusterRow(THERMOSTAT, _SYSTEM_MODE, "thermostat_mode", choice(_MODES), orders=_mode_orders),
-    ClusterRow(THERMOSTAT, _RUNNING_STATE, "thermostat_action", _read_action),
-    replace(choice_row(THERMOSTAT, _ACTIVE_PRESET, _presets, _activate, "preset_mode"), feature=_HAS_PRESETS),
-    ClusterRow(FAN, _FAN_MODE, "on_off", any_bit(), _write_fan_on, when=lambda one: not one.has(ON_OFF)),
-    ClusterRow(
+    cluster_row(THERMOSTAT, _SYSTEM_MODE, "thermostat_mode", choice(_MODES), orders=_mode_orders),
+    cluster_row(THERMOSTAT, _RUNNING_STATE, "thermostat_action", _read_action),
+    choice_row(THERMOSTAT, _ACTIVE_PRESET, _presets, _activate, "preset_mode", feature=_HAS_PRESETS),
+    cluster_row(FAN, _FAN_MODE, "on_off", any_bit(), _write_fan_on, when=lambda one: not one.has(ON_OFF)),
+    cluster_row(
         FAN,
         _FAN_SETTING,
         "fan_speed",
@@ -198,9 +198,9 @@ CLIMATE_ROWS: Final = (
         lambda _at, command: (AttributeWrite(FAN, _FAN_SETTING, int(command.value.number)),),  # 67 % is 3 speeds of 3
         grid=lambda one: percent_grid(one.number(FAN, _FAN_SPEEDS) or 0),
     ),
-    ClusterRow(FAN, _FAN_MODE, "fan_mode", choice(_FAN_MODES), orders=_fan_orders),
-    ClusterRow(FAN, _ROCK, "oscillation", any_bit(), _write_rock, _ROCKS),
-    ClusterRow(
+    cluster_row(FAN, _FAN_MODE, "fan_mode", choice(_FAN_MODES), orders=_fan_orders),
+    cluster_row(FAN, _ROCK, "oscillation", any_bit(), _write_rock, _ROCKS),
+    cluster_row(
         FAN,
         _AIRFLOW,
         "direction",

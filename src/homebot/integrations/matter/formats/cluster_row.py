@@ -1,13 +1,12 @@
 """Rows: the capabilities of clusters, with their readers and encoders. Pure."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from typing import TypeAlias, TypeVar
 
+from homebot.conventions.capability_row import CapabilityRow
 from homebot.conventions.command_values import require_option
 from homebot.devices.gateway_messages import Command
-from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.integrations.matter.formats.endpoint import AttributeWrite, MatterEndpoint, MatterOrder, MatterOrders
 from homebot.support.numbers import finite_number, whole_number
@@ -19,6 +18,7 @@ __all__ = [
     "any_bit",
     "choice",
     "choice_row",
+    "cluster_row",
     "flag",
     "number",
     "number_writer",
@@ -34,82 +34,61 @@ RawT = TypeVar("RawT", int, str)
 Writer: TypeAlias = Callable[[MatterEndpoint, Command], MatterOrders]
 
 
-@dataclass(frozen=True, slots=True)
-class ClusterRow:
-    """A capability of a cluster; an endpoint with the attribute, the feature and the condition has it.
+ClusterRow: TypeAlias = CapabilityRow[MatterEndpoint, Callable[[MatterEndpoint], PlainValue], Writer]
+"""A capability of an endpoint; it is watched by the numbers of its clusters, its own first."""
 
-    Attributes:
+
+def cluster_row(
+    cluster: int,
+    attribute: int | None,
+    capability: str,
+    read: Reader | None = None,
+    write: Writer | None = None,
+    feature: int = 0,
+    when: Callable[[MatterEndpoint], object] | None = None,
+    orders: Callable[[MatterEndpoint], Mapping[str, MatterOrder]] | None = None,
+    options: tuple[str, ...] | Callable[[MatterEndpoint], tuple[str, ...]] = (),
+    bounds: Callable[[MatterEndpoint], tuple[float, ...]] | None = None,
+    grid: Callable[[MatterEndpoint], tuple[float, ...]] | None = None,
+    unit: str | Callable[[MatterEndpoint], str] = "",
+    accepts: int | None = None,
+    also_read: int | None = None,
+    part: str = "",
+    spare_part: str = "",
+) -> ClusterRow:
+    """Return the row of a cluster; an endpoint with the attribute, the feature and the condition has it.
+
+    Args:
         attribute: Its attribute; None if the cluster is enough.
-        read: The reader; None if it is never reported.
-        write: Returns the orders of a command that fits the capability; raises RefusedError.
-        orders: Returns the order of each text that it can be set to, instead of that.
         feature: Bits of the cluster's feature map, one of which is needed; 0 for none.
+        orders: Returns the order of each text that it can be set to, in place of *write*.
         options: All of its texts; by default those of *orders*.
         accepts: The number of the command that it needs to be settable.
         also_read: A further cluster of its value.
-        part_suffix: The part of the endpoint with it, such as ``battery``; empty for the main part.
-        spare_suffix: The part with it if another row gives the main part its capability; empty for none.
     """
 
-    cluster: int
-    attribute: int | None
-    capability: str
-    read: Reader | None = None
-    write: Writer | None = None
-    feature: int = 0
-    when: Callable[[MatterEndpoint], object] | None = None
-    orders: Callable[[MatterEndpoint], Mapping[str, MatterOrder]] | None = None
-    options: tuple[str, ...] | Callable[[MatterEndpoint], tuple[str, ...]] = ()
-    bounds: Callable[[MatterEndpoint], tuple[float, ...]] | None = None
-    grid: Callable[[MatterEndpoint], tuple[float, ...]] | None = None
-    unit: str | Callable[[MatterEndpoint], str] = ""
-    accepts: int | None = None
-    also_read: int | None = None
-    part_suffix: str = ""
-    spare_suffix: str = ""
+    def applies(one: MatterEndpoint) -> object:
+        has_it = one.has(cluster, attribute) and (not feature or one.features(cluster) & feature)
+        return has_it and (when is None or when(one))
 
-    def describe(self, endpoint: MatterEndpoint) -> Capability | None:
-        """Return the capability of *endpoint* by this row; None if it has none."""
-        if not self._is_on(endpoint):
-            return None
-        is_settable = self.is_settable(endpoint)
-        return Capability(
-            name=self.capability,
-            readable=self.read is not None or not is_settable,
-            settable=is_settable,
-            unit=self.unit if isinstance(self.unit, str) else self.unit(endpoint),
-            bounds=() if self.bounds is None else self.bounds(endpoint),
-            options=self._options(endpoint),
-            grid=() if self.grid is None else self.grid(endpoint),
-        )
+    def order(one: MatterEndpoint, command: Command) -> MatterOrders:
+        known = orders(one) if orders else {}
+        return (known[require_option(capability, command.value.text, known)],)
 
-    def is_settable(self, endpoint: MatterEndpoint) -> bool:
-        """Return whether an endpoint with the capability lets it be set."""
-        can_be = self.write is not None or self.orders is not None
-        return can_be and (self.accepts is None or endpoint.accepts(self.cluster, self.accepts))
-
-    def read_value(self, endpoint: MatterEndpoint) -> PlainValue:
-        """Return the value of the capability; None for unknown, and for one that is never reported."""
-        raw = None if self.attribute is None else endpoint.value(self.cluster, self.attribute)
-        return None if self.read is None else self.read(endpoint, raw)
-
-    def orders_of(self, endpoint: MatterEndpoint, command: Command) -> MatterOrders:
-        """Return the orders of a command that fits the capability; raise RefusedError for what cannot be done now."""
-        if self.write is not None:
-            return self.write(endpoint, command)
-        known = {} if self.orders is None else self.orders(endpoint)
-        return (known[require_option(self.capability, command.value.text, known)],)
-
-    def _options(self, endpoint: MatterEndpoint) -> tuple[str, ...]:
-        if self.orders is not None and not self.options:
-            return tuple(self.orders(endpoint))
-        return self.options if isinstance(self.options, tuple) else self.options(endpoint)
-
-    def _is_on(self, endpoint: MatterEndpoint) -> bool:
-        if not endpoint.has(self.cluster, self.attribute):
-            return False
-        has_feature = not self.feature or endpoint.features(self.cluster) & self.feature
-        return bool(has_feature and (self.when is None or self.when(endpoint)))
+    return ClusterRow(
+        capability,
+        read and (lambda one: read(one, None if attribute is None else one.value(cluster, attribute))),
+        write or (order if orders else None),
+        applies,
+        options or (lambda one: tuple(orders(one)) if orders else ()),
+        bounds or (),
+        unit,
+        grid or (),
+        settable=lambda one: accepts is None or one.accepts(cluster, accepts),
+        watched=(cluster,) if also_read is None else (cluster, also_read),
+        part=part,
+        spare_part=spare_part,
+    )
 
 
 def number(divisor: float = 1, least: float = -1e12, most: float = 1e12) -> Reader:
@@ -133,6 +112,9 @@ def choice_row(
     names: Callable[[MatterEndpoint], Mapping[RawT, str]],
     order: Callable[[RawT], MatterOrder] | None = None,
     capability: str = "option",
+    *,
+    feature: int = 0,
+    accepts: int | None = None,
 ) -> ClusterRow:
     """Return the row of a choice: a value of an attribute, each with one of the *names* of an endpoint.
 
@@ -140,13 +122,15 @@ def choice_row(
         order: Returns the order of a value; by default it is written into the attribute.
     """
     tell = order or partial(AttributeWrite, cluster, attribute)
-    return ClusterRow(
+    return cluster_row(
         cluster,
         attribute,
         capability,
         lambda one, raw: next((name for known, name in names(one).items() if known == raw), None),
+        feature=feature,
         when=names,
         orders=lambda one: {name: tell(known) for known, name in names(one).items()},
+        accepts=accepts,
     )
 
 

@@ -10,7 +10,7 @@ from homebot.conventions.light_color import MIRED, from_hue_saturation, nearest_
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.integrations.matter.formats.cluster_row import ClusterRow, flag
+from homebot.integrations.matter.formats.cluster_row import cluster_row, flag
 from homebot.integrations.matter.formats.endpoint import ClusterInvocation, MatterEndpoint, MatterOrders
 
 __all__ = ["LIGHT_ROWS", "ON_OFF"]
@@ -156,7 +156,7 @@ def _tenths(command: Command) -> int:
 
 LIGHT_ROWS: Final = (
     # On/Off of a lock may move its bolt, and that of a speaker mutes it (Matter 1.4 Device Library, Speaker).
-    ClusterRow(
+    cluster_row(
         ON_OFF,
         _ON_OFF_VALUE,
         "muted",
@@ -164,7 +164,7 @@ LIGHT_ROWS: Final = (
         lambda _at, command: (ClusterInvocation(ON_OFF, "Off" if command.value.flag else "On"),),
         when=_is_speaker,
     ),
-    ClusterRow(
+    cluster_row(
         ON_OFF,
         _ON_OFF_VALUE,
         "on_off",
@@ -172,9 +172,9 @@ LIGHT_ROWS: Final = (
         _write_on,
         when=lambda one: not one.has(LOCK) and not _is_speaker(one),
     ),
-    ClusterRow(LEVEL, _CURRENT_LEVEL, "volume", _read_level, _write_level, when=_is_speaker),
-    ClusterRow(LEVEL, _CURRENT_LEVEL, "level", _read_level, _write_level, when=_is_dimmed),
-    ClusterRow(
+    cluster_row(LEVEL, _CURRENT_LEVEL, "volume", _read_level, _write_level, when=_is_speaker),
+    cluster_row(LEVEL, _CURRENT_LEVEL, "level", _read_level, _write_level, when=_is_dimmed),
+    cluster_row(
         COLOR,
         None,
         "color_temperature",
@@ -183,5 +183,5 @@ LIGHT_ROWS: Final = (
         when=lambda one: _color_features(one) & _HAS_MIREDS,
         bounds=lambda one: nearest_mired_bounds(*_mired_range(one)),
     ),
-    ClusterRow(COLOR, None, "color", _read_color, _write_color, when=_has_colors),
+    cluster_row(COLOR, None, "color", _read_color, _write_color, when=_has_colors),
 )

@@ -16,7 +16,7 @@ from homebot.conventions.payload import as_fields
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError
-from homebot.integrations.matter.formats.cluster_row import ClusterRow, any_bit, choice
+from homebot.integrations.matter.formats.cluster_row import any_bit, choice, cluster_row
 from homebot.integrations.matter.formats.endpoint import (
     ClusterInvocation,
     MatterEndpoint,
@@ -177,17 +177,17 @@ _WRITE_LIFT: Final = partial(_write_share, "GoToLiftPercentage", "liftPercent100
 _WRITE_TILT: Final = partial(_write_share, "GoToTiltPercentage", "tiltPercent100thsValue")
 
 OPENING_ROWS: Final = (
-    ClusterRow(COVERING, None, "position", lambda one, _raw: _open_percent(one, *_LIFT), _WRITE_LIFT, _KNOWS_LIFT),
-    ClusterRow(COVERING, None, "tilt", lambda one, _raw: _open_percent(one, *_TILT), _WRITE_TILT, _KNOWS_TILT),
-    ClusterRow(COVERING, None, "movement", _read_covering_movement, orders=_covering_orders, options=_MOVES),
-    ClusterRow(
+    cluster_row(COVERING, None, "position", lambda one, _raw: _open_percent(one, *_LIFT), _WRITE_LIFT, _KNOWS_LIFT),
+    cluster_row(COVERING, None, "tilt", lambda one, _raw: _open_percent(one, *_TILT), _WRITE_TILT, _KNOWS_TILT),
+    cluster_row(COVERING, None, "movement", _read_covering_movement, orders=_covering_orders, options=_MOVES),
+    cluster_row(
         LOCK, _LOCK_STATE, "lock", choice(_LOCK_STATES), _write_lock, options=lambda one: tuple(_lock_commands(one))
     ),
-    ClusterRow(
+    cluster_row(
         LOCK, _DOOR_STATE, "contact", choice(_DOOR_STATES), None, _HAS_DOOR, lambda one: one.has(LOCK, _LOCK_STATE)
     ),
-    ClusterRow(VALVE, _VALVE_STATE, "valve", _read_valve, orders=_valve_orders, options=_MOVES[:-1]),
-    ClusterRow(
+    cluster_row(VALVE, _VALVE_STATE, "valve", _read_valve, orders=_valve_orders, options=_MOVES[:-1]),
+    cluster_row(
         VALVE,
         _VALVE_STATE,
         "position",
@@ -195,8 +195,8 @@ OPENING_ROWS: Final = (
         _write_flow,
         _HAS_LEVEL,
     ),
-    ClusterRow(VALVE, _VALVE_FAULT, "problem", any_bit()),  # it is stuck, leaks or is not connected
-    ClusterRow(
+    cluster_row(VALVE, _VALVE_FAULT, "problem", any_bit()),  # it is stuck, leaks or is not connected
+    cluster_row(
         CLOSURE,
         _CLOSURE_STATE,
         "movement",
@@ -205,6 +205,8 @@ OPENING_ROWS: Final = (
         orders=_closure_orders,
         options=_closure_moves,
     ),
-    ClusterRow(DIMENSION, _PANEL_STATE, "tilt", _read_panel, _write_panel, _POSITIONS, _tilts),
-    ClusterRow(DIMENSION, _PANEL_STATE, "position", _read_panel, _write_panel, _POSITIONS, lambda one: not _tilts(one)),
+    cluster_row(DIMENSION, _PANEL_STATE, "tilt", _read_panel, _write_panel, _POSITIONS, _tilts),
+    cluster_row(
+        DIMENSION, _PANEL_STATE, "position", _read_panel, _write_panel, _POSITIONS, lambda one: not _tilts(one)
+    ),
 )

@@ -99,8 +99,8 @@ def _found(endpoint: MatterEndpoint) -> Mapping[str, Mapping[str, tuple[ClusterR
     """Return the capabilities of each part, by the suffix of its id and by name; the first row of a name counts."""
     by_suffix: dict[str, dict[str, tuple[ClusterRow, Capability]]] = {"": {}}
     for row in _ROWS:
-        is_spare = row.spare_suffix and row.capability in by_suffix[""]
-        found = by_suffix.setdefault(row.spare_suffix if is_spare else row.part_suffix, {})
+        is_spare = row.spare_part and row.capability in by_suffix[""]
+        found = by_suffix.setdefault(row.spare_part if is_spare else row.part, {})
         if row.capability not in found and (capability := row.describe(endpoint)) is not None:
             found[row.capability] = row, capability
     return by_suffix

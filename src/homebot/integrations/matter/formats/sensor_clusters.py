@@ -17,6 +17,7 @@ from homebot.integrations.matter.formats.cluster_row import (
     any_bit,
     choice,
     choice_row,
+    cluster_row,
     flag,
     number,
     number_writer,
@@ -146,7 +147,7 @@ def _concentration(cluster: int, name: str, factors: Mapping[int, float]) -> Clu
         factor = factors.get(_unit_of(cluster, endpoint))
         return None if factor is None else number(1 / factor, 0)(endpoint, raw)
 
-    return ClusterRow(cluster, _CONCENTRATION, name, read, when=lambda one: _unit_of(cluster, one) in factors)
+    return cluster_row(cluster, _CONCENTRATION, name, read, when=lambda one: _unit_of(cluster, one) in factors)
 
 
 def _is_boolean_state(name: str, endpoint: MatterEndpoint) -> bool:
@@ -154,16 +155,16 @@ def _is_boolean_state(name: str, endpoint: MatterEndpoint) -> bool:
     return name == next((meaning for kind, meaning in _BOOLEAN_STATES.items() if kind in types), "state")
 
 
-def _measurement(cluster: int, units: range, part_suffix: str = "") -> ClusterRow:
+def _measurement(cluster: int, units: range, part: str = "") -> ClusterRow:
     """Return the row of a concentration in its own unit, if that is one of the first *units*."""
-    return ClusterRow(
+    return cluster_row(
         cluster,
         _CONCENTRATION,
         "measurement",
         number(1, 0),
         when=lambda one: _unit_of(cluster, one) in units,
         unit=lambda one: _UNITS[_unit_of(cluster, one)],
-        part_suffix=part_suffix,
+        part=part,
     )
 
 
@@ -211,41 +212,41 @@ def _write_locate(_at: MatterEndpoint, command: Command) -> MatterOrders:
 
 
 SENSOR_ROWS: Final = (
-    ClusterRow(LIGHT, 0, "illuminance", _read_lux),
-    ClusterRow(TEMPERATURE, 0, "temperature", number(100, -27_315, 32_767)),
-    ClusterRow(FLOW, 0, "flow", number(10, 0, 65_534)),
-    ClusterRow(HUMIDITY, 0, "humidity", number(100, 0, 10_000)),
-    ClusterRow(SOIL, 1, "soil_moisture", number(1, 0, 100)),
-    ClusterRow(ELECTRICAL, 4, "voltage", number(1000)),
-    ClusterRow(ELECTRICAL, 5, "current", number(1000)),
-    ClusterRow(ELECTRICAL, 11, "voltage", number(1000)),  # of alternating current, if there is no other
-    ClusterRow(ELECTRICAL, 12, "current", number(1000)),
-    ClusterRow(ELECTRICAL, 8, "power", number(1000)),
-    ClusterRow(ELECTRICAL, 14, "frequency", number(1000)),
+    cluster_row(LIGHT, 0, "illuminance", _read_lux),
+    cluster_row(TEMPERATURE, 0, "temperature", number(100, -27_315, 32_767)),
+    cluster_row(FLOW, 0, "flow", number(10, 0, 65_534)),
+    cluster_row(HUMIDITY, 0, "humidity", number(100, 0, 10_000)),
+    cluster_row(SOIL, 1, "soil_moisture", number(1, 0, 100)),
+    cluster_row(ELECTRICAL, 4, "voltage", number(1000)),
+    cluster_row(ELECTRICAL, 5, "current", number(1000)),
+    cluster_row(ELECTRICAL, 11, "voltage", number(1000)),  # of alternating current, if there is no other
+    cluster_row(ELECTRICAL, 12, "current", number(1000)),
+    cluster_row(ELECTRICAL, 8, "power", number(1000)),
+    cluster_row(ELECTRICAL, 14, "frequency", number(1000)),
     *(
-        ClusterRow(cluster, attribute, name, number(divisor))
+        cluster_row(cluster, attribute, name, number(divisor))
         for cluster, attributes in _OF_MAKERS.items()
         for attribute, (name, divisor) in attributes.items()
     ),
-    ClusterRow(EVE, 0x130A0018, "measurement", number(1, 0, 100), unit="%"),  # how far the valve of a radiator is open
-    ClusterRow(AIR_QUALITY, 0, "air_quality_index", number(1, 1, 6)),
+    cluster_row(EVE, 0x130A0018, "measurement", number(1, 0, 100), unit="%"),  # how far the valve of a radiator is open
+    cluster_row(AIR_QUALITY, 0, "air_quality_index", number(1, 1, 6)),
     # Of the cluster that Matter took over from Zigbee: attributes of value, multiplier and divisor.
-    ClusterRow(ZIGBEE_METER, 0x505, "voltage", partial(_read_multiplied, 0x600, 0x601)),
-    ClusterRow(ZIGBEE_METER, 0x508, "current", partial(_read_multiplied, 0x602, 0x603)),
-    ClusterRow(ZIGBEE_METER, 0x50B, "power", partial(_read_multiplied, 0x604, 0x605)),
-    ClusterRow(PRESSURE, 0, "pressure", _read_pressure),
+    cluster_row(ZIGBEE_METER, 0x505, "voltage", partial(_read_multiplied, 0x600, 0x601)),
+    cluster_row(ZIGBEE_METER, 0x508, "current", partial(_read_multiplied, 0x602, 0x603)),
+    cluster_row(ZIGBEE_METER, 0x50B, "power", partial(_read_multiplied, 0x604, 0x605)),
+    cluster_row(PRESSURE, 0, "pressure", _read_pressure),
     *(_concentration(cluster, name, factors) for cluster, (name, factors) in _CONCENTRATIONS.items()),
     _measurement(_ORGANIC, range(3)),  # parts of a mixture of gases, which no factor makes micrograms
     *(_measurement(cluster, range(len(_UNITS)), name) for cluster, name in PLAIN.items()),
-    ClusterRow(ENERGY, 1, "energy", _read_energy),
-    ClusterRow(ENERGY, 2, "energy_returned", _read_energy),
+    cluster_row(ENERGY, 1, "energy", _read_energy),
+    cluster_row(ENERGY, 2, "energy_returned", _read_energy),
     *(
-        ClusterRow(BOOLEAN_STATE, 0, name, flag(means=name != "contact"), when=partial(_is_boolean_state, name))
+        cluster_row(BOOLEAN_STATE, 0, name, flag(means=name != "contact"), when=partial(_is_boolean_state, name))
         for name in (*_BOOLEAN_STATES.values(), "state")
     ),
-    replace(choice_row(SENSITIVITY, 0, _levels), part_suffix="sensitivity"),
-    ClusterRow(OCCUPANCY, 0, "occupancy", any_bit(1)),
-    ClusterRow(
+    replace(choice_row(SENSITIVITY, 0, _levels), part="sensitivity"),
+    cluster_row(OCCUPANCY, 0, "occupancy", any_bit(1)),
+    cluster_row(
         OCCUPANCY,
         _HOLD,
         "number",
@@ -253,22 +254,22 @@ SENSOR_ROWS: Final = (
         number_writer(OCCUPANCY, _HOLD),
         bounds=_hold_bounds,
         unit="s",
-        part_suffix="hold_time",
+        part="hold_time",
     ),
-    ClusterRow(ALARM, 1, "smoke", one_of(1, 2)),
-    ClusterRow(ALARM, 2, "carbon_monoxide_alarm", one_of(1, 2)),
-    ClusterRow(ALARM, _FAULT, "problem", _read_fault),
+    cluster_row(ALARM, 1, "smoke", one_of(1, 2)),
+    cluster_row(ALARM, 2, "carbon_monoxide_alarm", one_of(1, 2)),
+    cluster_row(ALARM, _FAULT, "problem", _read_fault),
     *(
         row
         for cluster, name in _FILTERS.items()
         for row in (
-            ClusterRow(cluster, 0, "measurement", number(1, 0, 100), unit="%", part_suffix=name),
-            ClusterRow(cluster, 2, "problem", one_of(1, 2), part_suffix=name),  # it is to be changed soon, or now
+            cluster_row(cluster, 0, "measurement", number(1, 0, 100), unit="%", part=name),
+            cluster_row(cluster, 2, "problem", one_of(1, 2), part=name),  # it is to be changed soon, or now
         )
     ),
-    ClusterRow(POWER_SOURCE, 12, "battery", number(2, 0, 200), None, _HAS_BATTERY, part_suffix=BATTERY),
-    ClusterRow(POWER_SOURCE, 14, "battery_low", one_of(1, 2), None, _HAS_BATTERY, part_suffix=BATTERY),
-    ClusterRow(POWER_SOURCE, 26, "battery_charging", choice(_CHARGING), None, _HAS_BATTERY, part_suffix=BATTERY),
-    ClusterRow(SWITCH, _POSITIONS, "press", options=_presses),
-    ClusterRow(IDENTIFY, 0, "locate", write=_write_locate, when=lambda endpoint: endpoint.whole(IDENTIFY, 1)),
+    cluster_row(POWER_SOURCE, 12, "battery", number(2, 0, 200), None, _HAS_BATTERY, part=BATTERY),
+    cluster_row(POWER_SOURCE, 14, "battery_low", one_of(1, 2), None, _HAS_BATTERY, part=BATTERY),
+    cluster_row(POWER_SOURCE, 26, "battery_charging", choice(_CHARGING), None, _HAS_BATTERY, part=BATTERY),
+    cluster_row(SWITCH, _POSITIONS, "press", options=_presses),
+    cluster_row(IDENTIFY, 0, "locate", write=_write_locate, when=lambda endpoint: endpoint.whole(IDENTIFY, 1)),
 )

@@ -6,6 +6,7 @@ from urllib.parse import urlsplit
 import anyio.lowlevel
 from pydantic import BaseModel, Field, field_validator
 
+from homebot.conventions.capability_row import writer_of
 from homebot.conventions.payload import as_fields, shown
 from homebot.conventions.setup_codes import check_matter_setup_code
 from homebot.devices.gateway_messages import Command
@@ -206,11 +207,11 @@ class MatterGateway(LinkedGateway):
 
     async def _report(self, device: NodeDevice, part: str, cluster: int | None, *, is_old: bool = False) -> None:
         """Report the values of a part from one cluster, or from each cluster by itself; None for all clusters."""
-        values: dict[int, dict[str, PlainValue]] = {}
+        values: dict[str | int, dict[str, PlainValue]] = {}
         endpoint, rows = device.rows[part]
         for row in rows:
-            if row.read is not None and cluster in {None, row.cluster, row.also_read}:
-                values.setdefault(row.cluster, {})[row.capability] = row.read_value(endpoint)
+            if row.read is not None and (cluster is None or cluster in row.watched):
+                values.setdefault(row.watched[0], {})[row.capability] = row.read(endpoint)
         for of_cluster in values.values():
             await self.devices.report(device.device.key, of_cluster, part, retained=is_old)
 
@@ -289,8 +290,8 @@ class MatterGateway(LinkedGateway):
         if not node.is_reachable(device):
             raise LinkError(f"{device.device.name} does not answer the Matter server")
         endpoint, rows = device.rows[command.part]
-        row = next(one for one in rows if one.capability == command.capability)
+        write = writer_of(rows, command.capability)
         what = f"{command.capability} for {device.device.name}"
-        for order in row.orders_of(endpoint, command):
+        for order in write(endpoint, command):
             name, args = order.server_call(node.id, endpoint.id)
             check_result(what, await self._link.call(what, name, args, is_secret=order.is_secret))

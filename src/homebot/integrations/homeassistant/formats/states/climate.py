@@ -111,7 +111,7 @@ def _setpoint(name: str, end: str, when: Condition) -> EntityRow:
             raise RefusedError(f"{name} {number:g}", "its other setpoint is unknown, and both are set together")
         return {"service": "set_temperature", **ends}
 
-    return EntityRow(name, read, write, "", when, (), _bounds, "°C", _grid)
+    return EntityRow(name, read, write, when, (), _bounds, "°C", _grid)
 
 
 def _write_on(info: Fields, value: PlainValue, code: str) -> Fields:
@@ -155,7 +155,7 @@ CLIMATE: Final = EntityComponent(
         *_MEASURED,
         replace(_HUMIDITY_SETPOINT, when=has(_HUMIDITY)),
         choice("thermostat_mode", "state", "hvac_modes", "set_hvac_mode", "hvac_mode"),
-        EntityRow("on_off", _is_on, _write_on, "", lambda info: "off" in _modes(info)),
+        EntityRow("on_off", _is_on, _write_on, lambda info: "off" in _modes(info)),
         sensed("thermostat_action", "hvac_action", read_text("hvac_action")),
         choice("fan_mode", "fan_mode", "fan_modes", "set_fan_mode", when=has(_FAN)),
         choice("preset_mode", "preset_mode", "preset_modes", "set_preset_mode", when=has(_PRESET)),
@@ -176,7 +176,7 @@ WATER_HEATER: Final = EntityComponent(  # its single target is its setpoint, as 
         _setpoint("heating_setpoint", _LOW, has(1)),
         _MEASURED[0],
         choice("water_heater_mode", "state", "operation_list", "set_operation_mode", "operation_mode", has(2)),
-        EntityRow("on_off", _is_on, SWITCH.write, "", has(8)),
+        EntityRow("on_off", _is_on, SWITCH.write, has(8)),
     ),
 )
 
@@ -205,7 +205,7 @@ FAN: Final = EntityComponent(
             grid=grid_of("percentage_step"),
         ),
         flag("oscillation", "oscillating", "oscillate", has(2)),
-        EntityRow("direction", read_text("direction"), _write_direction, "", has(4)),
+        EntityRow("direction", read_text("direction"), _write_direction, has(4)),
         choice("preset_mode", "preset_mode", "preset_modes", "set_preset_mode", when=has(8)),
     ),
 )

@@ -298,7 +298,7 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
         (
             switch(1, 2),
             EntityRow("siren_tone", None, _write_tone, when=_tones, options=_tones),
-            EntityRow("volume", None, percent("volume", "", "turn_on", "volume_level", None, 100.0).write, "", has(8)),
+            EntityRow("volume", None, percent("volume", "", "turn_on", "volume_level", None, 100.0).write, has(8)),
         ),
     ),
     "switch": EntityComponent(switch_type, (SWITCH,)),

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime
 from typing import Final, NamedTuple
 
+from homebot.conventions.capability_row import described, writer_of
 from homebot.conventions.command_values import require_transition
-from homebot.conventions.entity_rows import EntityRow, Fields, options_of, tag_of, text_of, writer_of
+from homebot.conventions.entity_rows import EntityRow, Fields, options_of, tag_of, text_of
 from homebot.conventions.payload import Readings
 from homebot.conventions.secrets import names_secret
 from homebot.devices.capabilities import EVENTS
@@ -144,7 +145,7 @@ class HomeAssistantEntity:
     def part(self) -> Part:
         """Return its part, with the capabilities of its last attributes."""
         kind = DOMAINS[self.domain]
-        rows = [(row.describe(self.info), row) for row in kind.rows if row.applies(self.info)]
+        rows = described(kind.rows, self.info, assumed=self.info.get("assumed_state") is True)
         self._rows = {capability.name: row for capability, row in rows}
         is_set = any(row.write for _, row in rows)
         service_type = kind.service_type if isinstance(kind.service_type, str) else kind.service_type(self.info)
@@ -182,7 +183,7 @@ class HomeAssistantEntity:
             RefusedError: It is not settable, or needs a code, or the value is invalid; names the valid ones.
         """
         info = {**self.info, **self._taken, **({"code_format": None} if self.entry.has_code else {})}
-        data = dict(writer_of(self._rows, capability)(info, value, code))
+        data = dict(writer_of(self._rows.values(), capability)(info, value, code))
         service = str(data.pop("service"))
         if self.domain == "light" and transition:
             data["transition"] = require_transition(transition, _MOST_SECONDS)

@@ -113,7 +113,7 @@ def percent(
         # cut off, as Home Assistant does: 67 would be the third of three speeds
         return {"service": service, argument or field: int(number) if factor == 1 else round(number / factor, 6)}
 
-    return EntityRow(name, read_number(field, factor, 0, 100), write if service else None, "", when)
+    return EntityRow(name, read_number(field, factor, 0, 100), write if service else None, when)
 
 
 def reported(row: EntityRow, field: str) -> tuple[EntityRow, EntityRow]:
@@ -132,7 +132,7 @@ def choice(
     def applies(info: Fields) -> bool:
         return bool(options_of(info, listed) and (when is None or when(info)))
 
-    return EntityRow(name, read_text(field), write, "", applies, lambda info: options_of(info, listed))
+    return EntityRow(name, read_text(field), write, applies, lambda info: options_of(info, listed))
 
 
 def moves(name: str, services: Mapping[str, tuple[int, str]], read: ReadField) -> tuple[EntityRow, EntityRow]:
@@ -157,9 +157,9 @@ def flag(name: str, field: str, service: str, when: Condition) -> EntityRow:
     def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
         return {"service": service, field: require_bool(name, value)}
 
-    return EntityRow(name, read_flag(field), write, "", when)
+    return EntityRow(name, read_flag(field), write, when)
 
 
 def sensed(name: str, field: str, read: ReadField, unit: str = "") -> EntityRow:
     """Return the row of an attribute that not every entity of a domain has."""
-    return EntityRow(name, read, None, "", lambda info: field in info, unit=unit)
+    return EntityRow(name, read, None, lambda info: field in info, unit=unit)
