@@ -10,7 +10,7 @@ import anyio
 from homebot.control.command import IssuedCommand
 from homebot.control.timeline.facts import PartRef
 from homebot.devices.command_messages import Setting
-from homebot.devices.obedience import STOPPED, changes, departs, fits
+from homebot.devices.obedience import STOPPED, changes
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
@@ -72,7 +72,6 @@ class Lease:
     """A held value of a part.
 
     Attributes:
-        rounded: The value that the device rounds to; None if it is unknown.
         is_so: Whether the device is known to have the held value.
         again_at: The time at which the value is commanded again, on the monotonic clock; inf for never.
         hand_until: When a hand, or a stop command, no longer outranks the lease.
@@ -83,7 +82,6 @@ class Lease:
     capability: str
     value: PlainValue
     holders: dict[HolderKey, LeaseHolder] = field(default_factory=dict)
-    rounded: PlainValue = None
     is_so: bool = False
     again_at: float = math.inf
     hand_until: float = -math.inf
@@ -126,22 +124,6 @@ class Lease:
         was_outranked = self.hand_until > -math.inf
         self.hand_until, self.saw = -math.inf, ""
         return was_outranked
-
-    def fits(self, value: PlainValue) -> bool:
-        """Return whether *value* is the held value."""
-        return any(fits(self.capability, one, value) for one in self._held)
-
-    def departs(self, value: PlainValue) -> bool:
-        """Return whether *value* is neither the held value nor a step on the way to it."""
-        return all(departs(self.capability, one, value) for one in self._held)
-
-    def record_answer(self, value: PlainValue) -> None:
-        """Record that the device reports the held value as *value*."""
-        self.rounded = None if fits(self.capability, self.value, value) else value
-
-    @property
-    def _held(self) -> tuple[PlainValue, ...]:
-        return (self.value,) if self.rounded is None else (self.value, self.rounded)
 
 
 @final

@@ -104,6 +104,10 @@ class Timelines:
         listeners.append(on_value)
         return partial(listeners.remove, on_value)
 
+    def fits(self, place: PartRef, capability: str, wanted: PlainValue, value: PlainValue) -> bool:
+        """Return whether *value* is the wanted one, allowing for the rounding of a commanded part."""
+        return self._entries[place].timeline.profile.fits(capability, wanted, value)
+
     def schedule(self, place: PartRef) -> None:
         """Set the timer of a decided command, and save the profile."""
         self._update(self._entries[place])

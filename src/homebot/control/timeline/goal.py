@@ -6,7 +6,7 @@ from typing import Final, final
 
 from homebot.control.timeline.facts import Order, ReportRole
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.devices.obedience import END_POSITIONS, STOPPED, changes, fits, is_other_end, is_same, related
+from homebot.devices.obedience import END_POSITIONS, STOPPED, changes, fits, is_same, related
 from homebot.devices.value import PlainValue
 
 __all__ = ["NOTHING", "STEP", "Motion", "Nothing", "WantedValue", "side_role"]
@@ -49,7 +49,6 @@ class WantedValue:
         self, order: Order, capability: str, value: PlainValue, known: PlainValue | Nothing, profile: DeviceProfile
     ) -> None:
         self._order, self._capability, self._known, self._profile = order, capability, known, profile
-        self._slack = profile.rounding(capability) if profile.answers else 0.0
         self.value = value
         self.seen: PlainValue | Nothing = NOTHING
         self.met_at: float | None = None
@@ -72,12 +71,7 @@ class WantedValue:
 
     def fits(self, value: PlainValue) -> bool:
         """Return whether *value* is the wanted one, allowing for the device's rounding."""
-        wanted = self.value
-        if fits(self._capability, wanted, value):
-            return True
-        if not self._slack or not (isinstance(wanted, float) and isinstance(value, float)):
-            return False
-        return abs(wanted - value) <= self._slack and not is_other_end(self._capability, wanted, value)
+        return self._profile.fits(self._capability, self.value, value)
 
     def shows_obedience(self, value: PlainValue) -> bool:
         """Return whether *value* shows that the device obeyed; a value that it had before must be the exact one."""

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from homebot.control import durations
 from homebot.devices.capabilities import CAPABILITIES, OWN
-from homebot.devices.obedience import fits, is_same
+from homebot.devices.obedience import fits, is_other_end, is_same
 from homebot.devices.value import PlainValue
 
 __all__ = ["ENOUGH", "KEPT", "DeviceProfile", "Return"]
@@ -196,6 +196,14 @@ class DeviceProfile:
             others = [one for one in answers if one[0] != wanted]
             self.answers[capability] = [*others, (wanted, seen)][-_KEPT_ANSWERS:]
             self.is_changed = True
+
+    def fits(self, capability: str, wanted: PlainValue, value: PlainValue) -> bool:
+        """Return whether *value* is the wanted one, allowing for the device's rounding."""
+        if fits(capability, wanted, value):
+            return True
+        if capability not in self.answers or not (isinstance(wanted, float) and isinstance(value, float)):
+            return False
+        return abs(wanted - value) <= self.rounding(capability) and not is_other_end(capability, wanted, value)
 
     def rounding(self, capability: str) -> float:
         """Return by how much the device rounds values of *capability*; 0 if unknown.
