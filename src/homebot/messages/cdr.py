@@ -102,7 +102,7 @@ def message_from_cdr(message_type: type[MessageT], data: bytes) -> MessageT:
     """
     secrets = frozenset(name for name, field in message_type.model_fields.items() if not field.repr)
     try:
-        return message_type.model_validate(_Reader(data).whole(message_type))
+        return message_type.model_validate(_CdrReader(data).whole(message_type))
     except _UnreadableError as exc:
         raise TypeMismatchError(f"not a {message_type.ros_type} in CDR: {exc.shown(secrets)}") from None
     except ValidationError as exc:
@@ -111,7 +111,7 @@ def message_from_cdr(message_type: type[MessageT], data: bytes) -> MessageT:
 
 
 class _UnreadableError(Exception):
-    """What is wrong, and with which value, in which field; the path grows on the way out of nested messages."""
+    """A problem with a value of a field, whose path grows on the way out of nested messages."""
 
     def __init__(self, problem: str, value: object = None) -> None:
         super().__init__(problem)
@@ -126,7 +126,7 @@ class _UnreadableError(Exception):
         return f"{place}{self.problem}{f', got {self.value!r}' if is_shown else ''}"
 
 
-class _Reader:
+class _CdrReader:
     """Reads one message from its start to its end."""
 
     def __init__(self, data: bytes) -> None:

@@ -1,0 +1,76 @@
+"""Quality of service in the tokens of rmw_zenoh, for example ``::,10:,:,:,,``. Pure.
+
+A value that is the default of rmw_zenoh is empty. Source: rmw_zenoh, ``liveliness_utils.cpp``.
+"""
+
+from enum import IntEnum
+from typing import Final, TypeVar
+
+from homebot.errors import TypeMismatchError
+from homebot.graph.qos import QoSProfile
+
+__all__ = ["qos_from_text", "qos_to_text"]
+
+PolicyT = TypeVar("PolicyT", bound=IntEnum)
+
+_DEFAULT: Final = QoSProfile()
+_INFINITE: Final = 9_223_372_036
+"""Seconds that ROS 2 writes for no limit; homebot has 0."""
+
+_FIELDS: Final = (1, 1, 2, 2, 2, 3)
+"""How many numbers there are between the colons."""
+
+
+def qos_to_text(qos: QoSProfile) -> str:
+    """Return *qos* as rmw_zenoh writes it: of the defaults only the depth."""
+    reliability = _policy(qos.reliability, _DEFAULT.reliability)
+    durability = _policy(qos.durability, _DEFAULT.durability)
+    history = f"{_policy(qos.history, _DEFAULT.history)},{qos.depth}"
+    liveliness = f"{_policy(qos.liveliness, _DEFAULT.liveliness)},{_duration(qos.liveliness_lease_duration)}"
+    return ":".join((reliability, durability, history, _duration(qos.deadline), _duration(qos.lifespan), liveliness))
+
+
+def qos_from_text(text: str) -> QoSProfile:
+    """Return the profile that *text* is.
+
+    Raises:
+        TypeMismatchError: It has not the form.
+    """
+    try:
+        fields = [[int(number or -1) for number in field.split(",")] for field in text.split(":")]
+        if tuple(map(len, fields)) != _FIELDS:
+            raise ValueError  # noqa: TRY301 - one message for both
+        (reliability,), (durability,), (history, depth), deadline, lifespan, (liveliness, *lease) = fields
+        return QoSProfile(
+            depth=max(depth, 1) if depth >= 0 else _DEFAULT.depth,
+            history=_read(history, _DEFAULT.history),
+            reliability=_read(reliability, _DEFAULT.reliability),
+            durability=_read(durability, _DEFAULT.durability),
+            lifespan=_seconds(*lifespan),
+            deadline=_seconds(*deadline),
+            liveliness=_read(liveliness, _DEFAULT.liveliness),
+            liveliness_lease_duration=_seconds(*lease),
+        )
+    except ValueError:
+        raise TypeMismatchError(
+            f"{text[:100]!r} is no quality of service of rmw_zenoh, such as '::,10:,:,:,,'"
+        ) from None
+
+
+def _policy(value: IntEnum, default: IntEnum) -> str:
+    return "" if value == default else str(int(value))
+
+
+def _read(number: int, default: PolicyT) -> PolicyT:
+    return default if number <= 0 else type(default)(number)
+
+
+def _duration(seconds: float) -> str:
+    if not seconds:
+        return ","
+    whole, rest = divmod(round(seconds * 1e9), 1_000_000_000)
+    return f"{whole},{rest}"
+
+
+def _seconds(whole: int, rest: int) -> float:
+    return 0.0 if whole < 0 or whole >= _INFINITE else whole + max(rest, 0) / 1e9
