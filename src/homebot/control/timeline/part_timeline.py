@@ -120,30 +120,26 @@ class PartTimeline:
             at: Seconds on the monotonic clock.
             stamp: The time of the message, in seconds since the Unix epoch.
         """
-        known = self._latest.get(capability)
-        is_same = known is not None and known[0] == value
-        self._latest[capability] = value, at, known[2] if known is not None and is_same else at
+        is_first = capability not in self._latest
+        previous, before, since = self._latest.get(capability, (None, math.inf, at))
+        is_same = previous == value and not is_first
+        self._latest[capability] = value, at, since if is_same else at
         active = self._active = [one for one in self._active if one.covers(at)]
         if not active and is_same:
             self.profile.learn_repetition()
             return None
         self._number += 1
-        previous, before, since = (None, math.inf, at) if known is None else known
-        fact = Reported(at, stamp, self._number, capability, value, previous, since, known is None, before < lost_at)
+        fact = Reported(at, stamp, self._number, capability, value, previous, since, is_first, before < lost_at)
         self._append(fact)
-        is_effect = False
         for one in active:
             one.report(fact)
             self._learn(one, at)
-            is_effect = is_effect or one.roles[fact.number] is ReportRole.EFFECT
         if is_same:
             self.profile.learn_repetition()
-        elif self.profile.changes < ENOUGH:
-            self.profile.changes += 1
-        if not is_effect and fact.is_change and self.cause_of(fact).cause is Cause.PERSON:
-            self.nearby.explain(fact, self.place, self.profile)
-            if not fact.along and (began := self._timed_from(fact)) is not None:
-                fact.timed = self.profile.learn_stay(capability, fact.previous, at - began)
+        else:
+            self.profile.changes = min(self.profile.changes + 1, ENOUGH)
+        if fact.is_change and ReportRole.EFFECT not in [one.roles[fact.number] for one in active]:
+            self._learn_change(fact)
         for one in active:
             self.on_news(one, fact)
         return fact
@@ -200,6 +196,14 @@ class PartTimeline:
     def open_commands(self) -> list[CommandProgress]:
         """Return the commands without an outcome, oldest first, without raw texts."""
         return [one for one in self._active if one.is_open]
+
+    def _learn_change(self, fact: Reported) -> None:
+        """Relate a change that no command explains to one nearby, or else to the time that the value before lasted."""
+        if self.cause_of(fact).cause is not Cause.PERSON:
+            return
+        self.nearby.explain(fact, self.place, self.profile)
+        if not fact.along and (began := self._timed_from(fact)) is not None:
+            fact.timed = self.profile.learn_stay(fact.capability, fact.previous, fact.at - began)
 
     def _timed_from(self, fact: Reported) -> float | None:
         """Return when a command brought the previous value, or was sent for it again; None if none did."""
