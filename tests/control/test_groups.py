@@ -218,3 +218,13 @@ async def test_a_held_lamp_is_commanded_again_after_a_command_to_its_group(home:
         await anyio.sleep(5)
         assert [(one.key, one.value.plain()) for one in home.commands] == [("group", False), ("left", True)]
         assert isinstance(held.outcome, Confirmed)
+
+
+async def test_a_lamp_that_blinks_with_its_group_may_not_be_switched_once_more(open_home: OpenHome) -> None:
+    async with open_home(rate_limit={"changes": 2, "seconds": 60}) as home:
+        group = await put_group(home, *(f"id:{name}" for name in LAMPS))
+        for value in (True, False, True):
+            assert (await group.command("on_off", value)).succeeded
+        refused = await (await home.handle(Handle, "left")).command("on_off", False)
+        assert isinstance(refused, Refused)
+        assert refused.policy == "rate_limit"
