@@ -34,6 +34,7 @@ __all__ = [
     "look_in",
     "module_name_of",
     "name_in_file",
+    "own_plugin_names",
     "plugin_names",
     "plugin_path",
     "run_file",
@@ -53,6 +54,11 @@ _FILE: Final = re.compile(r"(?P<file>.+\.py)(?::(?P<kind>\w+))?")
 def plugin_names(group: str) -> tuple[str, ...]:
     """Return the names that the entry-point group *group* offers, sorted."""
     return tuple(sorted({point.name for point in _entry_points(tuple(sys.path)).get(group, ())}))
+
+
+def own_plugin_names(group: str) -> tuple[str, ...]:
+    """Return the names that homebot itself offers in the entry-point group *group*, sorted."""
+    return tuple(sorted(point.name for point in _own_entry_points(tuple(sys.path)).get(group, ())))
 
 
 def has_plugin(group: str, name: str) -> bool:

@@ -8,21 +8,19 @@ from pydantic_core import InitErrorDetails, PydanticCustomError, to_json
 
 from homebot.conventions.convention import Convention, SlicedConvention, TextConvention
 from homebot.errors import PluginError
-from homebot.plugins import has_plugin, load_plugin, plugin_names
+from homebot.plugins import load_plugin, own_plugin_names, plugin_names
 from homebot.support.similar import unknown_key
 
 __all__ = ["GROUP", "any_announcing", "check_tables", "default_conventions", "find_conventions"]
 
 GROUP = "homebot.mqtt_conventions"
 
-_ALL = ("thesis", "zigbee2mqtt", "homeassistant", "tasmota", "shelly", "homie", "thing")
-
 _MEMBERS = ("Settings", "name", "filters", "birth_messages", "read_message")
 
 
 def default_conventions() -> tuple[str, ...]:
-    """Return homebot's own conventions that are installed."""
-    return tuple(name for name in _ALL if has_plugin(GROUP, name))
+    """Return homebot's own conventions; those of other packages are used if the configuration names them."""
+    return own_plugin_names(GROUP)
 
 
 def any_announcing(names: Iterable[str]) -> bool:
