@@ -138,12 +138,15 @@ class CommandExecutor:
             agreed: IssuedCommand | Outcome = command
             if request.ask_first or await self.questions.must_ask(command):
                 agreed = self.check(command, is_preview=True) or await self.questions.agreed(command, shown)
-            outcome = agreed if isinstance(agreed, Outcome) else await self._perform(agreed)
+            if isinstance(agreed, Outcome):
+                outcome = agreed
+            else:
+                outcome = self._with_warnings(agreed, await self._carry_out(agreed))
         self._journal.decided(request.issuer, place, outcome)
         return outcome
 
-    async def _perform(self, command: IssuedCommand) -> Outcome:
-        outcome = await self._carry_out(command)
+    def _with_warnings(self, command: IssuedCommand, outcome: Outcome) -> Outcome:
+        """Return the outcome of a sent command with the warnings of its policies, and count a guess of its code."""
         if command.nearest and outcome.succeeded:
             command.warnings["steps"] = command.nearest
         if command.code:

@@ -11,7 +11,7 @@ from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
 from homebot.control.policies.facts import Facts, Verdict
 from homebot.control.policies.house import DETECTION, Detections, House
-from homebot.control.policies.rights import check_approval, check_grants, client_refusal, must_ask
+from homebot.control.policies.rights import check_approval, check_grants, client_refusal
 from homebot.control.settings import PolicySettings
 from homebot.control.timelines import Timelines
 from homebot.devices import Device, DeviceChange, KeyValue, StateChange
@@ -116,11 +116,6 @@ class PolicyEngine(HouseWatcher):
     def client_refusal(self, command: IssuedCommand) -> str:
         """Return why the client that gave *command* has no right to the part, and the remedy; empty if it has one."""
         return client_refusal(command, needs_approval=self._settings.approvals)
-
-    @staticmethod
-    def must_ask(command: IssuedCommand) -> bool:
-        """Return whether a person must agree to *command* before it is sent."""
-        return must_ask(command)
 
     @property
     def counts(self) -> dict[str, int]:

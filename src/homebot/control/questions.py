@@ -10,6 +10,7 @@ import anyio
 from homebot.control.command import IssuedCommand
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.policies.facts import Verdict
+from homebot.control.policies.rights import must_ask
 from homebot.control.policy_engine import PolicyEngine
 from homebot.devices.client_rights import ASK
 from homebot.devices.command_messages import Setting
@@ -61,12 +62,12 @@ class Questions:
 
     async def must_ask(self, command: IssuedCommand) -> bool:
         """Return whether a person must agree to *command*, or to the same for a member of the group that it is for."""
-        if self._policies.must_ask(command):
+        if must_ask(command):
             return True
         if not (command.part.part.members and command.is_client):
             return False
         members = await self._lookup.members(command.device, command.part)
-        return any(self._policies.must_ask(replace(command, device=one, part=part)) for one, part in members)
+        return any(must_ask(replace(command, device=one, part=part)) for one, part in members)
 
     async def agreed(self, command: IssuedCommand, wanted: Iterable[Setting]) -> IssuedCommand | Outcome:
         """As :meth:`ask`, but return *command* for the device as it is by then, instead of None."""
@@ -150,7 +151,7 @@ class Questions:
             return "only a person answers, through the door"
         if request.issuer == command.issuer:
             return f"{request.issuer} asks, so another answers: use the owner's token, and give programs their own"
-        if self._policies.must_ask(answering):
+        if must_ask(answering):
             return f"{request.issuer} must ask itself"
         return self._policies.client_refusal(answering)
 
