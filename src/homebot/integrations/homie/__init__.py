@@ -1,8 +1,8 @@
 """Homie: the convention for MQTT, in its versions 3, 4 and 5, as Valetudo and many self-made devices use it.
 
-Reads and commands: devices, their nodes and properties. With the types of the smart-home profile a node is a part with
-a known function; without a type, a part is guessed from datatypes, formats and names, which must all fit: a child lock
-locks no door. A guess is marked as one.
+Reads and commands: devices, their nodes and properties. With the types of the smart-home profile, or one of
+their words, a node is a part with a known function; without, it is made of settings and readings by datatype and unit.
+Names decide nothing, but what may be a lock by its name is one, and asks.
 
 Transport: MQTT (``homebot.mqtt_conventions``), below ``homie/5/DEVICE`` or ``homie/DEVICE``; ``domains`` names others.
 

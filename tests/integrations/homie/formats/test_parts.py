@@ -2,9 +2,10 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from tests.devices.handles.conftest import device
 
 from homebot.conventions.description import DescribedPart
-from homebot.devices.always_ask import is_declared
+from homebot.devices.always_ask import always_asks, is_declared
 from homebot.devices.device import DevicePart
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -50,7 +51,7 @@ def read(part: DescribedPart, topic: str, payload: str, *, retained: bool = Fals
 
 THINGS: dict[str, tuple[str, str, dict[str, Any], str, dict[str, object], dict[tuple[str, PlainValue], str | None]]] = {
     "a lamp without switch is off at zero": (
-        "level", "", {"dim": {"datatype": "float", "format": "0:1:0.01", "settable": True}}, "light",
+        "level", "dimmer", {"dim": {"datatype": "float", "format": "0:1:0.01", "settable": True}}, "light",
         {"dim 0.5": {"level": 50.0, "on_off": True}, "dim 0": {"level": 0.0, "on_off": False}},
         {("on_off", True): "dim 1", ("level", 50.0): "dim 0.5"},
     ),
@@ -61,7 +62,7 @@ THINGS: dict[str, tuple[str, str, dict[str, Any], str, dict[str, object], dict[t
          ("movement", "stopped"): "action stop", ("position", 30.0): "position 30"},
     ),
     "a shutter without words is moved by its position": (
-        "blind", "", {"position": PERCENT}, "window_covering", {},
+        "blind", "shutter", {"position": PERCENT}, "window_covering", {},
         {("movement", "open"): "position 100", ("movement", "stopped"): None},
     ),
     "a garage door is a closure": (
@@ -105,14 +106,14 @@ THINGS: dict[str, tuple[str, str, dict[str, Any], str, dict[str, object], dict[t
         {("valve", "closed"): "state false"},
     ),
     "a fan takes its speed as an option": (
-        "fan", "", {"speed": states("OFF,LOW,HIGH", settable=True)}, "fan", {}, {("fan_mode", "low"): "speed LOW"},
+        "fan", "fan", {"speed": states("OFF,LOW,HIGH", settable=True)}, "fan", {}, {("fan_mode", "low"): "speed LOW"},
     ),
     "a fan with a switch is switched by that": (
         "fan", f"{CAP}fan", {"state": FLAG, "speed": PERCENT}, "fan", {"speed 30": {"fan_speed": 30.0}},
         {("on_off", False): "state false"},
     ),
     "an enum of on and off is a boolean": (
-        "relay", "", {"state": states("ON,OFF", settable=True)}, "switch",
+        "relay", "switch", {"state": states("ON,OFF", settable=True)}, "switch",
         {"state ON": {"on_off": True}, "state UNKNOWN": {}}, {("on_off", False): "state OFF"},
     ),
     "a relay is on where it is closed": (
@@ -203,11 +204,11 @@ def test_a_garage_door_that_takes_other_words_has_another_digest(introduce: Intr
     assert first.part.payloads == again.part.payloads != other.part.payloads
 
 
-def test_a_switch_beside_an_alarm_stays_one(introduce: Introduce) -> None:
+def test_what_is_beside_an_alarm_stays_a_setting(introduce: Introduce) -> None:
     parts = introduce({"panel": {"properties": {"on": FLAG, "mode": states("disarmed,armed", settable=True)}}})
     assert {name: one.part.service_type for name, one in parts.items()} == {
         "panel/$alarm": "x_alarm_panel",
-        "panel": "switch",
+        "panel/on": "x_setting",
     }
 
 
@@ -247,15 +248,15 @@ def test_a_sensor_of_a_known_kind(introduce: Introduce, kind: str, service_type:
     [
         ("a", "°C", "temperature_sensor", "21.5", {"temperature": 21.5}),
         ("a", "°F", "temperature_sensor", "68", {"temperature": 20.0}),
-        ("humidity", "%", "humidity_sensor", "45", {"humidity": 45.0}),
-        ("batterystate", "%", "x_battery", "90", {"battery": 90.0}),
+        ("humidity", "%", "x_sensor", "45", {"measurement": 45.0}),
+        ("battery", "%", "x_battery", "90", {"battery": 90.0}),
         ("a", "kPa", "pressure_sensor", "101", {"pressure": 1010.0}),
-        ("co2", "ppm", "air_quality_sensor", "400", {"carbon_dioxide": 400.0}),
+        ("co2", "ppm", "x_sensor", "400", {"measurement": 400.0}),
         ("a", "%", "x_sensor", "7", {"measurement": 7.0}),
         ("a", "bananas", "x_sensor", "7", {"measurement": 7.0}),
     ],
 )
-def test_a_number_is_known_by_its_unit_and_name(
+def test_a_number_is_known_by_its_unit(
     introduce: Introduce, name: str, unit: str, service_type: str, payload: str, expected: object
 ) -> None:
     sensor = introduce({"n": {"properties": {name: {"datatype": "float", "unit": unit}}}})[f"n/{name}"]
@@ -341,31 +342,46 @@ def test_a_vacuum_cleaner_is_known_by_its_words(introduce: Introduce) -> None:
 
 
 @pytest.mark.parametrize(
-    ("node", "prop", "service_type", "capability"),
+    ("kind", "prop", "service_type", "capability"),
     [
-        ("relay", {"power": FLAG}, "switch", "on_off"),
-        ("socket", {"power": FLAG}, "plug", "on_off"),
-        ("lamp", {"on": FLAG}, "light", "on_off"),
-        ("front-lock", {"state": FLAG}, "door_lock", "lock"),
-        ("garden-valve", {"state": FLAG}, "water_valve", "valve"),
-        ("heater", {"target-temperature": {"datatype": "float", "settable": True}}, "thermostat", "heating_setpoint"),
-        ("blind", {"tilt": PERCENT}, "window_covering", "tilt"),
-        ("garage", {"state": {"datatype": "enum", "format": "open,closed"}}, "closure", "movement"),
-        ("front-gate", {"move": {"datatype": "enum", "format": "OPEN,CLOSE", "settable": True}}, "closure", "movement"),
-        ("bell", {"button": WATCHED}, "generic_switch", "press"),
-        ("hall", {"motion": WATCHED}, "occupancy_sensor", "occupancy"),
-        ("hall", {"ct": {"datatype": "integer", "unit": "K", "settable": True}}, "light", "color_temperature"),
+        ("switch", {"power": FLAG}, "switch", "on_off"),
+        ("Light", {"on": FLAG}, "light", "on_off"),
+        ("lock", {"bolt": FLAG}, "door_lock", "lock"),
+        ("valve", {"state": FLAG}, "water_valve", "valve"),
+        ("thermostat", {"target": {"datatype": "float", "settable": True}}, "thermostat", "heating_setpoint"),
+        (
+            "shutter",
+            {"drive": {"datatype": "enum", "format": "OPEN,CLOSE", "settable": True}},
+            "window_covering",
+            "movement",
+        ),
+        ("garage-door", {"state": {"datatype": "enum", "format": "open,closed"}}, "closure", "movement"),
+        ("", {"ct": {"datatype": "integer", "unit": "K", "settable": True}}, "light", "color_temperature"),
+        ("", {"bolt": states("lock,unlock", settable=True)}, "door_lock", "lock"),
     ],
 )
-def test_without_a_type_words_and_forms_determine_the_kind(
-    introduce: Introduce, node: str, prop: object, service_type: str, capability: str
+def test_the_word_of_a_type_and_the_form_of_a_property_determine_the_kind(
+    introduce: Introduce, kind: str, prop: object, service_type: str, capability: str
 ) -> None:
-    (part,) = introduce({node: {"properties": prop}}).values()
+    (part,) = introduce({"thing": {"type": kind, "properties": prop}}).values()
     assert (part.part.service_type, part.part.guessed) == (service_type, True)
     assert capability in {one.name for one in part.part.capabilities}
 
 
-@pytest.mark.parametrize("kind", [f"{CAP}fan", ""])
+@pytest.mark.parametrize("name", ["light", "relay", "thermostat", "fan"])
+def test_names_and_ids_determine_nothing(introduce: Introduce, name: str) -> None:
+    parts = introduce({name: {"name": name, "properties": {name: FLAG, "power": FLAG}}})
+    assert {one.part.service_type for one in parts.values()} == {"x_setting"}
+
+
+@pytest.mark.parametrize("name", ["front-lock", "garage-door", "valve"])
+def test_what_may_open_the_house_by_its_name_asks(introduce: Introduce, name: str) -> None:
+    (part,) = introduce({name: {"name": name, "properties": {"state": FLAG}}}).values()
+    own = DevicePart(id=part.part.id, part=part.part, routes=())
+    assert always_asks(device("panel", own), own)
+
+
+@pytest.mark.parametrize("kind", [f"{CAP}fan", "fan"])
 @pytest.mark.parametrize(
     ("form", "unit", "spoken", "half"),
     [("0:100", "%", "50", "50"), ("0:4", "", "2", "2"), ("0:1:0.1", "", "0.5", "0.5")],

@@ -116,7 +116,7 @@ def test_a_ready_device_is_found_when_the_format_of_its_only_property_comes_last
     }
     (part,) = device_in(tell(say, late)).parts
     (capability,) = part.part.capabilities
-    assert capability.options == ("off", "low", "high")
+    assert capability.options == ("OFF", "LOW", "HIGH")
 
 
 @pytest.mark.parametrize(("settable", "is_settable"), [("True", True), ("true", True), ("False", False), ("", False)])
@@ -180,6 +180,7 @@ def test_an_array_of_version_3_is_as_many_nodes(say: Say) -> None:
         "$homie": "3.0.1",
         "$nodes": "relay[]",
         "relay/$array": "0-1",
+        "relay/$type": "switch",
         "relay/$properties": "on",
         "relay_1/$name": "Pump",
         "relay/on/$datatype": "boolean",

@@ -40,8 +40,7 @@ __all__ = ["build_parts"]
 
 def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
     """Return the parts of *device*, the main one first."""
-    around = tokens_in(device.type, device.id, device.name)
-    nodes = tuple(find_roles(node, around) for node in device.nodes)
+    nodes = tuple(map(find_roles, device.nodes))
     controls: list[BytesPart] = []
     vacuum = find_vacuum(nodes)
     if vacuum is not None:
@@ -106,15 +105,7 @@ def _may_be_of_a_lamp(node: NodeRoles) -> bool:
     """Return whether it has a role of a lamp, and no kind of another: the switch of a pump is no part of a lamp."""
     if not _light_roles(node):
         return False
-    if node.kind:
-        return node.kind == "switch" or node.kind in _LIGHTS
-    return tokens_in(node.node.type, node.node.id, node.node.name) <= _GENERAL
-
-
-_GENERAL = frozenset(
-    {"brightness", "channel", "color", "colour", "ct", "dim", "level", "main", "on", "onoff", "output", "power"}
-    | {"state", "switch", "temperature", "value", "white"}
-)
+    return not node.kind or node.kind == "switch" or node.kind in _LIGHTS
 
 
 _LIGHTS = frozenset(name for name, kind in KINDS.items() if kind.service_type == "light")
@@ -149,7 +140,7 @@ def _service_type(device: HomieDevice, node: NodeRoles, props: Mapping[str, Homi
     kind = KINDS[node.kind].service_type if node.kind else ""
     possible = (kind, "light", "window_covering", "switch")
     found = next((one for one in possible if props.keys() & _NEEDED.get(one, frozenset())), "")
-    return "plug" if found == "switch" and _OUTLETS & tokens_in(node.node.type, node.node.id, device.type) else found
+    return "plug" if found == "switch" and _OUTLETS & tokens_in(node.node.type, device.type) else found
 
 
 _NEEDED: Mapping[str, frozenset[str]] = {
@@ -190,9 +181,7 @@ def _meters(node: NodeRoles, *, is_of_circuit: bool) -> Iterator[BytesPart]:
     roles = _metered(node)
     if not roles:
         return
-    part = node_part(
-        node.node, "electrical_meter", suffix="$meter", guessed=any(role.is_guess for role in roles.values())
-    )
+    part = node_part(node.node, "electrical_meter", suffix="$meter")
     for role in reversed(roles.values()):
         name, prop = role.name, role.prop
         if is_of_circuit:
@@ -216,7 +205,7 @@ def _singles(node: NodeRoles) -> Iterator[BytesPart]:
             continue
         if role.name == "local_temperature":
             if not has_thermostat:
-                yield _sensor(node.node, Role("temperature", role.prop, role.is_guess))
+                yield _sensor(node.node, Role("temperature", role.prop))
         elif role.name and role.name not in CONTROLS:
             yield _sensor(node.node, role)
         elif not role.name and not _is_relative(role.prop):
@@ -235,9 +224,7 @@ def _sensor(node: HomieNode, role: Role) -> BytesPart:
     is_about = not _ABOUT.isdisjoint(tokens_in(node.id, node.type))
     category: Category = "diagnostic" if is_about or role.name in _DIAGNOSTIC else ""
     service_type = sensor_type(role.name)
-    part = node_part(
-        node, service_type, suffix=role.prop.id, name=role.prop.name, category=category, guessed=role.is_guess
-    )
+    part = node_part(node, service_type, suffix=role.prop.id, name=role.prop.name, category=category)
     add_property(part, role.name, role.prop)
     return part
 
