@@ -11,9 +11,8 @@ from typing import Final, TypeAlias, final
 from homebot.control import durations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.learnt import Profiles
-from homebot.control.timeline.cause import Attribution, Cause
+from homebot.control.timeline.cause import MOST_NEARBY, NOWHERE, Attribution, Cause, Nearby, NearbyCommands
 from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole
-from homebot.control.timeline.nearby import MOST_NEARBY, NOWHERE, Nearby, NearbyCommands
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing

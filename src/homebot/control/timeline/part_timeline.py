@@ -7,10 +7,9 @@ from types import MappingProxyType
 from typing import Final, final
 
 from homebot.control import durations
-from homebot.control.timeline.cause import Attribution, Cause, cause_of, cause_of_undoing
+from homebot.control.timeline.cause import NOWHERE, Attribution, Cause, Nearby, cause_of, cause_of_undoing
 from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole, Sent
 from homebot.control.timeline.learning import learn_failure, learn_late_answer, learn_outcome, learn_settled
-from homebot.control.timeline.nearby import NOWHERE, Nearby
 from homebot.control.timeline.profile import ENOUGH, DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
