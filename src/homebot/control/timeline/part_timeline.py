@@ -137,7 +137,7 @@ class PartTimeline:
             self.profile.learn_repetition()
         else:
             self.profile.changes = min(self.profile.changes + 1, ENOUGH)
-        if fact.is_change and ReportRole.EFFECT not in [one.roles[fact.number] for one in active]:
+        if fact.is_change:
             self._learn_change(fact)
         for one in active:
             self.on_news(one, fact)
@@ -198,7 +198,8 @@ class PartTimeline:
 
     def _learn_change(self, fact: Reported) -> None:
         """Relate a change that no command explains to one nearby, or else to the time that the value before lasted."""
-        if self.cause_of(fact).cause is not Cause.PERSON:
+        is_effect = ReportRole.EFFECT in [one.roles.get(fact.number) for one in self._active]
+        if is_effect or self.cause_of(fact).cause is not Cause.PERSON:
             return
         self.nearby.explain(fact, self.place, self.profile)
         if not fact.along and (began := self._timed_from(fact)) is not None:
