@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from homebot.discovery.reading_limits import LimitsOfDevices
     from homebot.history.settings import HistorySettings
     from homebot.messages import Interfaces
+    from homebot.messages.interfaces.settings import RosSettings
     from homebot.robots.settings import RobotSettings
 
 __all__ = [
@@ -62,6 +63,7 @@ OWN_NODES = frozenset(
         "history",
         "homebot",
         "robots",
+        "ros2",
         "rosapi",
         "rosbridge_websocket",
     }
@@ -95,6 +97,7 @@ class Plan:
         control: The control layer's settings; None for the defaults.
         grants: The scope of each app that may not command everything, by the name of its node; a reload updates it.
         interfaces: The ROS interfaces that clients may name; None for those built into homebot.
+        link: The link to ROS 2 robots; None for none.
         places: The rooms and the owner's statements about devices.
         limits: The limits of readings; None for none.
         history: The settings of the history; None for the defaults.
@@ -110,6 +113,7 @@ class Plan:
     control: ControlSettings | None
     door: DoorSettings
     interfaces: Interfaces | None = None
+    link: RosSettings | None = None
     places: Places = NO_PLACES
     limits: LimitsOfDevices | None = None
     grants: dict[str, tuple[str, ...]] = field(default_factory=dict)
@@ -283,6 +287,18 @@ def _interfaces(config: Config) -> Interfaces | None:
     return read_interfaces(config.ros, config.source, config.folder)
 
 
+def _link(config: Config) -> RosSettings | None:
+    if not config.ros:
+        return None
+    from homebot.messages.interfaces.settings import RosSettings  # noqa: PLC0415 - only with the table
+
+    settings = parse_settings(RosSettings, config.ros, config.source, "ros", config.folder)
+    if not settings.has_link:
+        return None
+    _check_extra(config.source, "ros", "the link to robots", "ros2", "zenoh", "xxhash")
+    return settings
+
+
 def _places(config: Config) -> Places:
     if not config.places:
         return NO_PLACES
@@ -350,6 +366,7 @@ _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "places": _places,
     "limits": _limits,
     "robots": _robots,
+    "link": _link,
     "history": _history,
     "notify": _notify,
 }

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from homebot.control.executor import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.house import World
+    from homebot.messages.interfaces.settings import RosSettings
     from homebot.recording.lines import RecordingHeader
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.simulated_house import HouseOfRun
@@ -289,6 +290,8 @@ class Runtime:
         if self._plan.keeps_history(by_default=self.index_file is not None or self.house is not None):
             yield running("history", self._history)
         yield running("robots", partial(track_robots, self.graph, self._plan, lambda: self._owner.plan))
+        if self._plan.link is not None and not self.is_dry_run:
+            yield running("ros2", partial(self._link, self._plan.link))
         if self.with_door:
             yield running("door", self._open_door)
         if self._house is not None:
@@ -398,6 +401,14 @@ class Runtime:
             node.create_service(GetHealth, "~/health", self.door.health)
             node.create_service(ListTokens, LIST_TOKENS, self.door.list_tokens)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
+
+    async def _link(self, settings: RosSettings, *, task_status: TaskStatus[None]) -> None:
+        from homebot.bridges.ros2.link import serve_link  # noqa: PLC0415 - few houses have robots of ROS 2
+        from homebot.bridges.ros2.robots import RobotsOnWire  # noqa: PLC0415 - as above
+
+        robots = RobotsOnWire.of(settings.imports, self._plan.door, self._plan.robot_owners())
+        async with Node(self.graph, "ros2") as node:
+            await run_as(node.full_name, partial(serve_link, node, settings, robots, task_status=task_status))
 
     async def _owner_token(self) -> OwnerToken | None:
         if self.owner_file is None or self._local_rights is SIMULATED_HOUSE_RIGHTS:

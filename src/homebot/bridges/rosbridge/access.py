@@ -162,15 +162,19 @@ class ClientAccess:
             MissingRightError: It lacks a right; the message says which, and how to get it.
         """
         if op.op in _PUBLISHING:
-            right = self._right_to_publish(resolve(op.name))
+            self.check_publishing(resolve(op.name))
         elif op.op in _CALLING:
-            right = right_to_call(resolve(op.name))
-        elif op.op == "subscribe":
-            right = Right.READ
-        else:  # ends earlier operations, or only concerns the client
-            return
-        if not self.rights.has(right):
-            raise MissingRightError(right, self._problem(right))
+            self.check_calling(resolve(op.name))
+        elif op.op == "subscribe":  # others end earlier operations, or only concern the client
+            self._check_right(Right.READ)
+
+    def check_publishing(self, name: str) -> None:
+        """Refuse to publish on the topic, or to serve, the full *name*, as :meth:`check` does."""
+        self._check_right(self._right_to_publish(name))
+
+    def check_calling(self, name: str) -> None:
+        """Refuse calls of the full *name*, as :meth:`check` does."""
+        self._check_right(right_to_call(name))
 
     def check_robot(self, topic: str, message: Message) -> None:
         """Refuse *message* on the full name *topic* if it concerns a robot that the client may not be."""
@@ -179,6 +183,10 @@ class ClientAccess:
             raise MissingRightError(
                 Right.ROBOT, f"{foreign} is not of the robot {' or '.join(own) or 'of this client'}"
             )
+
+    def _check_right(self, right: Right) -> None:
+        if not self.rights.has(right):
+            raise MissingRightError(right, self._problem(right))
 
     def _right_to_publish(self, name: str) -> Right:
         """Return the right that the client needs to publish, after checking its right to be the robot of *name*."""

@@ -49,6 +49,7 @@ __all__ = [
     "parse_queries",
     "refusal",
     "similar_name",
+    "usual_timeout",
 ]
 
 
@@ -183,8 +184,12 @@ def _prepare(node: Node, op: CallService, access: ClientAccess) -> tuple[Client[
 
 
 def _timeout(op: CallService, service: str) -> float:
-    usual = _MAX_TIMEOUT if service in _WAITING_FOR_DEVICES else _DEFAULT_TIMEOUT
-    return min(op.timeout, _MAX_TIMEOUT) if op.timeout > 0 else usual
+    return min(op.timeout, _MAX_TIMEOUT) if op.timeout > 0 else usual_timeout(service)
+
+
+def usual_timeout(service: str) -> float:
+    """Return the seconds that a call of *service* may take if its client names none."""
+    return _MAX_TIMEOUT if service in _WAITING_FOR_DEVICES else _DEFAULT_TIMEOUT
 
 
 def _unavailable(node: Node, error: ServiceUnavailableError) -> str:

@@ -1,16 +1,48 @@
-"""Table ``[ros]`` of the configuration: the interfaces that clients may name."""
+"""Table ``[ros]`` of the configuration: the interfaces that clients may name, and the link to robots."""
 
+import re
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from homebot.config import FilePath, Table, parse_settings
 from homebot.errors import ConfigError, UsageError
 from homebot.messages.interfaces.interface_text import parse_interface
 from homebot.messages.interfaces.interfaces import Interfaces
+from homebot.support.addresses import is_loopback
 
 __all__ = ["RosSettings", "read_interfaces"]
+
+
+_ADDRESS = re.compile(r"(tcp|tls)/(.+):(\d{1,5})")
+
+
+def _checked_address(text: str) -> str:
+    found = _ADDRESS.fullmatch(text)
+    if found is None:
+        raise ValueError(
+            f"{text[:100]!r} is no address of Zenoh; write it like tcp/127.0.0.1:7447 or tls/robot.lan:7447"
+        )
+    if found[1] == "tcp" and not is_loopback(found[2]):
+        raise ValueError(f"{text} could be changed on its way; use tls/… for another computer, and its ca")
+    return text
+
+
+def _checked_listen(text: str) -> str:
+    if text and _checked_address(text).startswith("tls/"):
+        raise ValueError("homebot listens for programs of this computer only: write tcp/127.0.0.1:7447")
+    return text
+
+
+def _checked_pattern(text: str) -> str:
+    if not re.fullmatch(r"(/(\*\*|[\w*]+))+", text):
+        raise ValueError(f"{text[:100]!r} is no name of topics or services such as /map, /rosie/* or /rosie/**")
+    return text
+
+
+_Patterns: TypeAlias = tuple[Annotated[str, AfterValidator(_checked_pattern)], ...]
 
 
 class RosSettings(BaseModel):
@@ -19,12 +51,29 @@ class RosSettings(BaseModel):
     Attributes:
         interfaces: Folders with ``.msg``, ``.srv`` and ``.action`` files, such as from ``homebot interface import``.
         distro: The ROS 2 distribution whose definitions are used if they differ.
+        connect: Addresses of Zenoh routers or robots to connect to.
+        listen: The address at which homebot is the router for programs of this computer; empty for none.
+        ca: File with the certificate that vouches for those at addresses of ``tls/``.
+        domain: The ROS domain.
+        export: Names of topics and services that robots may see; ``*`` is a part of a name, ``**`` any number of parts.
+        imports: Names of topics and services that come from robots, by the robots, each of which needs a token.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     interfaces: tuple[FilePath, ...] = ()
     distro: Literal["humble", "jazzy", "kilted"] = "jazzy"
+    connect: tuple[Annotated[str, AfterValidator(_checked_address)], ...] = ()
+    listen: Annotated[str, AfterValidator(_checked_listen)] = ""
+    ca: FilePath | None = None
+    domain: Annotated[int, Field(ge=0, le=232)] = 0
+    export: _Patterns = ()
+    imports: Mapping[str, _Patterns] = Field(default_factory=dict, alias="import")
+
+    @property
+    def has_link(self) -> bool:
+        """Whether there is a link to robots."""
+        return bool(self.connect or self.listen)
 
 
 def read_interfaces(table: Table, source: str, folder: Path) -> Interfaces:

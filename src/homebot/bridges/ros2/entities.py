@@ -1,0 +1,59 @@
+"""The entities of homebot on the wire, and what they write."""
+
+from __future__ import annotations
+
+from itertools import count
+from typing import TYPE_CHECKING
+
+from homebot.bridges.ros2.attachment import Attachment
+from homebot.bridges.ros2.tokens import EntityToken
+from homebot.graph import Node
+from homebot.graph.endpoint import EndpointInfo, EntityKind
+
+if TYPE_CHECKING:
+    from homebot.bridges.ros2.session import Declared, ZenohSession
+
+__all__ = ["OwnEntities", "WireEntity"]
+
+
+class WireEntity:
+    """One entity that the others see, until it is closed.
+
+    Attributes:
+        token: Its token.
+    """
+
+    def __init__(self, token: EntityToken, node: Node, session: ZenohSession) -> None:
+        """Use :meth:`OwnEntities.declare` instead."""
+        self.token = token
+        self._now = node.graph.clock.now
+        self._gid = token.gid
+        self._numbers = count(1)
+        self._declared: list[Declared] = [session.declare_token(token.text)]
+
+    def keep(self, declared: Declared) -> None:
+        """Take *declared* back when this closes."""
+        self._declared.append(declared)
+
+    def attachment(self) -> bytes:
+        """Return the attachment of the next message."""
+        return Attachment(next(self._numbers), int(self._now() * 1e9), self._gid).to_bytes()
+
+    def close(self) -> None:
+        """Leave. Idempotent."""
+        while self._declared:
+            self._declared.pop().undeclare()
+
+
+class OwnEntities:
+    """Makes the entities of one node."""
+
+    def __init__(self, node: Node, session: ZenohSession, domain: int) -> None:
+        self.session = session
+        self._node, self._domain, self._ids = node, domain, count()
+        self._kept = self.declare(EndpointInfo(EntityKind.NODE, node.full_name, node.full_name), "")
+
+    def declare(self, info: EndpointInfo, type_hash: str) -> WireEntity:
+        """Tell the others of *info*, as an entity of the node."""
+        token = EntityToken(self._domain, self.session.id, (0, next(self._ids)), info, type_hash)
+        return WireEntity(token, self._node, self.session)

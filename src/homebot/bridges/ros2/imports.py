@@ -1,0 +1,155 @@
+"""The topics and services of robots that homebot uses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from homebot.bridges.ros2.attachment import Attachment
+from homebot.bridges.ros2.tokens import NO_HASH, EntityToken
+from homebot.bridges.rosbridge.types import message_type_of_topic, service_type_of
+from homebot.errors import HomebotError, PeerError, ServiceFailedError, ServiceUnavailableError
+from homebot.graph import Node
+from homebot.graph.endpoint import EndpointInfo, EntityKind
+from homebot.log import LogLimit
+from homebot.messages.cdr import message_from_cdr, message_to_cdr
+from homebot.messages.message import Message
+from homebot.messages.type_hash import type_hash
+
+if TYPE_CHECKING:
+    from homebot.bridges.ros2.entities import OwnEntities
+    from homebot.bridges.ros2.robots import RobotsOnWire
+    from homebot.bridges.ros2.session import WireSample
+    from homebot.bridges.rosbridge.access import ClientAccess
+
+__all__ = ["Imports"]
+
+_MOST_TOKENS = 10_000
+"""Tokens of others that are kept; a robot with Nav2 has some 700."""
+
+_LONGEST_ANSWER = 600.0
+"""Seconds after which a query ends, as with rmw_zenoh; the time limit of the caller is shorter."""
+
+
+class Imports:
+    """Has the topics and services of robots in the graph, as entities of *node*, while their tokens are there."""
+
+    def __init__(self, node: Node, own: OwnEntities, robots: RobotsOnWire) -> None:
+        self._node, self._own, self._robots = node, own, robots
+        self._limit = LogLimit(node.graph.clock)
+        self._tokens: dict[str, EntityToken] = {}
+        self._callers: dict[bytes, str] = {}
+        self._open: dict[tuple[EntityKind, str], tuple[set[str], Callable[[], None]]] = {}
+
+    def node_of(self, gid: bytes) -> str:
+        """Return the full name of the node whose client has *gid*; empty if it is unknown."""
+        return self._callers.get(gid, "")
+
+    def on_token(self, text: str, is_there: bool) -> None:  # noqa: FBT001 - as the session calls it
+        """Take notice of a token of others that came or went."""
+        try:
+            if is_there and text not in self._tokens and len(self._tokens) < _MOST_TOKENS:
+                self._add(text)
+            elif not is_there and (token := self._tokens.pop(text, None)) is not None:
+                self._remove(text, token)
+        except HomebotError as exc:
+            self._warn("ros2.not_imported", text, str(exc))
+
+    def _add(self, text: str) -> None:
+        token = EntityToken.of_text(text)
+        if token.session == self._own.session.id:
+            return
+        self._tokens[text] = token
+        kind, name = token.info.kind, token.info.name
+        if kind is EntityKind.CLIENT:
+            self._callers[token.gid] = token.info.node
+        access = self._robots.source_of(name) if kind in {EntityKind.PUBLISHER, EntityKind.SERVICE} else None
+        if access is None:
+            return
+        if (present := self._open.get((kind, name))) is not None:
+            present[0].add(text)
+            return
+        access.check_publishing(name)
+        close = self._topic(token, access) if kind is EntityKind.PUBLISHER else self._service(token)
+        self._open[kind, name] = ({text}, close)
+
+    def _remove(self, text: str, token: EntityToken) -> None:
+        self._callers.pop(token.gid, None)
+        key = (token.info.kind, token.info.name)
+        texts, close = self._open.get(key, (set(), lambda: None))
+        texts.discard(text)
+        if not texts and key in self._open:
+            del self._open[key]
+            close()
+
+    def _topic(self, token: EntityToken, access: ClientAccess) -> Callable[[], None]:
+        info, node = token.info, self._node
+        message_type = message_type_of_topic(node.graph, info.name, info.ros_type)
+        _check_hash(token, type_hash(message_type))
+        assert info.qos is not None, "the token of a publisher has it"  # noqa: S101 - for mypy
+        publisher = node.create_publisher(message_type, info.name, info.qos)
+        reading = EndpointInfo(EntityKind.SUBSCRIPTION, node.full_name, info.name, info.ros_type, info.qos)
+        entity = self._own.declare(reading, token.type_hash)
+
+        def receive(sample: WireSample) -> None:
+            if publisher.is_closed:
+                return
+            try:
+                Attachment.of_bytes(sample.attachment)
+                message = message_from_cdr(message_type, sample.payload)
+                access.check_robot(info.name, message)
+            except HomebotError as exc:
+                self._warn("ros2.message_refused", info.name, str(exc))
+                return
+            publisher.publish(message)
+
+        entity.keep(self._own.session.subscribe(token.key, info.qos, receive))
+
+        def close() -> None:
+            entity.close()
+            publisher.close()
+
+        return close
+
+    def _service(self, token: EntityToken) -> Callable[[], None]:
+        info, node = token.info, self._node
+        service_type = service_type_of(node.graph, info.name, info.ros_type)
+        _check_hash(token, type_hash(service_type))
+        client = EndpointInfo(EntityKind.CLIENT, node.full_name, info.name, info.ros_type)
+        entity = self._own.declare(client, token.type_hash)
+        response_type: type[Message] = service_type.Response
+
+        async def ask(request: Message) -> Message:
+            asked = entity.attachment()
+            answer = await self._own.session.ask(token.key, message_to_cdr(request), asked, _LONGEST_ANSWER)
+            if answer is None:
+                raise ServiceUnavailableError(info.name, f"of {info.node} did not answer; is it still there?")
+            if isinstance(answer, str):
+                raise ServiceFailedError(info.name, answer)
+            return message_from_cdr(response_type, answer)
+
+        try:
+            server = node.create_service(service_type, info.name, ask, concurrent=True, cancel_with_caller=True)
+        except HomebotError:
+            entity.close()
+            raise
+
+        def close() -> None:
+            server.close()
+            entity.close()
+
+        return close
+
+    def _warn(self, event: str, subject: str, problem: str) -> None:
+        if (held_back := self._limit.allows(f"{event} {subject}")) is not None:
+            self._node.log.warning(event, subject=subject[:200], problem=problem, held_back=held_back)
+
+
+def _check_hash(token: EntityToken, own: str) -> None:
+    """Refuse a type that has another definition there; ROS 2 Humble has no hashes to compare."""
+    if token.type_hash not in {own, NO_HASH}:
+        info = token.info
+        raise PeerError(
+            f"{info.name} of {info.node} has another {info.ros_type}: its hash is {token.type_hash}, here {own}; "
+            "import the definition of the robot: homebot interface import, or state its distro in [ros]"
+        )

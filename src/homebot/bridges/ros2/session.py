@@ -1,0 +1,254 @@
+"""The Zenoh session of the bridge, which alone knows the library.
+
+Zenoh calls back on threads of its own: all that comes from there waits for the event loop in a bounded queue.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import threading
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+import anyio
+import zenoh
+import zenoh.ext
+from anyio import to_thread
+
+from homebot.errors import UsageError
+from homebot.graph.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+if TYPE_CHECKING:
+    from homebot.messages.interfaces.settings import RosSettings
+
+__all__ = ["Declared", "WirePublisher", "WireQuery", "WireSample", "ZenohSession", "open_session"]
+
+_MOST_WAITING = 1000
+"""Samples and queries that wait for the event loop; more are lost and counted."""
+
+_CLOSING, _HEARTBEAT = 0.8, 0.5  # seconds; rmw_zenoh has the same heartbeat
+_ENCODING = "application/cdr"
+
+
+class Declared(Protocol):
+    """A declaration on the session."""
+
+    def undeclare(self) -> object:
+        """Take it back."""
+
+
+class WirePublisher(Declared, Protocol):
+    """A writer of samples."""
+
+    def put(self, payload: bytes, *, attachment: bytes) -> object:
+        """Send a sample."""
+
+
+class WireSample(NamedTuple):
+    """A message as it arrives."""
+
+    payload: bytes
+    attachment: bytes
+
+
+class WireQuery:
+    """A request as it arrives, which must be answered."""
+
+    def __init__(self, query: Any) -> None:
+        self._query = query
+        self.payload = b"" if query.payload is None else bytes(query.payload)
+        self.attachment = b"" if query.attachment is None else bytes(query.attachment)
+
+    def reply(self, payload: bytes, attachment: bytes) -> None:
+        """Answer with a response."""
+        with suppress(zenoh.ZError):  # the caller has left
+            self._query.reply(self._query.key_expr, payload, encoding=_ENCODING, attachment=attachment)
+        self._query.drop()
+
+    def refuse(self, problem: str) -> None:
+        """Answer with an error, which rmw_zenoh only logs."""
+        with suppress(zenoh.ZError):
+            self._query.reply_err(problem)
+        self._query.drop()
+
+
+class ZenohSession:
+    """An open session.
+
+    Attributes:
+        lost: Samples and queries that came faster than the event loop took them.
+    """
+
+    def __init__(self, session: Any) -> None:
+        """Use :func:`open_session` instead."""
+        self._session = session
+        self._loop = asyncio.get_running_loop()
+        self._lock = threading.Lock()
+        self._waiting = 0
+        self._calls: asyncio.Queue[tuple[Callable[..., None], tuple[object, ...]]] = asyncio.Queue()
+        self.lost = 0
+        self.id = str(session.zid())
+
+    async def run(self) -> None:
+        """Make the calls for the others until cancelled; in a task, so that they may start tasks."""
+        while True:
+            call, values = await self._calls.get()
+            call(*values)
+            await asyncio.sleep(0)  # others have their turn
+
+    def declare_token(self, text: str) -> Declared:
+        """Tell the others of an entity."""
+        declared: Declared = self._session.liveliness().declare_token(text)
+        return declared
+
+    def watch_tokens(self, key: str, on_token: Callable[[str, bool], None]) -> Declared:
+        """Call back with each token of the others that is there, comes, or goes (False)."""
+
+        def arrived(sample: Any) -> None:
+            self._to_loop(on_token, str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
+
+        declared: Declared = self._session.liveliness().declare_subscriber(key, arrived, history=True)
+        return declared
+
+    def publish(self, key: str, qos: QoSProfile) -> WirePublisher:
+        """Return a writer of samples as rmw_zenoh has it; of latched ones it keeps the last."""
+        is_latched = qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
+        is_reliable = qos.reliability is ReliabilityPolicy.RELIABLE
+        blocks = is_reliable and qos.history is HistoryPolicy.KEEP_ALL
+        miss = zenoh.ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=_HEARTBEAT)
+        publisher: WirePublisher = zenoh.ext.declare_advanced_publisher(
+            self._session,
+            key,
+            encoding=_ENCODING,
+            congestion_control=zenoh.CongestionControl.BLOCK if blocks else zenoh.CongestionControl.DROP,
+            cache=zenoh.ext.CacheConfig(qos.queue_depth) if is_latched else None,
+            publisher_detection=is_latched,
+            sample_miss_detection=miss if is_latched and is_reliable else None,
+        )
+        return publisher
+
+    def subscribe(self, key: str, qos: QoSProfile, on_sample: Callable[[WireSample], None]) -> Declared:
+        """Call back with each sample of others, and those that are latched."""
+        is_latched = qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
+        is_reliable = qos.reliability is ReliabilityPolicy.RELIABLE
+        history = zenoh.ext.HistoryConfig(detect_late_publishers=True, max_samples=qos.queue_depth)
+        recovery = zenoh.ext.RecoveryConfig(periodic_queries=None, heartbeat=True)
+
+        def arrived(sample: Any) -> None:
+            attachment = b"" if sample.attachment is None else bytes(sample.attachment)
+            self._offer(on_sample, WireSample(bytes(sample.payload), attachment))
+
+        declared: Declared = zenoh.ext.declare_advanced_subscriber(
+            self._session,
+            key,
+            arrived,
+            allowed_origin=zenoh.Locality.REMOTE,
+            history=history if is_latched else None,
+            recovery=recovery if is_latched and is_reliable else None,
+        )
+        return declared
+
+    def serve(self, key: str, on_query: Callable[[WireQuery], None]) -> Declared:
+        """Call back with each request of others."""
+
+        def arrived(query: Any) -> None:
+            asked = WireQuery(query)
+            if not self._offer(on_query, asked):
+                asked.refuse("homebot has too many requests at once; ask again later")
+
+        declared: Declared = self._session.declare_queryable(
+            key, arrived, complete=True, allowed_origin=zenoh.Locality.REMOTE
+        )
+        return declared
+
+    async def ask(self, key: str, payload: bytes, attachment: bytes, longest: float) -> bytes | str | None:
+        """Return the first response, the text of an error, or None if nobody serves or answers within *longest*."""
+        answer: asyncio.Future[bytes | str | None] = self._loop.create_future()
+        cancellation: Any = zenoh.CancellationToken()
+
+        def settle(value: bytes | str | None) -> None:
+            if not answer.done():
+                answer.set_result(value)
+
+        def replied(reply: Any) -> None:
+            ok = reply.ok
+            self._to_loop(
+                settle, bytes(reply.err.payload).decode(errors="replace") if ok is None else bytes(ok.payload)
+            )
+
+        self._session.get(
+            key,
+            zenoh.handlers.Callback(replied, lambda: self._to_loop(settle, None)),
+            target=zenoh.QueryTarget.ALL_COMPLETE,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=longest,
+            payload=payload,
+            encoding=_ENCODING,
+            attachment=attachment,
+            cancellation_token=cancellation,
+        )
+        try:
+            return await answer
+        finally:
+            cancellation.cancel()
+
+    def _offer(self, call: Callable[[Any], None], value: object) -> bool:
+        """Let the event loop *call* with *value*; return False if too many wait."""
+        with self._lock:
+            if self._waiting >= _MOST_WAITING:
+                self.lost += 1
+                return False
+            self._waiting += 1
+        self._to_loop(self._take, call, value)
+        return True
+
+    def _take(self, call: Callable[[Any], None], value: object) -> None:
+        with self._lock:
+            self._waiting -= 1
+        call(value)
+
+    def _to_loop(self, call: Callable[..., None], *values: object) -> None:
+        with suppress(RuntimeError):  # the loop is closed
+            self._loop.call_soon_threadsafe(self._calls.put_nowait, (call, values))
+
+
+@asynccontextmanager
+async def open_session(settings: RosSettings) -> AsyncIterator[ZenohSession]:
+    """Open a session as a ROS 2 node has it, and close it at the end, within a second.
+
+    Raises:
+        UsageError: It cannot listen, or a value is not allowed by Zenoh.
+    """
+    try:
+        session: Any = await to_thread.run_sync(zenoh.open, zenoh.Config.from_json5(json.dumps(_config(settings))))
+    except zenoh.ZError as exc:
+        raise UsageError(f"[ros] listen or connect: {exc}") from exc
+    try:
+        yield ZenohSession(session)
+    finally:
+        # A thread of its own, that ends with the program: anyio's would be waited for.
+        closing = asyncio.Event()
+        loop = asyncio.get_running_loop()
+        threading.Thread(target=_close, args=(session, loop, closing), daemon=True).start()
+        with anyio.move_on_after(_CLOSING, shield=True):
+            await closing.wait()
+
+
+def _close(session: Any, loop: asyncio.AbstractEventLoop, closed: asyncio.Event) -> None:
+    session.close()
+    with suppress(RuntimeError):
+        loop.call_soon_threadsafe(closed.set)
+
+
+def _config(settings: RosSettings) -> dict[str, object]:
+    """Return the configuration of Zenoh: a router if it listens, else a peer, which loses nothing on reconnection."""
+    return {
+        "mode": "router" if settings.listen else "peer",
+        "connect": {"endpoints": settings.connect, "timeout_ms": -1, "exit_on_failure": False},
+        "listen": {"endpoints": [settings.listen or "tcp/127.0.0.1:0"]},
+        "scouting": {"multicast": {"enabled": False}},
+        "timestamping": {"enabled": True},
+        "transport": {"link": {"tls": {"root_ca_certificate": str(settings.ca) if settings.ca else None}}},
+    }

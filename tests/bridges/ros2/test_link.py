@@ -1,0 +1,155 @@
+"""The link: two graphs, that of a house and that of a robot, joined by Zenoh on this computer."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from functools import partial
+
+import anyio
+import pytest
+from structlog.testing import capture_logs
+from tests.patience import PATIENCE
+from tests.ports import reserve_port
+
+from homebot.bridges.ros2.link import serve_link
+from homebot.bridges.ros2.robots import RobotsOnWire
+from homebot.bridges.rosbridge.access import ClientAccess
+from homebot.devices.client_rights import ALL_RIGHTS, read_scope
+from homebot.devices.robot_owners import RobotOwners
+from homebot.errors import ServiceUnavailableError
+from homebot.graph import Graph, Node, Subscription, qos_profile_latched
+from homebot.messages import String
+from homebot.messages.geometry_msgs import PoseStamped
+from homebot.messages.interfaces import Interfaces
+from homebot.messages.interfaces.settings import RosSettings
+from homebot.messages.message import Message
+from homebot.messages.std_srvs import Trigger
+from homebot.messages.type_hash import type_hash
+
+OWNERS = RobotOwners({"rosie": ()})
+
+
+class Pair:
+    """A house and a robot."""
+
+    def __init__(self) -> None:
+        self.house, self.robot = Graph(), Graph()
+
+
+def access(name: str, *scope: str) -> ClientAccess:
+    return ClientAccess(name, read_scope(scope) if scope else ALL_RIGHTS, OWNERS)
+
+
+@asynccontextmanager
+async def pair(*scope: str, export: str = "/house/**", robots: str = "/**") -> AsyncIterator[Pair]:
+    """The robot sees all that the house exports; what it has comes to the house with the rights of *scope*."""
+    both, address = Pair(), f"tcp/127.0.0.1:{reserve_port()}"
+    house = RosSettings.model_validate({"listen": address, "export": (export,), "import": {"rosie": (robots,)}})
+    robot = RosSettings.model_validate(
+        {"connect": (address,), "export": ("/rosie/**", "/free/**"), "import": {"h": ("/**",)}}
+    )
+    at_house = RobotsOnWire(house.imports, {"rosie": access("rosie", *scope)})
+    at_robot = RobotsOnWire(robot.imports, {"h": access("h")})
+    async with anyio.create_task_group() as tasks:
+        for graph, settings, known in ((both.house, house, at_house), (both.robot, robot, at_robot)):
+            await tasks.start(partial(_linked, graph, settings, known))
+        yield both
+        tasks.cancel_scope.cancel()
+
+
+async def _linked(
+    graph: Graph, settings: RosSettings, robots: RobotsOnWire, *, task_status: anyio.abc.TaskStatus[None]
+) -> None:
+    async with Node(graph, "ros2") as node:
+        await serve_link(node, settings, robots, task_status=task_status)
+
+
+async def received(subscription: Subscription[String]) -> str:
+    with anyio.fail_after(PATIENCE):
+        return (await subscription.receive()).data
+
+
+async def appears(graph: Graph, name: str) -> None:
+    """Wait until *graph* has the topic or service *name*."""
+    with graph.watch() as changes, anyio.fail_after(PATIENCE):
+        if not any(one.name == name for one in graph.get_endpoints()):
+            async for change in changes:
+                if change.entity.name == name:
+                    return
+
+
+async def leaves(graph: Graph, service: str) -> None:
+    """Wait until *service* has no server in *graph*."""
+    with graph.watch() as changes, anyio.fail_after(PATIENCE):
+        while service in graph.get_service_names_and_types():
+            await changes.receive()
+
+
+async def test_a_latched_message_of_the_house_comes_to_a_robot_that_joins_later() -> None:
+    async with pair() as both, Node(both.house, "app") as app, Node(both.robot, "nav") as nav:
+        app.create_publisher(String, "/house/map", qos_profile_latched).publish(String(data="rooms"))
+        late = nav.create_subscription(String, "/house/map", qos_profile=qos_profile_latched)
+        assert await received(late) == "rooms"
+
+
+async def test_what_a_robot_publishes_comes_to_the_house_and_stays_where_it_is_not_exported() -> None:
+    async with pair("read", "robot: rosie") as both, Node(both.house, "app") as app, Node(both.robot, "nav") as nav:
+        words = app.create_subscription(String, "/rosie/words", qos_profile=qos_profile_latched)
+        nav.create_publisher(String, "/secret", qos_profile_latched).publish(String(data="no"))
+        nav.create_publisher(String, "/rosie/words", qos_profile_latched).publish(String(data="hello"))
+        assert await received(words) == "hello"
+        assert "/secret" not in both.house.get_topic_names_and_types()
+        assert {one.node for one in both.house.get_endpoints(name="/rosie/words")} == {"/app", "/ros2"}
+
+
+async def test_what_is_of_a_robot_does_not_come_without_the_right_to_be_it() -> None:
+    async with pair("read", "act: all") as both, Node(both.robot, "nav") as nav:
+        nav.create_publisher(PoseStamped, "/rosie/pose")
+        nav.create_service(Trigger, "/rosie/dock", lambda _: Trigger.Response(success=True, message=""))
+        nav.create_publisher(String, "/free/words")
+        await appears(both.house, "/free/words")  # after the others
+        assert not both.house.get_endpoints(name="/rosie/pose")
+        assert "/rosie/dock" not in both.house.get_service_names_and_types()
+
+
+async def test_a_service_of_a_robot_answers_and_is_unavailable_at_once_when_it_left() -> None:
+    async with pair("read", "robot: rosie") as both, Node(both.house, "app") as app:
+        async with Node(both.robot, "nav") as nav:
+            nav.create_service(Trigger, "/rosie/dock", lambda _: Trigger.Response(success=True, message="docked"))
+            await appears(both.house, "/rosie/dock")
+            client = app.create_client(Trigger, "/rosie/dock")
+            assert (await client.call(Trigger.Request())).message == "docked"
+        await leaves(both.house, "/rosie/dock")
+        with pytest.raises(ServiceUnavailableError):
+            await client.call(Trigger.Request())
+
+
+@pytest.mark.parametrize(
+    ("scope", "answer"),
+    [(("read", "act: all"), "on"), (("read",), "the right act is missing; the token rosie has: read.")],
+)
+async def test_a_robot_calls_a_service_of_the_house_only_with_the_right(scope: tuple[str, ...], answer: str) -> None:
+    async with pair(*scope) as both, Node(both.house, "app") as app, Node(both.robot, "nav") as nav:
+        app.create_service(Trigger, "/house/light", lambda _: Trigger.Response(success=True, message="on"))
+        await appears(both.robot, "/house/light")
+        response = await nav.create_client(Trigger, "/house/light").call(Trigger.Request())
+        assert response.success == (answer == "on")
+        assert response.message.startswith(answer)
+
+
+async def test_a_type_that_differs_is_refused_with_both_hashes() -> None:
+    here, there = own_type("int64 a"), own_type("int32 a")
+    with capture_logs() as lines:
+        async with pair() as both, Node(both.house, "app") as app, Node(both.robot, "nav") as nav:
+            nav.create_subscription(here, "/house/state")
+            app.create_publisher(there, "/house/state")
+            app.create_publisher(String, "/house/last")
+            await appears(both.robot, "/house/last")
+            assert [one.node for one in both.robot.get_endpoints(name="/house/state")] == ["/nav"]
+    (problem,) = [line["problem"] for line in lines if line["event"] == "ros2.not_imported"]
+    assert f"its hash is {type_hash(there)}, here {type_hash(here)}" in problem
+
+
+def own_type(text: str) -> type[Message]:
+    interfaces = Interfaces()
+    interfaces.define("my_msgs/msg/State", text)
+    return interfaces.find_message("my_msgs/State")
