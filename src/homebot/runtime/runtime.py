@@ -406,7 +406,7 @@ class Runtime:
         from homebot.bridges.ros2.link import serve_link  # noqa: PLC0415 - few houses have robots of ROS 2
         from homebot.bridges.ros2.robots import RobotsOnWire  # noqa: PLC0415 - as above
 
-        robots = RobotsOnWire.of(settings.imports, self._plan.door, self._plan.robot_owners())
+        robots = RobotsOnWire.of(settings.imports, self._plan.door, self._plan.robot_owners(), self._clock.now)
         async with Node(self.graph, "ros2") as node:
             await run_as(node.full_name, partial(serve_link, node, settings, robots, task_status=task_status))
 

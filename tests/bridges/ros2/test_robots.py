@@ -48,6 +48,19 @@ def test_a_robot_needs_a_token() -> None:
         RobotsOnWire.of({"bob": ("/bob/**",)}, door("rosie"), OWNERS)
 
 
+def test_the_rights_end_with_the_token() -> None:
+    token = ClientToken(token="secret", scope=("read", "robot: rosie"), until=100.0)
+    times = [99.0]
+    robots = RobotsOnWire.of(
+        {"rosie": ("/rosie/**",)}, DoorSettings(tokens={"rosie": token}), OWNERS, lambda: times[-1]
+    )
+    assert robots.source_of("/rosie/pose") is robots.caller("/rosie/nav") is not None
+    times.append(100.0)
+    assert robots.source_of("/rosie/pose") is None
+    with pytest.raises(PeerError, match="the token rosie has ended"):
+        robots.caller("/rosie/nav")
+
+
 def test_of_several_robots_each_calls_from_its_namespace() -> None:
     robots = RobotsOnWire.of({"rosie": ("/rosie/**",), "bob": ("/bob/**",)}, door("rosie", "bob"), OWNERS)
     assert robots.caller("/bob/nav/planner").name == "bob_brain"

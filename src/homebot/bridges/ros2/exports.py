@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from pydantic import ValidationError
+
 from homebot.bridges.ros2.attachment import Attachment
 from homebot.bridges.ros2.robots import RobotsOnWire, fits_any
 from homebot.bridges.rosbridge.services import cause_of_call, usual_timeout
@@ -15,7 +17,7 @@ from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.subscription import OTHERS
 from homebot.messages.cdr import message_from_cdr, message_to_cdr
-from homebot.messages.definition import fields_by_name, zero_message
+from homebot.messages.definition import fields_by_name, fields_of, zero_of
 from homebot.messages.json import message_from_json, message_to_json
 from homebot.messages.message import Message
 from homebot.messages.type_hash import type_hash
@@ -151,8 +153,12 @@ class Exports:
         response_type: type[Message] = service_type.Response
         if not {"success", "message"} <= fields_by_name(response_type).keys():
             return None
-        zero: Message = zero_message(response_type)
-        return zero.model_copy(update={"success": False, "message": problem})
+        required = (one for one in fields_of(response_type) if response_type.model_fields[one.name].is_required())
+        values = {one.name: zero_of(one) for one in required} | {"success": False, "message": problem}
+        try:
+            return response_type(**values)
+        except ValidationError:  # zero is not allowed
+            return None
 
 
 def _close(reading: Callable[[], None], entity: WireEntity) -> None:

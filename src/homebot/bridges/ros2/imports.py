@@ -92,7 +92,7 @@ class Imports:
         entity = self._own.declare(reading, token.type_hash)
 
         def receive(sample: WireSample) -> None:
-            if publisher.is_closed:
+            if publisher.is_closed or self._robots.source_of(info.name) is None:
                 return
             try:
                 Attachment.of_bytes(sample.attachment)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
+from math import inf
+from types import MappingProxyType
 from typing import TYPE_CHECKING, final
 
 from homebot.bridges.rosbridge.access import ClientAccess
@@ -25,19 +27,33 @@ class RobotsOnWire:
     Args:
         imports: Patterns of names by robot.
         accesses: The access of each robot: that of its token.
+        ends: When the token of each ends, in seconds since 1970.
+        now: Returns the time.
     """
 
-    def __init__(self, imports: Mapping[str, Iterable[str]], accesses: Mapping[str, ClientAccess]) -> None:
-        self._imports, self._accesses = imports, accesses
+    def __init__(
+        self,
+        imports: Mapping[str, Iterable[str]],
+        accesses: Mapping[str, ClientAccess],
+        ends: Mapping[str, float] = MappingProxyType({}),
+        now: Callable[[], float] = lambda: -inf,
+    ) -> None:
+        self._imports, self._accesses, self._ends, self._now = imports, accesses, ends, now
 
     @classmethod
-    def of(cls, imports: Mapping[str, Iterable[str]], door: DoorSettings, owners: RobotOwners) -> RobotsOnWire:
-        """Return the robots with the rights of their tokens in *door*.
+    def of(
+        cls,
+        imports: Mapping[str, Iterable[str]],
+        door: DoorSettings,
+        owners: RobotOwners,
+        now: Callable[[], float] = lambda: -inf,
+    ) -> RobotsOnWire:
+        """Return the robots with the rights of their tokens in *door*, until *now* passes their ends.
 
         Raises:
             UsageError: A robot has no token.
         """
-        found = {}
+        found, ends = {}, {}
         for robot in imports:
             rights = {name: read_scope(one.scope) for name, one in door.tokens.items()}
             name = next((name for name, one in rights.items() if robot in one.robots), None)
@@ -46,27 +62,35 @@ class RobotsOnWire:
                     f"[ros] import: no token has the right 'robot: {robot}'; make one: "
                     f"homebot token new {robot} --scope read --scope 'robot: {robot}'"
                 )
-            found[robot] = ClientAccess(name, rights[name], owners)
-        return cls(imports, found)
+            found[robot], ends[robot] = ClientAccess(name, rights[name], owners), door.tokens[name].until
+        return cls(imports, found, ends, now)
 
     def source_of(self, name: str) -> ClientAccess | None:
-        """Return the access of the robot from which the topic or service *name* comes; None if it is not imported."""
+        """Return the access of the robot from which the topic or service *name* comes.
+
+        None if it is not imported, or if the token of the robot has ended.
+        """
         robot = next((robot for robot, patterns in self._imports.items() if fits_any(name, patterns)), None)
-        return None if robot is None else self._accesses[robot]
+        return None if robot is None or self._has_ended(robot) else self._accesses[robot]
 
     def caller(self, node: str) -> ClientAccess:
         """Return the access of the robot to which *node* belongs: the only one, or that of its namespace.
 
         Raises:
-            PeerError: It belongs to none.
+            PeerError: It belongs to none, or the token of its robot has ended.
         """
-        if len(self._accesses) == 1:
-            return next(iter(self._accesses.values()))
         robot = node.split("/", 2)[1] if node else ""
+        if len(self._accesses) == 1:
+            robot = next(iter(self._accesses))
         if robot not in self._accesses:
             known = ", ".join(f"/{one}/…" for one in self._accesses) or "none: name it in import of [ros]"
             raise PeerError(f"the node {node or 'without a token'} belongs to no robot; robots have {known}")
+        if self._has_ended(robot):
+            raise PeerError(f"the token {self._accesses[robot].name} has ended; its table says until when")
         return self._accesses[robot]
+
+    def _has_ended(self, robot: str) -> bool:
+        return self._now() >= self._ends.get(robot, inf)
 
 
 def fits_any(name: str, patterns: Iterable[str]) -> bool:

@@ -72,7 +72,7 @@ class RosSettings(BaseModel):
 
     @property
     def has_link(self) -> bool:
-        """Whether there is a link to robots."""
+        """True if there is a link to robots."""
         return bool(self.connect or self.listen)
 
 
