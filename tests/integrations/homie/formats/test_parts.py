@@ -204,11 +204,11 @@ def test_a_garage_door_that_takes_other_words_has_another_digest(introduce: Intr
     assert first.part.payloads == again.part.payloads != other.part.payloads
 
 
-def test_what_is_beside_an_alarm_stays_a_setting(introduce: Introduce) -> None:
+def test_a_switch_beside_an_alarm_stays_one(introduce: Introduce) -> None:
     parts = introduce({"panel": {"properties": {"on": FLAG, "mode": states("disarmed,armed", settable=True)}}})
     assert {name: one.part.service_type for name, one in parts.items()} == {
         "panel/$alarm": "x_alarm_panel",
-        "panel/on": "x_setting",
+        "panel": "switch",
     }
 
 
@@ -248,7 +248,7 @@ def test_a_sensor_of_a_known_kind(introduce: Introduce, kind: str, service_type:
     [
         ("a", "°C", "temperature_sensor", "21.5", {"temperature": 21.5}),
         ("a", "°F", "temperature_sensor", "68", {"temperature": 20.0}),
-        ("humidity", "%", "x_sensor", "45", {"measurement": 45.0}),
+        ("humidity", "%", "humidity_sensor", "45", {"humidity": 45.0}),
         ("battery", "%", "x_battery", "90", {"battery": 90.0}),
         ("a", "kPa", "pressure_sensor", "101", {"pressure": 1010.0}),
         ("co2", "ppm", "x_sensor", "400", {"measurement": 400.0}),
@@ -356,6 +356,7 @@ def test_a_vacuum_cleaner_is_known_by_its_words(introduce: Introduce) -> None:
             "movement",
         ),
         ("garage-door", {"state": {"datatype": "enum", "format": "open,closed"}}, "closure", "movement"),
+        ("", {"power": FLAG}, "switch", "on_off"),
         ("", {"ct": {"datatype": "integer", "unit": "K", "settable": True}}, "light", "color_temperature"),
         ("", {"bolt": states("lock,unlock", settable=True)}, "door_lock", "lock"),
     ],
@@ -366,6 +367,12 @@ def test_the_word_of_a_type_and_the_form_of_a_property_determine_the_kind(
     (part,) = introduce({"thing": {"type": kind, "properties": prop}}).values()
     assert (part.part.service_type, part.part.guessed) == (service_type, True)
     assert capability in {one.name for one in part.part.capabilities}
+
+
+def test_the_word_of_a_sensor_is_its_condition(introduce: Introduce) -> None:
+    """Source: Homie4 0.4 (PyPI), Device_Contact."""
+    (part,) = introduce({"door": {"type": "contact", "properties": {"contact": WATCHED}}}).values()
+    assert (part.part.service_type, [one.name for one in part.part.capabilities]) == ("contact_sensor", ["contact"])
 
 
 @pytest.mark.parametrize("name", ["light", "relay", "thermostat", "fan"])

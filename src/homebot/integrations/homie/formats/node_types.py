@@ -65,6 +65,15 @@ KINDS: Mapping[str, Kind] = {
     "battery": Kind(roles={"battery-level": "battery", "low-battery": "battery_low"}),
     "maintenance": Kind(roles={"battery-level": "battery", "low-battery": "battery_low"}),
     "button": Kind(roles={"action": "press"}),
+    "controls": Kind(  # Homie4 0.4 (PyPI), Device_Thermostat
+        "thermostat",
+        {
+            "heatsetpoint": "heating_setpoint",
+            "coolsetpoint": "cooling_setpoint",
+            "systemmode": "thermostat_mode",
+            "fanmode": "fan_mode",
+        },
+    ),
     **{name: Kind() for name in ("climate", "weather", "illuminance", "powermeter", "air-quality", "numeric", "scene")},
 }
 """Kinds by the name at the end of a node's type."""
@@ -102,18 +111,21 @@ _RATINGS = frozenset({"advertised", "limit", "maximum", "nameplate", "nominal", 
 _RETURNED = frozenset({"export", "exported", "returned"})
 
 
+_SHARES = ("battery", "humidity")
+"""Quantities in percent by their words: of robots by Valetudo, and of the node ``status`` of Homie4 0.4 (PyPI)."""
+
+
 def quantity_of(unit: str, tokens: frozenset[str]) -> str:
     """Return the capability of a number by its unit.
 
     Args:
-        tokens: The words of its property and its node; those of ratings and exports of eBus (SPAN panels), and of the
-            battery of a robot by Valetudo, which has no unit of its own, decide too.
+        tokens: The words of its property and its node: a few of products that people own decide too.
     """
     unit = unit.strip()
     if not tokens.isdisjoint(_RATINGS):
         return "measurement"
-    if unit == "%" and "battery" in tokens:
-        return "battery"
+    if unit == "%":
+        return next((name for name in _SHARES if any(one.startswith(name) for one in tokens)), "measurement")
     if unit == "dBm":
         return "signal_strength"
     found = measured_in(unit) or "measurement"

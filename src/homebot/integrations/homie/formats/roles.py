@@ -67,10 +67,6 @@ def _tells_alarm(prop: HomieProperty) -> bool:
     return "disarmed" in options and any(one.startswith("armed") for one in options)
 
 
-def _is_breaker(prop: HomieProperty) -> bool:
-    return prop.is_settable and _flags(prop) == ("open", "closed")
-
-
 def _is_valve(prop: HomieProperty) -> bool:
     return prop.is_settable and _flags(prop) == ("closed", "open")
 
@@ -134,14 +130,14 @@ _FORMS: tuple[_Form, ...] = (
     _Form("arm", ("",), _ENUM, _settable(_tells_alarm)),
     _Form("valve", ("valve",), _BOOLEAN),
     _Form("valve", ("",), _BOOLEAN, _is_valve),
-    _Form("on_off", ("",), _BOOLEAN, _is_breaker),
+    _Form("on_off", ("",), _BOOLEAN),
     _Form("contact", ("",), _BOOLEAN, _is_contact),
     _Form("heating_setpoint", ("thermostat",), _NUMBER, _settable(_is_room_temperature)),
     _Form("thermostat_mode", ("thermostat",), _ENUM, _settable(lambda prop: bool(_options(prop) & _THERMAL))),
     _Form("fan_speed", ("fan",), _NUMBER, _settable(_is_speed)),
     _Form("fan_mode", ("fan",), _ENUM),
 )
-"""Roles by form. Without a type these are colours, and what is to ask: locks, alarms, valves and breakers.
+"""Roles by form. Without a type these are colours, switches, and what is to ask: locks, alarms and valves.
 
 Source of the flags of breakers, valves and contacts: see ``node_reader``.
 """
@@ -199,7 +195,7 @@ def find_roles(node: HomieNode) -> NodeRoles:
         roles = _singled(node, (_declared_role(node, prop, declared) for prop in node.properties))
         return NodeRoles(node, declared, is_guess=False, roles=roles)
     kind = node.type.strip().casefold()
-    if not kind or not any(kind in form.kinds for form in _FORMS):
+    if kind not in KINDS:
         kind = "lock" if _may_lock_a_door(node) else ""
     roles = _roles_by_form(node, kind)
     names = {role.name for role in roles}
@@ -225,9 +221,13 @@ def _roles_by_form(node: HomieNode, kind: str) -> tuple[Role, ...]:
     own = node.properties
     if kind == "lock":
         own = tuple(prop for prop in own if tokens_in(prop.id, prop.name).isdisjoint(_OTHER_LOCKS))
+    if kind:
+        declared = {KINDS[kind].condition, *KINDS[kind].roles.values()} - {""}
+        roles_by_id = (_declared_role(node, prop, kind) for prop in own)
+        found = {one.prop.id: one.name for one in roles_by_id if one.name in declared}
     for form in (one for one in _FORMS if kind in one.kinds):
         fitting = [prop for prop in own if form.holds(prop)]
-        if len(fitting) == 1:
+        if len(fitting) == 1 and form.role not in found.values():
             found.setdefault(fitting[0].id, form.role)
     roles = (Role(found[one.id], one) if one.id in found else _read_only_role(node, one) for one in node.properties)
     return _singled(node, roles)
