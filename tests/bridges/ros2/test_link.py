@@ -1,10 +1,11 @@
 """The link: two graphs, that of a house and that of a robot, joined by Zenoh on this computer."""
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
 
 import anyio
+import anyio.lowlevel
 import pytest
 from structlog.testing import capture_logs
 from tests.patience import PATIENCE
@@ -16,7 +17,7 @@ from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.devices.client_rights import ALL_RIGHTS, read_scope
 from homebot.devices.robot_owners import RobotOwners
 from homebot.errors import ServiceUnavailableError
-from homebot.graph import Graph, Node, Subscription, qos_profile_latched
+from homebot.graph import EntityKind, Graph, Node, Subscription, qos_profile_latched
 from homebot.messages import String
 from homebot.messages.geometry_msgs import PoseStamped
 from homebot.messages.interfaces import Interfaces
@@ -50,16 +51,22 @@ async def pair(*scope: str, export: str = "/house/**", robots: str = "/**") -> A
     at_house = RobotsOnWire(house.imports, {"rosie": access("rosie", *scope)})
     at_robot = RobotsOnWire(robot.imports, {"h": access("h")})
     async with anyio.create_task_group() as tasks:
-        for graph, settings, known in ((both.house, house, at_house), (both.robot, robot, at_robot)):
-            await tasks.start(partial(_linked, graph, settings, known))
+        await tasks.start(partial(_linked, both.house, "ros2", "/", house, at_house))
+        await tasks.start(partial(_linked, both.robot, "brain", "/rosie", robot, at_robot))
         yield both
         tasks.cancel_scope.cancel()
 
 
 async def _linked(
-    graph: Graph, settings: RosSettings, robots: RobotsOnWire, *, task_status: anyio.abc.TaskStatus[None]
+    graph: Graph,
+    name: str,
+    namespace: str,
+    settings: RosSettings,
+    robots: RobotsOnWire,
+    *,
+    task_status: anyio.abc.TaskStatus[None],
 ) -> None:
-    async with Node(graph, "ros2") as node:
+    async with Node(graph, name, namespace=namespace) as node:
         await serve_link(node, settings, robots, task_status=task_status)
 
 
@@ -75,6 +82,13 @@ async def appears(graph: Graph, name: str) -> None:
             async for change in changes:
                 if change.entity.name == name:
                     return
+
+
+async def told(lines: Sequence[Mapping[str, object]], count: int) -> None:
+    """Wait until the log says of *count* things that they are not imported."""
+    with anyio.fail_after(PATIENCE):
+        while sum(line["event"] == "ros2.not_imported" for line in lines) < count:
+            await anyio.lowlevel.checkpoint()
 
 
 async def leaves(graph: Graph, service: str) -> None:
@@ -102,13 +116,16 @@ async def test_what_a_robot_publishes_comes_to_the_house_and_stays_where_it_is_n
 
 
 async def test_what_is_of_a_robot_does_not_come_without_the_right_to_be_it() -> None:
-    async with pair("read", "act: all") as both, Node(both.robot, "nav") as nav:
-        nav.create_publisher(PoseStamped, "/rosie/pose")
-        nav.create_service(Trigger, "/rosie/dock", lambda _: Trigger.Response(success=True, message=""))
-        nav.create_publisher(String, "/free/words")
-        await appears(both.house, "/free/words")  # after the others
-        assert not both.house.get_endpoints(name="/rosie/pose")
-        assert "/rosie/dock" not in both.house.get_service_names_and_types()
+    with capture_logs() as lines:
+        async with pair("read", "act: all") as both, Node(both.robot, "nav") as nav:
+            nav.create_publisher(PoseStamped, "/rosie/pose")
+            nav.create_service(Trigger, "/rosie/dock", lambda _: Trigger.Response(success=True, message=""))
+            nav.create_publisher(String, "/free/words")
+            await told(lines, 2)
+            await appears(both.house, "/free/words")
+            assert not both.house.get_endpoints(name="/rosie/pose")
+            assert "/rosie/dock" not in both.house.get_service_names_and_types()
+    assert all("the right robot is missing" in one["problem"] for one in lines if one["event"] == "ros2.not_imported")
 
 
 async def test_a_service_of_a_robot_answers_and_is_unavailable_at_once_when_it_left() -> None:
@@ -136,14 +153,20 @@ async def test_a_robot_calls_a_service_of_the_house_only_with_the_right(scope: t
         assert response.message.startswith(answer)
 
 
+async def test_the_nodes_of_a_robot_are_nodes_of_the_graph_while_the_link_is_there() -> None:
+    async with pair() as both:
+        await appears(both.house, "/rosie/brain")
+        assert [one.name for one in both.house.get_endpoints(kind=EntityKind.NODE)] == ["/ros2", "/rosie/brain"]
+    assert both.house.get_endpoints() == ()
+
+
 async def test_a_type_that_differs_is_refused_with_both_hashes() -> None:
     here, there = own_type("int64 a"), own_type("int32 a")
     with capture_logs() as lines:
         async with pair() as both, Node(both.house, "app") as app, Node(both.robot, "nav") as nav:
             nav.create_subscription(here, "/house/state")
             app.create_publisher(there, "/house/state")
-            app.create_publisher(String, "/house/last")
-            await appears(both.robot, "/house/last")
+            await told(lines, 1)
             assert [one.node for one in both.robot.get_endpoints(name="/house/state")] == ["/nav"]
     (problem,) = [line["problem"] for line in lines if line["event"] == "ros2.not_imported"]
     assert f"its hash is {type_hash(there)}, here {type_hash(here)}" in problem

@@ -17,7 +17,7 @@ __all__ = ["OwnEntities", "WireEntity"]
 
 
 class WireEntity:
-    """One entity that the others see, until it is closed.
+    """One entity that the others see from :meth:`announce` until it is closed.
 
     Attributes:
         token: Its token.
@@ -29,11 +29,16 @@ class WireEntity:
         self._now = node.graph.clock.now
         self._gid = token.gid
         self._numbers = count(1)
-        self._declared: list[Declared] = [session.declare_token(token.text)]
+        self._session = session
+        self._declared: list[Declared] = []
 
     def keep(self, declared: Declared) -> None:
         """Take *declared* back when this closes."""
         self._declared.append(declared)
+
+    def announce(self) -> None:
+        """Tell the others, who may use it at once."""
+        self.keep(self._session.declare_token(self.token.text))
 
     def attachment(self) -> bytes:
         """Return the attachment of the next message."""
@@ -52,8 +57,9 @@ class OwnEntities:
         self.session = session
         self._node, self._domain, self._ids = node, domain, count()
         self._kept = self.declare(EndpointInfo(EntityKind.NODE, node.full_name, node.full_name), "")
+        self._kept.announce()
 
     def declare(self, info: EndpointInfo, type_hash: str) -> WireEntity:
-        """Tell the others of *info*, as an entity of the node."""
+        """Return *info* as an entity of the node, of which the others do not know yet."""
         token = EntityToken(self._domain, self.session.id, (0, next(self._ids)), info, type_hash)
         return WireEntity(token, self._node, self.session)

@@ -85,6 +85,7 @@ class Exports:
         entity = self._own.declare(info, type_hash(message_type))
         writer = self._own.session.publish(entity.token.key, qos)
         entity.keep(writer)
+        entity.announce()
 
         def send(message: Message) -> None:
             writer.put(message_to_cdr(message), attachment=entity.attachment())
@@ -107,6 +108,7 @@ class Exports:
             self._node.create_task(partial(self._answer, name, query))
 
         entity.keep(self._own.session.serve(entity.token.key, asked))
+        entity.announce()
         return entity.close
 
     async def _answer(self, name: str, query: WireQuery) -> None:

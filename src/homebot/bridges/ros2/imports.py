@@ -55,13 +55,20 @@ class Imports:
         except HomebotError as exc:
             self._warn("ros2.not_imported", text, str(exc))
 
+    def close(self) -> None:
+        """Remove the nodes of others from the graph; the rest ends with the node of the link."""
+        for token in self._tokens.values():
+            self._node.graph.remove_endpoint(token)
+
     def _add(self, text: str) -> None:
         token = EntityToken.of_text(text)
         if token.session == self._own.session.id:
             return
         self._tokens[text] = token
         kind, name = token.info.kind, token.info.name
-        if kind is EntityKind.CLIENT:
+        if kind is EntityKind.NODE:
+            self._node.graph.add_endpoint(token, token.info)
+        elif kind is EntityKind.CLIENT:
             self._callers[token.gid] = token.info.node
         access = self._robots.source_of(name) if kind in {EntityKind.PUBLISHER, EntityKind.SERVICE} else None
         if access is None:
@@ -75,6 +82,7 @@ class Imports:
 
     def _remove(self, text: str, token: EntityToken) -> None:
         self._callers.pop(token.gid, None)
+        self._node.graph.remove_endpoint(token)
         key = (token.info.kind, token.info.name)
         texts, close = self._open.get(key, (set(), lambda: None))
         texts.discard(text)
@@ -104,6 +112,7 @@ class Imports:
             publisher.publish(message)
 
         entity.keep(self._own.session.subscribe(token.key, info.qos, receive))
+        entity.announce()
 
         def close() -> None:
             entity.close()
@@ -128,11 +137,8 @@ class Imports:
                 raise ServiceFailedError(info.name, answer)
             return message_from_cdr(response_type, answer)
 
-        try:
-            server = node.create_service(service_type, info.name, ask, concurrent=True, cancel_with_caller=True)
-        except HomebotError:
-            entity.close()
-            raise
+        server = node.create_service(service_type, info.name, ask, concurrent=True, cancel_with_caller=True)
+        entity.announce()
 
         def close() -> None:
             server.close()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from typing import TYPE_CHECKING
 
 import anyio
@@ -38,7 +39,7 @@ async def serve_link(
         imports = Imports(node, own, robots)
         exports = Exports(node, own, settings.export, robots, imports.node_of)
         node.create_task(session.run)
-        with node.graph.watch() as changes:
+        with closing(imports), node.graph.watch() as changes:
             exports.refresh_all()
             _watching = session.watch_tokens(ALL_TOKENS.format(domain=settings.domain), imports.on_token)
             task_status.started()

@@ -19,11 +19,16 @@ from anyio import to_thread
 
 from homebot.errors import UsageError
 from homebot.graph.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from homebot.support.logger import get_logger
 
 if TYPE_CHECKING:
     from homebot.messages.interfaces.settings import RosSettings
 
 __all__ = ["Declared", "WirePublisher", "WireQuery", "WireSample", "ZenohSession", "open_session"]
+
+LOST = "ros2.lost"
+
+_log = get_logger(node="/ros2")
 
 _MOST_WAITING = 1000
 """Samples and queries that wait for the event loop; more are lost and counted."""
@@ -93,9 +98,13 @@ class ZenohSession:
 
     async def run(self) -> None:
         """Make the calls for the others until cancelled; in a task, so that they may start tasks."""
+        told = 0
         while True:
             call, values = await self._calls.get()
             call(*values)
+            if self._calls.empty() and self.lost > told:
+                told = self.lost
+                _log.warning(LOST, lost=told, problem="messages of others came faster than they were taken")
             await asyncio.sleep(0)  # others have their turn
 
     def declare_token(self, text: str) -> Declared:

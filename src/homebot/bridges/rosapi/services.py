@@ -181,6 +181,11 @@ def _users(kind: EntityKind) -> _Answerer:
     )
 
 
+def _nodes(graph: Graph) -> list[str]:
+    """Return the full names of all nodes, also of those that a link shows."""
+    return sorted({one.name for one in graph.get_endpoints(kind=EntityKind.NODE)})
+
+
 def _visible(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name in names if not is_hidden(name))
 
@@ -214,7 +219,7 @@ _SERVICES: Final[Mapping[str, tuple[str, str, _Answerer]]] = {
     "interfaces": ("", "string[] interfaces", lambda graph, _: interfaces_of(graph).names()),
     "message_details": ("string type", "TypeDef[] typedefs", _typedefs(find_message_type)),
     "node_details": ("string node", "string[] subscribing, string[] publishing, string[] services", _node_details),
-    "nodes": ("", "string[] nodes", lambda graph, _: _visible(graph.get_node_names())),
+    "nodes": ("", "string[] nodes", lambda graph, _: _visible(_nodes(graph))),
     "publishers": ("string topic", "string[] publishers", _users(EntityKind.PUBLISHER)),
     "service_node": ("string service", "string node", _of_service("node")),
     "service_providers": ("string service", "string[] providers", _served("node", "service")),

@@ -1,0 +1,54 @@
+"""The Zenoh session of the bridge, on this computer."""
+
+import anyio
+import anyio.lowlevel
+from structlog.testing import capture_logs
+from tests.patience import PATIENCE
+from tests.ports import reserve_port
+
+from homebot.bridges.ros2.session import WireSample, open_session
+from homebot.graph.qos import HistoryPolicy, QoSProfile
+from homebot.messages.interfaces.settings import RosSettings
+
+ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL)
+
+
+async def test_more_messages_than_wait_for_the_loop_are_lost_counted_and_told() -> None:
+    address = f"tcp/127.0.0.1:{reserve_port()}"
+    listening = RosSettings.model_validate({"listen": address})
+    connecting = RosSettings.model_validate({"connect": (address,)})
+    got: list[WireSample] = []
+    async with open_session(listening) as router, open_session(connecting) as robot:
+        there, done = anyio.Event(), anyio.Event()
+
+        def took(sample: WireSample) -> None:
+            got.append(sample)
+            if sample.payload == b"first":
+                there.set()
+            if len(got) == 1000:
+                done.set()
+
+        reading = router.subscribe("0/words", ALL, took)
+        writer = robot.publish("0/words", ALL)
+        with anyio.fail_after(PATIENCE), capture_logs() as lines:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(router.run)
+                while not there.is_set():
+                    writer.put(b"first", attachment=b"")
+                    with anyio.move_on_after(0.2):
+                        await there.wait()
+                tasks.cancel_scope.cancel()
+            got.clear()
+            for number in range(1500):
+                writer.put(b"%d" % number, attachment=b"")
+            while router.lost < 500:
+                await anyio.lowlevel.checkpoint()
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(router.run)
+                await done.wait()
+                await anyio.lowlevel.checkpoint()  # what was lost is told after the last
+                tasks.cancel_scope.cancel()
+        reading.undeclare()
+    taken = [one.payload for one in got if one.payload != b"first"]
+    assert taken == [b"%d" % number for number in range(len(taken))]
+    assert [(line["event"], line["lost"]) for line in lines] == [("ros2.lost", 1500 - len(taken))]
