@@ -41,7 +41,7 @@ test-fast: $(VENV)/.dev
 # Each test has a network of its own, which needs root; .ci/run installs the programs.
 ## Runs the gateways against other people's programs, those that are installed.
 test-peers: $(VENV)/.peers
-	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n 4 --dist loadfile -m peers tests/peers $(ARGS)
+	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n 4 --dist loadfile -m peers tests/peers $(wildcard tests/integrations/*/peers) $(ARGS)
 
 # The result is committed: who installs homebot needs no Node.
 ## Builds the web page from src/homebot/web/source, with npm.
@@ -54,7 +54,7 @@ page:
 ## Runs generated cases against everything that handles untrusted input: about an hour.
 fuzz: $(VENV)/.dev
 	@echo "seed $(SEED), $(CASES) cases for each target"
-	@FUZZ_SEED=$(SEED) FUZZ_CASES=$(CASES) $(BIN)/python -m pytest -n 2 --timeout 7200 --show-capture no tests/fuzz tests/mqtt/broker/test_fuzz_seeded.py $(ARGS)
+	@FUZZ_SEED=$(SEED) FUZZ_CASES=$(CASES) $(BIN)/python -m pytest -n 2 --timeout 7200 --show-capture no tests/fuzz $(wildcard tests/integrations/*/fuzz) tests/mqtt/broker/test_fuzz_seeded.py $(ARGS)
 
 # Days of the family home; `make houses HOUSES=1000` runs more.
 ## Simulates a hundred random days of a house.

@@ -37,7 +37,7 @@ settings.load_profile("nightly" if NIGHTLY else "usual")
 _SLOW = {
     Path(__file__).parent / folder
     for folder in (
-        *("bridges/home_api", "bridges/rosbridge", "cli", "days", "fuzz", "mqtt/broker"),
+        *("bridges/home_api", "bridges/rosbridge", "cli", "days", "mqtt/broker"),
         *(f"gateways/{name}" for name in ("ble", "coap", "drivers", "matter", "mdns", "nfc", "thing_directory")),
         *("packages", "system", "testing"),
     )
@@ -47,7 +47,7 @@ _SLOW = {
 
 @functools.cache
 def _is_slow(path: Path) -> bool:
-    return path.name.startswith("test_contract_") or not _SLOW.isdisjoint(path.parents)
+    return path.name.startswith("test_contract_") or path.parent.name == "fuzz" or not _SLOW.isdisjoint(path.parents)
 
 
 _HERE = Path(__file__).parent
@@ -81,6 +81,8 @@ def pytest_ignore_collect(collection_path: Path) -> bool | None:
 def pytest_itemcollected(item: pytest.Item) -> None:
     if _is_slow(item.path):
         item.add_marker(pytest.mark.slow)
+    if item.path.parent.name == "peers":
+        item.add_marker(pytest.mark.peers)
     if pytest_asyncio.is_async_test(item) and "_watch_tasks" not in item.fixturenames:
         item.fixturenames.insert(0, "_watch_tasks")
 

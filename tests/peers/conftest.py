@@ -6,10 +6,6 @@ import pytest
 from tests.peers.network import Lan, Machine, new_prefix, why_no_lan
 
 
-def pytest_itemcollected(item: pytest.Item) -> None:
-    item.add_marker(pytest.mark.peers)
-
-
 @pytest.fixture(scope="session")
 def _can_have_lans() -> None:
     problem = why_no_lan()

@@ -10,8 +10,8 @@ owner allows. ESPHome over MQTT is read by Home Assistant's discovery instead.
 
 Source: ESPHome 2026.10, ``components/api/api.proto`` and the components named in the modules.
 
-Tested against: ESPHome's own firmware, compiled for the platform ``host`` and without encryption (``tests/peers``); and
-simulated devices (``dialect = "esphome"``), which are real servers of the native API, with encryption.
+Tested against: ESPHome's own firmware, compiled for the platform ``host`` and without encryption (``peers`` of its
+tests); and simulated devices (``dialect = "esphome"``), which are real servers of the native API, with encryption.
 
 Not done: Bluetooth proxies, voice assistants, custom actions.
 """

@@ -10,7 +10,7 @@ codes are forgotten.
 
 Source: HomeKit Accessory Protocol Specification, Non-Commercial Version, Release R2.
 
-Tested against: HAP-python, as an accessory in a process of its own (``tests/peers``); over Thread a simulated
+Tested against: HAP-python, as an accessory in a process of its own (``peers`` of its tests); over Thread a simulated
 accessory; the contract of gateways; and the simulated bridge (``dialect = "homekit"``), by HAP-python too. Not with
 products.
 

@@ -11,7 +11,7 @@ commands a second go to lights and one to scenes.
 Source: Philips Hue, CLIP API v2, "Getting started" and its reference.
 
 Tested against: a simulated bridge (``dialect = "hue"``), which aiohue, the client of Home Assistant, takes for real
-(``tests/peers``); the contract of gateways. Not with products.
+(``peers`` of its tests); the contract of gateways. Not with products.
 
 Not done: groups, entertainment areas, cameras, chimes. A gradient light has one colour, that of its first point.
 """

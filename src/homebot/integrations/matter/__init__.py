@@ -10,7 +10,7 @@ Transport: the server's WebSocket, as a gateway (``homebot.gateways``) by aiohtt
 Source: Matter 1.4 Core Specification, Application Clusters and Device Library; Matter 1.5 for closures and chimes;
 python-matter-server 8.1, schema versions 5 to 11.
 
-Tested against: python-matter-server 8.1 with a light on matter.js (``tests/peers``), by hand 70 devices of
+Tested against: python-matter-server 8.1 with a light on matter.js (``peers`` of its tests), by hand 70 devices of
 Matterbridge; recorded frames of a real server; the contract of gateways; and a simulated server (``dialect =
 "matter"``, ``"matter_bridge"``, ``"matter_plug"``). Not with products, Thread or Bluetooth.
 

@@ -13,7 +13,7 @@ and 2026.11, ``components/shelly``, for thermostats and strips.
 
 Tested against: messages written from the API's documentation with the answers of the tables of iobroker.shelly 12.0;
 answers of real models; and simulated devices (``dialect = "shelly"``, ``"shelly_rpc"``, ``"shelly_http"``), of which
-aioshelly, the client of Home Assistant, takes those over HTTP for real ones (``tests/peers``).
+aioshelly, the client of Home Assistant, takes those over HTTP for real ones (``peers`` of its tests).
 
 Not done: over HTTP, the first generation is listed with model and firmware alone. BLU sensors that broadcast for
 themselves are BTHome's.

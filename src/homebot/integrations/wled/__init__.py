@@ -10,7 +10,7 @@ every ten seconds. Commands go by HTTP, because the WebSocket does not acknowled
 Source: WLED, JSON API and WebSocket, https://kno.wled.ge/interfaces/json-api and /websocket, 0.13 to 16.
 
 Tested against: documents in the forms of 0.13 to 0.15; and simulated controllers (``dialect = "wled"``), which the
-official client takes for real ones (``tests/peers``).
+official client takes for real ones (``peers`` of its tests).
 
 Not done: palettes, and presets and playlists as commands. ``color_temperature`` has steps of 32 K from 1900 K on.
 """

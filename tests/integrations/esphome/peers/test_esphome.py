@@ -32,7 +32,7 @@ from homebot.graph import Graph, Node, Subscription
 from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT
 
-CONFIGURATION = Path(__file__).parent / "esphome" / "peer-light.yaml"
+CONFIGURATION = Path(__file__).with_name("peer-light.yaml")
 BUILT = ".esphome/build/peer-light/.pioenvs/peer-light/program"
 KEY = "peer-light._esphomelib._tcp.local."
 PORT = "16053"

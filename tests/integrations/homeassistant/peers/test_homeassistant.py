@@ -28,7 +28,7 @@ from homebot.integrations.homeassistant.gateway import HomeAssistantGateway, Hom
 from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT
 
-HERE = Path(__file__).parent / "homeassistant"
+HERE = Path(__file__).parent
 GOLDEN = HERE / "demo.txt"
 NAMES = GatewayNames("homeassistant")
 PATIENCE = 60.0

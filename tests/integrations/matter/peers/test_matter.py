@@ -52,7 +52,7 @@ def matter_python() -> str:
 
 @pytest.fixture(scope="session")
 def matter_js() -> Path:
-    return node_folder(Path(__file__).parent / "matter")
+    return node_folder(Path(__file__).parent / "matter_js")
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ from homebot.graph import Graph, Node
 from homebot.integrations.homekit.gateway import HomekitGateway, HomekitGatewaySettings
 from homebot.testing.gateway_contract import running
 
-ACCESSORY = Path(__file__).parent / "homekit" / "accessory.py"
+ACCESSORY = Path(__file__).with_name("accessory.py")
 PIN = "031-45-154"
 KEY = "12:34:56:78:9A:BC"
 LAMP, LOCK = f"{KEY}.2", f"{KEY}.3"
