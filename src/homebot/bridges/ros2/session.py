@@ -10,6 +10,7 @@ import json
 import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import anyio
@@ -32,6 +33,9 @@ _log = get_logger(node="/ros2")
 
 _MOST_WAITING = 1000
 """Samples and queries that wait for the event loop; more are lost and counted."""
+
+_MOST_TOKENS_WAITING = 20_000
+"""The same for tokens, of which all of a large robot come at once."""
 
 _CLOSING, _HEARTBEAT = 0.8, 0.5  # seconds; rmw_zenoh has the same heartbeat
 _ENCODING = "application/cdr"
@@ -83,7 +87,7 @@ class ZenohSession:
     """An open session.
 
     Attributes:
-        lost: Samples and queries that came faster than the event loop took them.
+        lost: Samples, queries and tokens that came faster than the event loop took them.
     """
 
     def __init__(self, session: Any) -> None:
@@ -116,7 +120,8 @@ class ZenohSession:
         """Call back with each token of the others that is there, comes, or goes (False)."""
 
         def arrived(sample: Any) -> None:
-            self._to_loop(on_token, str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
+            is_there = sample.kind == zenoh.SampleKind.PUT
+            self._offer(partial(on_token, str(sample.key_expr)), is_there, most=_MOST_TOKENS_WAITING)
 
         declared: Declared = self._session.liveliness().declare_subscriber(key, arrived, history=True)
         return declared
@@ -203,10 +208,10 @@ class ZenohSession:
         finally:
             cancellation.cancel()
 
-    def _offer(self, call: Callable[[Any], None], value: object) -> bool:
-        """Let the event loop *call* with *value*; return False if too many wait."""
+    def _offer(self, call: Callable[[Any], None], value: object, *, most: int = _MOST_WAITING) -> bool:
+        """Let the event loop *call* with *value*; return False if *most* wait already."""
         with self._lock:
-            if self._waiting >= _MOST_WAITING:
+            if self._waiting >= most:
                 self.lost += 1
                 return False
             self._waiting += 1
