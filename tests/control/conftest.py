@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, ParamSpec, Protocol, TypeVar
 
@@ -57,11 +58,17 @@ def obey_after(seconds: float) -> Behaviour:
 
 
 def report(*values: tuple[float, PlainValue]) -> Behaviour:
-    """Report each value so many seconds after the command, whatever it was."""
+    """Report each value so many seconds after the command, whatever it was; those of one moment in this order."""
 
     async def behaviour(home: Home, command: Command) -> None:
-        for seconds, value in values:
-            home.later(seconds, command.key, command.capability, value)
+        async def tell() -> None:
+            passed = 0.0
+            for seconds, value in sorted(values, key=itemgetter(0)):
+                await anyio.sleep(seconds - passed)
+                passed = seconds
+                await home.report(command.key, command.capability, value)
+
+        home.tasks.start_soon(tell)
 
     return behaviour
 
