@@ -2,13 +2,14 @@
 
 import anyio
 import pytest
-from tests.control.conftest import Home, ignore, obey_after, report
+from tests.control.conftest import Home, OpenHome, ignore, obey_after, report
 
 from homebot.devices.command_messages import CommandRequest, Setting
-from homebot.devices.handles import Light, OccupancySensor
-from homebot.devices.journal_messages import JournalEntry, ReadJournalResponse
+from homebot.devices.handles import Light, OccupancySensor, WindowCovering
+from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest, ReadJournalResponse
 from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.devices.value import Value
+from homebot.journal.store import JournalStore
 from homebot.messages import Time
 
 pytestmark = pytest.mark.virtual_time
@@ -16,6 +17,10 @@ pytestmark = pytest.mark.virtual_time
 
 def kinds(response: ReadJournalResponse) -> list[str]:
     return [one.kind for one in response.entries]
+
+
+async def stored(store: JournalStore) -> list[str]:
+    return kinds(await store.read(ReadJournalRequest()))
 
 
 async def test_a_confirmed_command_has_a_complete_chain(home: Home) -> None:
@@ -133,3 +138,29 @@ async def test_the_chain_of_a_replaced_command_ends_with_that_though_the_lamp_ob
     (end,) = [one for one in entries if one.results and one.results[0].outcome == "superseded"]
     chain = [one.kind for one in entries if one.command == end.command]
     assert chain == ["requested", "sent", "acknowledged", "outcome"]
+
+
+async def test_a_command_is_stored_at_its_outcome_and_read_before(open_home: OpenHome) -> None:
+    store = JournalStore(1000, 86_400.0)
+    async with open_home(store=store) as home:
+        lamp = await home.lamp("on_off", behaviour=obey_after(2.5))
+        home.tasks.start_soon(lamp.turn_on)
+        await anyio.sleep(1)
+        assert kinds(await home.read()) == ["requested", "sent", "acknowledged"]
+        assert await stored(store) == []
+        await anyio.sleep(2)
+        assert await stored(store) == ["requested", "sent", "acknowledged", "reported", "outcome"]
+
+
+async def test_a_crash_before_the_outcome_leaves_that_the_command_was_given(open_home: OpenHome) -> None:
+    store = JournalStore(1000, 86_400.0)
+    async with open_home(store=store) as home:
+        home.put("blind", "window_covering", "position")
+        blind = await home.handle(WindowCovering, "blind")
+        home.behaviours["blind"] = report((10.0, 20.0), (25.0, 40.0), (50.0, 100.0))
+        home.tasks.start_soon(blind.open)
+        await anyio.sleep(31)
+        assert await stored(store) == ["requested", "sent", "acknowledged", "reported"]
+        await anyio.sleep(30)
+        assert await stored(store) == kinds(await home.read())
+        assert (await stored(store))[4:] == ["reported", "outcome"]

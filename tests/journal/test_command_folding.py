@@ -31,7 +31,7 @@ def command(
 
 
 def stored(folding: CommandFolding, notes: list[JournalNote]) -> list[tuple[str, str, int]]:
-    return [(one.kind, one.command, one.folded) for note in notes for one in folding.add(note)]
+    return [(one.kind, one.command, one.folded) for one in folding.add(notes)]
 
 
 def in_full(number: int, folded: int = 0) -> list[tuple[str, str, int]]:
@@ -63,21 +63,21 @@ def test_others_and_what_has_no_issuer_pass() -> None:
         stored(folding, command(number))
     assert stored(folding, command(FLOOD, issuer="/app")) == in_full(FLOOD)
     changed = JournalNote("changed", NOW, "lamp")
-    assert list(folding.add(changed)) == [changed]
+    assert list(folding.add([changed])) == [changed]
 
 
 def test_a_flood_of_leases_is_folded_too() -> None:
     folding = CommandFolding()
     notes = [JournalNote("held", NOW, "lamp", issuer="client:a") for _ in range(FLOOD)]
-    assert len(stored(folding, notes)) == IN_FULL
-    assert [one.folded for one in folding.close()] == [FLOOD - IN_FULL - 1]
+    assert sum(len(stored(folding, [note])) for note in notes) == IN_FULL
+    assert [one.folded for one in folding.waiting()] == [FLOOD - IN_FULL - 1]
 
 
-def test_commands_that_wait_for_their_outcome_are_bounded() -> None:
+def test_a_command_that_is_filed_before_its_outcome_leaves_no_more_than_another() -> None:
     folding = CommandFolding()
-    requested = [command(number)[0] for number in range(5000)]
-    assert len(stored(folding, requested)) == 5000 - 1000
-    assert len(folding.waiting()) == 1000
+    begun = [command(number)[:2] for number in range(FLOOD)]
+    ended = [command(number)[2:] for number in range(FLOOD)]
+    assert sum(len(stored(folding, notes)) for notes in (*begun, *ended)) == 2 * IN_FULL + 1
 
 
 @pytest.mark.virtual_time
@@ -114,10 +114,10 @@ async def test_folded_commands_are_read_at_their_time_and_not_at_that_of_their_s
 
 def test_a_flood_of_commands_to_ever_new_devices_is_folded_too() -> None:
     folding = CommandFolding()
-    notes = [note._replace(device=f"d{number}") for number in range(5000) for note in command(number)]
-    assert len(stored(folding, notes)) == 3 * (MOST_OF_ISSUER + IN_FULL)
+    commands = [[note._replace(device=f"d{number}") for note in command(number)] for number in range(5000)]
+    assert sum(len(stored(folding, notes)) for notes in commands) == 3 * (MOST_OF_ISSUER + IN_FULL)
     assert stored(folding, command(9999, issuer="/app")) == in_full(9999)
-    assert {one.device: one.folded for one in folding.close() if one.kind == "requested"} == {
+    assert {one.device: one.folded for one in folding.waiting() if one.kind == "requested"} == {
         "d4999": 5000 - MOST_OF_ISSUER - IN_FULL - 1
     }
 

@@ -14,14 +14,13 @@ IN_FULL: Final = 10
 """Commands of one issuer to one part in each minute that are stored regardless of their outcome."""
 
 _STEPS: Final = frozenset({"judged", "sent", "acknowledged", "reported", "reverted", "would"})
-"""Steps between a command and its outcome, or after the outcome."""
+"""Steps of a command other than its request and its outcome."""
 
 MOST_OF_ISSUER: Final = 1000
 """Commands of one issuer that are stored in each minute; further ones are folded as if all were to one part."""
 
 _MINUTE: Final = 60.0
 _MOST_MINUTES: Final = 10_000
-_MOST_OPEN: Final = 1000
 
 _Key: TypeAlias = tuple[str, str, str]
 """Issuer, and the ids of the device and its part."""
@@ -57,73 +56,46 @@ class CommandFolding:
     """Filter in front of the store: a flood of equal commands becomes a few entries a minute.
 
     An entry without an issuer passes. At most 1,000 commands of one issuer are stored in a minute, and 10,000 pairs of
-    issuer and part are counted. At most 1,000 commands wait for their outcome; the oldest beyond these are stored.
+    issuer and part are counted.
     """
 
     def __init__(self) -> None:
         self._minutes: dict[_Key, _Minute] = {}
-        self._open: dict[str, list[JournalNote]] = {}
         self._first: _Minute | None = None
         self._stored: defaultdict[str, int] = defaultdict(int)  # by issuer, in the current minute
         self._counted_since = 0.0
 
-    def add(self, note: JournalNote) -> Sequence[JournalNote]:
-        """Return the entries to store after *note*."""
-        if note.command in self._open:
-            return self._continue(note)
-        if note.kind in _STEPS:  # of a stored command
-            return (note,)
-        ended = tuple(self._ended(note.at))
-        is_bounded = not note.issuer or (note.kind == "denied" and not note.settings)  # as for denials of the door
-        stored = (note,) if is_bounded else self._begin(note)
-        return (*ended, *stored) if ended else stored
+    def add(self, notes: Sequence[JournalNote]) -> Sequence[JournalNote]:
+        """Return the entries to store after *notes*: those of one command, or one other entry."""
+        first, last = notes[0], notes[-1]
+        if first.kind in _STEPS and last.kind in _STEPS:  # of a stored command
+            return notes
+        ended = tuple(self._ended(last.at))
+        is_bounded = not first.issuer or (first.kind == "denied" and not first.settings)  # as for denials of the door
+        return (*ended, *(notes if is_bounded else self._limited(notes)))
 
     def waiting(self) -> list[JournalNote]:
-        """Return the entries that are not stored yet, oldest first."""
-        folded = [notes for minute in self._minutes.values() for notes in minute.folded.values()]
-        return sorted((note for notes in (*folded, *self._open.values()) for note in notes), key=lambda note: note.at)
+        """Return the entries that are not stored yet."""
+        return [note for minute in self._minutes.values() for notes in minute.folded.values() for note in notes]
 
-    def close(self) -> list[JournalNote]:
-        """Return the rest of the entries to store."""
-        left = self.waiting()
-        self._minutes.clear()
-        self._first = None
-        self._open.clear()
-        return left
-
-    def _begin(self, note: JournalNote) -> Sequence[JournalNote]:
-        if not 0 <= note.at - self._counted_since < _MINUTE:
-            self._counted_since = note.at
+    def _limited(self, notes: Sequence[JournalNote]) -> Sequence[JournalNote]:
+        first, last = notes[0], notes[-1]
+        if not 0 <= last.at - self._counted_since < _MINUTE:
+            self._counted_since = last.at
             self._stored.clear()
-        key = note.issuer, note.device, note.part
-        if self._stored[note.issuer] >= MOST_OF_ISSUER:  # the named devices may not exist
-            key = note.issuer, "", ""
+        key = first.issuer, first.device, first.part
+        if self._stored[first.issuer] >= MOST_OF_ISSUER:  # the named devices may not exist
+            key = first.issuer, "", ""
         minute = self._minutes.get(key)
         if minute is None:
-            minute = self._minutes[key] = _Minute(note.at)
+            minute = self._minutes[key] = _Minute(last.at)
             self._first = self._first or minute
-        if note.kind == "outcome":  # of a stored command
-            minute.outcomes.add(_outcome(note))
-            return (note,)
-        if minute.stored < IN_FULL:
-            minute.stored += 1
-            self._stored[note.issuer] += 1
-            minute.outcomes.add(note.kind)
-            return (note,)
-        if note.kind != "requested":
-            return () if minute.fold(note.kind, [note]) else (note,)
-        self._open[note.command] = [note]
-        return self._open.pop(next(iter(self._open))) if len(self._open) > _MOST_OPEN else ()
-
-    def _continue(self, note: JournalNote) -> Sequence[JournalNote]:
-        notes = self._open[note.command]
-        notes.append(note)
-        if note.kind != "outcome":
-            return ()
-        del self._open[note.command]
-        is_over = self._stored[note.issuer] >= MOST_OF_ISSUER
-        minute = self._minutes.get((note.issuer, "", "") if is_over else (note.issuer, note.device, note.part))
-        return () if minute is not None and minute.fold(_outcome(note), notes) else notes
+        if minute.stored >= IN_FULL:
+            return () if minute.fold(_outcome(last), list(notes)) else notes
+        minute.stored += 1
+        self._stored[first.issuer] += 1
+        minute.outcomes.add(_outcome(last))
+        return notes
 
     def _ended(self, now: float) -> Iterator[JournalNote]:
         """Remove the ended minutes, and the oldest if there are too many; yield their folded entries."""
@@ -138,4 +110,4 @@ class CommandFolding:
 
 def _outcome(note: JournalNote) -> str:
     outcome = note.outcome
-    return f"refused {outcome.policy}" if isinstance(outcome, Refused) else outcome.kind if outcome else ""
+    return f"refused {outcome.policy}" if isinstance(outcome, Refused) else outcome.kind if outcome else note.kind

@@ -3,8 +3,9 @@
 import asyncio
 from collections import deque
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import partial
-from typing import Final, TypeAlias, final
+from typing import Final, final
 
 from homebot.control.command import is_by_hand, label_of
 from homebot.control.journal.fights import Fights, Turn
@@ -21,68 +22,69 @@ from homebot.graph import Node
 from homebot.journal.store import JournalNote
 from homebot.log import LogLimit, more_like_this
 
-__all__ = ["CommandLog"]
+__all__ = ["CommandChain", "CommandLog"]
 
 COMMAND: Final = "control.command"
 CHANGED: Final = "control.changed"
 FIGHT: Final = "control.fight"
 
-_MOST_OPEN: Final = 10_000
 _INTERVAL: Final = 60.0
 _LINES: Final = 60
 """Lines a minute for the commands of one issuer, or for changes; the next minute's line counts the others."""
 
 _CAUSES: Final = {"person": "by hand", "device": "by itself"}
 
-_Asked: TypeAlias = tuple[JournalNote, Device | None]
-"""The first entry of a command, and its device."""
-
 _DELAY: Final = 0.05
 """Seconds after which lines are written, so that commands do not wait for them."""
 
-ENDS: Final = frozenset({"would", "published", "outcome"})
-"""Kinds of entries that end a command."""
+
+@dataclass(slots=True, eq=False)
+class CommandChain:
+    """The entries of a command until now, oldest first, and its device.
+
+    Attributes:
+        filed: How many of them are stored or folded.
+    """
+
+    notes: list[JournalNote]
+    device: Device | None = None
+    filed: int = 0
+
+    def unfiled(self) -> list[JournalNote]:
+        """Return the entries that are not filed."""
+        return self.notes[self.filed :]
 
 
 @final
 class CommandLog:
-    """Logs each command once, from the entries of the journal.
-
-    Attributes:
-        open: The first entry, and the device, of each command without an end.
-    """
+    """Logs each command once, from the entries of the journal."""
 
     def __init__(self, node: Node, lookup: DeviceLookup) -> None:
         self._node = node
         self._lookup = lookup
-        self.open: dict[str, _Asked] = {}
-        self._ended: deque[tuple[JournalNote, _Asked | None]] = deque()
+        self._ended: deque[CommandChain] = deque()
         self._limit = LogLimit(node.graph.clock, _INTERVAL, _LINES)
         self.fights = Fights()
 
-    def end(self, note: JournalNote) -> None:
-        """Log, after a short delay, the command that ends with *note*, which is one of :data:`ENDS`."""
+    def end(self, command: CommandChain) -> None:
+        """Log, after a short delay, a command that has ended."""
         if not self._ended:
             asyncio.get_running_loop().call_later(_DELAY, self.write)
-        self._ended.append((note, self.open.pop(note.command, None)))
+        self._ended.append(command)
 
     def write(self) -> None:
         """Write the pending lines."""
         while self._ended:
-            self._write(*self._ended.popleft())
-        while len(self.open) > _MOST_OPEN:
-            del self.open[next(iter(self.open))]
+            self._write(self._ended.popleft())
 
-    def _write(self, note: JournalNote, asked: _Asked | None) -> None:
-        if note.kind == "published":
-            self._log(asked or (note, None), note)
-        if note.kind == "would" or asked is None:  # already logged
+    def _write(self, command: CommandChain) -> None:
+        asked, ended = command.notes[0], command.notes[-1]
+        if any(one.kind == "would" for one in command.notes):  # already logged
             return
-        outcome = note.outcome
-        if outcome is not None and not isinstance(outcome, AlreadySo):  # nothing was sent
-            self._log(asked, note)
-        if not isinstance(outcome, AlreadySo | Refused | Gone):
-            self._add_turn(*asked)
+        if not isinstance(ended.outcome, AlreadySo):  # else nothing was sent
+            self._log(command, ended)
+        if asked.kind == "requested" and not isinstance(ended.outcome, AlreadySo | Refused | Gone):
+            self._add_turn(asked, command.device)
 
     def log_change(self, change: ChangedSetting, before: PlainValue, cause: str) -> None:
         """Log a change that no command explains."""
@@ -99,9 +101,9 @@ class CommandLog:
         why = _CAUSES.get(cause, "by hand or by itself")
         self._node.log.info(CHANGED, message=f"{label}: {what}, {why}{end}", device=change.device, cause=cause)
 
-    def _log(self, asked: _Asked, ended: JournalNote) -> None:
+    def _log(self, command: CommandChain, ended: JournalNote) -> None:
         """Log a command, unless its issuer has too many lines; then no text is built."""
-        note, device = asked
+        note, device = command.notes[0], command.device
         if (held_back := self._limit.allows(note.issuer)) is None:
             return
         outcome = ended.outcome

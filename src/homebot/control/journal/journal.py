@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections import deque
 from collections.abc import Mapping
 from itertools import count
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias, final
 
-from homebot.control.journal.command_log import ENDS, CommandLog
+from homebot.control.journal.command_log import CommandChain, CommandLog
 from homebot.control.journal.given_codes import CODE_GIVEN, is_for_code, public_text
 from homebot.control.timeline.facts import Order, PartRef, Reported
 from homebot.devices import Device, RawCommand
@@ -81,11 +82,22 @@ class RawWindow(NamedTuple):
 
 
 _NO_RAW: Final = RawWindow()
+_ENDS: Final = frozenset({"published", "outcome"})
+"""Kinds of entries that end a command."""
+
+_SLOW: Final = 30.0
+"""The most seconds after which the first entries of a command are filed, although it has no outcome."""
+
+_MOST_OPEN: Final = 10_000
 
 
 @final
 class CommandJournal:
     """Publishes and stores the entries; it remembers the last ten raw commands of each of 100,000 devices.
+
+    An entry is published, and can be read, at once. Those of a command are filed in the store together, at its outcome
+    or when homebot stops. A command that has no outcome within half a minute is filed as far as it is known, so a crash
+    may lose its later entries, but not that it was given.
 
     Args:
         settle: Seconds after a raw command in which it explains a change of the device.
@@ -98,6 +110,8 @@ class CommandJournal:
         self._ids = map(f"{round(self._clock.now()):x}-{{}}".format, count(1))
         self._store = store
         self._folding = CommandFolding()
+        self._open: dict[str, CommandChain] = {}
+        self._is_timed = False
         self._log = CommandLog(node, lookup)
         self.fights = self._log.fights
         self._lookup = lookup
@@ -110,7 +124,7 @@ class CommandJournal:
     async def close(self) -> None:
         """Write the last entries, even when cancelled."""
         self._log.write()
-        for left in self._folding.close():
+        for left in self._waiting():
             self._store.add(left)
         await self._store.close()
 
@@ -132,7 +146,7 @@ class CommandJournal:
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return the newest entries that fit, and the names of their devices."""
-        response = with_newer(await self._store.read(request), self._folding.waiting(), request)
+        response = with_newer(await self._store.read(request), self._waiting(), request)
         entries = tuple(sorted(response.entries, key=lambda one: one.at.to_seconds()))  # folded ones are stored late
         ids = {one.device for one in entries} | {one.trigger.device for one in entries}
         return response.model_copy(update={"entries": entries, "names": await self._names(sorted(ids - {""}))})
@@ -164,8 +178,11 @@ class CommandJournal:
         """
         name = next(self._ids)
         note = JournalNote("requested", at, *place, name, issuer, trigger, settings)
-        self._log.open[name] = note, device
-        self._add(note)
+        self._open[name] = CommandChain([note], device)
+        if not self._is_timed:
+            self._is_timed = True
+            asyncio.get_running_loop().call_later(_SLOW, self._file_open)
+        self._publish(note)
         return name
 
     def record(
@@ -272,9 +289,38 @@ class CommandJournal:
         self._add(JournalNote(kind, self._clock.now(), *place, "", issuer, trigger, (held,), text))
 
     def _add(self, note: JournalNote) -> None:
-        if note.kind in ENDS:
-            self._log.end(note)
-        for kept in self._folding.add(note):
-            self._store.add(kept)
+        self._publish(note)
+        command = self._open.get(note.command)
+        if command is None:
+            command = CommandChain([note])
+        else:
+            command.notes.append(note)
+            if note.kind not in _ENDS:
+                return
+            del self._open[note.command]
+        if note.kind in _ENDS:
+            self._log.end(command)
+        self._file(command)
+
+    def _publish(self, note: JournalNote) -> None:
         if self._entries.subscription_count:
             self._entries.publish(note.entry())
+
+    def _file(self, command: CommandChain) -> None:
+        for kept in self._folding.add(command.unfiled()):
+            self._store.add(kept)
+        command.filed = len(command.notes)
+
+    def _file_open(self) -> None:
+        """File what is known of the open commands, so that a crash loses their outcome at most."""
+        self._is_timed = False
+        for command in self._open.values():
+            if not command.filed:
+                self._file(command)
+        while len(self._open) > _MOST_OPEN:
+            del self._open[next(iter(self._open))]
+
+    def _waiting(self) -> list[JournalNote]:
+        """Return the entries that are not stored yet, oldest first."""
+        unfiled = [note for command in self._open.values() for note in command.unfiled()]
+        return sorted((*self._folding.waiting(), *unfiled), key=lambda note: note.at)
