@@ -13,7 +13,8 @@ from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door, DoorSettings
 from homebot.control.explanations import Explanations
 from homebot.devices import Device
-from homebot.devices.handles import ContactSensor, Handle, Light, Thermostat
+from homebot.devices.gateway_messages import Command
+from homebot.devices.handles import ContactSensor, Handle, Light, Plug, Thermostat
 from homebot.devices.journal_messages import (
     ExplainDevice,
     ExplainDeviceRequest,
@@ -28,6 +29,7 @@ from homebot.devices.names import EXPLAIN_DEVICE
 from homebot.devices.outcomes import Contradicted, NoAnswer
 from homebot.devices.wording.journal_words import finding_text
 from homebot.graph import Node
+from homebot.messages import Time
 
 virtual_time = pytest.mark.virtual_time
 
@@ -71,6 +73,47 @@ async def test_a_change_by_a_command_is_explained_by_its_entries(home: Home) -> 
     found = await explain(home, lamp.device.id)
     assert (found.finding, found.entries[0].kind, found.entries[0].issuer) == ("command", "requested", "/app")
     assert changes(found.entries) == [("reported", "command")]
+
+
+@virtual_time
+async def test_a_value_that_comes_along_a_moment_later_is_explained_by_the_command(home: Home) -> None:
+    lamp = await lamp_in(home)
+
+    async def brighten(home: Home, command: Command) -> None:
+        await obey(home, command)
+        home.later(2.0, "lamp", "level", 60.0)
+
+    home.behaviours["lamp"] = brighten
+    await lamp.turn_on()
+    await anyio.sleep(5)
+    found = await explain(home, lamp.device.id)
+    assert (found.finding, found.entries[0].kind) == ("command", "requested")
+
+
+@virtual_time
+async def test_a_command_is_explained_by_the_very_report_that_an_app_answered(home: Home) -> None:
+    lamp = await lamp_in(home)
+    home.put("plug", "plug", "on_off")
+    plug = await home.handle(Plug, "plug")
+
+    async def follow() -> None:
+        async for change in home.devices.follow(Light, on=True):
+            if change.kind == "appeared":
+                await anyio.sleep(30)
+                await plug.turn_on()
+
+    home.tasks.start_soon(follow)
+    await anyio.sleep(1)
+    await home.report("lamp", "on_off", True)
+    told_at = home.graph.clock.now()
+    await anyio.sleep(0.5)
+    await home.report("lamp", "on_off", False)
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(40)
+    found = await explain(home, plug.device.id)
+    cause = found.entries[0]
+    assert (cause.kind, cause.device, cause.cause) == ("changed", lamp.device.id, "person")
+    assert cause.at == found.entries[1].trigger.at == Time.from_seconds(told_at)
 
 
 @virtual_time

@@ -3,6 +3,7 @@
 from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
 from typing import Final, TypeAlias, final
 
+from homebot.control import durations
 from homebot.devices import Device, KeyValue, State
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.command_messages import Setting
@@ -34,12 +35,6 @@ _FLAGS: Final = ("on", "off", "true", "false", "yes", "no")
 
 _DEEPEST: Final = 5
 """The limit of commands in a chain: the report that led to a command may be the effect of another one."""
-
-_SAME_TIME: Final = 2.0
-"""Seconds by which a report in the journal and the same report as a trigger may differ."""
-
-_LATE: Final = 3.0
-"""Seconds after an entry within which the directory knows the change."""
 
 _FIRST_REPORTS: Final = 5.0
 """Seconds after its discovery within which a device reports its state for the first time."""
@@ -91,16 +86,12 @@ class _JournalReader:
     async def _cause(self, command: JournalEntry) -> JournalEntry | None:
         """Return the entry of the report that triggered *command*; None if there is none."""
         trigger = command.trigger
-        at = trigger.at.to_seconds()
-        if not trigger.device or trigger.kind not in {"report", "message"} or not at:
+        if not trigger.device or trigger.kind not in {"report", "message"} or not trigger.at.to_seconds():
             return None
-        found = await self.read(device=trigger.device, since=at - _SAME_TIME, until=at + _SAME_TIME)
-        reports = [
-            one
-            for one in found.entries
-            if one.kind in _REPORTS and one.command != command.command and _is_trigger(one, trigger)
-        ]
-        return min(reports, key=lambda one: abs(one.at.to_seconds() - at), default=None)
+        # The entry has the time of the report itself; earlier versions wrote that of its recording.
+        found = await self.read(device=trigger.device, since=trigger.at.to_seconds(), until=command.at.to_seconds())
+        reports = (one for one in found.entries if one.kind in _REPORTS and one.command != command.command)
+        return next((one for one in reports if _is_trigger(one, trigger)), None)
 
 
 @final
@@ -185,7 +176,7 @@ def _last_change(device: Device, entries: Sequence[JournalEntry]) -> JournalEntr
     last = next((one for one in reversed(entries) if _is_change(one, entries)), None)
     if last is None:
         return None
-    until = last.at.to_seconds() + _LATE
+    until = last.at.to_seconds() + durations.CAME_ALONG
     newer = [one for one in _main_states(device) if _since(one) > until]
     return last if not newer or _knows(entries, newer, last) else None
 
@@ -193,7 +184,8 @@ def _last_change(device: Device, entries: Sequence[JournalEntry]) -> JournalEntr
 def _last_event(device: Device, changed_at: Time) -> JournalEntry | None:
     """Return the newest event of *device*; None if it changed since, or at the same time because of the event."""
     event = max(device.events, key=_since, default=None)
-    if event is None or _since(event) < changed_at.to_seconds() + (_SAME_TIME if _takes_commands(device) else 0.0):
+    along = durations.CAME_ALONG if _takes_commands(device) else 0.0
+    if event is None or _since(event) < changed_at.to_seconds() + along:
         return None
     settings = (Setting(capability=event.capability, value=event.value),)
     return JournalEntry(kind="reported", at=event.since, device=device.id, part=event.part, settings=settings)

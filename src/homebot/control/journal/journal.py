@@ -202,9 +202,11 @@ class CommandJournal:
         self.record("judged", command, verdicts=(noted,))
 
     def reported(self, order: Order, fact: Reported, cause: str) -> None:
-        """Record a report of a commanded part; *cause* is the cause of a change, or empty."""
-        settings, now = (Setting.of(fact.capability, fact.value),), self._clock.now()
-        self._add(JournalNote("reported", now, *order.place, order.id, order.issuer, settings=settings, cause=cause))
+        """Record a report of a commanded part at its own time; *cause* is the cause of a change, or empty."""
+        settings = (Setting.of(fact.capability, fact.value),)
+        self._add(
+            JournalNote("reported", fact.stamp, *order.place, order.id, order.issuer, settings=settings, cause=cause)
+        )
 
     def decided(self, issuer: str, place: PartRef, outcome: Outcome, kind: EntryKind = "outcome") -> None:
         """Record the outcome of a command of *issuer* to the part *place*."""
