@@ -1,6 +1,6 @@
 """Names for people of devices and of their parts."""
 
-from homebot.command_words.targets import part_name
+from homebot.command_words.suitable_parts import part_name
 from homebot.control.command import label_of
 from homebot.devices import Device, DevicePart
 from homebot.devices.device import part_names

@@ -6,14 +6,8 @@ from typing import Final, Protocol, final
 
 import anyio
 
-from homebot.command_words.targets import (
-    CommandTargets,
-    NoTargetError,
-    ParsedSettings,
-    Target,
-    part_name,
-    settings_by_part,
-)
+from homebot.command_words.suitable_parts import ParsedSettings, part_name, settings_by_part
+from homebot.command_words.targets import CommandTargets, NoTargetError, Target
 from homebot.devices import Device, DevicePart
 from homebot.devices.command_messages import (
     CommandDevicesRequest,

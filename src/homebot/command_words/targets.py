@@ -6,10 +6,9 @@ from collections.abc import Callable, Collection, Iterable
 from itertools import chain
 from typing import Final, TypeAlias, final
 
-from homebot.command_words.settings import parse_command_words
+from homebot.command_words.suitable_parts import controls, part_name, settings_by_part, takes
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, QueryDevices
 from homebot.devices.command_messages import CommandDevicesRequest
-from homebot.devices.device import is_commanded
 from homebot.devices.device_lookup import DeviceLookup, ask_which
 from homebot.devices.outcomes import no_such_part
 from homebot.devices.query.facets import facets_of
@@ -19,7 +18,6 @@ from homebot.devices.query.readings import Readings, readings_of
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.query.terms import And, CanDo, HasText, IsNear, Or, Query, StateIs, TypeIs, leaves, split_near
 from homebot.devices.services import QueryDevicesRequest
-from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.graph import Node
 from homebot.support.folding import fold, words_of
@@ -29,10 +27,7 @@ __all__ = [
     "MOST_DEVICES",
     "CommandTargets",
     "NoTargetError",
-    "ParsedSettings",
     "Target",
-    "part_name",
-    "settings_by_part",
 ]
 
 MOST_DEVICES: Final = 1000
@@ -40,9 +35,6 @@ MOST_DEVICES: Final = 1000
 
 _TYPO: Final = 0.8
 """How similar a name must be to be suggested."""
-
-ParsedSettings: TypeAlias = dict[str, PlainValue] | RefusedError
-"""The values by capability for a part, or the reason why it cannot take them."""
 
 Target: TypeAlias = tuple[Device, tuple[DevicePart, ...]]
 
@@ -77,15 +69,15 @@ class CommandTargets:
             ServiceError: The directory does not answer.
         """
         found = await self._find(request, request.target.strip())
-        takes = {
+        taken = {
             (device.id, part.id): parsed != {"push": True}
             for device, parts in found
             for part, parsed in settings_by_part(request, device, parts)
             if not isinstance(parsed, RefusedError)
         }
-        if len(set(takes.values())) <= 1 and not (takes and _EVERYTHING.match(request.target)):
+        if len(set(taken.values())) <= 1 and not (taken and _EVERYTHING.match(request.target)):
             return found
-        kept = [(device, tuple(one for one in parts if takes.get((device.id, one.id)))) for device, parts in found]
+        kept = [(device, tuple(one for one in parts if taken.get((device.id, one.id)))) for device, parts in found]
         return [one for one in kept if one[1]]
 
     async def _find(self, request: CommandDevicesRequest, target: str) -> list[Target]:
@@ -190,7 +182,7 @@ class CommandTargets:
         if near is not None and math.isinf(near.within):
             return await self._nearest(request, near, rest)
         found = await self._fitting(text, is_alternative=is_alternative)
-        if any(_takes(request, one) for one in found):
+        if any(takes(request, one) for one in found):
             return found
         # the word may be the name of a part that takes the command: a button called Garage door
         return await self._named_part(text, request) or found
@@ -200,9 +192,9 @@ class CommandTargets:
         words, name = words_of(text), fold(text)
         devices = await self._lookup.devices(And(tuple(map(HasText, words)))) if words else ()
         named = [
-            (one, tuple([part for part in _controls(one.parts) if name in _own_names(one, part)])) for one in devices
+            (one, tuple([part for part in controls(one.parts) if name in _own_names(one, part)])) for one in devices
         ]
-        found = [one for one in named if one[1] and (taking is None or _takes(taking, one))]
+        found = [one for one in named if one[1] and (taking is None or takes(taking, one))]
         if len(found) > 1:
             ids = ", ".join(f"{device.id}#{parts[0].id}" for device, parts in found[:10])
             raise NoTargetError(f"{len(found)} devices have a part called {text}; give the id of one: {ids}")
@@ -249,13 +241,6 @@ class CommandTargets:
         return answer.total
 
 
-_APPLIANCES = frozenset(
-    {"fan", "robotic_vacuum_cleaner", "room_air_conditioner", "thermostat", "water_heater"}
-    | {"x_alarm_panel", "x_humidifier", "x_lawn_mower"}
-)
-_FUNCTIONS = frozenset({"plug", "switch"})
-"""Types of the parts that turn a function of an appliance on and off, such as its display or its powerful mode."""
-_SETTINGS = frozenset({"x_setting"})
 _JOINED = re.compile(r"\band\b|,", re.IGNORECASE)
 _ARTICLE = re.compile(r"(?:the|an?|my)\s+(.+)", re.IGNORECASE | re.DOTALL)
 _QUOTED = re.compile(r'"([^"]+)"')
@@ -275,50 +260,6 @@ def _names(targets: list[Target]) -> str:
     names = sorted(part_name(device, part) for device, parts in targets for part in parts)
     more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
     return f"{', '.join(names[:_MOST_NAMES])}{more}" or "nothing"
-
-
-def settings_by_part(
-    request: CommandDevicesRequest, device: Device, parts: tuple[DevicePart, ...]
-) -> list[tuple[DevicePart, ParsedSettings]]:
-    """Return the settings of *request* for each of *parts*, or the reason why there are none.
-
-    Only the most suitable parts are returned. A part whose type lacks the setting is left out if another type has it: a
-    speed is for the fan, and not for its lamp. Switches of a suitable appliance, such as the powerful mode of an air
-    conditioner, are left out too, and so are settings, such as the sound of a television, if another part is suitable.
-    """
-    found: list[tuple[DevicePart, ParsedSettings]] = []
-    for part in parts:
-        try:
-            found.append(
-                (part, parse_command_words(request.command, request.values, part.part, part_name(device, part)))
-            )
-        except RefusedError as exc:
-            found.append((part, exc))
-    able = {part.part.service_type for part, parsed in found if not isinstance(parsed, RefusedError)}
-    if not able.isdisjoint(_APPLIANCES):
-        able -= _FUNCTIONS
-    able = able - _SETTINGS or able
-    return [one for one in found if not able or (one[0].part.service_type in able and not _is_other_setting(*one))]
-
-
-def _is_other_setting(part: DevicePart, parsed: ParsedSettings) -> bool:
-    return part.part.service_type in _SETTINGS and isinstance(parsed, RefusedError)
-
-
-def _takes(request: CommandDevicesRequest, target: Target) -> bool:
-    return any(not isinstance(parsed, RefusedError) for _, parsed in settings_by_part(request, *target))
-
-
-def part_name(device: Device, part: DevicePart) -> str:
-    """Return the name of *part* for people, with its id if it has no name and several parts take commands.
-
-    The part's own name is left out if all other parts are settings or diagnostics, or none takes commands.
-    """
-    if part.part.name:
-        is_lone = len(device.parts) == 1 or not _controls(device.parts)
-        is_lone = is_lone or [one for one in device.parts if not one.part.category] == [part]
-        return device.name if is_lone else f"{device.name} {part.part.name}"
-    return f"{device.name} #{part.id}" if len(_controls(device.parts)) > 1 else device.name
 
 
 def _own_names(device: Device, part: DevicePart) -> tuple[str, str]:
@@ -364,7 +305,7 @@ def _main_parts(device: Device) -> tuple[DevicePart, ...]:
     """Return the main parts that take commands; if there are none, any one part, which refuses the command."""
     if not device.parts:
         raise NoTargetError(f"{device.id} takes no commands that homebot knows")
-    return _controls(device.parts) or device.parts[:1]
+    return controls(device.parts) or device.parts[:1]
 
 
 def _parts_called(request: CommandDevicesRequest, device: Device, name: str) -> tuple[DevicePart, ...]:
@@ -405,7 +346,3 @@ def _texts(query: Query) -> tuple[str, ...]:
     """Return the words that a device must have."""
     terms = query.terms if isinstance(query, And) else (query,)
     return tuple(one.text for one in terms if isinstance(one, HasText))
-
-
-def _controls(parts: Iterable[DevicePart]) -> tuple[DevicePart, ...]:
-    return tuple(one for one in parts if is_commanded(one.part))
