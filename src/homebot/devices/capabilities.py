@@ -332,8 +332,10 @@ _MEASUREMENTS = (
 )
 
 
-def _by_name(*groups: Iterable[CapabilityType]) -> Mapping[str, CapabilityType]:
-    return MappingProxyType({one.name: one for group in groups for one in group})
+def _by_name(*groups: tuple[CapabilityType, ...]) -> Mapping[str, CapabilityType]:
+    rows = {one.name: one for group in groups for one in group}
+    assert len(rows) == sum(map(len, groups)), "a capability has two rows"  # noqa: S101 - for who adds one
+    return MappingProxyType(rows)
 
 
 CAPABILITIES: Mapping[str, CapabilityType] = _by_name(_CONTROLS, _EVENTS, _SETTINGS, _CONDITIONS, _MEASUREMENTS)

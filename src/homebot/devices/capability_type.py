@@ -130,7 +130,8 @@ class CapabilityType(NamedTuple):
             unless it is the only number of its part.
         words: The value for each word that sets it, such as ``open``.
         by_state: Whether people set it by its states alone: ``docked``.
-        spoken: A further name in commands; of several with the same one, the first that the part takes.
+        spoken: A further name in commands, where the first that the part takes is meant, and, if it is the only one, in
+            queries.
         flags: How false and true are shown to people; by default its name, with ``no`` for false.
         texts: How false and true are told in texts.
     """

@@ -1,5 +1,6 @@
 """The words of text queries, other than device types, and their meanings. Pure."""
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
@@ -100,15 +101,20 @@ TYPE_WORDS = frozenset(
 """The words for device types."""
 
 
+_PEOPLE = frozenset({"kelvin"})
+"""Further names of capabilities that people have too: "lamp kelvin" is the one called so."""
+
+
 def _capability_words() -> Mapping[str, str]:
+    spoken = Counter(one.spoken for one in CAPABILITIES.values())
+    own = {word for word, count in spoken.items() if word and count == 1} - _PEOPLE
     words = {fold(name): name for name in CAPABILITIES}
+    words |= {one.spoken: name for name, one in CAPABILITIES.items() if one.spoken in own}
     words |= {
-        "brightness": "level",
         "dimmer": "level",
         "colour": "color",
         "colour temperature": "color_temperature",
         "setpoint": "heating_setpoint",
-        "speed": "fan_speed",
         "co2": "carbon_dioxide",
         "lux": "illuminance",
         "on": "on_off",
