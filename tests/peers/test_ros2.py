@@ -11,6 +11,7 @@ from tests.ports import reserve_port
 
 from homebot.bridges.ros2.link import serve_link
 from homebot.bridges.ros2.robots import RobotsOnWire
+from homebot.bridges.ros2.session import open_session
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.devices.client_rights import read_scope
 from homebot.devices.robot_owners import RobotOwners
@@ -26,9 +27,10 @@ async def serve(graph: Graph, address: str, *, task_status: anyio.abc.TaskStatus
     table = {"listen": address, "export": ("/house/**",), "import": {"rosie": ("/rosie/**",)}}
     settings = RosSettings.model_validate(table)
     access = ClientAccess("rosie", read_scope(("read", "act: harmless", "robot: rosie")), RobotOwners({"rosie": ()}))
-    async with Node(graph, "ros2") as node:
+    async with open_session(settings) as session, Node(graph, "ros2") as node:
+        node.create_task(session.run)
         robots = RobotsOnWire(settings.imports, {"rosie": access})
-        await serve_link(node, settings, robots, task_status=task_status)
+        await serve_link(node, session, settings, robots, task_status=task_status)
 
 
 async def heard(publish: Callable[[], None], receive: Callable[[], Awaitable[T]]) -> T:

@@ -13,6 +13,7 @@ from tests.ports import reserve_port
 
 from homebot.bridges.ros2.link import serve_link
 from homebot.bridges.ros2.robots import RobotsOnWire
+from homebot.bridges.ros2.session import open_session
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.config import parse_config
 from homebot.devices.client_rights import ALL_RIGHTS
@@ -52,10 +53,12 @@ async def robot_beside_house(folder: Path, *scope: str) -> AsyncIterator[tuple[N
         async with (
             Runtime(config, house=thesis_world(), with_door=False, services=services) as runtime,
             Node(runtime.graph, "tester") as tester,
+            open_session(robot) as session,
             Node(graph, "ros2") as node,
             Node(graph, "nav") as nav,
         ):
-            await tasks.start(partial(serve_link, node, robot, known))
+            node.create_task(session.run)
+            await tasks.start(partial(serve_link, node, session, robot, known))
             yield nav, tester
             tasks.cancel_scope.cancel()
 

@@ -252,7 +252,7 @@ class Runtime:
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
         main.create_service(Reload, RELOAD, lambda asked: self.reload(self._read, may_lose=asked.allow_removal))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
-        await self._start_services(stack)
+        await self._start_services(stack, main)
         gateways = tuple(
             replace(one, settings=one.kind.resolve(one.settings, self._context)) for one in self._plan.gateways
         )
@@ -297,12 +297,18 @@ class Runtime:
         if self._house is not None:
             yield running("house", partial(self._house.serve, self._context, self.graph))
 
-    async def _start_services(self, stack: AsyncExitStack) -> None:
+    async def _start_services(self, stack: AsyncExitStack, main: Node) -> None:
         """Start each in-process peer that gateways need, once, unless it was passed in."""
         running = dict(self._context.services)
         if self._house is not None:
             for given in await stack.enter_async_context(self._house.network.running(self._context.random)):
                 running[type(given)] = given
+        if self._plan.link is not None:
+            from homebot.bridges.ros2.session import ZenohSession, open_session  # noqa: PLC0415 - few houses have a link
+
+            session = await stack.enter_async_context(open_session(self._plan.link))
+            main.create_task(session.run)
+            running[ZenohSession] = session
         for service in self._needed:
             if service.kind not in running:
                 running[service.kind] = await stack.enter_async_context(service.start(self.graph, self._clock))
@@ -405,10 +411,13 @@ class Runtime:
     async def _link(self, settings: RosSettings, *, task_status: TaskStatus[None]) -> None:
         from homebot.bridges.ros2.link import serve_link  # noqa: PLC0415 - few houses have robots of ROS 2
         from homebot.bridges.ros2.robots import RobotsOnWire  # noqa: PLC0415 - as above
+        from homebot.bridges.ros2.session import ZenohSession  # noqa: PLC0415 - as above
 
+        session = self._context.service(ZenohSession)
+        assert session is not None, "it runs with the settings"  # noqa: S101 - for mypy
         robots = RobotsOnWire.of(settings.imports, self._plan.door, self._plan.robot_owners(), self._clock.now)
         async with Node(self.graph, "ros2") as node:
-            await run_as(node.full_name, partial(serve_link, node, settings, robots, task_status=task_status))
+            await run_as(node.full_name, partial(serve_link, node, session, settings, robots, task_status=task_status))
 
     async def _owner_token(self) -> OwnerToken | None:
         if self.owner_file is None or self._local_rights is SIMULATED_HOUSE_RIGHTS:

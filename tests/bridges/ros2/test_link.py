@@ -13,6 +13,7 @@ from tests.ports import reserve_port
 
 from homebot.bridges.ros2.link import serve_link
 from homebot.bridges.ros2.robots import RobotsOnWire
+from homebot.bridges.ros2.session import open_session
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.devices.client_rights import ALL_RIGHTS, read_scope
 from homebot.devices.robot_owners import RobotOwners
@@ -66,8 +67,9 @@ async def _linked(
     *,
     task_status: anyio.abc.TaskStatus[None],
 ) -> None:
-    async with Node(graph, name, namespace=namespace) as node:
-        await serve_link(node, settings, robots, task_status=task_status)
+    async with open_session(settings) as session, Node(graph, name, namespace=namespace) as node:
+        node.create_task(session.run)
+        await serve_link(node, session, settings, robots, task_status=task_status)
 
 
 async def received(subscription: Subscription[String]) -> str:

@@ -56,10 +56,11 @@ class OwnEntities:
     def __init__(self, node: Node, session: ZenohSession, domain: int) -> None:
         self.session = session
         self._node, self._domain, self._ids = node, domain, count()
+        self._node_id = next(session.nodes)
         self._kept = self.declare(EndpointInfo(EntityKind.NODE, node.full_name, node.full_name), "")
         self._kept.announce()
 
     def declare(self, info: EndpointInfo, type_hash: str) -> WireEntity:
         """Return *info* as an entity of the node, of which the others do not know yet."""
-        token = EntityToken(self._domain, self.session.id, (0, next(self._ids)), info, type_hash)
+        token = EntityToken(self._domain, self.session.id, (self._node_id, next(self._ids)), info, type_hash)
         return WireEntity(token, self._node, self.session)

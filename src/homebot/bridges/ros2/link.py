@@ -11,12 +11,12 @@ from anyio.abc import TaskStatus
 from homebot.bridges.ros2.entities import OwnEntities
 from homebot.bridges.ros2.exports import Exports
 from homebot.bridges.ros2.imports import Imports
-from homebot.bridges.ros2.session import open_session
 from homebot.bridges.ros2.tokens import ALL_TOKENS
 from homebot.graph import Node
 
 if TYPE_CHECKING:
     from homebot.bridges.ros2.robots import RobotsOnWire
+    from homebot.bridges.ros2.session import ZenohSession
     from homebot.messages.interfaces.settings import RosSettings
 
 __all__ = ["serve_link"]
@@ -24,28 +24,23 @@ __all__ = ["serve_link"]
 
 async def serve_link(
     node: Node,
+    session: ZenohSession,
     settings: RosSettings,
     robots: RobotsOnWire,
     *,
     task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED,
 ) -> None:
-    """Bring to robots what is exported, and to the graph of *node* what is imported, until cancelled.
-
-    Raises:
-        UsageError: It cannot listen at the address.
-    """
-    async with open_session(settings) as session:
-        own = OwnEntities(node, session, settings.domain)
-        imports = Imports(node, own, robots)
-        exports = Exports(node, own, settings.export, robots, imports.node_of)
-        node.create_task(session.run)
-        with closing(imports), node.graph.watch() as changes:
-            exports.refresh_all()
-            _watching = session.watch_tokens(ALL_TOKENS.format(domain=settings.domain), imports.on_token)
-            task_status.started()
-            lost = 0
-            async for change in changes:
-                exports.refresh(change.entity.kind, change.entity.name)
-                if changes.lost > lost:
-                    lost = changes.lost
-                    exports.refresh_all()
+    """Bring to robots what is exported, and to the graph of *node* what is imported, until cancelled."""
+    own = OwnEntities(node, session, settings.domain)
+    imports = Imports(node, own, robots)
+    exports = Exports(node, own, settings.export, robots, imports.node_of)
+    with closing(imports), node.graph.watch() as changes:
+        exports.refresh_all()
+        _watching = session.watch_tokens(ALL_TOKENS.format(domain=settings.domain), imports.on_token)
+        task_status.started()
+        lost = 0
+        async for change in changes:
+            exports.refresh(change.entity.kind, change.entity.name)
+            if changes.lost > lost:
+                lost = changes.lost
+                exports.refresh_all()

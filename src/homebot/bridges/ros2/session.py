@@ -11,6 +11,7 @@ import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from functools import partial
+from itertools import count
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import anyio
@@ -88,6 +89,7 @@ class ZenohSession:
 
     Attributes:
         lost: Samples, queries and tokens that came faster than the event loop took them.
+        nodes: Numbers for the nodes that use it.
     """
 
     def __init__(self, session: Any) -> None:
@@ -98,6 +100,7 @@ class ZenohSession:
         self._waiting = 0
         self._calls: asyncio.Queue[tuple[Callable[..., None], tuple[object, ...]]] = asyncio.Queue()
         self.lost = 0
+        self.nodes = count()
         self.id = str(session.zid())
 
     async def run(self) -> None:
