@@ -456,6 +456,13 @@ async def test_of_several_parts_whose_name_is_a_type_none_is_chosen(home: Home) 
     assert answer.message == "2 devices have a part called Garage door; give the id of one: one#b, two#b"
 
 
+async def test_of_several_parts_of_one_name_the_only_one_that_takes_the_command_is_meant(home: Home) -> None:
+    put_button(home, "panel", "Heater")
+    put_relays(home, "relays", {"r1": "Heater", "r2": "Pump"})
+    answer = await command(home, "Heater", "on")
+    assert [one.part for one in answer.results] == ["r1"]
+
+
 def kitchen_and_hall(home: Home) -> None:
     """A house of two rooms in which many a thing mentions its room."""
     for key, name, area in (
@@ -628,7 +635,7 @@ def test_of_announcements_with_one_identifier_a_name_reaches_the_part_that_bears
     names = ("Gen 1", "Gen 2", "Gen 3")
     parts = tuple(DevicePart(id=one, part=named(one, one), routes=()) for one in names)
     device = make_device("gen_1", "switch").model_copy(update={"name": "Gen 1", "names": names, "parts": parts})
-    (part,) = _parts_called(CommandDevicesRequest(target=name, command="on"), device, name)
+    ((_, (part,)),) = _parts_called(CommandDevicesRequest(target=name, command="on"), device, name).targets
     assert part.id == name.capitalize()
 
 

@@ -2,9 +2,9 @@
 
 import math
 import re
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Awaitable, Callable, Collection
 from itertools import chain
-from typing import Final, TypeAlias, final
+from typing import Final, NamedTuple, TypeAlias, final
 
 from homebot.command_words.suitable_parts import controls, part_name, settings_by_part, takes
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, QueryDevices
@@ -16,8 +16,8 @@ from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.readings import Readings, readings_of
 from homebot.devices.query.term_messages import query_terms
-from homebot.devices.query.terms import And, CanDo, HasText, IsNear, Or, Query, StateIs, TypeIs, leaves, split_near
-from homebot.devices.services import QueryDevicesRequest
+from homebot.devices.query.terms import And, CanDo, HasText, Or, Query, StateIs, TypeIs, leaves, split_near
+from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import RefusedError
 from homebot.graph import Node
 from homebot.support.folding import fold, words_of
@@ -43,6 +43,26 @@ class NoTargetError(Exception):
     """There is nothing to command; the text says why."""
 
 
+class _TargetPhrase(NamedTuple):
+    """Words for devices: a whole target, or one of its alternatives."""
+
+    request: CommandDevicesRequest
+    text: str
+    query: Query
+    is_alternative: bool
+
+
+class _Matches(NamedTuple):
+    """Devices and parts that a search found.
+
+    Attributes:
+        question: What is asked instead of a command to *targets*; empty if they are clear.
+    """
+
+    targets: list[Target]
+    question: str = ""
+
+
 @final
 class CommandTargets:
     """Search for the targets of a command in words.
@@ -57,6 +77,14 @@ class CommandTargets:
         self._lookup = lookup
         self._refusal = refusal
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
+        # In order; whether what is found is meant, even if it does not take the command.
+        self._searches: tuple[tuple[Callable[[_TargetPhrase], Awaitable[_Matches]], bool], ...] = (
+            (self._called, True),
+            (self._nearest, True),
+            (self._part_worded, True),
+            (self._fitting, False),
+            (self._part_called, False),
+        )
 
     async def find(self, request: CommandDevicesRequest) -> list[Target]:
         """Return the targets, each a device with its parts.
@@ -83,162 +111,110 @@ class CommandTargets:
     async def _find(self, request: CommandDevicesRequest, target: str) -> list[Target]:
         if not target:
             raise NoTargetError("give the id or the name of a device, or a query such as 'light in hall'")
-        if named := await self._named(request, target):
-            return named
-        readings = readings_of(target)
-        is_list = len(readings.alternatives) == 1 and bool(readings.distributed)
-        found = await (self._listed if is_list else self._any_of)(request, target, readings)
-        if not found:
-            names = {name for one in await self._lookup.devices() for name in (one.id, *one.names)}
-            joined = "join devices with 'or'" if _JOINED.search(target) else "`homebot find` shows what does"
-            hint = did_you_mean(_ARTICLE.sub(r"\1", target), names, joined, _TYPO)
-            raise NoTargetError(f"no device fits {target!r}; {hint}")
-        if len(_places(found)) > 1 and _ONE.match(target):
-            raise NoTargetError(f"{target!r} could be {_names(found)}; give the name of one")
-        return found
-
-    async def _named(self, request: CommandDevicesRequest, target: str) -> list[Target]:
-        """Return the device, or its part, that has the id or name *target*, perhaps quoted or with an article."""
-        spelled = _ARTICLE.fullmatch(target) or _QUOTED.fullmatch(target)
-        called = await self._called(request, target)
-        return called or (await self._called(request, spelled[1]) if spelled is not None else [])
-
-    async def _called(self, request: CommandDevicesRequest, target: str) -> list[Target]:
-        device_id, _, part_id = target.partition("#")
-        called = await self._lookup.called(target, device_id)
-        if part_id and called and called[0].id.casefold() == device_id.casefold():
-            if (part := called[0].part(part_id)) is None:
-                raise NoTargetError(no_such_part(called[0].id, part_id, called[0]).text)
-            return [(called[0], (part,))]
-        if len(called) > 1:
-            raise NoTargetError(ask_which(target, called))
-        return [(called[0], _parts_called(request, called[0], target))] if called else []
-
-    async def _any_of(self, request: CommandDevicesRequest, target: str, readings: Readings) -> list[Target]:
-        """Return the targets that fit any alternative of the query *target*; an ambiguous one is an error."""
-        if len(readings.alternatives) == 1:
-            return await self._one_query(request, target)
-        found, unnamed = await self._all_of(request, readings.alternatives, readings.words)
-        spelled = " or ".join(f"({text})" for text in readings.alternatives)
-        literal = f"{spelled!r}, which commands {_names(found)}"
-        if readings.distributed:
-            others, _ = await self._all_of(request, readings.distributed)
-            if _places(others) == _places(found):
-                return found
-            distributed = " or ".join(readings.distributed)
-            raise NoTargetError(
-                f"{target!r} can mean {distributed!r}, which commands {_names(others)}, or {literal}; give one of them"
-            )
-        if unnamed and found:
-            raise NoTargetError(f"{unnamed[0]!r} in {target!r} is not the name of a device; give names, or {literal}")
-        return found
-
-    async def _listed(self, request: CommandDevicesRequest, target: str, readings: Readings) -> list[Target]:
-        """Return the targets that fit all of *target*, unless it can also be read as a list; see :meth:`_any_of`."""
-        others, _ = await self._all_of(request, readings.distributed)
-        try:
-            found = await self._one_query(request, target)
-        except NoTargetError:
-            found = []
-            if not others:
-                raise
-        if not others or _places(others) == _places(found):
+        named = await self._called(_TargetPhrase(request, target, And(()), is_alternative=False))
+        if found := _clear(named) or await self._read(request, target):
             return found
-        listed = f"{' or '.join(readings.distributed)!r}, which commands {_names(others)}"
-        if not found:
-            raise NoTargetError(f"no device fits {target!r}; join devices with 'or': {listed}")
-        raise NoTargetError(
-            f"{target!r} can mean {listed}, or what fits all of it, {_names(found)}; name the one you mean"
-        )
+        names = {name for one in await self._lookup.devices() for name in (one.id, *one.names)}
+        joined = "join devices with 'or'" if _JOINED.search(target) else "`homebot find` shows what does"
+        hint = did_you_mean(_ARTICLE.sub(r"\1", target), names, joined, _TYPO)
+        raise NoTargetError(f"no device fits {target!r}; {hint}")
 
-    async def _all_of(
-        self, request: CommandDevicesRequest, alternatives: Iterable[str], words: Collection[str] = ()
+    async def _read(self, request: CommandDevicesRequest, target: str) -> list[Target]:
+        """Return the targets according to the query *target*; an ambiguous one is an error."""
+        readings = readings_of(target)
+        texts = readings.alternatives if len(readings.alternatives) > 1 else (target,)
+        found, unnamed = await self._any_of(request, texts, readings.words)
+        others, _ = await self._any_of(request, readings.distributed)
+        return _clear(_Matches(found, _question(target, readings, found, others, unnamed)))
+
+    async def _any_of(
+        self, request: CommandDevicesRequest, texts: Collection[str], words: Collection[str] = ()
     ) -> tuple[list[Target], list[str]]:
-        """Return the targets that fit any of *alternatives*, and the alternatives that are no name or fit no device."""
+        """Return the targets that fit any of *texts*, and those of *texts* that are no name or fit no device."""
         found: dict[str, tuple[Device, dict[str, DevicePart]]] = {}
         unnamed: list[str] = []
-        for text in alternatives:
-            targets, is_named = await self._alternative(request, text, is_words=text in words)
-            if not is_named:
+        for text in texts:
+            query = parse_query(text)
+            targets, is_named = await self._search(_TargetPhrase(request, text, query, is_alternative=len(texts) > 1))
+            if not (is_named if text in words else targets or text.startswith("(") or not _texts(query)):
                 unnamed.append(text)
             for device, parts in targets:
                 found.setdefault(device.id, (device, {}))[1].update({one.id: one for one in parts})
         return [(device, tuple(parts.values())) for device, parts in found.values()], unnamed
 
-    async def _alternative(
-        self, request: CommandDevicesRequest, text: str, *, is_words: bool
-    ) -> tuple[list[Target], bool]:
-        """Return the targets that fit one alternative, and False if its words are not a name or fit no device."""
-        named = await self._named(request, text) or (await self._named_part(text) if is_words else [])
-        targets = named or await self._one_query(request, text, is_alternative=True)
-        if is_words:
-            return targets, bool(named)
-        return targets, bool(targets) or text.startswith("(") or not _texts(parse_query(text))
+    async def _search(self, phrase: _TargetPhrase) -> tuple[list[Target], bool]:
+        """Return what the first search finds that is meant, and whether it is meant whatever the command."""
+        best = _Matches([])
+        for search, is_sure in self._searches if phrase.is_alternative else self._searches[1:]:  # it is no name
+            found = await search(phrase)
+            if found.targets and (is_sure or any(takes(phrase.request, one) for one in found.targets)):
+                return _clear(found), is_sure
+            best = best if best.targets else found
+        return _clear(best), False
 
-    async def _one_query(
-        self, request: CommandDevicesRequest, text: str, *, is_alternative: bool = False
-    ) -> list[Target]:
-        near, rest = split_near(parse_query(text))
-        if near is not None and math.isinf(near.within):
-            return await self._nearest(request, near, rest)
-        found = await self._fitting(text, is_alternative=is_alternative)
-        if any(takes(request, one) for one in found):
-            return found
-        # the word may be the name of a part that takes the command: a button called Garage door
-        return await self._named_part(text, request) or found
+    async def _called(self, phrase: _TargetPhrase) -> _Matches:
+        """Find the device, or its part, that has the id or name, perhaps quoted or with an article."""
+        spelled = _ARTICLE.fullmatch(phrase.text) or _QUOTED.fullmatch(phrase.text)
+        for text in (phrase.text, *(spelled.groups() if spelled is not None else ())):
+            device_id, _, part_id = text.partition("#")
+            called = await self._lookup.called(text, device_id)
+            if part_id and called and called[0].id.casefold() == device_id.casefold():
+                if (part := called[0].part(part_id)) is None:
+                    raise NoTargetError(no_such_part(called[0].id, part_id, called[0]).text)
+                return _Matches([(called[0], (part,))])
+            if len(called) > 1:
+                return _Matches([(one, one.parts) for one in called], ask_which(text, called))
+            if called:
+                return _parts_called(phrase.request, called[0], text)
+        return _Matches([])
 
-    async def _named_part(self, text: str, taking: CommandDevicesRequest | None = None) -> list[Target]:
-        """Return the parts of a device that are called *text*, such as one of four relays; one has to take *taking*."""
-        words, name = words_of(text), fold(text)
+    async def _part_worded(self, phrase: _TargetPhrase) -> _Matches:
+        """Find a part by its name, unless that is only a type or a condition."""
+        return await self._part_called(phrase) if _texts(phrase.query) else _Matches([])
+
+    async def _part_called(self, phrase: _TargetPhrase) -> _Matches:
+        """Find the parts of a device that are called so, such as one of four relays; if possible, one that takes it."""
+        words, name = words_of(phrase.text), fold(phrase.text)
         devices = await self._lookup.devices(And(tuple(map(HasText, words)))) if words else ()
-        named = [
-            (one, tuple([part for part in controls(one.parts) if name in _own_names(one, part)])) for one in devices
-        ]
-        found = [one for one in named if one[1] and (taking is None or takes(taking, one))]
-        if len(found) > 1:
-            ids = ", ".join(f"{device.id}#{parts[0].id}" for device, parts in found[:10])
-            raise NoTargetError(f"{len(found)} devices have a part called {text}; give the id of one: {ids}")
-        return found
+        called = [(one, tuple(part for part in controls(one.parts) if _is_called(one, part, name))) for one in devices]
+        found = [one for one in called if takes(phrase.request, one)] or [one for one in called if one[1]]
+        ids = ", ".join(f"{device.id}#{parts[0].id}" for device, parts in found[:10])
+        question = f"{len(found)} devices have a part called {phrase.text}; give the id of one: {ids}"
+        return _Matches(found, question if len(found) > 1 else "")
 
-    async def _nearest(self, request: CommandDevicesRequest, near: IsNear, rest: Query) -> list[Target]:
-        """Return the nearest target that may be commanded; if none may, the error names the nearest and the reasons."""
-        wanted = query_terms(And((rest, near)))
-        answer = await self._query.call(QueryDevicesRequest(query=wanted, limit=_MOST_NEAR))
-        if not answer.success:
-            raise NoTargetError(answer.message)
+    async def _nearest(self, phrase: _TargetPhrase) -> _Matches:
+        """Find the nearest target that may be commanded; if none may, the error names the nearest and the reasons."""
+        near, rest = split_near(phrase.query)
+        if near is None or not math.isinf(near.within):
+            return _Matches([])
+        answer = await self._ask(And((rest, near)), _MOST_NEAR)
         refused = [f"{one.key}: {one.value}" for one in answer.left_out]
-        for one in answer.results:
-            device = one.device
-            if _is_spelled(rest, facets_of(device).words):
-                target = device, _parts(device, rest)
-                if not (problem := self._refusal(request, target)):
-                    return [target]
-                refused.append(f"{device.name}: {problem}")
+        for device in [one.device for one in answer.results if _is_spelled(rest, facets_of(one.device).words)]:
+            target = device, _parts(device, rest)
+            if not (problem := self._refusal(phrase.request, target)):
+                return _Matches([target])
+            refused.append(f"{device.name}: {problem}")
         if refused:
             raise NoTargetError(f"nothing near {near.robot} may be commanded; left out: {'; '.join(refused)}")
-        return []
+        return _Matches([])
 
-    async def _fitting(self, text: str, *, is_alternative: bool) -> list[Target]:
-        query = parse_query(text)
-        if _texts(query) and (named := await self._named_part(text)):
-            return named
-        total = await self._total(query)
-        if not total:
-            return await self._named_part(text)
-        if total > MOST_DEVICES:
-            raise NoTargetError(f"{total:,} devices fit {text!r}; at most {MOST_DEVICES:,} may be commanded")
-        meant = _numbered(query, _spelled(text, query, await self._lookup.devices(query)))
-        found = [(device, _parts(device, query)) for device in meant]
-        is_selected = any(isinstance(one, TypeIs | CanDo | StateIs) for one in leaves(query))
-        if len(found) > 1 and _texts(query) and not is_selected and not is_alternative:
-            raise NoTargetError(f"{text!r} could be {_names(found)}; give the name of one, or a type")
-        return found
+    async def _fitting(self, phrase: _TargetPhrase) -> _Matches:
+        """Find the devices that fit the query, and their parts that do; words alone mean one device."""
+        query, text = phrase.query, phrase.text
+        answer = await self._ask(query, MOST_DEVICES)
+        if answer.total > MOST_DEVICES:
+            raise NoTargetError(f"{answer.total:,} devices fit {text!r}; at most {MOST_DEVICES:,} may be commanded")
+        devices = _spelled(text, query, [one.device for one in answer.results])
+        found = [(one, _parts(one, query)) for one in devices]
+        is_one = _texts(query) and not any(isinstance(one, TypeIs | CanDo | StateIs) for one in leaves(query))
+        question = f"{text!r} could be {_names(found)}; give the name of one, or a type"
+        return _Matches(found, question if is_one and len(found) > 1 and not phrase.is_alternative else "")
 
-    async def _total(self, query: Query) -> int:
-        answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
+    async def _ask(self, query: Query, limit: int) -> QueryDevicesResponse:
+        answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=limit))
         if not answer.success:
             raise NoTargetError(answer.message)
-        return answer.total
+        return answer
 
 
 _JOINED = re.compile(r"\band\b|,", re.IGNORECASE)
@@ -252,6 +228,29 @@ _MOST_NEAR = 10
 """The number of nearest devices that are tried."""
 
 
+def _clear(found: _Matches) -> list[Target]:
+    if found.question:
+        raise NoTargetError(found.question)
+    return found.targets
+
+
+def _question(target: str, readings: Readings, found: list[Target], others: list[Target], unnamed: list[str]) -> str:
+    """Return what is asked if *target* may mean *others*, as distributed, instead of *found*; empty if it may not."""
+    is_list = len(readings.alternatives) == 1
+    listed = f"{' or '.join(readings.distributed)!r}, which commands {_names(others)}"
+    literal = f"{' or '.join(f'({text})' for text in readings.alternatives)!r}, which commands {_names(found)}"
+    if (others if is_list else readings.distributed) and _places(others) != _places(found):
+        if not is_list:
+            return f"{target!r} can mean {listed}, or {literal}; give one of them"
+        if found:
+            return f"{target!r} can mean {listed}, or what fits all of it, {_names(found)}; name the one you mean"
+        return f"no device fits {target!r}; join devices with 'or': {listed}"
+    if unnamed and found and not (is_list or readings.distributed):
+        return f"{unnamed[0]!r} in {target!r} is not the name of a device; give names, or {literal}"
+    is_several = len(_places(found)) > 1 and _ONE.match(target)
+    return f"{target!r} could be {_names(found)}; give the name of one" if is_several else ""
+
+
 def _places(targets: list[Target]) -> frozenset[tuple[str, str]]:
     return frozenset((device.id, part.id) for device, parts in targets for part in parts)
 
@@ -262,8 +261,8 @@ def _names(targets: list[Target]) -> str:
     return f"{', '.join(names[:_MOST_NAMES])}{more}" or "nothing"
 
 
-def _own_names(device: Device, part: DevicePart) -> tuple[str, str]:
-    return fold(part.part.name), fold(f"{device.name} {part.part.name}")  # the second as homebot prints it
+def _is_called(device: Device, part: DevicePart, name: str) -> bool:
+    return name in {fold(part.part.name), fold(f"{device.name} {part.part.name}")}  # the second as homebot prints it
 
 
 def _is_spelled(query: Query, words: tuple[str, ...]) -> bool:
@@ -281,19 +280,17 @@ def _is_spelled(query: Query, words: tuple[str, ...]) -> bool:
             return True
 
 
-def _spelled(text: str, query: Query, devices: tuple[Device, ...]) -> list[Device]:
-    """Return the *devices* that fit the query *text* without a typo; if none does, the error names similar ones."""
-    meant = [device for device in devices if _is_spelled(query, facets_of(device).words)]
-    if devices and not meant:
+def _spelled(text: str, query: Query, devices: list[Device]) -> list[Device]:
+    """Return the *devices* that fit the query *text* without a typo; if none does, the error names similar ones.
+
+    If possible, their names have the numbers of the query: a room may have a number too.
+    """
+    spelled = [device for device in devices if _is_spelled(query, facets_of(device).words)]
+    if devices and not spelled:
         similar = " or ".join(device.name or device.id for device in devices[:3])
         raise NoTargetError(f"no device fits {text!r}; did you mean {similar}?")
-    return meant
-
-
-def _numbered(query: Query, devices: list[Device]) -> list[Device]:
-    """Return the *devices* with the numbers of *query* in their names, or all: a room may have a number too."""
     numbers = {word for word in _texts(query) if word.isdecimal()}
-    return [one for one in devices if numbers <= _called(one)] or devices
+    return [one for one in spelled if numbers <= _called(one)] or spelled
 
 
 def _called(device: Device) -> set[str]:
@@ -308,23 +305,22 @@ def _main_parts(device: Device) -> tuple[DevicePart, ...]:
     return controls(device.parts) or device.parts[:1]
 
 
-def _parts_called(request: CommandDevicesRequest, device: Device, name: str) -> tuple[DevicePart, ...]:
+def _parts_called(request: CommandDevicesRequest, device: Device, name: str) -> _Matches:
     """Return the only part of *device* called *name*, as of a bridge that gives each part a device's name; or else all.
 
     The name of a device and of one part among others that take the command is ambiguous.
     """
-    parts = _main_parts(device)
+    parts, question = _main_parts(device), ""
     named = [one for one in parts if fold(one.part.name) == fold(name)]
-    if len(named) != 1 or len(parts) == 1 or (request.target == device.id != device.name):
-        return parts
-    names = set(map(fold, device.names))
-    able = [one for one, parsed in settings_by_part(request, device, parts) if not isinstance(parsed, RefusedError)]
-    if fold(name) != fold(device.name) or names.issuperset(fold(one.part.name) for one in able):
-        return tuple(named)
-    if named[0] in able and len(able) > 1:
-        ids = ", ".join(f"{device.id}#{one.id}" for one in able[:_MOST_NAMES])
-        raise NoTargetError(f"{name!r} could be {_names([(device, tuple(able))])}; give the id of one: {ids}")
-    return parts
+    if len(named) == 1 < len(parts) and not (request.target == device.id != device.name):
+        names = set(map(fold, device.names))
+        able = [one for one, parsed in settings_by_part(request, device, parts) if not isinstance(parsed, RefusedError)]
+        if fold(name) != fold(device.name) or names.issuperset(fold(one.part.name) for one in able):
+            parts = tuple(named)
+        elif named[0] in able and len(able) > 1:
+            ids = ", ".join(f"{device.id}#{one.id}" for one in able[:_MOST_NAMES])
+            question = f"{name!r} could be {_names([(device, tuple(able))])}; give the id of one: {ids}"
+    return _Matches([(device, parts)], question)
 
 
 def _parts(device: Device, query: Query) -> tuple[DevicePart, ...]:
