@@ -134,7 +134,7 @@ class MqttGateway(Gateway):
         hosted = context.service(HostedBroker)
         if hosted is None or settings.url != EMBEDDED:
             return settings
-        act = True if settings.act is None else settings.act
+        act = not settings.share if settings.act is None else settings.act
         return settings.model_copy(update={"url": hosted.url, "act": act, "client": settings.client or "native"})
 
     @classmethod
@@ -142,7 +142,7 @@ class MqttGateway(Gateway):
         """Return whether a gateway with *settings* sends no commands: the default for all but the embedded broker."""
         if not isinstance(settings, MqttGatewaySettings):
             return False
-        return settings.url != EMBEDDED if settings.act is None else not settings.act
+        return settings.url != EMBEDDED or bool(settings.share) if settings.act is None else not settings.act
 
     @classmethod
     def home(cls, settings: BaseModel) -> str:
@@ -159,15 +159,17 @@ class MqttGateway(Gateway):
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Keep the link and handle messages until cancelled; ready after the first attempt to connect."""
-        texts, announcements = self._described.text_filters, self._described.filters
+        texts = self._settings.text_subscriptions(self._described.text_filters)
+        announcements = self._described.filters
         async with self._connection as connection, anyio.create_task_group() as tasks:
-            await connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in texts))
+            await connection.subscribe(*texts)
             await connection.subscribe(
                 *(MqttSubscription(one, no_local=True) for one in announcements), every_link=True
             )
             if self._responses is not None:
                 await connection.subscribe(MqttSubscription(self._responses.topic, qos=1, no_local=True))
-            report = LinkReport(self, connection, self._settings.root or "every home", (*texts, *announcements))
+            heard = (*(one.filter for one in texts), *announcements)
+            report = LinkReport(self, connection, self._settings.root or "every home", heard)
             tasks.start_soon(self._receive, connection)
             looks = () if self.context.service(HostedBroker) else (self._described.census.serve,)
             for work in (report.watch, self._described.serve, self._lease.serve, *looks):

@@ -2,10 +2,11 @@
 
 import os
 import secrets
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import ConfigDict, Field, ValidationError, ValidationInfo, field_validator, model_validator
 
 from homebot.config import FilePath, value_errors
 from homebot.conventions.installed_conventions import any_announcing, check_tables, default_conventions
@@ -13,6 +14,7 @@ from homebot.errors import UsageError
 from homebot.gateways.announced.registry import MAX_MEMORY
 from homebot.gateways.base import Delivery
 from homebot.gateways.password_settings import PasswordSettings, check_secret_file
+from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.clients import MqttClientName
 from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
@@ -67,6 +69,8 @@ class MqttGatewaySettings(PasswordSettings):
         responses: Whether commands ask the devices for a response, where the broker speaks MQTT 5.
         conventions: Conventions to understand, by entry-point name or ``module:Class``; by default all that
             come with homebot.
+        share: The group of gateways, here or elsewhere, that share the texts of devices (``$share`` of MQTT 5): each
+            message goes to one of them, so they observe, and discover nothing by announcements.
 
     A further key is the name of a convention, with that convention's own table, see :attr:`tables`.
     """
@@ -94,6 +98,7 @@ class MqttGatewaySettings(PasswordSettings):
     stale_after: Seconds = 3600.0
     responses: bool = False
     conventions: tuple[str, ...] = Field(default_factory=default_conventions)
+    share: str = ""
 
     @property
     def tables(self) -> dict[str, object]:
@@ -120,11 +125,31 @@ class MqttGatewaySettings(PasswordSettings):
                 raise ValueError("has an empty level: write it without a / at either end")
         return root
 
+    @field_validator("share")
+    @classmethod
+    def _check_share(cls, share: str, info: ValidationInfo) -> str:
+        if not {"/", "+", "#", "\0"}.isdisjoint(share):
+            raise ValueError(f"is one level of a topic filter, without '/', '+' and '#', got {share!r}")
+        if share and any_announcing(info.data.get("conventions", ())):
+            raise ValueError(
+                'is for texts alone, as an announcement would reach one of the group: conventions = ["thesis"]'
+            )
+        if share and info.data.get("act"):
+            raise ValueError("needs act = false: the report after a command may reach another of the group")
+        if share and info.data.get("protocol") == "3.1.1":
+            raise ValueError('needs MQTT 5: leave out protocol = "3.1.1"')
+        return share
+
     @model_validator(mode="after")
     def _check_tables(self) -> Self:
         if problems := check_tables(self.conventions, self.tables):
             raise ValidationError.from_exception_data(type(self).__name__, problems)
         return self
+
+    def text_subscriptions(self, filters: Iterable[str]) -> tuple[MqttSubscription, ...]:
+        """Return the subscriptions to the texts of devices on *filters*, shared if the gateway has a group."""
+        prefix = f"$share/{self.share}/" if self.share else ""
+        return tuple(MqttSubscription(f"{prefix}{one}", qos=1, no_local=not self.share) for one in filters)
 
     def options(self) -> MqttOptions:
         """Return the options of the client, including the password.
@@ -140,7 +165,7 @@ class MqttGatewaySettings(PasswordSettings):
             cert_file=self.cert_file,
             key_file=self.key_file,
             client_id=self.client_id,
-            protocol=self.protocol,
+            protocol="5" if self.share else self.protocol,
             maximum_packet_size=max(self.max_payload, announcements),
             session_expiry=self.session_expiry,
             receive_maximum=RECEIVE_MAXIMUM,
