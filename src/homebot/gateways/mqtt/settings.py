@@ -131,9 +131,7 @@ class MqttGatewaySettings(PasswordSettings):
         if not {"/", "+", "#", "\0"}.isdisjoint(share):
             raise ValueError(f"is one level of a topic filter, without '/', '+' and '#', got {share!r}")
         if share and any_announcing(info.data.get("conventions", ())):
-            raise ValueError(
-                'is for texts alone, as an announcement would reach one of the group: conventions = ["thesis"]'
-            )
+            raise ValueError('an announcement would reach one of the group alone; add conventions = ["thesis"]')
         if share and info.data.get("act"):
             raise ValueError("needs act = false: the report after a command may reach another of the group")
         if share and info.data.get("protocol") == "3.1.1":
