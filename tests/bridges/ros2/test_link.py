@@ -1,89 +1,27 @@
-"""The link: two graphs, that of a house and that of a robot, joined by Zenoh on this computer."""
+"""The link: topics and services of a house and of a robot."""
 
-from collections.abc import AsyncIterator, Mapping, Sequence
-from contextlib import asynccontextmanager
-from functools import partial
+from collections.abc import Mapping, Sequence
 
 import anyio
 import anyio.lowlevel
 import pytest
 from structlog.testing import capture_logs
+from tests.bridges.ros2.pair import appears, pair
 from tests.patience import PATIENCE
-from tests.ports import reserve_port
 
-from homebot.bridges.ros2.link import serve_link
-from homebot.bridges.ros2.robots import RobotsOnWire
-from homebot.bridges.ros2.session import open_session
-from homebot.bridges.rosbridge.access import ClientAccess
-from homebot.devices.client_rights import ALL_RIGHTS, read_scope
-from homebot.devices.robot_owners import RobotOwners
 from homebot.errors import ServiceUnavailableError
 from homebot.graph import EntityKind, Graph, Node, Subscription, qos_profile_latched
 from homebot.messages import String
 from homebot.messages.geometry_msgs import PoseStamped
 from homebot.messages.interfaces import Interfaces
-from homebot.messages.interfaces.settings import RosSettings
 from homebot.messages.message import Message
 from homebot.messages.std_srvs import Trigger
 from homebot.messages.type_hash import type_hash
-
-OWNERS = RobotOwners({"rosie": ()})
-
-
-class Pair:
-    """A house and a robot."""
-
-    def __init__(self) -> None:
-        self.house, self.robot = Graph(), Graph()
-
-
-def access(name: str, *scope: str) -> ClientAccess:
-    return ClientAccess(name, read_scope(scope) if scope else ALL_RIGHTS, OWNERS)
-
-
-@asynccontextmanager
-async def pair(*scope: str, export: str = "/house/**", robots: str = "/**") -> AsyncIterator[Pair]:
-    """The robot sees all that the house exports; what it has comes to the house with the rights of *scope*."""
-    both, address = Pair(), f"tcp/127.0.0.1:{reserve_port()}"
-    house = RosSettings.model_validate({"listen": address, "export": (export,), "import": {"rosie": (robots,)}})
-    robot = RosSettings.model_validate(
-        {"connect": (address,), "export": ("/rosie/**", "/free/**"), "import": {"h": ("/**",)}}
-    )
-    at_house = RobotsOnWire(house.imports, {"rosie": access("rosie", *scope)})
-    at_robot = RobotsOnWire(robot.imports, {"h": access("h")})
-    async with anyio.create_task_group() as tasks:
-        await tasks.start(partial(_linked, both.house, "ros2", "/", house, at_house))
-        await tasks.start(partial(_linked, both.robot, "brain", "/rosie", robot, at_robot))
-        yield both
-        tasks.cancel_scope.cancel()
-
-
-async def _linked(
-    graph: Graph,
-    name: str,
-    namespace: str,
-    settings: RosSettings,
-    robots: RobotsOnWire,
-    *,
-    task_status: anyio.abc.TaskStatus[None],
-) -> None:
-    async with open_session(settings) as session, Node(graph, name, namespace=namespace) as node:
-        node.create_task(session.run)
-        await serve_link(node, session, settings, robots, task_status=task_status)
 
 
 async def received(subscription: Subscription[String]) -> str:
     with anyio.fail_after(PATIENCE):
         return (await subscription.receive()).data
-
-
-async def appears(graph: Graph, name: str) -> None:
-    """Wait until *graph* has the topic or service *name*."""
-    with graph.watch() as changes, anyio.fail_after(PATIENCE):
-        if not any(one.name == name for one in graph.get_endpoints()):
-            async for change in changes:
-                if change.entity.name == name:
-                    return
 
 
 async def told(lines: Sequence[Mapping[str, object]], count: int) -> None:

@@ -62,5 +62,6 @@ class OwnEntities:
 
     def declare(self, info: EndpointInfo, type_hash: str) -> WireEntity:
         """Return *info* as an entity of the node, of which the others do not know yet."""
-        token = EntityToken(self._domain, self.session.id, (self._node_id, next(self._ids)), info, type_hash)
+        node_id = self._node_id if info.node == self._node.full_name else next(self.session.nodes)
+        token = EntityToken(self._domain, self.session.id, (node_id, next(self._ids)), info, type_hash)
         return WireEntity(token, self._node, self.session)

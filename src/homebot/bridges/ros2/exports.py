@@ -2,36 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
 from homebot.bridges.ros2.attachment import Attachment
+from homebot.bridges.ros2.goals import RobotGoals
+from homebot.bridges.ros2.health import CALL_REFUSED
 from homebot.bridges.ros2.robots import RobotsOnWire, fits_any
 from homebot.bridges.rosbridge.services import cause_of_call, usual_timeout
 from homebot.errors import HomebotError, ServiceUnavailableError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.graph.endpoint import EndpointInfo, EntityKind
+from homebot.graph.parameters import PARAMETER_SERVICES
 from homebot.graph.subscription import OTHERS
+from homebot.messages.action_msgs import CancelGoalResponse
 from homebot.messages.cdr import message_from_cdr, message_to_cdr
-from homebot.messages.definition import fields_by_name, fields_of, zero_of
-from homebot.messages.json import message_from_json, message_to_json
+from homebot.messages.definition import fields_by_name, zero_message
 from homebot.messages.message import Message
 from homebot.messages.type_hash import type_hash
 
 if TYPE_CHECKING:
     from homebot.bridges.ros2.entities import OwnEntities, WireEntity
+    from homebot.bridges.ros2.health import LinkHealth
     from homebot.bridges.ros2.session import WireQuery
+    from homebot.bridges.ros2.tokens import EntityToken
 
 __all__ = ["Exports"]
 
 _MOST_CALLS = 100
 """Calls at a time, as of one client of the door."""
 
-_KINDS = frozenset({EntityKind.PUBLISHER, EntityKind.SERVICE})
+_KINDS = frozenset({EntityKind.PUBLISHER, EntityKind.SERVICE, EntityKind.ACTION_SERVER, EntityKind.NODE})
+_USED = {EntityKind.SUBSCRIPTION: EntityKind.PUBLISHER, EntityKind.CLIENT: EntityKind.SERVICE}
+_OF_PARAMETERS = frozenset(PARAMETER_SERVICES.values())
 
 
 class Exports:
@@ -48,31 +55,59 @@ class Exports:
         patterns: Iterable[str],
         robots: RobotsOnWire,
         node_of: Callable[[bytes], str],
+        health: LinkHealth,
     ) -> None:
         self._node, self._own, self._patterns = node, own, tuple(patterns)
-        self._robots, self._node_of = robots, node_of
+        self._robots, self._node_of, self._health = robots, node_of, health
+        self._goals = RobotGoals(node)
         self._running = 0
-        self._open: dict[tuple[EntityKind, str], Callable[[], None]] = {}
+        self._open: dict[tuple[EntityKind, str], tuple[EntityToken, Callable[[], None]]] = {}
 
     def refresh(self, kind: EntityKind, name: str) -> None:
         """Offer what came with the full name *name*, or take back what left."""
+        graph = self._node.graph
+        if kind is EntityKind.NODE:
+            self._goals.end_of(name)
         if kind not in _KINDS or not fits_any(name, self._patterns):
             return
-        found = self._node.graph.get_endpoints(kind=kind, name=name)
-        others = [one for one in found if one.node != self._node.full_name]
-        close = self._open.get((kind, name))
-        if others and close is None:
-            self._open[kind, name] = self._topic(others) if kind is EntityKind.PUBLISHER else self._service(name)
-        elif close is not None and not others:
+        if kind is EntityKind.ACTION_SERVER:
+            graph.get_action_type(name)  # one that waits for its first use starts, and its parts come
+            return
+        others = [one for one in graph.get_endpoints(kind=kind, name=name) if one.node != self._node.full_name]
+        present = self._open.get((kind, name))
+        if others and present is None:
+            if (opened := self._opened(kind, others)) is not None:
+                self._open[kind, name] = opened
+        elif present is not None and not others:
             del self._open[kind, name]
-            close()
+            present[1]()
 
     def refresh_all(self) -> None:
         """Offer all that is there."""
+        self._goals.end_of_all_that_left()
         for info in self._node.graph.get_endpoints():
             self.refresh(info.kind, info.name)
 
-    def _topic(self, publishers: list[EndpointInfo]) -> Callable[[], None]:
+    def problems(self, tokens: Iterable[EntityToken]) -> Iterator[str]:
+        """Yield why those of *tokens* that others have for what is offered cannot use it."""
+        for token in tokens:
+            kind = _USED.get(token.info.kind)
+            opened = None if kind is None else self._open.get((kind, token.info.name))
+            if opened is not None and (problem := token.difference(opened[0])):
+                yield problem
+
+    def _opened(self, kind: EntityKind, others: list[EndpointInfo]) -> tuple[EntityToken, Callable[[], None]] | None:
+        if kind is EntityKind.PUBLISHER:
+            return self._topic(others)
+        if kind is EntityKind.SERVICE:
+            return self._service(others[0].name)
+        if self._node.graph.get_node(others[0].name) is None:  # of a robot
+            return None
+        entity = self._own.declare(others[0], "")
+        entity.announce()
+        return entity.token, entity.close
+
+    def _topic(self, publishers: list[EndpointInfo]) -> tuple[EntityToken, Callable[[], None]]:
         name, node = publishers[0].name, self._node
         message_type = node.graph.get_message_type(name)
         assert message_type is not None, "a topic with a publisher has a type"  # noqa: S101 - for mypy
@@ -91,12 +126,12 @@ class Exports:
             writer.put(message_to_cdr(message), attachment=entity.attachment())
 
         reading = node.create_subscription(message_type, name, send, qos, from_node=OTHERS)
-        return partial(_close, reading.close, entity)
+        return entity.token, partial(_close, reading.close, entity)
 
-    def _service(self, name: str) -> Callable[[], None]:
+    def _service(self, name: str) -> tuple[EntityToken, Callable[[], None]] | None:
         service_type = self._node.graph.get_service_type(name)
         if service_type is None:  # it left at once
-            return lambda: None
+            return None
         info = EndpointInfo(EntityKind.SERVICE, self._node.full_name, name, service_type.ros_type)
         entity = self._own.declare(info, type_hash(service_type))
 
@@ -109,7 +144,7 @@ class Exports:
 
         entity.keep(self._own.session.serve(entity.token.key, asked))
         entity.announce()
-        return entity.close
+        return entity.token, entity.close
 
     async def _answer(self, name: str, query: WireQuery) -> None:
         """Answer *query*, also if it fails: a client of rmw_zenoh would wait for ten minutes."""
@@ -117,6 +152,7 @@ class Exports:
             gid = Attachment.of_bytes(query.attachment).gid
             response = await self._response(name, query.payload, self._node_of(gid))
         except HomebotError as exc:
+            self._health.refused(CALL_REFUSED, name, str(exc))
             failed = self._failure(name, str(exc))
             if failed is None:
                 query.refuse(str(exc))
@@ -129,17 +165,17 @@ class Exports:
     async def _response(self, name: str, payload: bytes, caller: str) -> Message:
         node = self._node
         access = self._robots.caller(caller)
-        access.check_calling(name)
+        target, _, is_of_action = name.partition("/_action/")
+        access.check_calling(target)
         service_type = node.graph.get_service_type(name)
         if service_type is None:
             raise ServiceUnavailableError(name, "has no server now")
         request_type: type[Message] = service_type.Request
-        request = message_from_cdr(request_type, payload)
-        stamped = access.stamped(request_type, request.__dict__)
-        if stamped is not request.__dict__:
-            request = message_from_json(request_type, access.stamped(request_type, message_to_json(request)))
+        request = access.as_own(message_from_cdr(request_type, payload))
+        CURRENT_CAUSE.set(cause_of_call(node, access, target))
+        if is_of_action:
+            return await self._goals.answer(name, request, caller, access)
         client = node.create_client(service_type, name)
-        CURRENT_CAUSE.set(cause_of_call(node, access, name))
         try:
             answer: Any = await client.call(request, usual_timeout(name))
         finally:
@@ -148,19 +184,22 @@ class Exports:
         return response
 
     def _failure(self, name: str, problem: str) -> Message | None:
-        """Return the response that says *problem*, if the type of the service has one."""
+        """Return the response that says *problem*, or as ROS 2 that nothing was done, if the service has one."""
         service_type = self._node.graph.get_service_type(name)
         if service_type is None:
             return None
         response_type: type[Message] = service_type.Response
-        if not {"success", "message"} <= fields_by_name(response_type).keys():
+        known = fields_by_name(response_type).keys()
+        said: dict[str, object] = {"success": False, "message": problem}
+        if "/_action/" in name or service_type.ros_type in _OF_PARAMETERS:
+            said = {"return_code": CancelGoalResponse.ERROR_REJECTED} if "return_code" in known else {}
+        if not said.keys() <= known:
             return None
-        required = (one for one in fields_of(response_type) if response_type.model_fields[one.name].is_required())
-        values = {one.name: zero_of(one) for one in required} | {"success": False, "message": problem}
         try:
-            return response_type(**values)
+            zero: Message = zero_message(response_type)
         except ValidationError:  # zero is not allowed
             return None
+        return zero.model_copy(update=said)
 
 
 def _close(reading: Callable[[], None], entity: WireEntity) -> None:

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from homebot.bridges.ros2.attachment import Attachment
+from homebot.bridges.ros2.health import MESSAGE_REFUSED, NOT_IMPORTED
 from homebot.bridges.ros2.tokens import NO_HASH, EntityToken
 from homebot.bridges.rosbridge.types import message_type_of_topic, service_type_of
 from homebot.errors import HomebotError, PeerError, ServiceFailedError, ServiceUnavailableError
 from homebot.graph import Node
-from homebot.graph.endpoint import EndpointInfo, EntityKind
-from homebot.log import LogLimit
+from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity
+from homebot.messages.action import SendGoalType
 from homebot.messages.cdr import message_from_cdr, message_to_cdr
 from homebot.messages.message import Message
 from homebot.messages.type_hash import type_hash
 
 if TYPE_CHECKING:
-    from homebot.bridges.ros2.entities import OwnEntities
+    from homebot.bridges.ros2.entities import OwnEntities, WireEntity
+    from homebot.bridges.ros2.health import LinkHealth
     from homebot.bridges.ros2.robots import RobotsOnWire
     from homebot.bridges.ros2.session import WireSample
     from homebot.bridges.rosbridge.access import ClientAccess
@@ -30,13 +32,16 @@ _MOST_TOKENS = 10_000
 _LONGEST_ANSWER = 600.0
 """Seconds after which a query ends, as with rmw_zenoh; the time limit of the caller is shorter."""
 
+_ENDLESS = 1e9
+"""The same for the result of a goal, which may take any time."""
+
 
 class Imports:
     """Has the topics and services of robots in the graph, as entities of *node*, while their tokens are there."""
 
-    def __init__(self, node: Node, own: OwnEntities, robots: RobotsOnWire) -> None:
-        self._node, self._own, self._robots = node, own, robots
-        self._limit = LogLimit(node.graph.clock)
+    def __init__(self, node: Node, own: OwnEntities, robots: RobotsOnWire, health: LinkHealth) -> None:
+        self._node, self._own, self._robots, self._health = node, own, robots, health
+        self._problems: dict[str, str] = {}
         self._tokens: dict[str, EntityToken] = {}
         self._callers: dict[bytes, str] = {}
         self._open: dict[tuple[EntityKind, str], tuple[set[str], Callable[[], None]]] = {}
@@ -44,6 +49,16 @@ class Imports:
     def node_of(self, gid: bytes) -> str:
         """Return the full name of the node whose client has *gid*; empty if it is unknown."""
         return self._callers.get(gid, "")
+
+    @property
+    def tokens(self) -> Iterable[EntityToken]:
+        """The tokens of others."""
+        return self._tokens.values()
+
+    @property
+    def problems(self) -> Iterable[str]:
+        """The reasons for which something of robots does not come."""
+        return dict.fromkeys(self._problems.values())
 
     def on_token(self, text: str, is_there: bool) -> None:  # noqa: FBT001 - as the session calls it
         """Take notice of a token of others that came or went."""
@@ -53,7 +68,9 @@ class Imports:
             elif not is_there and (token := self._tokens.pop(text, None)) is not None:
                 self._remove(text, token)
         except HomebotError as exc:
-            self._warn("ros2.not_imported", text, str(exc))
+            if text in self._tokens:
+                self._problems[text] = str(exc)
+            self._health.refused(NOT_IMPORTED, text, str(exc))
 
     def close(self) -> None:
         """Remove the nodes of others from the graph; the rest ends with the node of the link."""
@@ -81,6 +98,7 @@ class Imports:
         self._open[kind, name] = ({text}, close)
 
     def _remove(self, text: str, token: EntityToken) -> None:
+        self._problems.pop(text, None)
         self._callers.pop(token.gid, None)
         self._node.graph.remove_endpoint(token)
         key = (token.info.kind, token.info.name)
@@ -93,11 +111,9 @@ class Imports:
     def _topic(self, token: EntityToken, access: ClientAccess) -> Callable[[], None]:
         info, node = token.info, self._node
         message_type = message_type_of_topic(node.graph, info.name, info.ros_type)
-        _check_hash(token, type_hash(message_type))
+        entity = self._entity(EntityKind.SUBSCRIPTION, token, type_hash(message_type))
         assert info.qos is not None, "the token of a publisher has it"  # noqa: S101 - for mypy
         publisher = node.create_publisher(message_type, info.name, info.qos)
-        reading = EndpointInfo(EntityKind.SUBSCRIPTION, node.full_name, info.name, info.ros_type, info.qos)
-        entity = self._own.declare(reading, token.type_hash)
 
         def receive(sample: WireSample) -> None:
             if publisher.is_closed or self._robots.source_of(info.name) is None:
@@ -107,7 +123,7 @@ class Imports:
                 message = message_from_cdr(message_type, sample.payload)
                 access.check_robot(info.name, message)
             except HomebotError as exc:
-                self._warn("ros2.message_refused", info.name, str(exc))
+                self._health.refused(MESSAGE_REFUSED, info.name, str(exc))
                 return
             publisher.publish(message)
 
@@ -123,14 +139,13 @@ class Imports:
     def _service(self, token: EntityToken) -> Callable[[], None]:
         info, node = token.info, self._node
         service_type = service_type_of(node.graph, info.name, info.ros_type)
-        _check_hash(token, type_hash(service_type))
-        client = EndpointInfo(EntityKind.CLIENT, node.full_name, info.name, info.ros_type)
-        entity = self._own.declare(client, token.type_hash)
+        entity = self._entity(EntityKind.CLIENT, token, type_hash(service_type))
         response_type: type[Message] = service_type.Response
+        longest = _ENDLESS if info.name.endswith("/_action/get_result") else _LONGEST_ANSWER
 
         async def ask(request: Message) -> Message:
             asked = entity.attachment()
-            answer = await self._own.session.ask(token.key, message_to_cdr(request), asked, _LONGEST_ANSWER)
+            answer = await self._own.session.ask(token.key, message_to_cdr(request), asked, longest)
             if answer is None:
                 raise ServiceUnavailableError(info.name, f"of {info.node} did not answer; is it still there?")
             if isinstance(answer, str):
@@ -138,24 +153,29 @@ class Imports:
             return message_from_cdr(response_type, answer)
 
         server = node.create_service(service_type, info.name, ask, concurrent=True, cancel_with_caller=True)
+        served: list[GraphEntity] = [server]
+        if isinstance(service_type, SendGoalType):
+            action = info.name.partition("/_action/")[0]
+            shown = EndpointInfo(EntityKind.ACTION_SERVER, node.full_name, action, service_type.action_type.ros_type)
+            served.append(GraphEntity(shown, node.remove_entity))
+            node.add_entity(served[-1])
         entity.announce()
 
         def close() -> None:
-            server.close()
+            for one in served:
+                one.close()
             entity.close()
 
         return close
 
-    def _warn(self, event: str, subject: str, problem: str) -> None:
-        if (held_back := self._limit.allows(f"{event} {subject}")) is not None:
-            self._node.log.warning(event, subject=subject[:200], problem=problem, held_back=held_back)
+    def _entity(self, kind: EntityKind, token: EntityToken, own_hash: str) -> WireEntity:
+        """Return the entity here that uses that with *token*, unless its type has another definition there.
 
-
-def _check_hash(token: EntityToken, own: str) -> None:
-    """Refuse a type that has another definition there; ROS 2 Humble has no hashes to compare."""
-    if token.type_hash not in {own, NO_HASH}:
-        info = token.info
-        raise PeerError(
-            f"{info.name} of {info.node} has another {info.ros_type}: its hash is {token.type_hash}, here {own}; "
-            "import the definition of the robot: homebot interface import, or state its distro in [ros]"
-        )
+        Types of ROS 2 Humble are taken for the same, as it has no hashes.
+        """
+        their = token.info
+        info = EndpointInfo(kind, self._node.full_name, their.name, their.ros_type, their.qos)
+        entity = self._own.declare(info, NO_HASH if token.type_hash == NO_HASH else own_hash)
+        if problem := token.difference(entity.token):
+            raise PeerError(problem)
+        return entity

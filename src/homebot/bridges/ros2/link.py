@@ -10,6 +10,7 @@ from anyio.abc import TaskStatus
 
 from homebot.bridges.ros2.entities import OwnEntities
 from homebot.bridges.ros2.exports import Exports
+from homebot.bridges.ros2.health import LinkHealth
 from homebot.bridges.ros2.imports import Imports
 from homebot.bridges.ros2.tokens import ALL_TOKENS
 from homebot.graph import Node
@@ -32,8 +33,10 @@ async def serve_link(
 ) -> None:
     """Bring to robots what is exported, and to the graph of *node* what is imported, until cancelled."""
     own = OwnEntities(node, session, settings.domain)
-    imports = Imports(node, own, robots)
-    exports = Exports(node, own, settings.export, robots, imports.node_of)
+    health = LinkHealth(node)
+    imports = Imports(node, own, robots, health)
+    exports = Exports(node, own, settings.export, robots, imports.node_of, health)
+    health.serve(lambda: session.lost, lambda: (*imports.problems, *exports.problems(imports.tokens)))
     with closing(imports), node.graph.watch() as changes:
         exports.refresh_all()
         _watching = session.watch_tokens(ALL_TOKENS.format(domain=settings.domain), imports.on_token)

@@ -94,7 +94,8 @@ class RobotsOnWire:
 
 
 def fits_any(name: str, patterns: Iterable[str]) -> bool:
-    """Return whether the full name *name* fits one of *patterns*."""
+    """Return whether the full name *name*, or that of the action of which it is a part, fits one of *patterns*."""
+    name = name.partition("/_action/")[0]
     return any(_compiled(pattern).fullmatch(name) for pattern in patterns)
 
 

@@ -76,6 +76,21 @@ class EntityToken:
         """The key of its data, or of its requests."""
         return data_key(self.domain, self.info.name, self.info.ros_type, self.type_hash)
 
+    def difference(self, own: Self) -> str:
+        """Return how the type differs from that of *own*, the entity here with the same name; empty if it does not."""
+        info = self.info
+        who = f"{info.name} of {info.node}"
+        if info.ros_type != own.info.ros_type:
+            return f"{who} is a {info.ros_type}, here a {own.info.ros_type}"
+        if self.type_hash == own.type_hash:
+            return ""
+        if self.type_hash == NO_HASH:
+            return f"{who} has no hash of its type, as in ROS 2 Humble, which homebot only listens to; use Jazzy"
+        return (
+            f"{who} has another {info.ros_type}: its hash is {self.type_hash}, here {own.type_hash}; "
+            "import the definition of the robot: homebot interface import, or state its distro in [ros]"
+        )
+
     @classmethod
     def of_text(cls, text: str) -> Self:
         """Return the token that *text* is; parts that newer versions append are ignored.

@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from homebot.bridges.client_error_log import short_text
 from homebot.bridges.rosbridge import protocol
@@ -20,12 +20,15 @@ from homebot.devices import names
 from homebot.devices.client_rights import ALL_ROBOTS, LOCAL_CLIENT, ClientRights, Right, issuer_of_client
 from homebot.errors import PeerError
 from homebot.messages.definition import fields_of
+from homebot.messages.json import message_from_json, message_to_json
 from homebot.messages.message import Message
 
 if TYPE_CHECKING:
     from homebot.devices.robot_owners import RobotOwners
 
 __all__ = ["ClientAccess", "MissingRightError", "right_to_call", "right_to_publish"]
+
+MessageT = TypeVar("MessageT", bound=Message)
 
 _READING: Final = frozenset(
     {
@@ -137,6 +140,13 @@ class ClientAccess:
         fields = _stamped_fields(message_type)
         own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope), "listener": ""}
         return {**values, **{name: own[name] for name in fields}} if fields else values
+
+    def as_own(self, message: MessageT) -> MessageT:
+        """Return *message* as :meth:`stamped` has it."""
+        message_type, values = type(message), message.__dict__
+        if self.stamped(message_type, values) is values:
+            return message
+        return message_from_json(message_type, self.stamped(message_type, message_to_json(message)))
 
     def wishes(self, name: str) -> bool:
         """Return whether a call of the service or action *name* counts as a person's wish.

@@ -90,6 +90,9 @@ def action_type_of(graph: Graph, action: str, ros_type: str) -> ActionType[Any, 
 
 def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
     """Return the message type called *ros_type*: one in use on topics of *graph*, or by its definition."""
+    part: type[Message] | None = _part_of_action(graph, ros_type, "FeedbackMessage")
+    if part is not None:
+        return part
     in_use = graph.get_message_types()  # first, as an app may have its own class for a standard type
     inside = (inner for outer in in_use for inner in nested_types(outer))
     return _find(graph, ros_type, chain(in_use, inside), lambda interfaces: interfaces.find_message(ros_type))
@@ -97,6 +100,9 @@ def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
 
 def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
     """Return the service type called *ros_type*; see :func:`find_message_type`."""
+    part: ServiceType[Any, Any] | None = _part_of_action(graph, ros_type, "SendGoal", "GetResult")
+    if part is not None:
+        return part
     return _find(graph, ros_type, graph.get_service_types(), lambda interfaces: interfaces.find_service(ros_type))
 
 
@@ -105,6 +111,13 @@ def find_action_type(graph: Graph, ros_type: str) -> ActionType[Any, Any, Any]:
     named = (one for one in graph.actions() if same_type(one.ros_type, ros_type))
     known = (found for one in named if (found := graph.get_action_type(one.name)) is not None)
     return _find(graph, ros_type, known, lambda interfaces: interfaces.find_action(ros_type))
+
+
+def _part_of_action(graph: Graph, ros_type: str, *parts: str) -> Any:
+    """Return the type called *ros_type* if it is one of the *parts* of an action, such as ``pkg/action/X_SendGoal``."""
+    action, _, part = ros_type.rpartition("_")
+    is_part = part in parts and "/action/" in action
+    return getattr(find_action_type(graph, action), part) if is_part else None
 
 
 def define_type(graph: Graph, request: DefineTypeRequest) -> DefineTypeResponse:

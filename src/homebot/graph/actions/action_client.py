@@ -104,6 +104,11 @@ class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         return self.info.name
 
     @property
+    def goals(self) -> tuple[ClientGoal[ResultT, FeedbackT], ...]:
+        """Its goals that the server has not dropped yet, in the order in which they were sent."""
+        return tuple(self._goals.values())
+
+    @property
     def has_feedback(self) -> bool:
         """True while received feedback has not been delivered to its goal yet."""
         return bool(self._subscriptions and self._subscriptions[0].mailbox.waiting)

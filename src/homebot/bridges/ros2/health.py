@@ -1,0 +1,45 @@
+"""The health of the link to robots: what was refused and lost, and which types differ on both sides."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable
+
+from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
+from homebot.graph import Node
+from homebot.log import LogLimit
+from homebot.support.counters import Severity
+
+__all__ = ["LinkHealth"]
+
+_MOST_SHOWN = 20
+
+NOT_IMPORTED = "ros2.not_imported"
+MESSAGE_REFUSED = "ros2.message_refused"
+CALL_REFUSED = "ros2.call_refused"
+
+
+class LinkHealth:
+    """Logs each kind of problem at a limited rate, counts all, and tells ``homebot doctor`` of them."""
+
+    def __init__(self, node: Node) -> None:
+        self._node, self._limit = node, LogLimit(node.graph.clock)
+        self._refused = Counter({MESSAGE_REFUSED: 0, CALL_REFUSED: 0, NOT_IMPORTED: 0})
+
+    def refused(self, event: str, subject: str, problem: str) -> None:
+        """Count what was refused."""
+        self._refused[event] += 1
+        if (held_back := self._limit.allows(f"{event} {subject}")) is not None:
+            self._node.log.warning(event, subject=subject[:200], problem=problem, held_back=held_back)
+
+    def serve(self, lost: Callable[[], int], problems: Callable[[], Iterable[str]]) -> None:
+        """Offer the service, with what is *lost* of all that came, and the present *problems*."""
+
+        def answer(_request: HealthRequest) -> HealthResponse:
+            found = sorted(problems())
+            more = [f"{len(found) - _MOST_SHOWN} more do not pass"] if len(found) > _MOST_SHOWN else []
+            refused = {event.removeprefix("ros2."): count for event, count in self._refused.items()}
+            counts = (*Count.each(refused, Severity.FAULT), *Count.each({"lost": lost()}, Severity.LOSS))
+            return HealthResponse(counts=counts, troubles=(*found[:_MOST_SHOWN], *more))
+
+        self._node.create_service(GetHealth, "~/health", answer)
