@@ -7,10 +7,12 @@ import anyio
 import pytest
 from anyio.abc import TaskStatus
 from pydantic import BaseModel, ConfigDict
+from structlog.testing import capture_logs
 from tests.apps.houses import flat, is_on, lamp
 from tests.replay.recorded_days import MemorySink
 
 from homebot.config import parse_config
+from homebot.control.sending import WOULD_SEND
 from homebot.devices import Devices, GatewayNames, RawCommand
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest
 from homebot.devices.exposure import ExposedDevice
@@ -125,6 +127,16 @@ async def test_a_text_of_an_app_is_not_sent_either() -> None:
         assert is_on(house.world, "hall_lamp")
         assert "would" in await kinds(node)
         assert "published" not in await kinds(node)
+
+
+async def test_the_code_in_a_text_is_not_logged_either() -> None:
+    async with dry_house() as house, Node(house.runtime.graph, "app") as node:
+        devices = Devices(node)
+        (device,) = await devices.find("lights")
+        with capture_logs() as lines:
+            await devices.tell(device, '{"action": "DISARM", "code": "4711"}')
+        (line,) = (one for one in lines if one["event"] == WOULD_SEND)
+        assert line["message"] == 'app would set hall_lamp → {"action": "DISARM", "code": "***"}'
 
 
 async def test_a_person_is_told_that_nothing_was_sent() -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from math import inf
 from operator import attrgetter
 from typing import TYPE_CHECKING, Final
 
 from homebot.control import durations
+from homebot.control.journal.given_codes import MOST_NOTED, UNREAD, public_text, without_codes
 from homebot.control.timeline.facts import Order
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.always_ask import why_it_asks
@@ -18,12 +20,15 @@ from homebot.devices.command_messages import Setting
 from homebot.devices.device import is_commanded, target_of
 from homebot.devices.obedience import COLORS, END_POSITIONS, POWERS, STOPPED, fits, is_same
 from homebot.devices.part import Part
+from homebot.devices.text.commands import decode_command, part_at
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.journal_words import settings_text
+from homebot.errors import RefusedError
 
 if TYPE_CHECKING:
     from homebot.devices.client_rights import ClientRights
+    from homebot.devices.command_sender import TextTarget
 
 __all__ = [
     "IssuedCommand",
@@ -33,6 +38,7 @@ __all__ = [
     "known_state",
     "label_of",
     "order_of",
+    "read_text",
     "rounding_text",
 ]
 
@@ -63,6 +69,7 @@ class IssuedCommand:
         transition: Seconds that the change takes.
         nearest: The numbers of *settings* that the device can do in place of those asked, as a clause for the outcome.
         scope: The rights of a client of the door, by its token.
+        text: The raw text that is sent for its settings, once and unverified; None for a command by values.
         states: The states of the part at the time of the command, by capability.
         values: Their values.
         why_it_asks: Why the part is one that always asks; empty if it is not.
@@ -77,9 +84,10 @@ class IssuedCommand:
     rights: ClientRights
     trigger: Trigger = NO_TRIGGER
     issued_at: float = 0.0
+    scope: tuple[str, ...] = ()
+    text: TextTarget | None = field(default=None, repr=False)
     transition: float = 0.0
     code: str = field(default="", repr=False)
-    scope: tuple[str, ...] = ()
     nearest: str = ""
     is_client: bool = field(init=False)
     place: tuple[str, str] = field(init=False)
@@ -111,6 +119,11 @@ class IssuedCommand:
     def label(self) -> str:
         """The commanded device for people; see :func:`label_of`."""
         return label_of(self.device, self.part.id)
+
+    def public(self, values: Mapping[str, PlainValue] | None = None) -> tuple[Setting, ...]:
+        """Return *values* of the part, by default the wanted ones, for people: without codes."""
+        values = self.settings if values is None else values
+        return without_codes(tuple(map(Setting.of, values, values.values())), self.device, self.part)
 
     @property
     def is_told_once(self) -> bool:
@@ -227,6 +240,23 @@ def commanded_part(device: Device | None, part_id: str, settings: Iterable[Setti
     able = [one for one in device.parts if wanted <= {can.name for can in one.part.capabilities if can.settable}]
     found = [one for one in able or device.parts if not one.part.category] or able
     return found[0] if len(found) == 1 else None
+
+
+def read_text(device: Device | None, text: TextTarget) -> tuple[DevicePart, Setting]:
+    """Return the part of *device* at the address of *text*, or a stand-in for it, and the setting that *text* means.
+
+    The case and surrounding spaces of a word may differ. Of a long text, and of one that is not understood, the setting
+    is what the journal may show.
+    """
+    part = None if device is None else part_at(device, text.gateway, text.address)
+    if part is None:
+        kind = "" if device is None else device.service_type
+        part = DevicePart(id="", part=Part(id="", service_type=kind), routes=())
+    for words in (text.payload, text.payload.strip().casefold()):
+        with suppress(RefusedError):
+            capability, value = decode_command(words, part.part)
+            return part, Setting.of(capability, value[:MOST_NOTED] if isinstance(value, str) else value)
+    return part, Setting.of(UNREAD, public_text(text.payload, text.address)[:MOST_NOTED])
 
 
 def known_state(

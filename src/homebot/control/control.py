@@ -29,7 +29,7 @@ from homebot.graph import Node, QoSProfile
 if TYPE_CHECKING:
     from homebot.control.actions import ControlActions
     from homebot.control.control_layer import ControlLayer
-    from homebot.control.executor import Rehearsal
+    from homebot.control.sending import Rehearsal
     from homebot.control.settings import ControlSettings
     from homebot.devices.command_messages import CommandRequest
     from homebot.devices.misspelt_names import ConfiguredNames
@@ -125,7 +125,7 @@ class Control:
         """Create the services and subscriptions."""
         create, qos = self._node.create_service, QoSProfile(depth=_REFUSALS)
         create(PerformCommand, names.PERFORM_COMMAND, self.perform, concurrent=True)
-        create(SendText, names.SEND_TEXT, lambda request: self._layer.texts.send(request), concurrent=True)
+        create(SendText, names.SEND_TEXT, lambda request: self._layer.executor.send_text(request), concurrent=True)
         create(CommandDevices, names.COMMAND_DEVICES, lambda request: self._layer.words.serve(request), concurrent=True)
         create(leases.HoldPart, names.HOLD_PART, lambda request: self._layer.leases.hold(request), concurrent=True)
         create(leases.RenewLease, names.RENEW_LEASE, lambda request: self._layer.leases.renew(request))

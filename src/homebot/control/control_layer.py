@@ -7,7 +7,7 @@ from typing import Final, final
 import anyio
 
 from homebot.command_words.command_service import CommandService
-from homebot.control.executor import CommandExecutor, Rehearsal
+from homebot.control.executor import CommandExecutor
 from homebot.control.explanations import Explanations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal.denied_requests import DeniedRequests
@@ -16,8 +16,8 @@ from homebot.control.learnt import PROFILE, LearntPersistence, Profiles
 from homebot.control.lease_service import LeaseService
 from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
+from homebot.control.sending import Rehearsal
 from homebot.control.settings import ControlSettings
-from homebot.control.text_commands import TextCommands
 from homebot.control.timelines import Timelines
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import HealthResponse
@@ -80,7 +80,6 @@ class ControlLayer:
         )
         self.words = CommandService(node, lookup, self.executor)
         self.leases = LeaseService(node, lookup, self.executor, self.journal)
-        self.texts = TextCommands(node, lookup, self.executor, self.policies, self.journal)
         self.denied = DeniedRequests(node, lookup, self.journal)
         self.explanations = Explanations(
             self.journal.read,

@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import ClassVar, Final, Protocol, final
+from typing import Final, final
 
 from homebot.control import durations
 from homebot.control.code_guesses import CodeGuesses
@@ -13,26 +13,35 @@ from homebot.control.command import (
     device_settings,
     known_state,
     order_of,
+    read_text,
     rounding_text,
 )
 from homebot.control.gateway_feed import GatewayFeed
-from homebot.control.journal.given_codes import without_codes
+from homebot.control.journal.given_codes import UNREAD, without_codes
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
 from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.questions import Questions
-from homebot.control.sending import OpenCommand, Sending
+from homebot.control.sending import OpenCommand, Rehearsal, Sending
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.cause import Attribution, Cause
-from homebot.control.timeline.facts import Order, Reported, ReportRole, Sent
+from homebot.control.timeline.facts import Order, Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.control.timelines import Timelines
 from homebot.control.witnesses import Witness, Witnesses
 from homebot.devices import Device, DevicePart
+from homebot.devices.always_ask import why_device_asks
 from homebot.devices.client_rights import CLIENT_RIGHTS
-from homebot.devices.command_messages import CommandEvent, CommandRequest, CommandResult, Setting
+from homebot.devices.command_messages import (
+    CommandEvent,
+    CommandRequest,
+    CommandResult,
+    SendTextRequest,
+    SendTextResponse,
+)
+from homebot.devices.command_sender import TextTarget
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import COMMAND_EVENTS
 from homebot.devices.obedience import changes, related
@@ -48,37 +57,18 @@ from homebot.devices.outcomes import (
     no_such_part,
 )
 from homebot.devices.value import PlainValue
-from homebot.devices.wording.journal_words import settings_text
-from homebot.errors import ServiceError
+from homebot.errors import LinkError, RefusedError, ServiceError
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
 
-__all__ = ["CommandExecutor", "Rehearsal"]
+__all__ = ["CommandExecutor"]
 
-WOULD_SEND = "control.would_send"
 REVERTED = "control.reverted"
+
+_UNREADABLE: Final = "it always asks, and this text cannot be decoded as a command; command it by its handle"
 
 MOST_PENDING: Final = 10_000
 """The limit of commands without an outcome; further ones are refused."""
-
-_MOST_RECORDED: Final = 20
-"""The limit of reports of one command in the journal."""
-
-_ON_THE_WAY: Final = frozenset({ReportRole.STEP, ReportRole.ASTRAY})
-
-
-class Rehearsal(Protocol):
-    """Answers commands instead of sending them.
-
-    Attributes:
-        is_live: Whether the devices are real, so a raw command has no effect; in a replay it has its recorded effect.
-    """
-
-    is_live: ClassVar[bool]
-
-    def outcome(self, command: IssuedCommand) -> Outcome | None:
-        """Return the assumed outcome of *command*; None to send it to a muted gateway."""
-        ...
 
 
 @final
@@ -104,11 +94,10 @@ class CommandExecutor:
         self._policies = policies
         self._journal = journal
         self.leases = leases
-        self.rehearsal = rehearsal
         self.timelines = timelines
         self._feed = feed
         self._learnt = learnt
-        self._sending = Sending(node, settings, policies, journal, leases, feed)
+        self._sending = Sending(node, settings, policies, journal, leases, feed, rehearsal)
         self._events = node.create_publisher(CommandEvent, COMMAND_EVENTS, 1000)
         self._limits = TimeLimits()
         self._open: dict[str, OpenCommand] = {}
@@ -120,30 +109,68 @@ class CommandExecutor:
 
     async def perform(self, request: CommandRequest) -> Outcome:
         """Carry out a command, and return its outcome."""
-        asked_at, device, problem = self._clock.now(), None, ""
+        asked_at, device, problem = self._clock.now(), None, None
         try:
             device = await self._lookup.device(request.device)
         except ServiceError as exc:
-            problem = str(exc)
+            problem = NoAnswer(0.0, str(exc))
         part = commanded_part(device, request.part, request.settings)
         place = (request.device, request.part if part is None else part.id)
         shown = without_codes(request.settings, device, part)
         name = self._journal.requested(request.issuer, place, shown, request.trigger, asked_at, device)
-        if problem:
-            outcome: Outcome = NoAnswer(0.0, problem, command_id=name)
+        if problem is not None:
+            outcome: Outcome = replace(problem, command_id=name)
         elif device is None or part is None:
             outcome = no_such_part(request.device, request.part, device, name)
         else:
             command = self._issued(name, request, device, part, asked_at)
             agreed: IssuedCommand | Outcome = command
-            if request.ask_first or await self.questions.must_ask(command):
-                agreed = self.check(command, is_preview=True) or await self.questions.agreed(command, shown)
+            if request.ask_first or command.is_client:
+                agreed = await self._agreed(command, ask_first=request.ask_first)
             if isinstance(agreed, Outcome):
                 outcome = agreed
             else:
                 outcome = self._with_warnings(agreed, await self._carry_out(agreed))
         self._journal.decided(request.issuer, place, outcome)
         return outcome
+
+    async def send_text(self, request: SendTextRequest) -> SendTextResponse:
+        """Carry out a command by a raw text, and return when its gateway has queued it; never raises."""
+        asked_at, device, text = self._clock.now(), None, TextTarget(request.payload)
+        issuer, trigger = request.issuer, request.trigger
+        outcome: Outcome | None = Gone()
+        try:
+            device = await self._lookup.device(request.device)
+            if device is not None:
+                text, outcome = self._sending.texts.target(device, request.payload), None
+        except RefusedError as exc:
+            outcome = Refused("gateway", exc.reason)
+        except (LinkError, ServiceError) as exc:
+            outcome = NoAnswer(0.0, str(exc))
+        part, read = read_text(device, text)
+        if read.capability == UNREAD and device is not None and why_device_asks(device):
+            outcome = outcome or Refused("always_ask", _UNREADABLE)
+        place, shown = (request.device, part.id), without_codes((read,), device, part)
+        name = self._journal.requested(issuer, place, shown, trigger, asked_at, device)
+        if outcome is not None or device is None:
+            outcome = replace(outcome or Gone(), command_id=name)
+        else:
+            rights, settings = self._policies.rights(issuer), {read.capability: read.value.plain()}
+            command = IssuedCommand(
+                name, device, part, settings, issuer, rights, trigger, asked_at, request.scope, text
+            )
+            agreed = await self._agreed(command) if command.is_client else command
+            outcome = agreed if isinstance(agreed, Outcome) else await self._send_text(agreed, text)
+        if outcome is None:
+            return SendTextResponse(success=True, others=text.others, command_id=name)
+        self._journal.decided(issuer, place, outcome)
+        return SendTextResponse.of(outcome)
+
+    async def _agreed(self, command: IssuedCommand, *, ask_first: bool = False) -> IssuedCommand | Outcome:
+        """Return *command* once a person has agreed, if one must; else its outcome."""
+        if not (ask_first or await self.questions.must_ask(command)):
+            return command
+        return self.check(command, is_preview=True) or await self.questions.agreed(command)
 
     def _with_warnings(self, command: IssuedCommand, outcome: Outcome) -> Outcome:
         """Return the outcome of a sent command with the warnings of its policies, and count a guess of its code."""
@@ -171,32 +198,25 @@ class CommandExecutor:
                 return held
         return self._policies.check(command, is_recorded=not is_preview)
 
-    async def record_text(self, command: IssuedCommand) -> None:
-        """Record that *command* is sent as a text: it has no outcome, and supersedes older commands for the same."""
-        now = self._clock.monotonic()
+    async def _send_text(self, command: IssuedCommand, text: TextTarget) -> Outcome | None:
+        """Send a text, which supersedes older commands for the same; None if that is done, as no report is awaited."""
+        refused = self.check(command)
+        if refused is not None:
+            return refused
+        timeline = self.timelines.of(command.device, command.part)
+        if self._sending.rehearsal is not None and (assumed := self._sending.rehearse(command, timeline)) is not None:
+            return assumed
+        now, order = self._clock.monotonic(), order_of(command)
         if command.place in self.leases.parts:
             self.leases.record_stop(command, now)
-        order = order_of(command)
-        self.timelines.of(command.device, command.part).command(order, now, is_raw=True)
+        timeline.command(order, now, is_raw=True)
         if command.part.part.members:
             await self._record_members(command, order)
+        return await self._sending.send_text(command, text)
 
     async def _record_members(self, command: IssuedCommand, order: Order) -> None:
         """Record a command to a group for the parts that its source lists as its members."""
         self.timelines.command_members(order, await self._lookup.members(command.device, command.part))
-
-    def rehearse(self, command: IssuedCommand) -> Outcome | None:
-        """Record and return the outcome that a rehearsal assumes for *command*; None to send the command."""
-        outcome = None if self.rehearsal is None else self.rehearsal.outcome(command)
-        if outcome is not None:
-            now = self._clock.monotonic()
-            self.leases.record_stop(command, now)
-            self.timelines.of(command.device, command.part).sent.append(Sent(command.id, command.settings, now))
-            self._journal.record("would", command)
-            wanted = settings_text(_shown(command, command.settings))
-            text = f"{command.issuer.removeprefix('/')} would set {command.label} → {wanted}"
-            self._node.log.info(WOULD_SEND, message=text, device=command.device.id, command=command.id)
-        return outcome
 
     def _issued(self, name: str, request: CommandRequest, device: Device, part: DevicePart, at: float) -> IssuedCommand:
         asked = {one.capability: one.value.plain() for one in request.settings}
@@ -208,11 +228,11 @@ class CommandExecutor:
             settings,
             request.issuer,
             self._policies.rights(request.issuer),
-            trigger=request.trigger,
-            issued_at=at,
+            request.trigger,
+            at,
+            request.scope,
             transition=request.transition,
             code=request.code,
-            scope=request.scope,
             nearest="" if settings is asked else rounding_text(asked, settings),
         )
 
@@ -233,7 +253,8 @@ class CommandExecutor:
         try:
             if is_so:
                 return self._decided(opened, AlreadySo(command_id=command.id))
-            if self.rehearsal is not None and (assumed := self.rehearse(command)) is not None:
+            rehearsal = self._sending.rehearsal
+            if rehearsal is not None and (assumed := self._sending.rehearse(command, opened.timeline)) is not None:
                 return await self._rehearsed(opened, assumed)
             if command.part.part.members:
                 await self._record_members(command, opened.progress.order)
@@ -285,7 +306,7 @@ class CommandExecutor:
         opened.progress.send(self._clock.monotonic())
         self._decided(opened, AlreadySo(command_id=command.id))
         wanted = {name: one.value for name, one in opened.progress.wanted.items()} if assumed.succeeded else {}
-        reported = {one.capability: one.value.plain() for one in _shown(command, wanted)}
+        reported = {one.capability: one.value.plain() for one in command.public(wanted)}
         return replace(assumed, reported=reported)
 
     async def _is_gone(self, command: IssuedCommand, outcome: Outcome) -> bool:
@@ -323,7 +344,7 @@ class CommandExecutor:
 
     def _record(self, progress: CommandProgress, fact: Reported, opened: OpenCommand | None) -> None:
         if opened is not None:
-            if fact.capability in progress.wanted and _is_news(opened, fact):
+            if fact.capability in progress.wanted and opened.is_news(fact):
                 self._journal.reported(progress.order, fact, self._cause_of_answer(progress, fact))
         elif _is_late_answer(progress, fact) and self._cause_of(progress, fact).command == progress.order.id:
             self._journal.reported(progress.order, fact, Cause.COMMAND.value)
@@ -362,16 +383,6 @@ def _contradicts(older: Mapping[str, PlainValue], command: IssuedCommand) -> boo
     return any(one in older and changes(one, older[one], one, value) for one, value in command.settings.items())
 
 
-def _is_news(opened: OpenCommand, fact: Reported) -> bool:
-    """Return whether a report differs from the last recorded one, and remember it; all steps on the way are one."""
-    role = opened.progress.roles[fact.number]
-    news = (ReportRole.STEP, None) if role in _ON_THE_WAY else (role is ReportRole.ECHO, fact.value)
-    if opened.recorded.get(fact.capability) == news or len(opened.recorded) >= _MOST_RECORDED:
-        return False
-    opened.recorded[fact.capability] = news
-    return True
-
-
 def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:
     """Return whether a report shows that the device obeyed a command after its outcome; False for a raw text."""
     outcome = progress.outcome
@@ -379,8 +390,3 @@ def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:
         return False
     is_change = fact.is_change or (fact.is_first and progress.last.get(fact.capability, fact.value) != fact.value)
     return not progress.is_raw and is_change and progress.roles[fact.number] is ReportRole.EFFECT
-
-
-def _shown(command: IssuedCommand, values: Mapping[str, PlainValue]) -> tuple[Setting, ...]:
-    """Return *values* of the commanded part, without codes."""
-    return without_codes(tuple(map(Setting.of, values, values.values())), command.device, command.part)

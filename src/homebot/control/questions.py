@@ -1,6 +1,5 @@
 """Questions: a command of a client that must ask waits until a person with the right to give it says yes."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final, final
@@ -13,7 +12,6 @@ from homebot.control.policies.facts import Verdict
 from homebot.control.policies.rights import must_ask
 from homebot.control.policy_engine import PolicyEngine
 from homebot.devices.client_rights import ASK
-from homebot.devices.command_messages import Setting
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import OPEN_QUESTIONS
 from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
@@ -69,11 +67,11 @@ class Questions:
         members = await self._lookup.members(command.device, command.part)
         return any(must_ask(replace(command, device=one, part=part)) for one, part in members)
 
-    async def agreed(self, command: IssuedCommand, wanted: Iterable[Setting]) -> IssuedCommand | Outcome:
+    async def agreed(self, command: IssuedCommand) -> IssuedCommand | Outcome:
         """As :meth:`ask`, but return *command* for the device as it is by then, instead of None."""
-        refused = await self.ask(command, wanted)
-        if refused is not None:
-            return refused
+        refused = await self.ask(command)
+        if refused is not None or command.text is not None:
+            return refused or command
         try:
             device = await self._lookup.device(command.device.id)
         except ServiceError as exc:
@@ -83,13 +81,11 @@ class Questions:
             return Gone(command_id=command.id)
         return replace(command, device=device, part=part, issued_at=self._clock.now())
 
-    async def ask(self, command: IssuedCommand, wanted: Iterable[Setting]) -> Refused | None:
-        """Ask people whether *command* may be sent; return its refusal, or None if one agrees within a minute.
-
-        Args:
-            wanted: Its settings, without codes.
-        """
-        text = f"{issuer_text(command.issuer)} wants: {printable(command.label, 100)} → {settings_text(wanted)}"
+    async def ask(self, command: IssuedCommand) -> Refused | None:
+        """Ask people whether *command* may be sent; return its refusal, or None if one agrees within a minute."""
+        text = (
+            f"{issuer_text(command.issuer)} wants: {printable(command.label, 100)} → {settings_text(command.public())}"
+        )
         key = (command.issuer, command.place, text)
         if problem := self._why_not_asked(command.issuer, key):
             return Refused(ASK, problem, command_id=command.id)

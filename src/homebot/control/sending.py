@@ -2,28 +2,51 @@
 
 import asyncio
 from dataclasses import dataclass, field
-from typing import final
+from typing import ClassVar, Final, Protocol, final
 
 from homebot.control import durations
 from homebot.control.command import IssuedCommand
 from homebot.control.gateway_feed import GatewayFeed
+from homebot.control.journal.given_codes import CODE_GIVEN
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
-from homebot.control.timeline.facts import Sent
+from homebot.control.timeline.facts import Reported, ReportRole, Sent
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
-from homebot.devices.command_sender import CommandSender
+from homebot.devices.command_sender import CommandSender, TextSender, TextTarget
 from homebot.devices.gateway_messages import Command
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.devices.value import Value
+from homebot.devices.wording.journal_words import settings_text
 from homebot.errors import LinkError, RefusedError, UnansweredError
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
 
-__all__ = ["OpenCommand", "Sending"]
+__all__ = ["OpenCommand", "Rehearsal", "Sending"]
+
+WOULD_SEND: Final = "control.would_send"
+
+_MOST_RECORDED: Final = 20
+"""The limit of reports of one command in the journal."""
+
+_ON_THE_WAY: Final = frozenset({ReportRole.STEP, ReportRole.ASTRAY})
+
+
+class Rehearsal(Protocol):
+    """Answers commands instead of sending them.
+
+    Attributes:
+        is_live: Whether the devices are real, so a raw command has no effect; in a replay it has its recorded effect.
+    """
+
+    is_live: ClassVar[bool]
+
+    def outcome(self, command: IssuedCommand) -> Outcome | None:
+        """Return the assumed outcome of *command*; None to send it to a muted gateway."""
+        ...
 
 
 @dataclass(slots=True, eq=False)
@@ -42,6 +65,15 @@ class OpenCommand:
     limits: TimeLimits
     recorded: dict[str, object] = field(default_factory=dict)
     _waiter: asyncio.Future[None] | None = None
+
+    def is_news(self, fact: Reported) -> bool:
+        """Return whether a report differs from the last recorded one, and remember it; all steps on the way are one."""
+        role = self.progress.roles[fact.number]
+        news = (ReportRole.STEP, None) if role in _ON_THE_WAY else (role is ReportRole.ECHO, fact.value)
+        if self.recorded.get(fact.capability) == news or len(self.recorded) >= _MOST_RECORDED:
+            return False
+        self.recorded[fact.capability] = news
+        return True
 
     def wake(self) -> None:
         """Wake the task if it is waiting; a task that checks before it waits misses nothing."""
@@ -74,7 +106,10 @@ class Sending:
         journal: CommandJournal,
         leases: Leases,
         feed: GatewayFeed,
+        rehearsal: Rehearsal | None,
     ) -> None:
+        self.rehearsal = rehearsal
+        self._log = node.log
         self._settings = settings
         self._clock = node.graph.clock
         self._policies = policies
@@ -82,6 +117,7 @@ class Sending:
         self._leases = leases
         self._feed = feed
         self._sender = CommandSender(node)
+        self.texts = TextSender(node)
 
     async def run(self, sent: OpenCommand) -> Outcome:
         """Send a command, and again if no answer comes; return its outcome."""
@@ -104,6 +140,28 @@ class Sending:
                     plan.began = progress.sent_at if progress.is_unacknowledged else plan.asked_at
             plan.lost_at = max(plan.lost_at, self._feed.last_loss(command.part.routes).monotonic)
         return outcome_of(progress, clock.monotonic())
+
+    def rehearse(self, command: IssuedCommand, timeline: PartTimeline) -> Outcome | None:
+        """Record and return the outcome that a rehearsal assumes for *command*; None to send the command."""
+        outcome = None if self.rehearsal is None else self.rehearsal.outcome(command)
+        if outcome is not None:
+            now = self._clock.monotonic()
+            self._leases.record_stop(command, now)
+            timeline.sent.append(Sent(command.id, command.settings, now))
+            self._journal.record("would", command)
+            text = f"{command.issuer.removeprefix('/')} would set {command.label} → {settings_text(command.public())}"
+            self._log.info(WOULD_SEND, message=text, device=command.device.id, command=command.id)
+        return outcome
+
+    async def send_text(self, command: IssuedCommand, text: TextTarget) -> NoAnswer | None:
+        """Send a text once, and return when its gateway has queued it; return the outcome if that fails."""
+        try:
+            sent = await self.texts.send(text, command.issuer, command.trigger, command.id, command.part.routes)
+        except LinkError as exc:
+            return NoAnswer(0.0, str(exc), command_id=command.id)
+        is_code = CODE_GIVEN in [one.value.plain() for one in command.public()]
+        self._journal.published(command.device.id, sent, self._clock.now(), is_code=is_code)
+        return None
 
     def _plan(self, sent: OpenCommand) -> SendingPlan:
         command, order, profile = sent.command, sent.progress.order, sent.timeline.profile

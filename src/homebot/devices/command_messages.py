@@ -279,5 +279,15 @@ class SendTextResponse(ServiceAnswer):
     others: tuple[str, ...] = ()
     command_id: str = ""
 
+    @classmethod
+    def of(cls, outcome: "Outcome") -> "SendTextResponse":
+        """Return the response for a text that was not sent: *outcome* is that of a rehearsal, or why not."""
+        if outcome.succeeded:
+            return cls(success=True, command_id=outcome.command_id)
+        result = CommandResult.of(outcome)
+        message = f"{result.reason} ({result.policy})" if result.policy else result.reason or result.text
+        problem: Literal["refused", "unreachable"] = "unreachable" if result.outcome == "no_answer" else "refused"
+        return cls(success=False, message=message, problem=problem, command_id=outcome.command_id)
+
 
 SendText = ServiceType("homebot/srv/SendText", SendTextRequest, SendTextResponse)

@@ -149,16 +149,18 @@ _DEPTH = 1000
 
 
 class TextTarget(NamedTuple):
-    """Destination of a text.
+    """A text and its destination.
 
     Attributes:
-        address: The address that the gateway sends it to.
+        payload: The text, which may be a code.
+        address: The address that the gateway sends it to; empty, like the gateway, before it is known.
         others: The names of the other parts that would also accept the text.
     """
 
-    gateway: str
-    address: str
-    others: tuple[str, ...]
+    payload: str
+    gateway: str = ""
+    address: str = ""
+    others: tuple[str, ...] = ()
 
 
 class TextSender:
@@ -204,14 +206,13 @@ class TextSender:
 
     async def send(
         self,
-        payload: str,
         target: TextTarget,
         issuer: str,
         trigger: Trigger = NO_TRIGGER,
         command_id: str = "",
         routes: Sequence[Route] = (),
     ) -> RawCommand:
-        """Send *payload* to *target*, which :meth:`target` returned; return once the gateway has queued it.
+        """Send the text to *target*, which :meth:`target` returned; return once the gateway has queued it.
 
         Args:
             routes: The ways to the part at *target*, the first of which was checked.
@@ -222,7 +223,7 @@ class TextSender:
         peer = self._gateways[target.gateway]
         command = RawCommand(
             address=target.address,
-            payload=payload,
+            payload=target.payload,
             issuer=issuer,
             trigger=trigger,
             command_id=command_id,
@@ -263,9 +264,9 @@ class GatewayOutput:
 
 def _target(device: Device, endpoint: Endpoint, payload: str) -> TextTarget:
     if len(device.parts) == 1 and len(device.parts[0].routes) == 1:
-        return TextTarget(endpoint.gateway, endpoint.command_address, ())
+        return TextTarget(payload, endpoint.gateway, endpoint.command_address)
     address = command_address(device, endpoint, payload)
-    return TextTarget(endpoint.gateway, address, others_at(device, address, payload))
+    return TextTarget(payload, endpoint.gateway, address, others_at(device, address, payload))
 
 
 def _away(gateway: str, unavailable: str = "") -> LinkError:

@@ -170,7 +170,7 @@ class Commander:
             raise LinkError(NO_CONTROL)
         try:
             target = self._text_sender.target(device, request.payload)
-            await self._text_sender.send(request.payload, target, request.issuer, request.trigger)
+            await self._text_sender.send(target, request.issuer, request.trigger)
         except LinkError as exc:
             raise _not_sent(request, str(exc)) from exc
         return target.others

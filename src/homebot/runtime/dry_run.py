@@ -43,7 +43,7 @@ class DryRun:
     is_live: ClassVar[bool] = True
 
     def outcome(self, command: IssuedCommand) -> Outcome:
-        """See :class:`homebot.control.executor.Rehearsal`."""
+        """See :class:`homebot.control.sending.Rehearsal`."""
         if command.is_client:
             problem = "homebot runs with --dry-run and sends nothing; otherwise it would have sent this"
             return Refused(DRY_RUN, problem, command_id=command.id)

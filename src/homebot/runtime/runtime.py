@@ -50,7 +50,7 @@ from homebot.support.owner_token import OwnerToken, make_owner_token
 from homebot.support.production_loop import LoopWatch
 
 if TYPE_CHECKING:
-    from homebot.control.executor import Rehearsal
+    from homebot.control.sending import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.house import World
     from homebot.messages.interfaces.settings import RosSettings

@@ -11,12 +11,15 @@ from homebot.devices.command_messages import Setting
 from homebot.devices.part import Part
 from homebot.devices.value import Value
 
-__all__ = ["CODE_GIVEN", "MAY_BE_CODE", "is_for_code", "public_text", "takes_code", "without_codes"]
+__all__ = ["CODE_GIVEN", "MOST_NOTED", "UNREAD", "is_for_code", "public_text", "without_codes"]
 
 CODE_GIVEN: Final = "a code"
 """Replaces the value of a code."""
 
-MAY_BE_CODE: Final = frozenset({"number", "text"})
+UNREAD: Final = "raw_text"
+"""The capability of a text with an unknown effect; only the verb ``use`` matches it."""
+
+_MAY_BE_CODE: Final = frozenset({"number", "text", UNREAD})
 """The capabilities whose values may be codes."""
 
 _FIELD: Final = re.compile(r'"(?P<key>[^"\\]{1,80})"(?P<colon>\s*:\s*)(?:"(?:[^"\\]|\\.)*"|[^\s",{}\[\]]+)')
@@ -25,25 +28,29 @@ _FIELD: Final = re.compile(r'"(?P<key>[^"\\]{1,80})"(?P<colon>\s*:\s*)(?:"(?:[^"
 _ENDS: Final = ("code", "password", "token", "_pin", "-pin", " pin")
 _CAPABILITY: Final = attrgetter("capability")
 _MOST_READ: Final = 5_000
+"""The limit of characters of a raw text that are searched for codes."""
+
+MOST_NOTED: Final = 500
 """The limit of characters of a raw text in the journal."""
 
 
 def without_codes(settings: tuple[Setting, ...], device: Device | None, part: DevicePart | None) -> tuple[Setting, ...]:
     """Return the *settings* for *part* of *device*, with :data:`CODE_GIVEN` in place of each code.
 
-    If the part is unknown and any setting may be a code, none is returned.
+    If the part is unknown and any setting may be a code, none is returned. If it is only a stand-in, all parts count.
     """
-    if MAY_BE_CODE.isdisjoint(map(_CAPABILITY, settings)):
+    if _MAY_BE_CODE.isdisjoint(map(_CAPABILITY, settings)):
         return settings
     if device is None or part is None:
-        return ()
-    if not takes_code(device, part.part):
+        return () if part is None else settings
+    parts = device.parts if device.part(part.id) is None else (part,)
+    if not any(_takes_code(device, one.part) for one in parts):
         return settings
     given = Value.of(CODE_GIVEN)
-    return tuple(one.model_copy(update={"value": given}) if one.capability in MAY_BE_CODE else one for one in settings)
+    return tuple(one.model_copy(update={"value": given}) if one.capability in _MAY_BE_CODE else one for one in settings)
 
 
-def takes_code(device: Device, part: Part) -> bool:
+def _takes_code(device: Device, part: Part) -> bool:
     """Return whether a text or number for *part* is a code, judging by its names."""
     names = (part.name or device.name, part.id, part.advertised)
     return any(map(names_secret, names))

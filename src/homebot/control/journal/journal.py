@@ -9,7 +9,7 @@ from itertools import count
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias, final
 
 from homebot.control.journal.command_log import CommandChain, CommandLog
-from homebot.control.journal.given_codes import CODE_GIVEN, is_for_code, public_text
+from homebot.control.journal.given_codes import CODE_GIVEN, MOST_NOTED, is_for_code, public_text
 from homebot.control.timeline.facts import Order, PartRef, Reported
 from homebot.devices import Device, RawCommand
 from homebot.devices.client_rights import CLIENT_RIGHTS
@@ -55,7 +55,6 @@ _SHORTEST_SETTLE = 2.0
 """The least time in seconds: the directory publishes a change a little later than the gateway."""
 
 _MOST_NAMES = 500
-_LONGEST = 500
 _MOST_DEVICES: Final = 100_000
 _MOST_RAW: Final = 10
 _DELAY: Final = 0.2
@@ -234,7 +233,7 @@ class CommandJournal:
         text = CODE_GIVEN if is_code else command.payload
         if not text.isalpha() or is_for_code(command.address):  # a word such as "on" is not a code
             text = public_text(text, command.address)
-        text = text[:_LONGEST]
+        text = text[:MOST_NOTED]
         self._add(
             JournalNote("published", at, device, "", name, issuer=command.issuer, trigger=command.trigger, text=text)
         )
