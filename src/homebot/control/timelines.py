@@ -115,13 +115,13 @@ class Timelines:
         """Return whether a part has a timeline: it has been commanded, or has changed."""
         return place in self._entries
 
-    def begin(self, device: Device, change: ChangedSetting, before: PlainValue) -> None:
-        """Begin the timeline of the part of *device* with its *change* from the value *before*."""
+    def begin(self, device: Device, change: ChangedSetting) -> None:
+        """Begin the timeline of the part of *device* with its *change*."""
         part = device.part(change.part)
         if part is None:
             return
         stamp = change.told_at.to_seconds()
-        timeline = self._create((device.id, part.id), device, part, {change.capability: before}).timeline
+        timeline = self._create((device.id, part.id), device, part, {change.capability: change.before.plain()}).timeline
         if timeline.dropped_change is not None and timeline.dropped_change.stamp == stamp:
             timeline.dropped_change = None
         at = self._clock.monotonic() - max(0.0, self._clock.now() - stamp)

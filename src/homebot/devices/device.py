@@ -5,7 +5,7 @@ from typing import ClassVar, Literal, TypeAlias
 
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Part
-from homebot.devices.value import Reading, Value
+from homebot.devices.value import UNKNOWN, Reading, Value
 from homebot.errors import InvalidNameError, RefusedError
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.key_value import KeyValue
@@ -250,6 +250,8 @@ class ChangedSetting(Message):
 
     Attributes:
         was_absent: Whether the device was unreachable since the value before, so that it may have changed by itself.
+        before: The last known value before it by any route of the part; unknown if there was none.
+        before_since: When that was first reported.
     """
 
     device: str
@@ -258,6 +260,8 @@ class ChangedSetting(Message):
     value: Value
     told_at: Time
     was_absent: bool = False
+    before: Value = UNKNOWN
+    before_since: Time = Time(sec=0, nanosec=0)
 
 
 class ChangedSettings(Message):

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Generator, Iterable, Iterator
 from math import inf
 from operator import attrgetter
-from typing import TYPE_CHECKING, Final, TypeAlias, final
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias, final
 
-from homebot.devices import DevicePart, Fact
+from homebot.devices import Fact
 from homebot.devices.capabilities import ALERTING, EVENTS, SETTABLE
 from homebot.devices.device import ChangedSetting
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.names import UNREADABLE
-from homebot.devices.value import Reading
+from homebot.devices.value import Reading, Value
 from homebot.discovery.changes import stream_of
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.echoes import Echoes
@@ -41,8 +41,19 @@ _MOST_CHANGED: Final = 10_000
 
 _REPORTED: Final = SETTABLE | ALERTING
 
-_Waiting: TypeAlias = tuple[Entry, SourceRecord, Reading, Time, bool, StoredValue]
-"""The device, its announcement, the first new value, the time of that, whether it was away, and the newest value."""
+
+class _WaitingChange(NamedTuple):
+    """The first change of a setting since the last time, and the stored value, which is the newest."""
+
+    entry: Entry
+    source: SourceRecord
+    new: Reading
+    since: Time
+    was_absent: bool
+    before: Value
+    before_since: Time
+    stored: StoredValue
+
 
 Trust: TypeAlias = Callable[[Entry, frozenset[EndpointKey]], None]
 
@@ -141,23 +152,28 @@ class StateRecorder:
                     new.append((place, reading, stored))
             elif live or not stored.live:  # retained values never overwrite live ones
                 heard_at = stored.heard_at
-                stored.told_at, stored.live, stored.heard_at = stamp, live, now
-                if reading.value is not stored.reported and self._replace(entry, source, reading, stored, stamp):
+                stored.told_at, stored.heard_at = stamp, now
+                if reading.value is not stored.reported and self._replace(entry, source, reading, stored, report):
                     absences = source.absences
                     stored.was_absent = heard_at <= max(absences.get("", -inf), absences.get(reading.part, -inf))
                     new.append((place, reading, stored))
+                stored.live = live
         return new
 
-    def _replace(self, entry: Entry, source: SourceRecord, reading: Reading, stored: StoredValue, stamp: Time) -> bool:
+    def _replace(
+        self, entry: Entry, source: SourceRecord, reading: Reading, stored: StoredValue, report: Report
+    ) -> bool:
         """Store the value of *reading*; return whether it has changed."""
-        value = reading.value
+        value, live = reading.value, not report.retained
         plain, known = value.plain(), stored.value
         if known == plain and type(known) is type(plain):
             return False
-        if entry.claimed and stored.live:
+        if entry.claimed and live:
             self._compare(entry, source, reading)
-        stored.reported, stored.value, stored.since = value, plain, stamp
-        stored.is_first = stored.is_first and not stored.live
+        if stored.live and known is not None:
+            stored.before, stored.before_since = stored.reported, stored.since
+        stored.reported, stored.value, stored.since = value, plain, report.received_at
+        stored.is_first = stored.is_first and not live
         if stored.column is not None:
             stored.column.values[stored.row] = plain
         return True
@@ -332,7 +348,7 @@ class SettingChanges:
 
     def __init__(self, table: DeviceTable) -> None:
         self._table = table
-        self.waiting: dict[int, _Waiting] = {}
+        self.waiting: dict[int, _WaitingChange] = {}
 
     def record(self, entry: Entry, source: SourceRecord, new: Iterable[_NewValue], wanted: Container[str]) -> None:
         """Record the new values of *source* for the *wanted* capabilities."""
@@ -341,34 +357,52 @@ class SettingChanges:
             if place[1] not in wanted or id(stored) in waiting:
                 continue
             if len(waiting) < _MOST_CHANGED:
-                waiting[id(stored)] = entry, source, reading, stored.since, stored.was_absent, stored
+                before = self._before(entry, source, place, stored)
+                change = _WaitingChange(entry, source, reading, stored.since, stored.was_absent, *before, stored)
+                waiting[id(stored)] = change
             else:
                 self._table.changes.states_lost += 1
+
+    def _before(
+        self, entry: Entry, source: SourceRecord, place: tuple[str, str], stored: StoredValue
+    ) -> tuple[Value, Time]:
+        """Return the value before the newest in *stored*, or a newer one by another route, and since when it was."""
+        newest = stored.before, stored.before_since
+        if len(entry.sources) == 1:
+            return newest
+        places = entry.parts(self._table.topics).places
+        number = places.get((*source.key, place[0]))
+        for other in entry.sources.values():
+            for (part, capability), one in other.values.items():
+                is_same = one is not stored and capability == place[1] and places.get((*other.key, part)) == number
+                if is_same and one.live and one.value is not None and one.since.to_seconds() > newest[1].to_seconds():
+                    newest = one.reported, one.since
+        return newest
 
     def pop(self) -> Iterator[ChangedSetting]:
         """Remove and yield the changes, as for `ChangedSettings`."""
         table, waiting = self._table, self.waiting
         self.waiting = {}
-        for entry, source, first, since, was_absent, stored in waiting.values():
+        for one in waiting.values():
+            entry, first, newest = one.entry, one.new.value, one.stored.reported
             if table.entries.get(entry.id) is not entry:
                 continue
-            part = entry.parts(table.topics).shown_part_of(source, first.part)
+            part = entry.parts(table.topics).shown_part_of(one.source, one.new.part)
             if part is None:
                 continue
-            newest = stored.reported
-            if newest is first.value or not (newest.number and first.value.number):
-                yield _changed(entry, part, first, since, was_absent=was_absent)
-            if newest is not first.value:
-                last = first.model_copy(update={"value": newest})
-                yield _changed(entry, part, last, stored.since, was_absent=was_absent)
-
-
-def _changed(entry: Entry, part: DevicePart, new: Reading, at: Time, *, was_absent: bool) -> ChangedSetting:
-    return ChangedSetting(
-        device=entry.id,
-        part=part.id,
-        capability=new.capability,
-        value=new.value,
-        told_at=at,
-        was_absent=was_absent,
-    )
+            change = ChangedSetting(
+                device=entry.id,
+                part=part.id,
+                capability=one.new.capability,
+                value=first,
+                told_at=one.since,
+                was_absent=one.was_absent,
+                before=one.before,
+                before_since=one.before_since,
+            )
+            if newest is first or not (newest.number and first.number):
+                yield change
+                if first.plain() is not None:
+                    change = change.model_copy(update={"before": first, "before_since": one.since})
+            if newest is not first:
+                yield change.model_copy(update={"value": newest, "told_at": one.stored.since})

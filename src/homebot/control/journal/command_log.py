@@ -14,7 +14,6 @@ from homebot.devices.client_rights import is_client
 from homebot.devices.device import ChangedSetting
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.outcomes import AlreadySo, Gone, Refused
-from homebot.devices.value import PlainValue
 from homebot.devices.wording.journal_words import settings_text
 from homebot.devices.wording.values import value_text
 from homebot.errors import ServiceError
@@ -86,13 +85,13 @@ class CommandLog:
         if asked.kind == "requested" and not isinstance(ended.outcome, AlreadySo | Refused | Gone):
             self._add_turn(asked, command.device)
 
-    def log_change(self, change: ChangedSetting, before: PlainValue, cause: str) -> None:
+    def log_change(self, change: ChangedSetting, cause: str) -> None:
         """Log a change that no command explains."""
         if (held_back := self._limit.allows("")) is not None:
-            self._node.create_task(partial(self._log_change, change, before, cause, more_like_this(held_back)))
+            self._node.create_task(partial(self._log_change, change, cause, more_like_this(held_back)))
 
-    async def _log_change(self, change: ChangedSetting, before: PlainValue, cause: str, end: str) -> None:
-        device = None
+    async def _log_change(self, change: ChangedSetting, cause: str, end: str) -> None:
+        device, before = None, change.before.plain()
         with suppress(ServiceError):
             device = await self._lookup.device(change.device)
         label = _label(change, device)

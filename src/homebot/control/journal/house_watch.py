@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Final, TypeAlias, final
+from typing import TYPE_CHECKING, Final, final
 
 from homebot.devices import Device, GatewayNames, RawCommand
 from homebot.devices.capabilities import SETTABLE
-from homebot.devices.device import ChangedSettings
+from homebot.devices.device import ChangedSetting, ChangedSettings
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
-from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
-from homebot.support.bounded_map import BoundedMap
 
 if TYPE_CHECKING:
     from homebot.control.control_layer import ControlLayer
@@ -30,16 +28,17 @@ _SETTINGS: Final = QoSProfile(depth=100)
 _RAW: Final = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
 """In a flood the oldest is dropped; a gateway's commands never wait for the journal."""
 
-_MOST: Final = 100_000
 _CALM: Final = 10.0
 """Seconds in which further numbers of one setting are not recorded: from a dial that is turned, or a moving blind."""
 
-_Place: TypeAlias = tuple[str, str, str]
 
-
-def _is_change(before: PlainValue, before_at: float, value: PlainValue, at: float) -> bool:
-    is_dial = isinstance(value, float) and before and value and at - before_at < _CALM
-    return before is not None and before != value and not is_dial
+def _is_change(change: ChangedSetting) -> bool:
+    """Return whether a setting changed from one known value to another, and is no dial that is still turned."""
+    value, before = change.value.plain(), change.before.plain()
+    if change.capability not in SETTABLE or None in (value, before) or value == before:
+        return False
+    is_soon = change.told_at.to_seconds() - change.before_since.to_seconds() < _CALM
+    return not (isinstance(value, float) and value and before and is_soon)
 
 
 def _explained(raw: RawWindow, found: Attribution | None, *, was_absent: bool) -> tuple[str, str]:
@@ -56,8 +55,7 @@ def _explained(raw: RawWindow, found: Attribution | None, *, was_absent: bool) -
 class HouseWatch:
     """Records unexplained changes and raw commands in the journal.
 
-    The first value of each setting is not a change. At most 100,000 values are stored; the least recently used are
-    dropped.
+    The first value of each setting is not a change.
 
     Args:
         layer: Returns the control layer, which is built for the first entry.
@@ -77,7 +75,6 @@ class HouseWatch:
         self._lookup = lookup
         self._layer = layer
         self._is_dry_run = is_dry_run
-        self._values: BoundedMap[_Place, tuple[PlainValue, float]] = BoundedMap(_MOST)
 
     def follow_settings(self) -> None:
         """Record changes of settings from now on."""
@@ -92,21 +89,17 @@ class HouseWatch:
 
     async def _on_settings(self, changed: ChangedSettings) -> None:
         for change in changed.changes:
-            place, value = (change.device, change.part, change.capability), change.value.plain()
-            if value is None or change.capability not in SETTABLE:
-                continue  # it says nothing; the known value counts until the next
-            at, (before, before_at) = change.told_at.to_seconds(), self._values.get(place, (None, 0.0))
-            self._values[place] = value, at
-            if not _is_change(before, before_at, value, at):
+            if not _is_change(change):
                 continue
-            layer = self._layer()
-            if not layer.timelines.has(place[:2]) and (device := await self._device(change.device)) is not None:
-                layer.timelines.begin(device, change, before)
+            layer, place = self._layer(), (change.device, change.part)
+            if not layer.timelines.has(place) and (device := await self._device(change.device)) is not None:
+                layer.timelines.begin(device, change)
+            value, at = change.value.plain(), change.told_at.to_seconds()
             raw = layer.journal.raw_command(change.device, value, at)
-            found = layer.timelines.cause(place[:2], change.capability, value, at)
+            found = layer.timelines.cause(place, change.capability, value, at)
             if found is None or found.role is None or (raw.id and raw.means(value)):
                 command, cause = _explained(raw, found, was_absent=change.was_absent)
-                layer.journal.changed(change, before, command, cause)  # else the entries of a command record it
+                layer.journal.changed(change, command, cause)  # else the entries of a command record it
 
     async def _device(self, device_id: str) -> Device | None:
         with suppress(ServiceError):

@@ -211,14 +211,14 @@ class CommandJournal:
         """Record the outcome of a command of *issuer* to the part *place*."""
         self._add(JournalNote(kind, self._clock.now(), *place, outcome.command_id, issuer, outcome=outcome))
 
-    def changed(self, change: ChangedSetting, before: PlainValue, command_id: str, cause: str) -> None:
-        """Record a change from *before* with its cause; *command_id* is that of the raw command behind it, or empty."""
+    def changed(self, change: ChangedSetting, command_id: str, cause: str) -> None:
+        """Record a change with its cause; *command_id* is that of the raw command behind it, or empty."""
         at = change.told_at.to_seconds()
         settings = (Setting(capability=change.capability, value=change.value),)
         kind: EntryKind = "reported" if command_id else "changed"
         self._add(JournalNote(kind, at, change.device, change.part, command_id, settings=settings, cause=cause))
         if not command_id:
-            self._log.log_change(change, before, cause)
+            self._log.log_change(change, cause)
 
     def published(
         self, device: str, command: RawCommand, at: float, *, is_sent: bool = True, is_code: bool = False

@@ -9,10 +9,12 @@ from typing import final
 
 from homebot.devices.query.matching import COMPARISONS, compares
 from homebot.devices.query.terms import StateIs
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import UNKNOWN, PlainValue, Value
 from homebot.messages import Time
 
 __all__ = ["Column", "StoredValue"]
+
+_NEVER = Time(sec=0, nanosec=0)
 
 
 @dataclass(slots=True)
@@ -26,6 +28,7 @@ class StoredValue:
         column: The column with a copy of ``value``; None if it is not searchable.
         is_first: Whether no other value was reported before it.
         was_absent: Whether the device was unreachable since the value before it.
+        before: The last known live value before it, reported since *before_since*.
     """
 
     reported: Value
@@ -38,6 +41,8 @@ class StoredValue:
     row: int = 0
     is_first: bool = True
     was_absent: bool = False
+    before: Value = UNKNOWN
+    before_since: Time = _NEVER
 
 
 @final
