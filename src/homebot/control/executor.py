@@ -40,6 +40,7 @@ from homebot.devices.command_messages import (
     CommandResult,
     SendTextRequest,
     SendTextResponse,
+    Setting,
 )
 from homebot.devices.command_sender import TextTarget
 from homebot.devices.device_lookup import DeviceLookup
@@ -343,11 +344,15 @@ class CommandExecutor:
             opened.wake()
 
     def _record(self, progress: CommandProgress, fact: Reported, opened: OpenCommand | None) -> None:
+        order, cause = progress.order, Cause.COMMAND.value
         if opened is not None:
-            if fact.capability in progress.wanted and opened.is_news(fact):
-                self._journal.reported(progress.order, fact, self._cause_of_answer(progress, fact))
-        elif _is_late_answer(progress, fact) and self._cause_of(progress, fact).command == progress.order.id:
-            self._journal.reported(progress.order, fact, Cause.COMMAND.value)
+            if fact.capability not in progress.wanted or not opened.is_news(fact):
+                return
+            cause = self._cause_of_answer(progress, fact)
+        elif not _is_late_answer(progress, fact) or self._cause_of(progress, fact).command != order.id:
+            return
+        setting = Setting.of(fact.capability, fact.value)
+        self._journal.reported(order.place, setting, fact.stamp, cause, order.id, order.issuer)
 
     def _cause_of(self, progress: CommandProgress, fact: Reported) -> Attribution:
         return self.timelines.cause_of(progress.order.place, fact)

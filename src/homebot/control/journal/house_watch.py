@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, final
 
 from homebot.devices import Device, GatewayNames, RawCommand
 from homebot.devices.capabilities import SETTABLE
+from homebot.devices.command_messages import Setting
 from homebot.devices.device import ChangedSetting, ChangedSettings
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
@@ -99,7 +100,10 @@ class HouseWatch:
             found = layer.timelines.cause(place, change.capability, value, at)
             if found is None or found.role is None or (raw.id and raw.means(value)):
                 command, cause = _explained(raw, found, was_absent=change.was_absent)
-                layer.journal.changed(change, command, cause)  # else the entries of a command record it
+                setting = Setting(capability=change.capability, value=change.value)
+                layer.journal.reported(place, setting, at, cause, command)  # else the entries of a command record it
+                if not command:
+                    layer.journal.log.log_change(change, cause)
 
     async def _device(self, device_id: str) -> Device | None:
         with suppress(ServiceError):

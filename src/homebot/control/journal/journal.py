@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias, final
 
 from homebot.control.journal.command_log import CommandChain, CommandLog
 from homebot.control.journal.given_codes import CODE_GIVEN, MOST_NOTED, is_for_code, public_text
-from homebot.control.timeline.facts import Order, PartRef, Reported
+from homebot.control.timeline.facts import PartRef
 from homebot.devices import Device, RawCommand
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.command_messages import Setting
-from homebot.devices.device import ChangedSetting, KeyValue, part_names
+from homebot.devices.device import KeyValue, part_names
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import Count, HealthResponse
 from homebot.devices.journal_messages import (
@@ -111,8 +111,8 @@ class CommandJournal:
         self._folding = CommandFolding()
         self._open: dict[str, CommandChain] = {}
         self._is_timed = False
-        self._log = CommandLog(node, lookup)
-        self.fights = self._log.fights
+        self.log = CommandLog(node, lookup)
+        self.fights = self.log.fights
         self._lookup = lookup
         self._entries = node.create_publisher(JournalEntry, JOURNAL_ENTRIES, _DEPTH)
 
@@ -122,7 +122,7 @@ class CommandJournal:
 
     async def close(self) -> None:
         """Write the last entries, even when cancelled."""
-        self._log.write()
+        self.log.write()
         for left in self._waiting():
             self._store.add(left)
         await self._store.close()
@@ -200,25 +200,21 @@ class CommandJournal:
         noted = JournalVerdict(policy=verdict.policy, allowed=verdict.allowed, reason=verdict.reason, facts=facts)
         self.record("judged", command, verdicts=(noted,))
 
-    def reported(self, order: Order, fact: Reported, cause: str) -> None:
-        """Record a report of a commanded part at its own time; *cause* is the cause of a change, or empty."""
-        settings = (Setting.of(fact.capability, fact.value),)
-        self._add(
-            JournalNote("reported", fact.stamp, *order.place, order.id, order.issuer, settings=settings, cause=cause)
-        )
+    def reported(
+        self, place: PartRef, setting: Setting, at: float, cause: str, command: str = "", issuer: str = ""
+    ) -> None:
+        """Record a report of the part *place* at its own time.
+
+        Args:
+            cause: The cause of a change; empty for none.
+            command: The id of the command behind it; empty for none.
+        """
+        kind: EntryKind = "reported" if command else "changed"
+        self._add(JournalNote(kind, at, *place, command, issuer, settings=(setting,), cause=cause))
 
     def decided(self, issuer: str, place: PartRef, outcome: Outcome, kind: EntryKind = "outcome") -> None:
         """Record the outcome of a command of *issuer* to the part *place*."""
         self._add(JournalNote(kind, self._clock.now(), *place, outcome.command_id, issuer, outcome=outcome))
-
-    def changed(self, change: ChangedSetting, command_id: str, cause: str) -> None:
-        """Record a change with its cause; *command_id* is that of the raw command behind it, or empty."""
-        at = change.told_at.to_seconds()
-        settings = (Setting(capability=change.capability, value=change.value),)
-        kind: EntryKind = "reported" if command_id else "changed"
-        self._add(JournalNote(kind, at, change.device, change.part, command_id, settings=settings, cause=cause))
-        if not command_id:
-            self._log.log_change(change, cause)
 
     def published(
         self, device: str, command: RawCommand, at: float, *, is_sent: bool = True, is_code: bool = False
@@ -300,7 +296,7 @@ class CommandJournal:
                 return
             del self._open[note.command]
         if note.kind in _ENDS:
-            self._log.end(command)
+            self.log.end(command)
         self._file(command)
 
     def _publish(self, note: JournalNote) -> None:
