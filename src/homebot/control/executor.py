@@ -26,7 +26,7 @@ from homebot.control.questions import Questions
 from homebot.control.sending import OpenCommand, Rehearsal, Sending
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.cause import Attribution, Cause
-from homebot.control.timeline.facts import Order, Reported, ReportRole
+from homebot.control.timeline.facts import Answered, Decided, Order, Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.control.timelines import Timelines
@@ -277,8 +277,8 @@ class CommandExecutor:
     def _on_cancelled(self, opened: OpenCommand) -> None:
         """Record the outcome of a command that its issuer cancelled: it is not sent again."""
         command, progress = opened.command, opened.progress
-        waited = self._clock.monotonic() - progress.first_sent_at
-        reason = "" if progress.sendings else "it was cancelled"
+        waited = self._clock.monotonic() - progress.transmission.first_sent_at
+        reason = "" if progress.transmission.count else "it was cancelled"
         outcome = self._decided(opened, NoAnswer(waited, reason, command_id=command.id))
         self._journal.decided(command.issuer, command.place, outcome)
 
@@ -295,8 +295,8 @@ class CommandExecutor:
         if is_sure:
             asked, lost = dict.fromkeys((*order.settings, *order.wanted)), self._feed.last_loss(command.part.routes)
             known, is_recent = known_state(command, asked, timeline.unsure_since, lost.wall)
-        progress = timeline.command(order, self._clock.monotonic(), known, command.values)
-        progress.must_answer = not progress.wanted and self._feed.is_answering(command.part.routes)
+        answers = self._feed.is_answering(command.part.routes)
+        progress = timeline.command(order, self._clock.monotonic(), known, command.values, answers=answers)
         opened = self._open[command.id] = OpenCommand(command, timeline, progress, self._limits)
         is_so = is_recent and is_at_rest and progress.was_so
         return opened, is_so and not (progress.has_echo or order.is_always_sent)
@@ -304,7 +304,6 @@ class CommandExecutor:
     async def _rehearsed(self, opened: OpenCommand, assumed: Outcome) -> Outcome:
         await asyncio.sleep(durations.REHEARSED)
         command = opened.command
-        opened.progress.send(self._clock.monotonic())
         self._decided(opened, AlreadySo(command_id=command.id))
         wanted = {name: one.value for name, one in opened.progress.wanted.items()} if assumed.succeeded else {}
         reported = {one.capability: one.value.plain() for one in command.public(wanted)}
@@ -329,9 +328,9 @@ class CommandExecutor:
         elif outcome.may_obey_later:  # it may have changed, although no report says so
             since = self._clock.now()
             if isinstance(outcome, Contradicted):  # certain is what it has reported since the last sending
-                since -= self._clock.monotonic() - progress.sent_at
+                since -= self._clock.monotonic() - progress.transmission.sent_at
             timeline.unsure_since.update((other, since) for one in command.settings for other in related(one))
-        timeline.decide(progress, outcome, self._clock.monotonic())
+        timeline.append(Decided(command.id, self._clock.monotonic(), outcome))
         self.timelines.schedule(command.place)
         return outcome
 
@@ -379,7 +378,7 @@ class CommandExecutor:
     def _on_answer(self, command: str, capability: str, problem: str) -> None:
         opened = self._open.get(command)
         if opened is not None and capability in opened.command.settings:
-            opened.progress.accept(capability, problem, self._clock.monotonic())
+            opened.timeline.append(Answered(command, self._clock.monotonic(), capability, problem))
             opened.wake()
 
 

@@ -1,6 +1,7 @@
 """Sending of commands, and their repetition if no answer comes."""
 
 import asyncio
+import math
 from dataclasses import dataclass, field
 from typing import ClassVar, Final, Protocol, final
 
@@ -13,7 +14,7 @@ from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
-from homebot.control.timeline.facts import Reported, ReportRole, Sent
+from homebot.control.timeline.facts import LinkLost, Reported, ReportRole, SendingEnded, Sent, Withheld
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
 from homebot.devices.command_sender import CommandSender, TextSender, TextTarget
@@ -122,23 +123,23 @@ class Sending:
     async def run(self, sent: OpenCommand) -> Outcome:
         """Send a command, and again if no answer comes; return its outcome."""
         plan, command, progress, clock = self._plan(sent), sent.command, sent.progress, self._clock
+        sendings = progress.transmission
         while (step := next_step(progress, plan, now := clock.monotonic())).kind != "done":
             if step.kind == "wait":
                 await sent.wait(step.until - now)
+            elif sendings.attempts == 0 or self._policies.check(command) is None:
+                problem = await self._send(sent, plan)
+                is_acknowledged = problem is None and not sendings.is_unacknowledged
+                if is_acknowledged or (progress.wanted and progress.is_met):
+                    route = sendings.routes[-1] if sendings.routes and problem is None else ""
+                    self._journal.record("acknowledged", command, route.partition("/")[0])
+                elif problem is not None and sendings.attempts == 1:
+                    return problem
             else:
-                plan.attempts += 1
-                if plan.attempts == 1 or self._policies.check(command) is None:
-                    problem = await self._send(sent, plan)
-                    is_acknowledged = problem is None and not progress.is_unacknowledged
-                    if is_acknowledged or (progress.wanted and progress.is_met):
-                        route = progress.routes[-1] if progress.routes and problem is None else ""
-                        self._journal.record("acknowledged", command, route.partition("/")[0])
-                    elif problem is not None and plan.attempts == 1:
-                        return problem
-                plan.asked_at = clock.monotonic()
-                if plan.attempts == 1:
-                    plan.began = progress.sent_at if progress.is_unacknowledged else plan.asked_at
-            plan.lost_at = max(plan.lost_at, self._feed.last_loss(command.part.routes).monotonic)
+                sent.timeline.append(Withheld(command.id, now))
+            lost_at = self._feed.last_loss(command.part.routes).monotonic
+            if lost_at > sendings.lost_at:
+                sent.timeline.append(LinkLost(command.id, lost_at))
         return outcome_of(progress, clock.monotonic())
 
     def rehearse(self, command: IssuedCommand, timeline: PartTimeline) -> Outcome | None:
@@ -147,7 +148,7 @@ class Sending:
         if outcome is not None:
             now = self._clock.monotonic()
             self._leases.record_stop(command, now)
-            timeline.sent.append(Sent(command.id, command.settings, now))
+            timeline.append(Sent(command.id, command.settings, now))
             self._journal.record("would", command)
             text = f"{command.issuer.removeprefix('/')} would set {command.label} → {settings_text(command.public())}"
             self._log.info(WOULD_SEND, message=text, device=command.device.id, command=command.id)
@@ -172,24 +173,23 @@ class Sending:
         if order.moves and command.device.reachable.state != "no":
             timeout = max(timeout, durations.MOTOR_SILENCE)
         lasts = max(interval * tries, timeout + command.transition)
-        plan = SendingPlan(tries, interval, lasts, keeps_for=interval - longest - command.transition)
-        if echoes := order.echoed | sent.progress.suspected:
-            plan.echo_patience = max(profile.echo_patience(one, limit + command.transition) for one in echoes)
-        return plan
+        echoes = order.echoed | sent.progress.suspected
+        patience = math.inf
+        if echoes:
+            patience = max(profile.echo_patience(one, limit + command.transition) for one in echoes)
+        return SendingPlan(tries, interval, lasts, interval - longest - command.transition, patience)
 
     async def _send(self, sent: OpenCommand, plan: SendingPlan) -> Outcome | None:
         """Send the settings in their order; return the outcome if that fails."""
-        command, clock, is_repeated = sent.command, self._clock, plan.attempts > 1
-        profile = sent.timeline.profile
+        command, clock, sendings = sent.command, self._clock, sent.progress.transmission
+        profile, is_repeated = sent.timeline.profile, sendings.attempts > 0
         ineffective = profile.ineffective if profile.failures else ()
         began = clock.monotonic()
-        if is_repeated:  # a dimmer that is stuck on its way is sent its command later than any other
-            plan.lasts = max(plan.lasts, began + plan.interval - plan.began)
         self._journal.record("sent", command, "again" if is_repeated else "")
-        sent.progress.send(began)
+        sent.timeline.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
         if command.place in self._leases.parts:
             self._leases.record_stop(command, began)
-        sent.timeline.sent.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
+        routes, is_unacknowledged = [], False
         try:
             for capability, value in command.settings.items():
                 if command.place in self._leases.parts:  # a lease that began since the check or the previous setting
@@ -203,21 +203,20 @@ class Sending:
                     value=Value.of(value),
                     transition=command.transition,
                     code=command.code,
-                    expires_after=plan.began + plan.lasts - began if is_repeated else plan.lasts,
+                    expires_after=plan.end(sendings) - began if is_repeated else plan.lasts,
                     id=command.id,
-                    kept_for=plan.keeps_for if plan.attempts < plan.tries else 0.0,
+                    kept_for=plan.keeps_for if sendings.attempts + 1 < plan.tries else 0.0,
                     repeated=is_repeated,
                 )
                 route = await self._sender.send(command.device, command.part, order, ineffective)
                 if len(command.part.routes) > 1:
-                    sent.progress.routes.append(route.name)
+                    routes.append(route.name)
         except UnansweredError:
-            sent.progress.miss_acknowledgement()
-            plan.lost_at = clock.monotonic()
+            is_unacknowledged = True
         except LinkError as exc:
             return NoAnswer(clock.monotonic() - began, str(exc), command_id=command.id)
         except RefusedError as exc:
             return Refused("gateway", exc.reason, command_id=command.id)
-        if clock.monotonic() - began > durations.SENT_AT_ONCE:
-            sent.timeline.sent.append(Sent(command.id, command.settings, clock.monotonic()))  # it arrives only now
+        finally:
+            sent.timeline.append(SendingEnded(command.id, clock.monotonic(), tuple(routes), is_unacknowledged))
         return None

@@ -4,6 +4,7 @@ from tests.control.policies.houses import START, make_command, make_device, make
 
 from homebot.control.command import IssuedCommand, order_of
 from homebot.control.policies.command_pattern import known_value, read_pattern
+from homebot.control.timeline.facts import Sent
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.devices.value import PlainValue
 
@@ -22,7 +23,8 @@ def sent(*commands: tuple[float, IssuedCommand]) -> PartTimeline:
     """A part to which commands were sent, each at so many seconds since the start."""
     timeline = new_timeline(*DEVICE_AND_PART)
     for at, command in commands:
-        timeline.command(order_of(command), START + at).send(START + at)
+        timeline.command(order_of(command), START + at)
+        timeline.append(Sent(command.id, command.settings, START + at))
     return timeline
 
 

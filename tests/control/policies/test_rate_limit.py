@@ -78,7 +78,7 @@ def test_a_turn_counts_from_the_last_try() -> None:
     """The device may have missed those before."""
     on, off = command({"on_off": True}), command({"on_off": False})
     recent = sent((0.0, on), (1.0, off))
-    recent.sent.append(Sent(off.id, off.settings, 6.0))
+    recent.append(Sent(off.id, off.settings, 6.0))
     again = command({"on_off": True})
     assert (count_turns(recent, again, 7.0, 2.0), count_turns(recent, again, 7.0, 1.0)) == (1, 0)
 
@@ -87,7 +87,7 @@ def test_to_turn_on_again_what_reported_since_that_it_is_off_is_a_turn() -> None
     """The command before was lost. A random day found it: the lamp was switched to and fro once more than it may be."""
     recent = sent((0.0, command({"on_off": True})))
     recent.report(5.0, START, "on_off", value=False)
-    recent.sent.append(Sent("again", {"level": 40.0}, 10.0))
+    recent.append(Sent("again", {"level": 40.0}, 10.0))
     recent.report(11.0, START, "on_off", value=True)
     assert count_turns(recent, command({"on_off": False}), 12.0, 10.0) == 1
 
@@ -111,8 +111,8 @@ def sent(*commands: tuple[float, IssuedCommand]) -> PartTimeline:
     device = make_device("lamp", "light")
     timeline = new_timeline(device, device.parts[0])
     for at, one in commands:
-        timeline.command(order_of(one), at).send(at)
-        timeline.sent.append(Sent(one.id, one.settings, at))
+        timeline.command(order_of(one), at)
+        timeline.append(Sent(one.id, one.settings, at))
     return timeline
 
 

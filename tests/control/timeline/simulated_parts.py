@@ -4,17 +4,19 @@ Everything is a function of a seed; a timeline sees the reports alone.
 """
 
 import heapq
+import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import count
+from operator import methodcaller
 from random import Random
 from typing import Literal, TypeAlias
 
 from homebot.control.timeline.cause import Cause
 from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
-from homebot.control.timeline.facts import Order, Reported, ReportRole
+from homebot.control.timeline.facts import CommandFact, Decided, Order, Reported, ReportRole, SendingEnded, Sent
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
@@ -140,35 +142,32 @@ class SimulatedPart:
             self._at(self.random.uniform(0.5, 20.0), self.touch)
         outcome = self._carry_out(progress, began)
         is_obeyed = number in self._obeyed
-        self.inputs.append((self.now, partial(_decide, order.id, outcome, self.now)))
-        self.timeline.decide(progress, outcome, self.now)
+        self._append(Decided(order.id, self.now, outcome))
         self.result.outcomes[type(outcome).__name__, is_obeyed] += 1
 
     def _carry_out(self, progress: CommandProgress, began: float) -> Outcome:
         limit, longest = self.timeline.profile.answer_time(progress.order.settings, _TIMEOUT)
         tries = 1 if self.timeline.profile.is_told_once else 3
         interval = max(limit / tries, longest + 1.5)
-        plan = SendingPlan(tries, interval, max(interval * tries, 60.0 if progress.order.moves else _TIMEOUT))
-        if progress.has_echo:
-            plan.echo_patience = self.timeline.profile.echo_patience(self.kind.capability, limit)
+        lasts = max(interval * tries, 60.0 if progress.order.moves else _TIMEOUT)
+        patience = self.timeline.profile.echo_patience(self.kind.capability, limit) if progress.has_echo else math.inf
+        plan = SendingPlan(tries, interval, lasts, echo_patience=patience)
         if progress.was_so and self.newest is not None and self.now - self.newest[1] < 60.0 and not progress.has_echo:
             return AlreadySo(command_id=progress.order.id)
         while (step := next_step(progress, plan, self.now)).kind != "done":
             if step.kind == "send":
-                self._send(progress, plan, began)
+                self._send(progress, began)
             else:
                 self._step(step.until)
         return outcome_of(progress, self.now)
 
-    def _send(self, progress: CommandProgress, plan: SendingPlan, began: float) -> None:
-        plan.attempts += 1
-        self.inputs.append((self.now, partial(_send, progress.order.id, self.now)))
-        progress.send(self.now)
-        plan.asked_at = self.now
-        plan.began = self.now if plan.began < 0 else plan.began
-        if plan.attempts > 1 and self.touched_at > began:
+    def _send(self, progress: CommandProgress, began: float) -> None:
+        is_repeated = progress.transmission.attempts > 0
+        self._append(Sent(progress.order.id, progress.order.settings, self.now))
+        self._append(SendingEnded(progress.order.id, self.now))
+        if is_repeated and self.touched_at > began:
             self.result.overridden[self.has_lost] += 1
-        if plan.attempts == 1:
+        if not is_repeated:
             self.has_lost = False
         if self.random.random() < self.kind.lost:
             self.has_lost = True
@@ -179,6 +178,10 @@ class SimulatedPart:
         number = int(progress.order.id[2:])
         for report in reports:
             self._at(report[0], partial(self._obey, report, self._generation, number))
+
+    def _append(self, fact: CommandFact) -> None:
+        self.inputs.append((self.now, methodcaller("append", fact)))
+        self.timeline.append(fact)
 
     def _obey(self, report: Report, generation: int, number: int) -> None:
         _, capability, value, truth = report
@@ -230,17 +233,5 @@ def _command(order: Order, at: float, known: Mapping[str, PlainValue], timeline:
     timeline.command(order, at, known, known)
 
 
-def _send(command: str, at: float, timeline: PartTimeline) -> None:
-    _progress(timeline, command).send(at)
-
-
 def _report(at: float, capability: str, value: PlainValue, timeline: PartTimeline) -> None:
     timeline.report(at, at, capability, value)
-
-
-def _decide(command: str, outcome: Outcome, at: float, timeline: PartTimeline) -> None:
-    timeline.decide(_progress(timeline, command), outcome, at)
-
-
-def _progress(timeline: PartTimeline, command: str) -> CommandProgress:
-    return next(one for one in timeline.commands if one.order.id == command)

@@ -126,8 +126,8 @@ def _rests_where_sent(fact: Reported, command: CommandProgress) -> bool:
 
 def _last_sign(command: CommandProgress) -> float:
     """Return the time of the last sign that the command was in progress."""
-    moved_at = -float("inf") if command.moved_at is None else command.moved_at
-    return max(command.sent_at, moved_at, *command.met_times, *command.accepted.values(), command.given_at)
+    sendings, moved_at = command.transmission, command.motion.moved_at
+    return max(sendings.sent_at, moved_at or command.given_at, *command.met_times, *sendings.accepted.values())
 
 
 MOST_NEARBY: Final = 32
@@ -159,9 +159,10 @@ NOWHERE: Final = Nearby(deque(maxlen=0), deque(maxlen=0))
 
 def _is_along(at: float, command: CommandProgress, *, is_open: bool) -> bool:
     """Return whether a change came with a sign of *command*, or, of a device that answers slowly, while it is open."""
-    if not command.sendings or at < command.first_sent_at:
+    sendings = command.transmission
+    if not sendings.count or at < sendings.first_sent_at:
         return False
-    signs = (command.first_sent_at, command.sent_at, *command.met_times)
+    signs = (sendings.first_sent_at, sendings.sent_at, *command.met_times)
     return is_open or any(abs(at - one) <= durations.CAME_ALONG for one in signs)
 
 

@@ -7,6 +7,7 @@ from typing import Final, Literal, NamedTuple
 from homebot.control import durations
 from homebot.control.timeline.goal import NOTHING
 from homebot.control.timeline.progress import CommandProgress
+from homebot.control.timeline.transmission import Transmission
 from homebot.devices.obedience import value_text
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, NoAnswer, Outcome, Superseded
 
@@ -29,20 +30,16 @@ _DONE: Final = Step("done")
 _SEND: Final = Step("send")
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, frozen=True)
 class SendingPlan:
-    """Times of the sendings of one command, and their progress.
+    """Times of the sendings of one command.
 
     Attributes:
         tries: The largest number of sendings.
         interval: Seconds between two sendings.
-        lasts: Seconds from the first sending to the end.
+        lasts: Seconds from the end of the first sending to the end; a later repetition has its interval.
         keeps_for: Seconds for which the network may store a sending.
         echo_patience: Seconds to wait after an echo for the device's own report; inf without echoes.
-        attempts: The number of sendings so far, including withheld ones.
-        asked_at: When the last sending ended.
-        began: When the first sending ended: a gateway may have had to connect first.
-        lost_at: When the connection was last lost, or did not answer; -inf for never.
     """
 
     tries: int
@@ -50,15 +47,15 @@ class SendingPlan:
     lasts: float
     keeps_for: float = 0.0
     echo_patience: float = math.inf
-    attempts: int = 0
-    asked_at: float = -math.inf
-    began: float = -math.inf
-    lost_at: float = -math.inf
+
+    def end(self, sendings: Transmission) -> float:
+        """Return the end: a dimmer that is stuck on its way is sent its command again later than any other."""
+        return max(sendings.began + self.lasts, sendings.sent_at + self.interval)
 
 
 def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
     """Return the next step of a command at *now*."""
-    if not (plan.attempts or progress.superseded_by or progress.refusal):
+    if not (progress.transmission.attempts or progress.superseded_by or progress.transmission.refusal):
         return _SEND
     over_at = progress.over_at
     if over_at < math.inf:
@@ -75,15 +72,15 @@ def outcome_of(progress: CommandProgress, now: float) -> Outcome:
     name, waited = progress.order.id, now - progress.given_at
     if progress.superseded_by:
         return Superseded(progress.superseded_by, command_id=name)
-    if progress.refusal:
-        return Contradicted(progress.refusal, command_id=name)
+    if refusal := progress.transmission.refusal:
+        return Contradicted(refusal, command_id=name)
     if progress.over_at < math.inf:
         if not progress.wanted:
             return Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
         latency = max(progress.met_times) - progress.given_at
         return Confirmed(latency, Evidence.REPORTED, command_id=name, reported=progress.reported)
     if others := progress.others:
-        if not progress.has_faded and all(map(progress.is_stale, others)):
+        if not progress.motion.has_faded and all(map(progress.is_stale, others)):
             return _no_answer(progress, waited)
         saw = ", ".join(f"{capability} is {value_text(value)}" for capability, value in others.items())
         return Contradicted(saw, command_id=name)
@@ -99,17 +96,19 @@ def weakly_met_at(progress: CommandProgress) -> float:
     for name, wanted in progress.wanted.items():
         at = wanted.met_at
         if at is None and wanted.seen is NOTHING:
-            at = progress.sent_at if wanted.echoed_at is None and name in order.echoed else wanted.echoed_at
+            at = (
+                progress.transmission.sent_at if wanted.echoed_at is None and name in order.echoed else wanted.echoed_at
+            )
         latest = max(latest, math.inf if at is None else at)
     return latest
 
 
 def _silent_outcome(progress: CommandProgress, waited: float) -> Outcome:
     """Return the outcome of a command for which the device reported nothing."""
-    name = progress.order.id
-    if progress.is_unacknowledged and not progress.is_accepted:
+    name, sendings = progress.order.id, progress.transmission
+    if sendings.is_unacknowledged and not progress.is_accepted:
         return _no_answer(progress, waited)
-    at = max(progress.accepted.values()) if progress.is_accepted else weakly_met_at(progress)
+    at = max(sendings.accepted.values()) if progress.is_accepted else weakly_met_at(progress)
     if at < math.inf:
         return Confirmed(at - progress.given_at, Evidence.ACKNOWLEDGED, command_id=name)
     if not progress.was_so:
@@ -120,38 +119,42 @@ def _silent_outcome(progress: CommandProgress, waited: float) -> Outcome:
 
 
 def _no_answer(progress: CommandProgress, waited: float) -> NoAnswer:
-    return NoAnswer(waited, command_id=progress.order.id, is_unacknowledged=progress.is_unacknowledged)
+    is_unacknowledged = progress.transmission.is_unacknowledged
+    return NoAnswer(waited, command_id=progress.order.id, is_unacknowledged=is_unacknowledged)
 
 
 def _answer_until(progress: CommandProgress, plan: SendingPlan, echo_until: float) -> float:
     """Return the deadline for an answer to the last sending; it is later while the device is on its way."""
-    until = min(plan.asked_at + plan.interval, plan.began + plan.lasts)
-    if progress.moved_at is None:
+    sendings, motion = progress.transmission, progress.motion
+    until = min(sendings.asked_at + plan.interval, plan.end(sendings))
+    if motion.moved_at is None:
         return min(until, echo_until)
-    ends_at = progress.moved_at + (durations.FADE_SILENCE if progress.has_faded else durations.MOTOR_SILENCE)
-    if progress.has_stopped:
-        ends_at = progress.stopped_at + durations.STOPPED
-    return min(max(until, ends_at), plan.began + durations.LONGEST_MOVE)
+    ends_at = motion.moved_at + (durations.FADE_SILENCE if motion.has_faded else durations.MOTOR_SILENCE)
+    if motion.has_stopped:
+        ends_at = motion.stopped_at + durations.STOPPED
+    return min(max(until, ends_at), sendings.began + durations.LONGEST_MOVE)
 
 
 def _after_silence(progress: CommandProgress, plan: SendingPlan, now: float, *, is_echoed: bool) -> Step:
-    is_late = now >= plan.began + plan.lasts and progress.moved_at is None
-    is_awaited = progress.is_on_its_way or is_echoed or is_late
-    if not is_awaited and plan.attempts < plan.tries and not progress.is_overruled:
+    sendings, motion = progress.transmission, progress.motion
+    is_late = now >= plan.end(sendings) and motion.moved_at is None
+    is_awaited = motion.is_under_way or is_echoed or is_late
+    if not is_awaited and sendings.attempts < plan.tries and not progress.is_overruled:
         return _repetition(progress, plan, now)
     return _last_wait(progress, plan, now)
 
 
 def _repetition(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
     """Return whether to send again: after a lost connection the device has to report that it did not obey first."""
-    if plan.lost_at < max(progress.first_sent_at, progress.told_otherwise_at):
+    sendings = progress.transmission
+    if sendings.lost_at < max(sendings.first_sent_at, progress.told_otherwise_at):
         return _SEND
-    end = plan.began + plan.lasts
+    end = plan.end(sendings)
     return Step("wait", end) if now < end else _DONE
 
 
 def _last_wait(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
     """Return whether to wait until the end: a device that usually answers sooner may be slow this time."""
-    end = now if progress.has_stopped else plan.began + plan.lasts
+    end = now if progress.motion.has_stopped else plan.end(progress.transmission)
     is_known = isinstance(outcome_of(progress, now), Confirmed | AlreadySo)
     return _DONE if is_known or now >= end else Step("wait", end)

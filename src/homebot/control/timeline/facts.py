@@ -1,4 +1,4 @@
-"""Facts of a part: orders, and reports with their time on the monotonic clock. Pure."""
+"""Facts of a part: orders, what became of them, and reports, each with its time on the monotonic clock. Pure."""
 
 import math
 from collections.abc import Mapping
@@ -7,9 +7,22 @@ from enum import Enum
 from typing import NamedTuple, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES, MOMENTARY, OWN
+from homebot.devices.outcomes import Outcome
 from homebot.devices.value import PlainValue
 
-__all__ = ["Order", "PartRef", "ReportRole", "Reported", "Sent"]
+__all__ = [
+    "Answered",
+    "CommandFact",
+    "Decided",
+    "LinkLost",
+    "Order",
+    "PartRef",
+    "ReportRole",
+    "Reported",
+    "SendingEnded",
+    "Sent",
+    "Withheld",
+]
 
 PartRef: TypeAlias = tuple[str, str]
 """The ids of a device and of one of its parts."""
@@ -72,11 +85,58 @@ class Order:
 
 
 class Sent(NamedTuple):
-    """One sending of a command; *at* is in seconds."""
+    """One sending of a command begins; *at* is in seconds."""
 
     command: str
     settings: Mapping[str, PlainValue]
     at: float
+
+
+class SendingEnded(NamedTuple):
+    """The gateway took the settings, refused them, or got no acknowledgement in time.
+
+    Attributes:
+        routes: The routes that accepted settings, in order, if the part has several.
+    """
+
+    command: str
+    at: float
+    routes: tuple[str, ...] = ()
+    is_unacknowledged: bool = False
+
+
+class Withheld(NamedTuple):
+    """A policy kept back a repetition."""
+
+    command: str
+    at: float
+
+
+class LinkLost(NamedTuple):
+    """The gateway lost its connection at that time, while the command waited for an answer."""
+
+    command: str
+    at: float
+
+
+class Answered(NamedTuple):
+    """The device or its network accepted a setting, or refused it with a *problem*."""
+
+    command: str
+    at: float
+    capability: str
+    problem: str = ""
+
+
+class Decided(NamedTuple):
+    """The outcome of a command is known."""
+
+    command: str
+    at: float
+    outcome: Outcome
+
+
+CommandFact: TypeAlias = Sent | SendingEnded | Withheld | LinkLost | Answered | Decided
 
 
 @dataclass(slots=True, eq=False)

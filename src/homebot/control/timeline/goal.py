@@ -1,10 +1,12 @@
 """Goal of one command: which reports show that the device obeyed, or is on its way. Pure."""
 
+import math
 from collections.abc import Mapping
 from enum import Enum
 from typing import Final, final
 
-from homebot.control.timeline.facts import Order, ReportRole
+from homebot.control import durations
+from homebot.control.timeline.facts import Order, Reported, ReportRole
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.devices.obedience import END_POSITIONS, STOPPED, changes, fits, is_same, related
 from homebot.devices.value import PlainValue
@@ -34,13 +36,12 @@ class WantedValue:
 
     Attributes:
         seen: The value that the device reported since; :data:`NOTHING` if it reported none.
+        seen_at: When it did; -inf if it did not.
         met_at: When the wanted value was first reported; None if it is not reported any more, or never was.
         echoed_at: When its last echo came; None if none did.
         fast_at: When it was reported so fast that it may be an echo; None for never.
         returned_after: The seconds between a fast report and another value before the outcome; None if none followed.
-        sending_echoed_at: When the echo of the last sending came; None if none did.
         is_answered: Whether a report of the device itself followed an echo.
-        is_from_before: Whether *seen* was reported before the last sending.
         is_step: Whether *seen* is an intermediate value.
         is_overruled: Whether *seen* is a new value that is not the wanted one.
     """
@@ -55,8 +56,8 @@ class WantedValue:
         self.echoed_at: float | None = None
         self.fast_at: float | None = None
         self.returned_after: float | None = None
-        self.sending_echoed_at: float | None = None
-        self.is_answered = self.is_from_before = self.is_step = self.is_overruled = False
+        self.seen_at = -math.inf
+        self.is_answered = self.is_step = self.is_overruled = False
 
     @property
     def was_so(self) -> bool:
@@ -82,11 +83,31 @@ class WantedValue:
         self.seen = value
         self._profile.learn_answer(self._capability, self.value, value)
 
-    def depart(self, at: float) -> None:
-        """Record that another value is reported."""
+    def meet(self, fact: Reported, sent_at: float) -> None:
+        """Record a report of the wanted value."""
+        self._see(fact)
+        if self.met_at is None:
+            self.met_at = fact.at
+            if fact.at - sent_at <= durations.FAST:
+                self.fast_at = fact.at
+        self.is_step = self.is_overruled = False
+
+    def depart(self, fact: Reported) -> None:
+        """Record a report of another value."""
         self.met_at = None
         if self.fast_at is not None and self.returned_after is None:
-            self.returned_after = at - self.fast_at
+            self.returned_after = fact.at - self.fast_at
+        self._see(fact)
+
+    def echo(self, at: float, *, is_fast: bool) -> None:
+        """Record that a bridge repeats the wanted value."""
+        if is_fast:
+            self.fast_at = at
+        self.echoed_at = at
+
+    def _see(self, fact: Reported) -> None:
+        self.is_answered = self.is_answered or self.echoed_at is not None
+        self.seen, self.seen_at = fact.value, fact.at
 
     def _is_so(self, value: PlainValue) -> bool:
         """Return whether *value* is exactly the wanted one, or was the device's answer to the same command earlier."""
@@ -102,12 +123,19 @@ class Motion:
     """Approach of a level or position to its goal in the reports after one command.
 
     Many dimmers have a ramp of their own, and many blinds report only their position until the last step.
+
+    Attributes:
+        moved_at: When the device was last seen on its way; None if it was not.
+        stopped_at: When a motor last reported that it stopped; -inf if it did not.
     """
 
-    __slots__ = ("_goals", "_is_positioned", "_now")
+    __slots__ = ("_goals", "_is_fade", "_is_positioned", "_now", "moved_at", "stopped_at")
 
     def __init__(self, order: Order, last: Mapping[str, PlainValue]) -> None:
         settings = order.settings
+        self.moved_at: float | None = None
+        self.stopped_at = -math.inf
+        self._is_fade = False
         self._is_positioned = order.moves and "position" in settings
         self._goals: dict[str, float] = {}
         self._now: dict[str, PlainValue] = {}
@@ -120,8 +148,29 @@ class Motion:
             self._goals["position"] = position
             self._now["position"] = last.get("position")
 
-    def shows(self, capability: str, value: PlainValue) -> bool:
-        """Return whether a report shows that the device is on its way."""
+    @property
+    def is_under_way(self) -> bool:
+        """True if it was seen to move; a dimmer may be stuck on its ramp."""
+        return self.moved_at is not None and not self._is_fade
+
+    @property
+    def has_faded(self) -> bool:
+        """True if a dimmer was seen on its way."""
+        return self._is_fade and self.moved_at is not None
+
+    @property
+    def has_stopped(self) -> bool:
+        """True if a motor was seen on its way, and then reported that it stopped."""
+        return self.moved_at is not None and self.moved_at - self.stopped_at <= durations.SAME_MESSAGE
+
+    def approaches(self, capability: str, value: PlainValue) -> bool:
+        """Record a report; return whether it shows that the device is on its way."""
+        is_nearer = self._is_nearer(capability, value)
+        if capability == "level":
+            self._is_fade = self._is_fade or is_nearer
+        return is_nearer
+
+    def _is_nearer(self, capability: str, value: PlainValue) -> bool:
         if self._is_positioned and capability in _OPENINGS:
             return value in _RUNS
         goal = self._goals.get(capability)

@@ -18,8 +18,9 @@ def learn_outcome(progress: CommandProgress, profile: DeviceProfile, first: floa
     _learn_answers(progress, profile)
     _learn_echoes(progress, profile)
     _set_told_once(profile, is_told_once=False)
-    if progress.routes and progress.wanted:
-        profile.learn_routes(progress.routes, progress.routes[-1])
+    routes = progress.transmission.routes
+    if routes and progress.wanted:
+        profile.learn_routes(routes, routes[-1])
 
 
 def learn_failure(progress: CommandProgress, profile: DeviceProfile) -> None:
@@ -28,14 +29,14 @@ def learn_failure(progress: CommandProgress, profile: DeviceProfile) -> None:
     if outcome is None or not outcome.may_obey_later:
         return
     _learn_answers(progress, profile)
-    if not progress.refusal:
-        profile.learn_routes(progress.routes)
+    if not progress.transmission.refusal:
+        profile.learn_routes(progress.transmission.routes)
     if isinstance(outcome, Contradicted):
         _learn_echoes(progress, profile)
     progress.learns_late = _may_answer_late(progress, outcome)
     was_told_once = profile.is_told_once
     if isinstance(outcome, NoAnswer) or was_told_once or progress.order.is_told_once:
-        is_silent = isinstance(outcome, NoAnswer) and progress.sendings > 1 and progress.order.has_ramp
+        is_silent = isinstance(outcome, NoAnswer) and progress.transmission.count > 1 and progress.order.has_ramp
         _set_told_once(profile, is_told_once=is_silent)
 
 
@@ -65,7 +66,8 @@ def _learn_times(progress: CommandProgress, profile: DeviceProfile, first: float
         if wanted.met_at is not None:
             is_change = progress.last.get(name, NOTHING) != wanted.seen
             seconds = wanted.met_at - progress.given_at
-            profile.learn_time(name, seconds, first, sendings=progress.sendings, is_change=is_change)
+            sendings = progress.transmission.count
+            profile.learn_time(name, seconds, first, sendings=sendings, is_change=is_change)
 
 
 def _learn_answers(progress: CommandProgress, profile: DeviceProfile) -> None:

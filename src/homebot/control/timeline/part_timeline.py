@@ -8,12 +8,21 @@ from typing import Final, final
 
 from homebot.control import durations
 from homebot.control.timeline.cause import NOWHERE, Attribution, Cause, Nearby, cause_of, cause_of_undoing
-from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole, Sent
+from homebot.control.timeline.facts import (
+    CommandFact,
+    Decided,
+    Order,
+    PartRef,
+    Reported,
+    ReportRole,
+    SendingEnded,
+    Sent,
+)
 from homebot.control.timeline.learning import learn_failure, learn_late_answer, learn_outcome, learn_settled
 from homebot.control.timeline.profile import ENOUGH, DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
-from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome
+from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer
 from homebot.devices.value import PlainValue
 
 __all__ = ["MOST_REPORTS", "PartTimeline"]
@@ -76,24 +85,25 @@ class PartTimeline:
         known: Mapping[str, PlainValue] = _NONE,
         last: Mapping[str, PlainValue] = _NONE,
         *,
+        answers: bool = False,
         is_raw: bool = False,
     ) -> CommandProgress:
         """Append a command, which supersedes older ones for the same values; return its progress.
 
         Args:
             last: The values that the part reported last, certain or not.
+            answers: Whether the device is known to answer commands.
             is_raw: Whether it has no outcome here: a raw text, or a command to a group of which the part is a member.
         """
         for older in self._active:
             older.supersede(order, at)
             if older.superseded_by == order.id:
                 self.on_news(older, None)
-        progress = CommandProgress(order, at, known, last, self.profile, is_raw=is_raw)
-        if is_raw:
-            progress.send(at)
-            self.sent.append(Sent(order.id, order.settings, at))
-            progress.decide(NoAnswer(0.0, command_id=order.id), at, self._settle)
+        progress = CommandProgress(order, at, known, last, self.profile, answers=answers, is_raw=is_raw)
         self.commands.append(progress)
+        if is_raw:
+            self.append(Sent(order.id, order.settings, at))
+            progress.apply(Decided(order.id, at, NoAnswer(0.0, command_id=order.id)), self._settle)
         self.nearby.device.append(progress)
         self.nearby.room.append(progress)
         self._active.append(progress)
@@ -101,14 +111,25 @@ class PartTimeline:
             self._drop_commands(at - durations.REMEMBERED)
         return progress
 
-    def decide(self, progress: CommandProgress, outcome: Outcome, at: float) -> None:
-        """Record the outcome of a command, and learn from it."""
-        progress.decide(outcome, at, self._settle)
-        if progress.settling is not None:
-            self._replace_settling(progress, at)
-            learn_outcome(progress, self.profile, self._first)
+    def append(self, fact: CommandFact) -> None:
+        """Append a fact about a command, and learn from its outcome."""
+        if isinstance(fact, Sent):
+            self.sent.append(fact)
+        for progress in reversed(self.commands):
+            if progress.order.id == fact.command:
+                break
         else:
-            learn_failure(progress, self.profile)
+            return  # a rehearsed text, or a command that is forgotten
+        progress.apply(fact, self._settle)
+        if isinstance(fact, SendingEnded):
+            if fact.at - progress.transmission.sent_at > durations.SENT_AT_ONCE:  # it arrives only now
+                self.sent.append(Sent(fact.command, progress.order.settings, fact.at))
+        elif isinstance(fact, Decided):
+            if progress.settling is not None:
+                self._replace_settling(progress, fact.at)
+                learn_outcome(progress, self.profile, self._first)
+            else:
+                learn_failure(progress, self.profile)
 
     def report(
         self, at: float, stamp: float, capability: str, value: PlainValue, lost_at: float = -math.inf
@@ -188,8 +209,9 @@ class PartTimeline:
     def last_sent(self, capability: str, except_id: str) -> tuple[PlainValue, float] | None:
         """Return the value and the time of the newest sent command for *capability*, except *except_id*."""
         for one in reversed(self.commands):
-            if one.sendings and one.order.id != except_id and capability in one.order.settings:
-                return one.order.settings[capability], one.sent_at
+            sendings = one.transmission
+            if sendings.count and one.order.id != except_id and capability in one.order.settings:
+                return one.order.settings[capability], sendings.sent_at
         return None
 
     def open_commands(self) -> list[CommandProgress]:
@@ -208,17 +230,18 @@ class PartTimeline:
     def _timed_from(self, fact: Reported) -> float | None:
         """Return when a command brought the previous value, or was sent for it again; None if none did."""
         for one in reversed(self.commands):
-            wanted = one.wanted.get(fact.capability)
-            if wanted is not None and one.sendings and wanted.fits(fact.previous):
+            wanted, sendings = one.wanted.get(fact.capability), one.transmission
+            if wanted is not None and sendings.count and wanted.fits(fact.previous):
                 is_effect = wanted.met_at is not None and fact.since <= wanted.met_at
-                return max(fact.since, one.sent_at) if is_effect or fact.since < one.sent_at else None
+                return max(fact.since, sendings.sent_at) if is_effect or fact.since < sendings.sent_at else None
         return None
 
     def _learn(self, progress: CommandProgress, now: float) -> None:
         settling = progress.settling
         if settling is None:
             if progress.is_raw and progress.wanted and progress.is_met:
-                progress.decide(Confirmed(now - progress.given_at, Evidence.REPORTED), now, self._settle)
+                outcome = Confirmed(now - progress.given_at, Evidence.REPORTED)
+                progress.apply(Decided(progress.order.id, now, outcome), self._settle)
             elif progress.learns_late and progress.is_met:
                 learn_late_answer(progress, self.profile, self._first)
         elif not progress.is_learnt and (settling.has_held or settling.undoing is not None):

@@ -1,7 +1,6 @@
-"""Progress of one command: the role of each report since, updated with each fact. Pure.
+"""Progress of one command: a fold of the facts of its part since. Pure.
 
-It is a function of the facts of its part: replaying them gives the same progress. The cost of a report does not depend
-on the number of earlier ones.
+Replaying the facts gives the same progress. The cost of a report does not depend on the number of earlier ones.
 """
 
 import math
@@ -10,10 +9,19 @@ from operator import attrgetter
 from typing import Final, final
 
 from homebot.control import durations
-from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole
+from homebot.control.timeline.facts import (
+    CommandFact,
+    Decided,
+    Order,
+    PartRef,
+    Reported,
+    ReportRole,
+    SendingEnded,
+)
 from homebot.control.timeline.goal import NOTHING, Motion, WantedValue, side_role
 from homebot.control.timeline.profile import ENOUGH, DeviceProfile
 from homebot.control.timeline.settling import Settling
+from homebot.control.timeline.transmission import Transmission
 from homebot.devices.obedience import MODES, POWERS, STOPPED, changes, is_intermediate, is_same, related
 from homebot.devices.outcomes import Confirmed, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
@@ -39,20 +47,17 @@ class CommandProgress:
 
     Args:
         last: The values that the part last reported before, certain or not.
+        answers: Whether the device is known to answer commands.
         is_raw: Whether it has no outcome here: a raw text, or a command to a group of which the part is a member.
 
     Attributes:
+        transmission: Its sendings, and the answers of the network.
         wanted: The values that the part should report, and its reports of them.
+        motion: The way of the part to them.
         roles: The role of each report, by its number.
-        accepted: When the network accepted each setting.
-        routes: The routes that accepted it, in order, if the part has several.
-        moved_at: When the device was last seen on its way; None if it was not.
-        stopped_at: When a motor last reported that it stopped; -inf if it did not.
         told_otherwise_at: When another value was last reported without movement; -inf for never.
         superseded_by: The id of the newer command that replaced it; empty if none did.
-        refusal: The reason why the device refuses it; empty if it does not.
         must_answer: Whether the device answers commands but reports no values, so its answer is awaited.
-        is_unacknowledged: Whether the network did not acknowledge the last sending in time.
         is_open: Whether its outcome is not decided yet, and no newer command replaced it.
         ended_at: When its outcome was decided, or it was superseded; inf before.
         late_until: Until when an answer after its failure may come.
@@ -71,10 +76,13 @@ class CommandProgress:
         last: Mapping[str, PlainValue],
         profile: DeviceProfile,
         *,
+        answers: bool = False,
         is_raw: bool = False,
     ) -> None:
         self.order, self.known, self.last, self.is_raw = order, known, last, is_raw
-        self.given_at = self.first_sent_at = self.sent_at = at
+        self.given_at = at
+        self.transmission = Transmission(at)
+        self.motion = Motion(order, last)
         self.wanted = {
             name: WantedValue(order, name, value, known.get(name, NOTHING), profile)
             for name, value in order.wanted.items()
@@ -82,13 +90,10 @@ class CommandProgress:
         if order.turns_on:  # the wanted colour or level does not show that it is on
             self.wanted["on_off"] = WantedValue(order, "on_off", value=True, known=NOTHING, profile=profile)
         self.roles: dict[int, ReportRole] = {}
-        self.accepted: dict[str, float] = {}
-        self.sendings = 0
-        self.routes: list[str] = []
-        self.moved_at: float | None = None
-        self.stopped_at = self.told_otherwise_at = -math.inf
-        self.superseded_by = self.refusal = ""
-        self.is_unacknowledged = self.must_answer = self.learns_late = self.is_learnt = False
+        self.told_otherwise_at = -math.inf
+        self.superseded_by = ""
+        self.must_answer = answers and not self.wanted
+        self.learns_late = self.is_learnt = False
         self.is_open, self.ended_at = True, math.inf
         self.late_until = math.inf
         self.outcome: Outcome | None = None
@@ -102,8 +107,6 @@ class CommandProgress:
             self.usual_returns = {one: end for one in self.wanted if (end := profile.usual_return(one)) is not None}
         self.has_echo = bool(order.echoed or self.suspected)
         self._profile = profile
-        self._motion = Motion(order, last)
-        self._is_fade = False
         self._opposed = _NONE  # other capabilities whose new value contradicts the command
 
     @property
@@ -125,7 +128,7 @@ class CommandProgress:
         Matter nodes and Hue bridges report only changes: a lamp that had the wanted level when it went off reports only
         "on". Values that were certain before are awaited for as long as a level may follow.
         """
-        if self.superseded_by or self.refusal:
+        if self.superseded_by or self.transmission.refusal:
             return -math.inf
         if self.must_answer:
             return -math.inf if self.is_accepted else math.inf
@@ -139,7 +142,7 @@ class CommandProgress:
     @property
     def is_accepted(self) -> bool:
         """True if the network accepted each setting."""
-        return len(self.accepted) == len(self.order.settings)
+        return len(self.transmission.accepted) == len(self.order.settings)
 
     @property
     def was_so(self) -> bool:
@@ -147,21 +150,6 @@ class CommandProgress:
         wanted = self.wanted
         were_so = all(map(_WAS_SO, wanted.values())) if wanted else self._settings_were_so()
         return were_so and not self.order.opens_further
-
-    @property
-    def is_on_its_way(self) -> bool:
-        """True if it was seen to move; a dimmer may be stuck on its ramp."""
-        return self.moved_at is not None and not self.has_faded
-
-    @property
-    def has_faded(self) -> bool:
-        """True if a dimmer was seen on its way."""
-        return self._is_fade and self.moved_at is not None
-
-    @property
-    def has_stopped(self) -> bool:
-        """True if a motor was seen on its way, and then reported that it stopped."""
-        return self.moved_at is not None and self.moved_at - self.stopped_at <= durations.SAME_MESSAGE
 
     @property
     def is_overruled(self) -> bool:
@@ -184,7 +172,7 @@ class CommandProgress:
         """Return whether a value is from before the last sending, or an intermediate one."""
         wanted = self.wanted[capability]
         is_word = isinstance(wanted.seen, str) and is_intermediate(capability, wanted.value, wanted.seen)
-        return is_word or wanted.is_from_before
+        return is_word or wanted.seen_at < self.transmission.sent_at
 
     def covers(self, at: float) -> bool:
         """Return whether the command may have caused a report at that time."""
@@ -194,37 +182,16 @@ class CommandProgress:
             return at <= self.ended_at + durations.SUPERSEDED
         if self.settling is not None:
             return not self.settling.is_over and at <= self.settling.until
-        return self.sendings > 0 and at <= self.late_until
+        return self.transmission.count > 0 and at <= self.late_until
 
-    def send(self, now: float) -> None:
-        """Record that the command is sent."""
-        self.sent_at = now
-        self.first_sent_at = now if self.sendings == 0 else self.first_sent_at
-        self.sendings += 1
-        self.is_unacknowledged = False
-        for one in self.wanted.values():
-            one.is_from_before = one.seen is not NOTHING
-            one.sending_echoed_at = None
-
-    def miss_acknowledgement(self) -> None:
-        """Record that the network did not acknowledge the last sending; a device without reports may still answer."""
-        self.is_unacknowledged = True
-        self.must_answer = self.must_answer or not self.wanted
-
-    def accept(self, capability: str, problem: str, at: float) -> None:
-        """Record the answer of the network or the device to a setting; a *problem* is a refusal."""
-        if problem:
-            self.refusal = self.refusal or problem
-        else:
-            self.accepted.setdefault(capability, at)
-
-    def decide(self, outcome: Outcome, now: float, settle: float) -> None:
-        """Record the outcome; a confirmed value has to last for *settle* seconds."""
-        self.outcome, self.is_open, self.ended_at = outcome, False, min(self.ended_at, now)
-        is_silent = isinstance(outcome, NoAnswer) and not (outcome.reason or self.is_raw)
-        self.late_until = self.ended_at + (durations.ASLEEP if is_silent else durations.LATE)
-        if isinstance(outcome, Confirmed):
-            self.settling = Settling(self.order, self.wanted, self.known, self.last, self.roles, now, settle)
+    def apply(self, fact: CommandFact, settle: float) -> None:
+        """Add the next fact about the command; a confirmed value has to last for *settle* seconds."""
+        if isinstance(fact, Decided):
+            self._decide(fact.outcome, fact.at, settle)
+            return
+        self.transmission.apply(fact)
+        if isinstance(fact, SendingEnded) and fact.is_unacknowledged and not self.wanted:
+            self.must_answer = True  # a device without reports may still answer
 
     def supersede(self, newer: Order, now: float) -> None:
         """End the command, or the watch of some of its values, because of a *newer* command to the same part."""
@@ -249,6 +216,13 @@ class CommandProgress:
         """Record a live report, and its role."""
         self.roles[fact.number] = self._role_of(fact)
 
+    def _decide(self, outcome: Outcome, now: float, settle: float) -> None:
+        self.outcome, self.is_open, self.ended_at = outcome, False, min(self.ended_at, now)
+        is_silent = isinstance(outcome, NoAnswer) and not (outcome.reason or self.is_raw)
+        self.late_until = self.ended_at + (durations.ASLEEP if is_silent else durations.LATE)
+        if isinstance(outcome, Confirmed):
+            self.settling = Settling(self.order, self.wanted, self.known, self.last, self.roles, now, settle)
+
     def _settings_were_so(self) -> bool:
         """Return whether the settings were certain before, if the part reports none of them."""
         known, settings = self.known, self.order.settings
@@ -259,7 +233,7 @@ class CommandProgress:
 
     def _role_of(self, fact: Reported) -> ReportRole:
         if fact.value == STOPPED:
-            self.stopped_at = fact.at
+            self.motion.stopped_at = fact.at
         wanted = self.wanted.get(fact.capability)
         if self.superseded_by:
             return _superseded_role(wanted, fact)
@@ -287,38 +261,32 @@ class CommandProgress:
         if not wanted.shows_obedience(fact.value):
             return self._not_met(wanted, fact)
         if not (self.has_echo and self._is_echo(wanted, fact)):
-            return self._met(wanted, fact)
+            wanted.meet(fact, self.transmission.sent_at)
+            return ReportRole.EFFECT
         if not wanted.is_answered and wanted.met_at is None:
             wanted.seen = NOTHING  # it was reported before the bridge had the command
         return ReportRole.ECHO
 
-    def _met(self, wanted: WantedValue, fact: Reported) -> ReportRole:
-        _see(wanted, fact)
-        if wanted.met_at is None:
-            wanted.met_at = fact.at
-            if fact.at - self.sent_at <= durations.FAST:
-                wanted.fast_at = fact.at
-        wanted.is_step = wanted.is_overruled = False
-        return ReportRole.EFFECT
-
     def _not_met(self, wanted: WantedValue, fact: Reported) -> ReportRole:
         capability, value, before = fact.capability, fact.value, wanted.seen
-        is_nearer, was_met = self._is_nearer(capability, value), wanted.met_at is not None
-        wanted.depart(fact.at)
-        _see(wanted, fact)
+        is_nearer, was_met = self.motion.approaches(capability, value), wanted.met_at is not None
+        wanted.depart(fact)
         if is_nearer or is_intermediate(capability, wanted.value, value):
-            self.moved_at = fact.at
+            self.motion.moved_at = fact.at
             wanted.is_step, wanted.is_overruled = True, False
             return ReportRole.ASTRAY if self._is_astray(wanted, fact, before) else ReportRole.STEP
         self.told_otherwise_at = fact.at
         if wanted.is_step and capability in _GIVEN_UP:
-            self.stopped_at = fact.at
+            self.motion.stopped_at = fact.at
         is_repeated = before == value
         if not is_repeated:
             is_new = self.last.get(capability, value) != value or self._is_news(fact)
             wanted.is_overruled = wanted.is_step or is_new
             wanted.is_step = False
-        return _role_against(wanted, was_met=was_met, is_repeated=is_repeated)
+        was_echoed = wanted.echoed_at is not None and wanted.echoed_at >= self.transmission.sent_at
+        if was_met or (was_echoed and not is_repeated):
+            return ReportRole.UNDONE
+        return ReportRole.REPEAT if is_repeated else ReportRole.OTHERWISE
 
     def _is_news(self, fact: Reported) -> bool:
         """Return whether a device that reports only changes repeats its old value: it changed twice in between."""
@@ -326,20 +294,14 @@ class CommandProgress:
 
     def _other_role(self, fact: Reported) -> ReportRole:
         capability, value = fact.capability, fact.value
-        if self._is_nearer(capability, value):
-            self.moved_at = fact.at
+        if self.motion.approaches(capability, value):
+            self.motion.moved_at = fact.at
             return ReportRole.STEP
         role = side_role(self.order, capability, value)
         is_against = role is ReportRole.ASIDE and capability in _TURNED and self.last.get(capability, value) != value
         if is_against or self._opposed:
             self._opposed = self._opposed | {capability} if is_against else self._opposed - {capability}
         return role
-
-    def _is_nearer(self, capability: str, value: PlainValue) -> bool:
-        is_nearer = self._motion.shows(capability, value)
-        if capability == "level":
-            self._is_fade = self._is_fade or is_nearer
-        return is_nearer
 
     def _is_astray(self, wanted: WantedValue, fact: Reported, before: object) -> bool:
         if not isinstance(before, float):
@@ -353,14 +315,13 @@ class CommandProgress:
 
     def _is_echo(self, wanted: WantedValue, fact: Reported) -> bool:
         """Return whether a report of the wanted value is the bridge's echo; each sending has one."""
-        if wanted.sending_echoed_at is not None:
-            return fact.at - wanted.sending_echoed_at <= durations.SAME_MESSAGE
-        is_fast = fact.at - self.sent_at <= durations.FAST
+        sent_at = self.transmission.sent_at
+        if wanted.echoed_at is not None and wanted.echoed_at >= sent_at:
+            return fact.at - wanted.echoed_at <= durations.SAME_MESSAGE
+        is_fast = fact.at - sent_at <= durations.FAST
         if fact.capability not in self.order.echoed and not (is_fast and fact.capability in self.suspected):
             return False
-        if is_fast:
-            wanted.fast_at = fact.at
-        wanted.echoed_at = wanted.sending_echoed_at = fact.at
+        wanted.echo(fact.at, is_fast=is_fast)
         return True
 
 
@@ -369,14 +330,3 @@ def _superseded_role(wanted: WantedValue | None, fact: Reported) -> ReportRole:
         return ReportRole.ASIDE
     wanted.met_at = fact.at
     return ReportRole.EFFECT
-
-
-def _role_against(wanted: WantedValue, *, was_met: bool, is_repeated: bool) -> ReportRole:
-    if was_met or (wanted.sending_echoed_at is not None and not is_repeated):
-        return ReportRole.UNDONE
-    return ReportRole.REPEAT if is_repeated else ReportRole.OTHERWISE
-
-
-def _see(wanted: WantedValue, fact: Reported) -> None:
-    wanted.is_answered = wanted.is_answered or wanted.echoed_at is not None
-    wanted.seen, wanted.is_from_before = fact.value, False
