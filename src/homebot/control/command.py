@@ -15,7 +15,7 @@ from homebot.control.timeline.facts import Order
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.capabilities import EVENTS, MOMENTARY, is_told_once
-from homebot.devices.client_rights import is_client
+from homebot.devices.client_rights import CLIENT
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import is_commanded, target_of
 from homebot.devices.obedience import COLORS, END_POSITIONS, POWERS, STOPPED, fits, is_same
@@ -103,7 +103,7 @@ class IssuedCommand:
         if len(self.settings) > 1:
             self.settings = _ordered(self.settings, self.values)
         self.why_it_asks = why_it_asks(self.device, self.part)
-        self.is_client = is_client(self.issuer)
+        self.is_client = self.issuer.startswith(CLIENT)
 
     @property
     def target(self) -> str:

@@ -43,6 +43,7 @@ class GatewayFeed:
     """The one subscription to the reports, answers and states of each gateway.
 
     Attributes:
+        losses: The last loss of each gateway that has lost its connection.
         on_gateway: Called with the name of each gateway.
         on_answer: Called with the id of a command, a capability, and the problem, empty for none.
     """
@@ -54,7 +55,7 @@ class GatewayFeed:
         self._states: set[str] = set()
         self._reports: set[str] = set()
         self._answering: BoundedMap[_Place, None] = BoundedMap(_MOST_ANSWERING)
-        self._lost: dict[str, LinkLoss] = {}
+        self.losses: dict[str, LinkLoss] = {}
         self.on_gateway: Callable[[str], None] = lambda _: None
         self.on_answer: Callable[[str, str, str], None] = lambda *_: None
 
@@ -82,9 +83,9 @@ class GatewayFeed:
 
     def last_loss(self, routes: Iterable[Route]) -> LinkLoss:
         """Return when a gateway of *routes* last lost its connection."""
-        if not self._lost:
+        if not self.losses:
             return _NEVER
-        return max([self._lost.get(route.gateway, _NEVER) for route in routes], default=_NEVER)
+        return max([self.losses.get(route.gateway, _NEVER) for route in routes], default=_NEVER)
 
     def is_answering(self, routes: Iterable[Route]) -> bool:
         """Return whether a device ever answered a command by one of *routes*; the last 10,000 routes are remembered."""
@@ -123,4 +124,4 @@ class GatewayFeed:
 
     def _on_state(self, gateway: str, state: GatewayState) -> None:
         if state.state == "unavailable":
-            self._lost[gateway] = LinkLoss(self._clock.monotonic(), self._clock.now())
+            self.losses[gateway] = LinkLoss(self._clock.monotonic(), self._clock.now())

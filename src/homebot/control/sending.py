@@ -137,8 +137,10 @@ class Sending:
                     return problem
             else:
                 sent.timeline.append(Withheld(command.id, now))
-            lost_at = self._feed.last_loss(command.part.routes).monotonic
-            if lost_at > sendings.lost_at:
+            if (
+                self._feed.losses
+                and (lost_at := self._feed.last_loss(command.part.routes).monotonic) > sendings.lost_at
+            ):
                 sent.timeline.append(LinkLost(command.id, lost_at))
         return outcome_of(progress, clock.monotonic())
 

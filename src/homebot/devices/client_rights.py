@@ -17,6 +17,7 @@ __all__ = [
     "ALL_ROBOTS",
     "APP_RIGHTS",
     "ASK",
+    "CLIENT",
     "CLIENT_RIGHTS",
     "HARMLESS",
     "LOCAL_CLIENT",
@@ -31,6 +32,9 @@ __all__ = [
     "read_scope",
     "without_taught_room",
 ]
+
+CLIENT = "client:"
+"""The beginning of an issuer that is a client of the door."""
 
 LOCAL_CLIENT = "local"
 """The name of clients without a token."""
@@ -184,12 +188,12 @@ SIMULATED_HOUSE_RIGHTS = ALL_RIGHTS
 
 def issuer_of_client(name: str) -> str:
     """Return the issuer of the commands of the client *name*."""
-    return f"client:{name}"
+    return CLIENT + name
 
 
 def is_client(issuer: str) -> bool:
     """Return whether *issuer* is a client rather than a node."""
-    return issuer.startswith("client:")
+    return issuer.startswith(CLIENT)
 
 
 def read_scope(scope: Iterable[str]) -> ClientRights:

@@ -56,7 +56,9 @@ class CommandSender:
             LinkError: It was not sent, because no gateway of the part is running and connected; it may work later.
         """
         capability, failures = command.capability, list[SendCommandResponse]()
-        routes = _routes(device, part, capability, ineffective, is_repeated=command.repeated)
+        routes = part.routes
+        if len(routes) != 1:
+            routes = _routes(device, part, capability, ineffective, is_repeated=command.repeated)
         for route in routes:
             by_route = {"key": route.key, "part": route.part, "approved": route.approved, "topics": route.topics}
             try:
@@ -120,7 +122,7 @@ def _failure(error: InvalidNameError | ServiceError, gateway: str) -> SendComman
 
 def _routes(
     device: Device, part: DevicePart, capability: str, ineffective: Collection[str], *, is_repeated: bool
-) -> Sequence[Route]:
+) -> tuple[Route, ...]:
     """Return the routes that declare to set *capability*, working ones first; all routes if none declares it.
 
     A repeated command begins with the second. If the owner approved some routes, the others are not used, because they
@@ -129,13 +131,11 @@ def _routes(
     if not part.routes:
         why = "; ".join(device.conflicts) or "it has no route for commands"
         raise RefusedError(f"a command to {device.id}", why)
-    if len(part.routes) == 1:
-        return part.routes
     approved = [route for route in part.routes if route.approved] or part.routes
     routes: Sequence[Route] = [route for route in approved if route.can(capability)] or approved
     if ineffective:
         routes = _working_first(routes, device, ineffective)
-    return (*routes[1:], routes[0]) if is_repeated else routes
+    return (*routes[1:], routes[0]) if is_repeated else tuple(routes)
 
 
 def _working_first(routes: Sequence[Route], device: Device, ineffective: Collection[str]) -> Sequence[Route]:

@@ -181,7 +181,8 @@ class CommandJournal:
         if not self._is_timed:
             self._is_timed = True
             asyncio.get_running_loop().call_later(_SLOW, self._file_open)
-        self._publish(note)
+        if self._entries.subscription_count:
+            self._entries.publish(note.entry())
         return name
 
     def record(
@@ -286,7 +287,8 @@ class CommandJournal:
         self._add(JournalNote(kind, self._clock.now(), *place, "", issuer, trigger, (held,), text))
 
     def _add(self, note: JournalNote) -> None:
-        self._publish(note)
+        if self._entries.subscription_count:
+            self._entries.publish(note.entry())
         command = self._open.get(note.command)
         if command is None:
             command = CommandChain([note])
@@ -298,10 +300,6 @@ class CommandJournal:
         if note.kind in _ENDS:
             self.log.end(command)
         self._file(command)
-
-    def _publish(self, note: JournalNote) -> None:
-        if self._entries.subscription_count:
-            self._entries.publish(note.entry())
 
     def _file(self, command: CommandChain) -> None:
         for kept in self._folding.add(command.unfiled()):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import AbstractAsyncContextManager, AbstractContextManager
+from contextlib import AbstractAsyncContextManager
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self, Unpack
 
@@ -12,7 +12,7 @@ from homebot.devices.device import Device, Freshness
 from homebot.devices.device_view import DeviceView
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, Term
 from homebot.devices.house_view import HouseView
-from homebot.devices.part import Capability, check_no_share
+from homebot.devices.part import Capability
 from homebot.devices.query.terms import CanDo, Not, Operator, StateIs
 from homebot.devices.value import PlainValue, plain_value
 from homebot.errors import UsageError
@@ -197,17 +197,10 @@ class Handle:
         """
         return self._house.commander.hold(self._view, self._part_id, value, by, ttl)
 
-    def _refusals_logged(self) -> AbstractContextManager[None]:
-        return self._house.commander.refusals_logged(self._view.device, self._part_id)
-
-    async def _command_percent(self, capability: str, value: float, *, transition: float = 0.0) -> Outcome:
-        return await self.command(capability, self._percent(capability, value), transition=transition)
-
-    def _percent(self, capability: str, value: float) -> float:
-        """Return *value*, a percentage; refuse a share of 1, which only :meth:`command` takes as it is."""
-        with self._refusals_logged():
-            check_no_share(self.id, capability, value, f"command({capability!r}, {value!r})")
-        return value
+    async def _set(self, settings: Mapping[str, PlainValue], *, transition: float = 0.0) -> Outcome:
+        """As :meth:`commands`, but refuse a share of 1 for a percentage, which only :meth:`command` takes as it is."""
+        plain = {capability: plain_value(value) for capability, value in settings.items()}
+        return await self._house.commander.perform(self._view, self._part_id, plain, transition, takes_shares=False)
 
     def _check_name(self, capability: str) -> None:
         if capability in EVENTS:

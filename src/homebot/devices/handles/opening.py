@@ -55,7 +55,7 @@ class _Opening(Handle):
         Raises:
             RefusedError: It can only open and close, or the position is out of range.
         """
-        return await self._command_percent("position", position)
+        return await self._set({"position": position})
 
     async def _move(self, movement: str, position: float) -> Outcome:
         for capability in () if self.can(self.moves_by) else ("position", "tilt"):  # some only have slats
@@ -80,7 +80,7 @@ class WindowCovering(_Opening):
         Raises:
             RefusedError: Its slats cannot be tilted, or the value is out of range.
         """
-        return await self._command_percent("tilt", tilt)
+        return await self._set({"tilt": tilt})
 
 
 class Closure(_Opening):

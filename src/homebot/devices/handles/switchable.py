@@ -96,17 +96,16 @@ class Light(Handle):
             RefusedError: It does not support one of these, or a value is out of range; nothing was sent.
         """
         if isinstance(level, int | float):
-            with self._refusals_logged():
+            with self._house.commander.refusals_logged(self.device, self.part_id):
                 if not 0 < level <= 100:
                     raise RefusedError(f"{level:g} as level of {self.id}", "it takes a level above 0 and up to 100 %")
-            self._percent("level", level)
         if level is None and not self.can("on_off") and self.can("level"):
             level = self.level or 100.0  # it has no other switch
         settings: dict[str, PlainValue] = {"level": level, "color_temperature": kelvin}
         settings["color"] = tuple(color) if isinstance(color, list) else color
         settings["effect"] = effect
         settings = {name: value for name, value in settings.items() if value is not None} or {"on_off": True}
-        return await self.commands(settings, transition=transition)
+        return await self._set(settings, transition=transition)
 
     async def turn_off(self, *, transition: float = 0.0) -> Outcome:
         """Turn it off, by its brightness if it has no switch."""
@@ -122,7 +121,7 @@ class Light(Handle):
         """
         if level == 0:
             return await self.turn_off(transition=transition)
-        return await self._command_percent("level", level, transition=transition)
+        return await self._set({"level": level}, transition=transition)
 
 
 class _Switchable(Handle):
@@ -209,8 +208,8 @@ class Fan(_Switchable):
         if speed is None or self.can("on_off"):
             settings["on_off"] = True
         if speed is not None:
-            settings["fan_speed"] = self._percent("fan_speed", speed)
-        return await self.commands(settings)
+            settings["fan_speed"] = speed
+        return await self._set(settings)
 
     async def turn_off(self) -> Outcome:
         """Turn it off, by its speed or preset if it has no switch."""
@@ -226,7 +225,7 @@ class Fan(_Switchable):
         Raises:
             RefusedError: Its speed cannot be set, or the value is out of range.
         """
-        return await self._command_percent("fan_speed", speed)
+        return await self._set({"fan_speed": speed})
 
     def _mode_off(self) -> str | None:
         """Return the preset that means off; None if there is none."""
@@ -288,4 +287,4 @@ class MediaPlayer(_Switchable):
         Raises:
             RefusedError: Its volume cannot be set, or is not in 0 to 100.
         """
-        return await self._command_percent("volume", volume)
+        return await self._set({"volume": volume})
