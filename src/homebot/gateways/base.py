@@ -153,6 +153,7 @@ class Gateway(ABC):
 
     Attributes:
         Settings: The model of its table.
+        is_of_other_machine: Whether its devices are those of another homebot, to which no third one gets by this one.
         names: Its names on the graph.
         reports: The publisher of its devices' reports.
         random: The source of random numbers for pauses.
@@ -161,6 +162,7 @@ class Gateway(ABC):
     """
 
     Settings: ClassVar[type[BaseModel]]
+    is_of_other_machine: ClassVar[bool] = False
     acts: bool = True
     observes_because: str = ONLY_OBSERVES
 

@@ -62,6 +62,7 @@ OWN_NODES = frozenset(
         "discovery",
         "history",
         "homebot",
+        "machine",
         "robots",
         "ros2",
         "rosapi",
@@ -139,6 +140,16 @@ class Plan:
         door = page.replace("http", "ws", 1)
         lack = "" if self.gateways else "; no device is found without a table such as [gateways.mqtt]"
         return f"{home} is running{note}; listening for rosbridge clients on {door}; its page is {page}{lack}"
+
+    @property
+    def own_gateways(self) -> tuple[str, ...]:
+        """The names of the gateways of this machine."""
+        return tuple(one.name for one in self.gateways if not one.kind.is_of_other_machine)
+
+    @property
+    def is_other_machine(self) -> bool:
+        """True if another homebot has the index and the control of its devices."""
+        return self.link is not None and bool(self.link.machine)
 
     @property
     def names_robots(self) -> bool:

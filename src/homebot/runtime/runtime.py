@@ -1,6 +1,6 @@
 """The runtime: builds the graph from a configuration, starts all components in order, stops them in reverse.
 
-The order is: embedded broker, gateways, directory, apps, robots, door, simulated house.
+The order is: embedded broker, link to other machines, gateways, directory, apps, robots, door, simulated house.
 """
 
 from __future__ import annotations
@@ -50,6 +50,7 @@ from homebot.support.owner_token import OwnerToken, make_owner_token
 from homebot.support.production_loop import LoopWatch
 
 if TYPE_CHECKING:
+    from homebot.bridges.machines.on_wire import MachinesOnWire
     from homebot.control.sending import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.house import World
@@ -149,10 +150,16 @@ class Runtime:
         self._local_rights = SIMULATED_HOUSE_RIGHTS if is_all_simulated else LOCAL_RIGHTS
         self._approves_all = self.trusts_apps or is_all_simulated
         self.trusts_apps = self.trusts_apps or self.house is not None
+        self._machines: MachinesOnWire | None = None
+        if self._plan.link is not None:
+            from homebot.bridges.machines.on_wire import MachinesOnWire  # noqa: PLC0415 - few houses have a link
+
+            self._machines = MachinesOnWire(self._plan.home, self._plan.own_gateways)
         self._installation = Installation(self._beside_index(INSTALLATION_FILE), self.random)
         self._context = GatewayContext.of(
             self._installation,
             *self.services,
+            *filter(None, (self._machines,)),
             random=self.random,
             is_dry_run=self.is_dry_run,
             home=self._house.home if self._house is not None else self._plan.home,
@@ -252,7 +259,7 @@ class Runtime:
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
         main.create_service(Reload, RELOAD, lambda asked: self.reload(self._read, may_lose=asked.allow_removal))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
-        await self._start_services(stack, main)
+        await self._start_services(stack)
         gateways = tuple(
             replace(one, settings=one.kind.resolve(one.settings, self._context)) for one in self._plan.gateways
         )
@@ -277,7 +284,19 @@ class Runtime:
     ) -> Iterator[AbstractAsyncContextManager[None]]:
         """Yield components in the order of their start; each is created when the previous ones are ready."""
         running = self.supervisor.running
+        if self._plan.link is not None and not self.is_dry_run:
+            yield running("ros2", partial(self._link, self._plan.link))
         yield from (running(gateway.name, partial(self._gateway, gateway), "gateway") for gateway in gateways)
+        if not self._plan.is_other_machine:
+            yield from self._mind()
+        if self.with_door:
+            yield running("door", self._open_door)
+        if self._house is not None:
+            yield running("house", partial(self._house.serve, self._context, self.graph))
+
+    def _mind(self) -> Iterator[AbstractAsyncContextManager[None]]:
+        """Yield what a house has once: its index, control, apps and histories, and where its robots are."""
+        running = self.supervisor.running
         yield running("discovery", self._directory)
         yield running("control", self._control)
         if self.record_into is not None:
@@ -290,25 +309,13 @@ class Runtime:
         if self._plan.keeps_history(by_default=self.index_file is not None or self.house is not None):
             yield running("history", self._history)
         yield running("robots", partial(track_robots, self.graph, self._plan, lambda: self._owner.plan))
-        if self._plan.link is not None and not self.is_dry_run:
-            yield running("ros2", partial(self._link, self._plan.link))
-        if self.with_door:
-            yield running("door", self._open_door)
-        if self._house is not None:
-            yield running("house", partial(self._house.serve, self._context, self.graph))
 
-    async def _start_services(self, stack: AsyncExitStack, main: Node) -> None:
+    async def _start_services(self, stack: AsyncExitStack) -> None:
         """Start each in-process peer that gateways need, once, unless it was passed in."""
         running = dict(self._context.services)
         if self._house is not None:
             for given in await stack.enter_async_context(self._house.network.running(self._context.random)):
                 running[type(given)] = given
-        if self._plan.link is not None:
-            from homebot.bridges.ros2.session import ZenohSession, open_session  # noqa: PLC0415 - few houses have a link
-
-            session = await stack.enter_async_context(open_session(self._plan.link))
-            main.create_task(session.run)
-            running[ZenohSession] = session
         for service in self._needed:
             if service.kind not in running:
                 running[service.kind] = await stack.enter_async_context(service.start(self.graph, self._clock))
@@ -409,15 +416,18 @@ class Runtime:
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
 
     async def _link(self, settings: RosSettings, *, task_status: TaskStatus[None]) -> None:
-        from homebot.bridges.ros2.link import serve_link  # noqa: PLC0415 - few houses have robots of ROS 2
+        from homebot.bridges.ros2.link import serve_link  # noqa: PLC0415 - few houses have a link
         from homebot.bridges.ros2.robots import RobotsOnWire  # noqa: PLC0415 - as above
-        from homebot.bridges.ros2.session import ZenohSession  # noqa: PLC0415 - as above
+        from homebot.bridges.ros2.session import open_session  # noqa: PLC0415 - as above
 
-        session = self._context.service(ZenohSession)
-        assert session is not None, "it runs with the settings"  # noqa: S101 - for mypy
+        assert self._machines is not None, "the plan has a link"  # noqa: S101 - for mypy
         robots = RobotsOnWire.of(settings.imports, self._plan.door, self._plan.robot_owners(), self._clock.now)
-        async with Node(self.graph, "ros2") as node:
-            await run_as(node.full_name, partial(serve_link, node, session, settings, robots, task_status=task_status))
+        async with open_session(settings) as session, Node(self.graph, "ros2") as node:
+            node.create_task(session.run)
+            async with self._machines.linked(self.graph, settings, session):
+                await run_as(
+                    node.full_name, partial(serve_link, node, session, settings, robots, task_status=task_status)
+                )
 
     async def _owner_token(self) -> OwnerToken | None:
         if self.owner_file is None or self._local_rights is SIMULATED_HOUSE_RIGHTS:

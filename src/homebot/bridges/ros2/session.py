@@ -88,12 +88,14 @@ class ZenohSession:
     """An open session.
 
     Attributes:
+        domain: The ROS domain.
         lost: Samples, queries and tokens that came faster than the event loop took them.
         nodes: Numbers for the nodes that use it.
     """
 
-    def __init__(self, session: Any) -> None:
+    def __init__(self, session: Any, domain: int) -> None:
         """Use :func:`open_session` instead."""
+        self.domain = domain
         self._session = session
         self._loop = asyncio.get_running_loop()
         self._lock = threading.Lock()
@@ -243,7 +245,7 @@ async def open_session(settings: RosSettings) -> AsyncIterator[ZenohSession]:
     except zenoh.ZError as exc:
         raise UsageError(f"[ros] listen or connect: {exc}") from exc
     try:
-        yield ZenohSession(session)
+        yield ZenohSession(session, settings.domain)
     finally:
         # A thread of its own, that ends with the program: anyio's would be waited for.
         closing = asyncio.Event()

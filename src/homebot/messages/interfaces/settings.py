@@ -3,9 +3,9 @@
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Literal, Self, TypeAlias
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from homebot.config import FilePath, Table, parse_settings
 from homebot.errors import ConfigError, UsageError
@@ -54,6 +54,8 @@ class RosSettings(BaseModel):
         connect: Addresses of Zenoh routers or robots to connect to.
         listen: The address at which homebot is the router for programs of this computer; empty for none.
         ca: File with the certificate that vouches for those at addresses of ``tls/``.
+        password_file: File with the secret of *machine* in its first line, readable by its owner only.
+        machine: The name of this machine in the house whose homebot has its gateways; empty if this has them.
         domain: The ROS domain.
         export: Names of topics and services that robots may see; ``*`` is a part of a name, ``**`` any number of parts.
         imports: Names of topics and services that come from robots, by the robots, each of which needs a token.
@@ -66,9 +68,17 @@ class RosSettings(BaseModel):
     connect: tuple[Annotated[str, AfterValidator(_checked_address)], ...] = ()
     listen: Annotated[str, AfterValidator(_checked_listen)] = ""
     ca: FilePath | None = None
+    password_file: FilePath | None = None
+    machine: str = ""
     domain: Annotated[int, Field(ge=0, le=232)] = 0
     export: _Patterns = ()
     imports: Mapping[str, _Patterns] = Field(default_factory=dict, alias="import")
+
+    @model_validator(mode="after")
+    def _check_machine(self) -> Self:
+        if self.machine and self.password_file is None:
+            raise ValueError("a machine needs password_file, with the secret that it shares with the house")
+        return self
 
     @property
     def has_link(self) -> bool:

@@ -1,0 +1,12 @@
+"""Other machines of the house that run homebot with gateways only, each gateway of which is one here.
+
+Reads: the devices, reports, states, answers, quarantines and raw messages of that gateway. Commands: as it does, within
+the time that the command has; its services of pairing and health.
+
+Transport: Zenoh, by the session of ``[ros]``, with a secret that both machines have (``homebot.bridges.machines``).
+
+Tested against: the contract of gateways, with the gateway in memory on the other side; two machines in networks of
+their own whose link is cut, slow and lossy. Not with a radio between two computers.
+
+Not done: devices of homebot that are exposed to other systems through a gateway of another machine, readers of tags.
+"""

@@ -1,0 +1,214 @@
+"""The gateway that follows one of another machine."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from functools import partial
+from typing import TYPE_CHECKING, ClassVar, Final
+
+import anyio
+from anyio.abc import TaskStatus
+from pydantic import BaseModel, SecretStr
+
+from homebot.bridges.machines.on_wire import MachinesOnWire
+from homebot.bridges.machines.wire import MachineWire
+from homebot.config import FilePath
+from homebot.devices import RawCommand, SubscribeToTopic
+from homebot.devices.approval_messages import DescribeCommands, DescribeCommandsRequest, DescribeCommandsResponse
+from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
+from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
+from homebot.devices.names import ONLY_OBSERVES, PairingNames
+from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
+from homebot.errors import HomebotError, LinkError, PeerError, RefusedError, UnansweredError
+from homebot.gateways.base import Gateway, GatewayContext, GatewaySettings
+from homebot.gateways.pairing import Pair, PairResponse, Unpair
+from homebot.gateways.password_settings import read_password
+from homebot.gateways.raw_delivery import RawDelivery
+from homebot.graph import Node
+from homebot.integrations.machines.gateway.link import MachineLink
+from homebot.integrations.machines.gateway.mirror import Mirror
+from homebot.log import LogLimit
+from homebot.messages.cdr import message_from_cdr
+from homebot.names import unescape_token
+from homebot.support.counters import Severity
+
+if TYPE_CHECKING:
+    from homebot.bridges.machines.messages import FollowGatewayResponse
+    from homebot.messages.message import Message
+
+__all__ = ["MachineGateway", "MachineGatewaySettings"]
+
+NOT_SENT = "gateway.command_failed"
+
+_AGAIN: Final = 0.5
+"""Seconds between two attempts to reach the machine; one costs a third of a millisecond while it is away."""
+
+_ANSWERS_WITHIN, _PAIRS_WITHIN = 5.0, 120.0  # seconds
+
+
+class MachineGatewaySettings(GatewaySettings):
+    """The table ``[gateways.NAME]`` of a gateway of another machine.
+
+    Attributes:
+        machine: The name of the machine, as in its table ``[ros]``; by default the name of this gateway.
+        gateway: The name of its gateway; by default its only one.
+        token_file: File with the secret of both machines in its first line, readable by its owner only.
+    """
+
+    machine: str = ""
+    gateway: str = ""
+    token_file: FilePath
+
+
+class MachineGateway(Gateway):
+    """A gateway of another machine of the house, as one of this."""
+
+    Settings: ClassVar[type[BaseModel]] = MachineGatewaySettings
+    is_of_other_machine: ClassVar[bool] = True
+
+    def __init__(self, node: Node, settings: MachineGatewaySettings, context: GatewayContext | None = None) -> None:
+        super().__init__(node, settings, context)
+        self._settings, self._may_act = settings, self.acts
+        self._problem = "it was not reached yet"
+        self._machine = settings.machine or node.name
+        self._link: MachineLink | None = None
+        self._mirror = Mirror(self)
+        self._limit = LogLimit(node.graph.clock)
+        self._listeners = RawDelivery(node, self.names, inboxes=settings.delivery == "inbox")
+        node.create_task(self._listeners.watch_nodes)
+        node.create_service(SendCommand, self.names.send_command, self._send, concurrent=True)
+        node.create_service(SubscribeToTopic, self.names.subscribe, self._subscribe, concurrent=True)
+        node.create_service(GetHealth, self.names.health, self._health, concurrent=True)
+        node.create_service(DescribeCommands, self.names.describe_commands, self._describe, concurrent=True)
+        node.create_subscription(RawCommand, self.names.out, self._send_raw, 1000)
+        self._pairs = False
+
+    @classmethod
+    def check(cls, settings: BaseModel) -> None:
+        """Check the secret."""
+        if isinstance(settings, MachineGatewaySettings):
+            read_password(settings.token_file, None, "token")
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Follow the gateway until cancelled, again and again."""
+        try:
+            while True:
+                try:
+                    await self._follow(task_status)
+                except HomebotError as exc:
+                    self._problem = f"the machine {self._machine}: {exc}"
+                self.publish_state("unavailable", self._problem)
+                self._mirror.on_link_loss()
+                self.mark_ready(task_status)
+                await anyio.sleep(_AGAIN)
+        finally:
+            if self._link is not None:
+                self._link.close()
+
+    async def _follow(self, task_status: TaskStatus[None]) -> None:
+        link = self._link = self._linked()
+        await link.join()
+        while True:
+            news = await link.news()
+            self._problem = ""
+            for state in news.states:
+                self.acts = self._may_act and state.acts
+                self.publish_state(state.state, state.reason)
+            self.mark_ready(task_status)
+            if news.is_whole:
+                self._begin(news)
+            self._mirror.take(news, link.later)
+            for raw in news.raw:
+                message = raw.model_copy(update={"gateway": self.node.name})
+                await self._listeners.deliver(message, wait_if_full=True)
+
+    def _linked(self) -> MachineLink:
+        """Return the link, by the session that there is now."""
+        machines, link = self.context.service(MachinesOnWire), self._link
+        if machines is None or machines.session is None:
+            raise LinkError("homebot has no link to other machines now: see listen and connect of [ros]")
+        if link is not None and link.session is machines.session:
+            return link
+        secret = read_password(self._settings.token_file, None, "token") or SecretStr("")
+        wire = MachineWire(self.node, machines.session, secret)
+        return MachineLink(wire, self.node.graph.clock, self.context.home, self._machine, self._settings.gateway)
+
+    def _begin(self, news: FollowGatewayResponse) -> None:
+        """Pair devices if the gateway does, and listen again to what was listened to."""
+        if "pair" in news.services and not self._pairs:
+            self._pairs, names = True, PairingNames(self.node.name)
+            self.node.create_service(Pair, names.pair, partial(self._pair, "pair"), concurrent=True)
+            self.node.create_service(Unpair, names.unpair, partial(self._pair, "unpair"), concurrent=True)
+        for address in tuple(self._listeners.by_address):
+            self.node.create_task(partial(self._listen_again, address))
+
+    async def _call(
+        self, service: str, request: Message, within: float = _ANSWERS_WITHIN, longest: float = _ANSWERS_WITHIN
+    ) -> bytes:
+        """Return the response of the other gateway, which does not begin after *within* seconds; see `MachineLink`."""
+        if self._link is None or self._problem:
+            raise LinkError(self._problem)
+        return await self._link.call(service, request, within, longest)
+
+    async def _send(self, command: Command) -> SendCommandResponse:
+        if not self._may_act:
+            why = self.observes_because
+            return SendCommandResponse(success=False, message=why, problem="refused", unable=why == ONLY_OBSERVES)
+        within = command.expires_after or _ANSWERS_WITHIN
+        try:
+            answer = await self._call("send_command", command, within, within + _ANSWERS_WITHIN)
+            return message_from_cdr(SendCommandResponse, answer)
+        except UnansweredError as exc:
+            return SendCommandResponse(success=False, message=str(exc), problem="unanswered")
+        except HomebotError as exc:
+            return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
+
+    async def _send_raw(self, command: RawCommand) -> None:
+        try:
+            if not self._may_act:
+                raise RefusedError("the command", self.observes_because)
+            await self._call("out", command)
+        except HomebotError as exc:
+            if self._limit.allows(NOT_SENT) is not None:
+                self.node.log.warning(NOT_SENT, message=f"not sent to {command.address[:100]}: {exc}")
+
+    async def _describe(self, request: DescribeCommandsRequest) -> DescribeCommandsResponse:
+        return message_from_cdr(DescribeCommandsResponse, await self._call("describe_commands", request))
+
+    async def _pair(self, service: str, request: Message) -> PairResponse:
+        try:
+            if not self._may_act:
+                raise RefusedError("pairing", self.observes_because)
+            return message_from_cdr(PairResponse, await self._call(service, request, longest=_PAIRS_WITHIN))
+        except LinkError as exc:
+            return PairResponse(success=False, message=str(exc), problem="unreachable")
+        except PeerError as exc:
+            return PairResponse(success=False, message=str(exc), problem="refused")
+
+    async def _health(self, request: HealthRequest) -> HealthResponse:
+        gaps = self._link.gaps if self._link is not None else 0
+        own = Count.each({"news_missed": gaps}, Severity.LOSS)
+        try:
+            health = message_from_cdr(HealthResponse, await self._call("health", request))
+        except HomebotError as exc:
+            return HealthResponse(counts=own, troubles=(str(exc),))
+        quarantined = tuple(one.model_copy(update={"gateway": self.node.name}) for one in health.quarantined)
+        return health.model_copy(update={"counts": (*health.counts, *own), "quarantined": quarantined})
+
+    async def _subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
+        """Deliver the raw messages of an address, which the machine mirrors on a topic of the device."""
+        try:
+            asked = request.model_copy(update={"listener": ""})
+            there = message_from_cdr(SubscribeToTopicResponse, await self._call("subscribe_to_topic", asked))
+            if not there.success:
+                return there
+            device = there.data_topic.partition("/received_data/")[2]
+            publisher = self._listeners.add(request.topic, device, unescape_token(device), request.listener)
+        except HomebotError as exc:
+            return SubscribeToTopicResponse(success=False, message=str(exc), data_topic="")
+        missed = tuple(one.model_copy(update={"gateway": self.node.name}) for one in there.missed)
+        return there.model_copy(update={"data_topic": publisher.topic_name, "missed": missed})
+
+    async def _listen_again(self, address: str) -> None:
+        with suppress(HomebotError):  # the link is lost again, and this is done with the next one
+            await self._call("subscribe_to_topic", SubscribeToTopicRequest(topic=address))

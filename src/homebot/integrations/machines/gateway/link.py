@@ -1,0 +1,122 @@
+"""The link to a gateway of another machine: its news, and calls of its services."""
+
+from __future__ import annotations
+
+import secrets
+from itertools import count
+from typing import TYPE_CHECKING, Final
+
+from homebot.bridges.machines.messages import (
+    LONGEST_QUIET,
+    CallGateway,
+    CallGatewayRequest,
+    FollowGateway,
+    FollowGatewayRequest,
+    FollowGatewayResponse,
+    GetGateways,
+    GetGatewaysRequest,
+    machine_name,
+)
+from homebot.errors import LinkError, UnansweredError, UsageError
+from homebot.messages.cdr import message_to_cdr
+
+if TYPE_CHECKING:
+    from homebot.bridges.machines.wire import MachineWire
+    from homebot.clock import Clock
+    from homebot.messages.message import Message
+
+__all__ = ["MachineLink"]
+
+_LATE: Final = 2.0
+"""Seconds by which an answer may be late before the link counts as lost: three in all, of the five that are allowed."""
+
+
+class MachineLink:
+    """The link to *gateway* of *machine*; an empty name is that of its only one.
+
+    Attributes:
+        session: The session that it uses.
+        later: Seconds by which the monotonic clock of the machine is behind the one here, or a little less.
+        gaps: How often news were missing, so that everything came again.
+    """
+
+    def __init__(self, wire: MachineWire, clock: Clock, home: str, machine: str, gateway: str) -> None:
+        self.session = wire.session
+        self._wire, self._clock = wire, clock
+        self._home, self._machine, self._gateway = home, machine, gateway
+        self._follower, self._session, self._number = "", "", 0
+        self._ids = count()
+        self.later = 0.0
+        self.gaps = 0
+
+    async def join(self) -> None:
+        """Begin to follow the gateway.
+
+        Raises:
+            LinkError: The machine does not answer.
+            PeerError: It refuses, or has not the same secret.
+            UsageError: The gateway is to be named.
+        """
+        if not self._gateway:
+            name = machine_name(self._home, self._machine, "gateways")
+            found = (await self._wire.ask(name, GetGateways, GetGatewaysRequest(), _LATE)).names
+            if len(found) != 1:
+                has = (
+                    f"it has the gateways {', '.join(found)}; name"
+                    if found
+                    else "it has no gateways yet; add one, and name"
+                )
+                raise UsageError(f'{has} it here, as in gateway = "mqtt", and each in a table of its own')
+            self._gateway = found[0]
+        self._follower, self._number = secrets.token_hex(8), 0
+
+    async def news(self) -> FollowGatewayResponse:
+        """Return the next news.
+
+        Raises:
+            LinkError, PeerError: As :meth:`join`.
+        """
+        asked = FollowGatewayRequest(follower=self._follower, number=self._number)
+        news = await self._wire.ask(self._name("follow"), FollowGateway, asked, LONGEST_QUIET + _LATE)
+        if self._number and news.is_whole:
+            self.gaps += 1
+        self._number, self._session = news.number, news.session
+        self.later = self._clock.monotonic() - news.now
+        return news
+
+    async def call(self, service: str, request: Message, within: float, longest: float) -> bytes:
+        """Return the response, in CDR, of a service of the gateway, the last part of whose name is *service*.
+
+        Args:
+            within: Seconds after which the machine is not to carry it out any more.
+            longest: Seconds to wait for the response.
+
+        Raises:
+            UnansweredError: There was no answer; the call may have been carried out.
+            LinkError, PeerError: The machine did not carry it out.
+        """
+        asked = CallGatewayRequest(
+            session=self._session,
+            follower=self._follower,
+            id=next(self._ids),
+            # The clock there is ahead of this by the time that the last news took: none is carried out late.
+            until=self._clock.monotonic() - self.later + within,
+            longest=longest,
+            service=service,
+            request=message_to_cdr(request),
+        )
+        try:
+            answer = await self._wire.ask(self._name("call"), CallGateway, asked, longest)
+        except LinkError as exc:
+            raise UnansweredError(f"{self._machine} did not answer; it may have carried it out") from exc
+        if not answer.success:
+            why = f"{self._machine}: {answer.message}"
+            raise UnansweredError(why) if answer.is_unanswered else LinkError(why)
+        return answer.response
+
+    def close(self) -> None:
+        """Leave the wire."""
+        self._wire.close()
+
+    def _name(self, service: str) -> str:
+        return machine_name(self._home, self._machine, self._gateway, service)

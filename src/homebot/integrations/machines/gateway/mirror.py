@@ -1,0 +1,90 @@
+"""The devices of a gateway of another machine, published as those of a gateway here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, TypeVar
+
+from homebot.devices.capabilities import EVENTS
+from homebot.devices.gateway_messages import REACHABLE, CommandAnswer, Report
+from homebot.devices.health import Quarantine
+from homebot.devices.value import UNKNOWN
+from homebot.graph import DurabilityPolicy, QoSProfile
+
+if TYPE_CHECKING:
+    from homebot.bridges.machines.messages import FollowGatewayResponse
+    from homebot.devices import Sighting
+    from homebot.gateways import Gateway
+
+__all__ = ["Mirror"]
+
+HeardT = TypeVar("HeardT", "Sighting", Report)
+
+_NEWEST_OF_EACH = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class Mirror:
+    """Publisher of the devices of another gateway in the name of *gateway*."""
+
+    def __init__(self, gateway: Gateway) -> None:
+        self._gateway, self._name = gateway, gateway.node.name
+        node, names = gateway.node, gateway.names
+        self._answers = node.create_publisher(CommandAnswer, names.answers, 1000)
+        self._quarantines = node.create_publisher(Quarantine, names.quarantine, _NEWEST_OF_EACH)
+        self._devices: dict[str, Sighting] = {}
+        self._reports: dict[str, Report] = {}
+
+    def take(self, news: FollowGatewayResponse, later: float) -> None:
+        """Publish *news* of a machine whose monotonic clock is *later* seconds behind the one here."""
+        if news.is_whole:
+            self._forget(news)
+        for sighting in news.sightings:
+            self._publish_sighting(self._own(sighting, later))
+        for report in news.reports:
+            self._publish_report(self._own(report, later))
+        for answer in news.answers:
+            self._answers.publish(answer.model_copy(update={"gateway": self._name}))
+        for one in news.quarantines:
+            self._quarantines.publish(one.model_copy(update={"gateway": self._name}))
+            if one.is_over:
+                self._quarantines.dispose(one.offender)
+
+    def on_link_loss(self) -> None:
+        """Publish of all devices that said that they can be reached that nobody knows it now."""
+        for report in tuple(self._reports.values()):
+            if report.address and any(one.capability == REACHABLE for one in report.readings):
+                readings = tuple(one.model_copy(update={"value": UNKNOWN}) for one in report.readings)
+                # without an address: nobody reports it any more
+                self._publish_report(report.model_copy(update={"readings": readings, "address": ""}))
+
+    def _own(self, message: HeardT, later: float) -> HeardT:
+        heard_at = max(0.0, message.heard_at + later) if message.heard_at else 0.0
+        return message.model_copy(update={"gateway": self._name, "heard_at": heard_at})
+
+    def _publish_sighting(self, sighting: Sighting) -> None:
+        if sighting.kind == "removed":
+            self._devices.pop(sighting.key, None)
+            self._dispose(one.stream for one in tuple(self._reports.values()) if one.key == sighting.key)
+        else:
+            self._devices[sighting.key] = sighting
+        self._gateway.publish_sighting(sighting)
+
+    def _publish_report(self, report: Report) -> None:
+        self._gateway.reports.publish(report)
+        is_over = report.key not in self._devices or all(one.capability in EVENTS for one in report.readings)
+        if is_over:  # nothing is kept of events, and of a device that has just left
+            self._gateway.reports.dispose(report.stream)
+        else:
+            self._reports[report.stream] = report
+
+    def _forget(self, news: FollowGatewayResponse) -> None:
+        """Remove the devices and reports that are not among those of which *news* is the first part."""
+        for key in self._devices.keys() - set(news.keys):
+            gone = self._devices[key].model_copy(update={"kind": "removed", "why": "it left while there was no link"})
+            self._publish_sighting(gone)
+        self._dispose(self._reports.keys() - set(news.streams))
+
+    def _dispose(self, streams: Iterable[str]) -> None:
+        for stream in streams:
+            self._reports.pop(stream, None)
+            self._gateway.reports.dispose(stream)
