@@ -103,12 +103,11 @@ def fields_by_name(message_type: type[Message]) -> Mapping[str, FieldDefinition]
 @lru_cache(maxsize=1024)
 def zero_message(message_type: type[MessageT]) -> MessageT:
     """Return the message that ROS creates without arguments: every field has its default, or is zero or empty."""
-    fields = {field.name: zero_of(field) for field in fields_of(message_type)}
-    for name, field in message_type.model_fields.items():
-        if not field.is_required():
-            fields[name] = field.get_default()
-        elif get_origin(field.annotation) is Literal:
-            fields[name] = get_args(field.annotation)[0]
+    known = message_type.model_fields
+    fields = {field.name: zero_of(field) for field in fields_of(message_type) if known[field.name].is_required()}
+    for name in fields:
+        if get_origin(known[name].annotation) is Literal:
+            fields[name] = get_args(known[name].annotation)[0]
     return message_type(**fields)
 
 
