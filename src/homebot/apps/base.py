@@ -327,7 +327,6 @@ class App(ABC, Generic[SettingsT_co]):
         from homebot.devices.outcomes import Refused  # noqa: PLC0415 - with the first command
 
         check_handler(command, "a handle")
-
         outcomes: dict[int, Outcome] = {}
 
         async def give(number: int, handle: HandleT) -> None:

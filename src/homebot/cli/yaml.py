@@ -117,20 +117,6 @@ def type_or_message(text: str) -> str | dict[str, object]:
 
 
 def _load(text: str) -> object:
-    """Return the value of a document of YAML.
+    from homebot.cli.yaml_loader import load_yaml  # noqa: PLC0415 - few commands read any
 
-    Raises:
-        WireError: It is none; the message begins with the place.
-    """
-    import yaml  # noqa: PLC0415 - few commands read any
-
-    from homebot.cli.yaml_loader import CoreLoader  # noqa: PLC0415 - likewise
-
-    try:
-        return yaml.load(text, CoreLoader)  # noqa: S506 - it makes plain values alone
-    except yaml.MarkedYAMLError as exc:
-        mark = exc.problem_mark
-        where = f"line {mark.line + 1}, column {mark.column + 1}: " if mark is not None else ""
-        raise WireError(f"{where}{exc.problem}") from exc
-    except (ValueError, RecursionError, yaml.YAMLError) as exc:
-        raise WireError(str(exc).partition("\n")[0]) from exc
+    return load_yaml(text)

@@ -8,10 +8,28 @@ from collections.abc import Hashable
 
 import yaml
 
-__all__ = ["CoreLoader"]
+from homebot.errors import WireError
+
+__all__ = ["load_yaml"]
 
 
-class CoreLoader(yaml.SafeLoader):
+def load_yaml(text: str) -> object:
+    """Return the value of a document of YAML.
+
+    Raises:
+        WireError: It is none; the message begins with the place.
+    """
+    try:
+        return yaml.load(text, _CoreLoader)  # noqa: S506 - it makes plain values alone
+    except yaml.MarkedYAMLError as exc:
+        mark = exc.problem_mark
+        where = f"line {mark.line + 1}, column {mark.column + 1}: " if mark is not None else ""
+        raise WireError(f"{where}{exc.problem}") from exc
+    except (ValueError, RecursionError, yaml.YAMLError) as exc:
+        raise WireError(str(exc).partition("\n")[0]) from exc
+
+
+class _CoreLoader(yaml.SafeLoader):
     """Makes dicts with texts as keys, lists and plain values."""
 
     yaml_implicit_resolvers = {}  # noqa: RUF012 - as PyYAML declares it
@@ -42,11 +60,11 @@ for _tag, _shape, _first in (
     ("float", r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?", list("-+0123456789.")),
     ("float", r"[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)", list("-+.")),
 ):
-    CoreLoader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"(?:{_shape})\\Z"), _first)
+    _CoreLoader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"(?:{_shape})\\Z"), _first)
 
 
 def _integer(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> int:
     return int(loader.construct_scalar(node))  # in YAML 1.1, 010 is 8
 
 
-CoreLoader.add_constructor("tag:yaml.org,2002:int", _integer)
+_CoreLoader.add_constructor("tag:yaml.org,2002:int", _integer)

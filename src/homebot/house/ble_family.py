@@ -19,13 +19,12 @@ class BleNetwork(FamilyNetwork):
     @asynccontextmanager
     async def running(self, random: Random) -> AsyncIterator[tuple[object, ...]]:
         """Run the radio; yield its adapter."""
-        from homebot.house.virtual_bleak import backend_of  # noqa: PLC0415 - an extra
-        from homebot.house.virtual_radio import VirtualRadio  # noqa: PLC0415 - an extra
+        from homebot.house import virtual_bleak, virtual_radio  # noqa: PLC0415 - an extra
 
-        radio = VirtualRadio(random)
+        radio = virtual_radio.VirtualRadio(random)
         self.options["radio"] = radio
         async with radio.running():
-            yield (backend_of(radio),)
+            yield (virtual_bleak.backend_of(radio),)
 
 
 class BleFamily(ServedFamily):

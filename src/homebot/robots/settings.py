@@ -1,13 +1,17 @@
 """Settings of one robot: a table ``[robots.NAME]``; and its pose as JSON."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, Self, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
+from homebot.config import Table, parse_settings
+from homebot.devices.robot_owners import MAP, check_robot_name
+from homebot.errors import ConfigError, UsageError
 from homebot.units import Seconds
 
-__all__ = ["JsonPose", "RobotSettings"]
+__all__ = ["JsonPose", "RobotSettings", "read_robots"]
 
 _Metres: TypeAlias = Annotated[float, Field(ge=-10_000, le=10_000, allow_inf_nan=False)]
 _Radians: TypeAlias = Annotated[float, Field(ge=-7, le=7, allow_inf_nan=False)]
@@ -46,6 +50,27 @@ class RobotSettings(BaseModel):
     gateway: str = "mqtt"
     motion_sensors: tuple[str, ...] = ()
     tag_reader: str = ""
+
+
+def read_robots(tables: Mapping[str, Table], source: str, folder: Path) -> dict[str, RobotSettings]:
+    """Return the robots by name.
+
+    Raises:
+        ConfigError: A table is wrong, a robot cannot have its name, or two have one frame.
+    """
+    robots: dict[str, RobotSettings] = {}
+    owners = {MAP: "the house"}
+    for name, table in tables.items():
+        key = f"robots.{name}"
+        try:
+            check_robot_name(name)
+        except UsageError as exc:
+            raise ConfigError(source, key, str(exc)) from exc
+        robots[name] = parse_settings(RobotSettings, table, source, key, folder)
+        for frame in robots[name].frames:
+            if (owner := owners.setdefault(frame, f"the robot {name}")) != f"the robot {name}":
+                raise ConfigError(source, f"{key}.frames", f"{frame!r} is a frame of {owner} already")
+    return robots
 
 
 class JsonPose(BaseModel):

@@ -328,22 +328,9 @@ def _limits(config: Config) -> LimitsOfDevices | None:
 def _robots(config: Config) -> Mapping[str, RobotSettings]:
     if not config.robots:
         return {}
-    from homebot.devices.robot_owners import MAP, check_robot_name  # noqa: PLC0415 - as below
-    from homebot.robots.settings import RobotSettings  # noqa: PLC0415 - only with a table
+    from homebot.robots.settings import read_robots  # noqa: PLC0415 - only with a table
 
-    robots: dict[str, RobotSettings] = {}
-    owners = {MAP: "the house"}
-    for name, table in config.robots.items():
-        key = f"robots.{name}"
-        try:
-            check_robot_name(name)
-        except UsageError as exc:
-            raise ConfigError(config.source, key, str(exc)) from exc
-        robots[name] = parse_settings(RobotSettings, table, config.source, key, config.folder)
-        for frame in robots[name].frames:
-            if (owner := owners.setdefault(frame, f"the robot {name}")) != f"the robot {name}":
-                raise ConfigError(config.source, f"{key}.frames", f"{frame!r} is a frame of {owner} already")
-    return robots
+    return read_robots(config.robots, config.source, config.folder)
 
 
 def _history(config: Config) -> HistorySettings | None:

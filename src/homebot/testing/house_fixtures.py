@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from asyncio import AbstractEventLoop
 from collections.abc import Callable, Generator, Iterator
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -116,23 +117,10 @@ def _house_of_test(
     request: pytest.FixtureRequest, fixture: str, loop_of: Callable[..., AbstractEventLoop], *config: object
 ) -> Iterator[Any]:
     """Provide the house described by the marks; if the test or an app fails, its report shows what happened."""
-    from homebot.testing.event_log import house_report  # noqa: PLC0415 - on first use
-    from homebot.testing.house_marks import allows_crashes, open_house  # noqa: PLC0415 - as above
-    from homebot.testing.loop_guard import LoopGuard  # noqa: PLC0415 - as above
+    from homebot.testing.house_marks import house_of_test  # noqa: PLC0415 - on first use
 
     test = request.node
     reports = test.stash.setdefault(_REPORTS, [])
-    loop = loop_of(request, fixture)
-    with LoopGuard(loop) as guard, open_house(test, loop, *config) as house:
-        reports.append(lambda: (f"what happened in `{fixture}`", house_report(house)))
-        yield house
-        if not allows_crashes(test, fixture) and not test.stash.get(_FAILED, False):
-            problems = [f"{one} crashed" for one in house.crashed]  # it was restarted, which the test may not notice
-            problems += [
-                f"{one} blocked the event loop: make it await, or run it in a thread" for one in guard.blocked_by
-            ]
-            problems += loop.run_until_complete(house.misspelt_names())
-            if problems:
-                mark = f"@pytest.mark.{fixture}(allow_crashes=True)"
-                pytest.fail(f"{'; '.join(problems)}; where that is meant, {mark}", pytrace=False)
+    has_failed = partial(test.stash.get, _FAILED, False)  # noqa: FBT003 - as of a dict
+    yield from house_of_test(test, fixture, loop_of(request, fixture), reports, has_failed, *config)
     reports.clear()

@@ -14,12 +14,13 @@ from homebot.errors import UsageError
 from homebot.house import World, thesis_world
 from homebot.house.description import load_world
 from homebot.testing.contexts import hold_open
-from homebot.testing.event_log import EventLog
+from homebot.testing.event_log import EventLog, house_report
 from homebot.testing.house import TestHouse, house_of
+from homebot.testing.loop_guard import LoopGuard
 from homebot.testing.virtual_house import VirtualHouse, parse_time, virtual_house_of
 from homebot.units import parse_duration
 
-__all__ = ["allows_crashes", "config_of", "open_house"]
+__all__ = ["config_of", "house_of_test"]
 
 ALLOW_CRASHES: Final = "allow_crashes"
 HOUSE: Final = frozenset({"world", "config", "root", "start", "seed", "heartbeat", ALLOW_CRASHES})
@@ -28,8 +29,34 @@ HOMEBOT: Final = frozenset({"config", "root", ALLOW_CRASHES})
 ValueT = TypeVar("ValueT")
 
 
+def house_of_test(
+    test: pytest.Item,
+    fixture: str,
+    loop: AbstractEventLoop,
+    reports: list[Callable[[], tuple[str, str]]],
+    has_failed: Callable[[], bool],
+    *config: object,
+) -> Iterator[TestHouse]:
+    """Yield the house of *test*, and fail it afterwards for an app that crashed, blocked, or names what is not there.
+
+    Args:
+        reports: Gets the function for the title and the text about the house.
+    """
+    with LoopGuard(loop) as guard, _open_house(test, loop, *config) as house:
+        reports.append(lambda: (f"what happened in `{fixture}`", house_report(house)))
+        yield house
+        if _arguments(test, fixture).get(ALLOW_CRASHES) is True or has_failed():
+            return
+        problems = [f"{one} crashed" for one in house.crashed]  # it was restarted, which the test may not notice
+        problems += [f"{one} blocked the event loop: make it await, or run it in a thread" for one in guard.blocked_by]
+        problems += loop.run_until_complete(house.misspelt_names())
+        if problems:
+            mark = f"@pytest.mark.{fixture}(allow_crashes=True)"
+            pytest.fail(f"{'; '.join(problems)}; where that is meant, {mark}", pytrace=False)
+
+
 @contextmanager
-def open_house(test: pytest.Item, loop: AbstractEventLoop, *config: object) -> Iterator[TestHouse]:
+def _open_house(test: pytest.Item, loop: AbstractEventLoop, *config: object) -> Iterator[TestHouse]:
     """Run and log the homebot or the house that the marks of *test* describe, on *loop*.
 
     The marks of the function take precedence over those of class and module; apps come from the nearest mark with any.
@@ -60,11 +87,6 @@ def _homebot(test: pytest.Item, config: object) -> AbstractAsyncContextManager[T
     apps, arguments = _read(test, "homebot", HOMEBOT)
     given = _checked("homebot", "config", config, lambda value: _config(value, test))
     return house_of(*apps, **(arguments | {"config": given}))
-
-
-def allows_crashes(test: pytest.Item, name: str) -> bool:
-    """Return whether the marks *name* of *test* allow its apps to crash."""
-    return _arguments(test, name).get(ALLOW_CRASHES) is True
 
 
 def config_of(test: pytest.Item) -> object:

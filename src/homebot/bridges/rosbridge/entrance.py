@@ -20,6 +20,7 @@ from homebot.bridges.rosbridge.connection import DoorConnection, http_response
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.bridges.token_check import TokenCheck
+from homebot.devices.access_messages import ListedToken, ListTokensResponse
 from homebot.devices.client_rights import LOCAL_CLIENT, OWNER_CLIENT, ClientRights
 from homebot.errors import ConfigError
 from homebot.messages.builtin_interfaces import Time
@@ -28,7 +29,6 @@ from homebot.support.owner_token import OWNER_HEADER, OwnerToken, is_owner_proof
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.access import ClientAccess
-    from homebot.devices.access_messages import ListedToken
 
 __all__ = ["LOG_IN", "Entrance", "Site", "address_of", "is_for_api", "is_for_websocket", "token_in"]
 
@@ -105,12 +105,10 @@ class Entrance:
         after = self._clients
         return frozenset(name for name, one in before.items() if after.get(name) != one)
 
-    def listed(self, connected: Collection[str]) -> tuple[ListedToken, ...]:
-        """Return what is known of each token; *connected* are the names of clients."""
-        from homebot.devices.access_messages import ListedToken  # noqa: PLC0415 - few ask
-
+    def list_tokens(self, connected: Collection[str], since: float) -> ListTokensResponse:
+        """Return all tokens with their rights, and their uses *since*; *connected* are the names of clients."""
         named = self._settings.tokens
-        return tuple(
+        tokens = [
             ListedToken(
                 name=name,
                 scope=named[name].scope if name in named else (),
@@ -119,7 +117,8 @@ class Entrance:
                 is_connected=name in connected,
             )
             for name in self._tokens_of(self._settings)
-        )
+        ]
+        return ListTokensResponse(since=Time.from_seconds(since), tokens=tuple(tokens))
 
     def seconds_left(self, connection: DoorConnection) -> float:
         """Return the seconds until the token of an admitted client ends; infinite without an end."""

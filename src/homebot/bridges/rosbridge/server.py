@@ -31,7 +31,6 @@ from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.names import HOME_HEADER
 from homebot.errors import UsageError
 from homebot.graph import Node
-from homebot.messages.builtin_interfaces import Time
 from homebot.support.counters import Severity
 from homebot.support.logger import get_logger
 from homebot.support.owner_token import OwnerToken
@@ -142,10 +141,8 @@ class Door:
 
     def list_tokens(self, _request: ListTokensRequest) -> ListTokensResponse:
         """Return the tokens, with their rights and uses."""
-        from homebot.devices.access_messages import ListTokensResponse  # noqa: PLC0415 - few ask
-
         connected = {session.client.access.name for session in self._sessions.values()}
-        return ListTokensResponse(since=Time.from_seconds(self._since), tokens=self._entrance.listed(connected))
+        return self._entrance.list_tokens(connected, self._since)
 
     def update_tokens(self, settings: DoorSettings) -> None:
         """Use the tokens and rights of *settings*, and disconnect clients whose token or rights have changed."""

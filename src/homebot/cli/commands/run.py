@@ -325,13 +325,11 @@ def house_name(options: argparse.Namespace) -> str:
 
 
 def _house(name: str) -> World:
+    import homebot.house  # noqa: PLC0415 - a real house needs no simulated one
+
     if name == THESIS:
-        from homebot.house import thesis_world  # noqa: PLC0415 - a real house needs no simulated one
-
-        return thesis_world()
-    from homebot.house.description import load_world  # noqa: PLC0415 - as above
-
-    return load_world(_FAMILY_FOLDER / "house.toml" if name == FAMILY else Path(name))
+        return homebot.house.thesis_world()
+    return homebot.house.load_world(_FAMILY_FOLDER / "house.toml" if name == FAMILY else Path(name))
 
 
 def _with_its_class(file: str) -> str:

@@ -6,6 +6,7 @@ from contextlib import asynccontextmanager
 from random import Random
 
 from homebot.house.family import LOOPBACK, FamilyNetwork, ServedFamily, free_port
+from homebot.house.nfc.field import TagField
 
 __all__ = ["NfcNetwork", "TagFamily"]
 
@@ -25,8 +26,6 @@ class NfcNetwork(FamilyNetwork):
     async def running(self, random: Random) -> AsyncIterator[tuple[object, ...]]:
         """Run the field."""
         del random
-        from homebot.house.nfc.field import TagField  # noqa: PLC0415 - an extra
-
         tags = TagField(self._port)
         self.options["field"] = tags
         async with tags.served():
