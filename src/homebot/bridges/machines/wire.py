@@ -117,5 +117,5 @@ class MachineWire:
     def _opened(self, sealed: bytes, *about: bytes) -> bytes:
         data, proof = sealed[:-_PROOF], sealed[-_PROOF:]
         if not hmac.compare_digest(proof, self._proof(*about, data)):
-            raise PeerError("the two machines do not have the same secret: see token_file of both")
+            raise PeerError("the two machines do not have the same secret: see token_file and password_file")
         return data

@@ -1,0 +1,96 @@
+"""A machine in the attic whose gateway is one in memory, and the link of the machine with the index to it."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from functools import partial
+from pathlib import Path
+
+import anyio
+from anyio.abc import TaskGroup, TaskStatus
+from pydantic import SecretStr
+from tests.ports import reserve_port
+
+from homebot.bridges.machines.exports import serve_gateways
+from homebot.bridges.machines.on_wire import MachinesOnWire
+from homebot.bridges.machines.wire import MachineWire
+from homebot.bridges.ros2.session import open_session
+from homebot.gateways import GatewayContext
+from homebot.gateways.memory import MemoryGateway
+from homebot.graph import Graph, Node
+from homebot.integrations.machines.gateway import MachineGateway, MachineGatewaySettings
+from homebot.messages.interfaces.settings import RosSettings
+
+__all__ = ["SECRET", "FarMachine", "far_machine"]
+
+NONE: Mapping[str, object] = {}
+SECRET = "a secret of both machines"
+
+
+class FarMachine:
+    """The machine, which can lose its link; use :func:`far_machine`.
+
+    Attributes:
+        gateway: Its gateway, which goes on without the link.
+        link: The link of the machine with the index, which is the router.
+    """
+
+    def __init__(self, gateway: MemoryGateway, link: MachinesOnWire, router: str, tasks: TaskGroup) -> None:
+        self.gateway = gateway
+        self.link, self._tasks = link, tasks
+        self._settings = RosSettings.model_validate({"connect": (router,)})
+        self._on_wire, self._lost = anyio.CancelScope(), anyio.Event()
+
+    def near(
+        self,
+        node: Node,
+        folder: Path,
+        settings: Mapping[str, object] = NONE,
+        *,
+        secret: str = SECRET,
+        home: str = "villa",
+    ) -> MachineGateway:
+        """Return the gateway of the machine with the index to it."""
+        token = folder / "attic.token"
+        token.touch(mode=0o600)
+        token.write_text(f"{secret}\n")
+        given = MachineGatewaySettings.model_validate({"machine": "attic", "token_file": token, **settings})
+        return MachineGateway(node, given, GatewayContext.of(self.link, home=home))
+
+    async def lose_link(self) -> None:
+        """Take it off the wire."""
+        self._on_wire.cancel()
+        await self._lost.wait()
+
+    async def mend_link(self, gateways: tuple[str, ...] = ("memory",)) -> None:
+        """Put it on the wire, with these *gateways*."""
+        self._on_wire, self._lost = anyio.CancelScope(), anyio.Event()
+        await self._tasks.start(partial(self._serve, gateways))
+
+    async def _serve(self, gateways: tuple[str, ...], *, task_status: TaskStatus[None]) -> None:
+        with self._on_wire:
+            async with open_session(self._settings) as session, Node(self.gateway.node.graph, "machine") as node:
+                node.create_task(session.run)
+                wire = MachineWire(node, session, SecretStr(SECRET))
+                await serve_gateways(node, wire, "villa", "attic", gateways, task_status=task_status)
+        self._lost.set()
+
+
+@asynccontextmanager
+async def far_machine() -> AsyncIterator[FarMachine]:
+    """Run the machine, and the router of the other one, inside the block."""
+    router = f"tcp/127.0.0.1:{reserve_port()}"
+    async with (
+        open_session(RosSettings.model_validate({"listen": router})) as session,
+        Node(Graph(), "memory", namespace="/gateway") as node,
+        anyio.create_task_group() as tasks,
+    ):
+        gateway, link = MemoryGateway(node), MachinesOnWire()
+        await tasks.start(gateway.serve)
+        tasks.start_soon(session.run)
+        link.session = session
+        machine = FarMachine(gateway, link, router, tasks)
+        await machine.mend_link()
+        yield machine
+        tasks.cancel_scope.cancel()

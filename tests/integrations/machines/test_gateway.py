@@ -1,0 +1,201 @@
+"""The gateway to a gateway of another machine: news after a gap, calls in time and once, and proofs of the secret."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+from pydantic import SecretStr
+from tests.integrations.machines.far_machine import SECRET, FarMachine, far_machine
+from tests.patience import PATIENCE
+
+from homebot.bridges.machines.messages import (
+    CallGateway,
+    CallGatewayRequest,
+    CallGatewayResponse,
+    FollowGateway,
+    FollowGatewayRequest,
+    machine_name,
+)
+from homebot.bridges.machines.wire import MachineWire
+from homebot.devices import GatewayState, Sighting
+from homebot.devices.gateway_messages import Command, Report, SendCommand
+from homebot.devices.health import GetHealth, HealthRequest
+from homebot.devices.names import PairingNames
+from homebot.devices.value import Value
+from homebot.errors import PeerError
+from homebot.gateways import Gateway
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+from homebot.gateways.pairing import Pair, PairingServices, PairRequest, PairResponse
+from homebot.graph import Graph, Node
+from homebot.integrations.machines.gateway import MachineGateway
+from homebot.messages.cdr import message_to_cdr
+from homebot.messages.message import Message
+from homebot.testing.gateway_contract.steps import KEPT, active, listen, until
+from homebot.testing.gateway_contract.world import running
+
+pytestmark = pytest.mark.slow
+
+
+def lamp(key: str) -> GatewayDevice:
+    return GatewayDevice(key, key, (simple_part("light", settable=("on_off",)),))
+
+
+@asynccontextmanager
+async def house(
+    folder: Path, secret: str = SECRET, **settings: object
+) -> AsyncIterator[tuple[FarMachine, MachineGateway]]:
+    """Run the other machine, and the gateway to it."""
+    async with far_machine() as far, Node(Graph(), "attic", namespace="/gateway") as node:
+        near = far.near(node, folder, secret=secret)
+        async with running(near):
+            yield far, near
+
+
+def same(message: Message) -> dict[str, object]:
+    """Return what both sides have of a message."""
+    return {
+        name: value for name, value in message.__dict__.items() if name not in {"gateway", "heard_at", "why", "kind"}
+    }
+
+
+def all_of(gateway: Gateway) -> list[dict[str, object]]:
+    """Return the newest sighting of each device, and the newest report of each stream."""
+    found: list[Message] = []
+    for kind, topic in ((Sighting, gateway.names.received_topics), (Report, gateway.names.readings)):
+        source = gateway.node.create_subscription(kind, topic, qos_profile=KEPT)
+        found += iter(source.take, None)
+        source.close()
+    return sorted((same(one) for one in found), key=str)
+
+
+async def test_after_a_lost_link_all_is_as_at_the_source(tmp_path: Path) -> None:
+    async with house(tmp_path) as (far, near):
+        states = listen(near.node, GatewayState, near.names.state)
+        sightings = listen(near.node, Sighting, near.names.received_topics)
+        reports = listen(near.node, Report, near.names.readings)
+        for number in range(200):
+            far.gateway.devices.put(lamp(f"lamp{number}"), "new")
+            await far.gateway.devices.report(f"lamp{number}", {"on_off": False})
+        far.gateway.devices.report_reachable("lamp7", reachable=True)
+        await until(sightings, "the last lamp", lambda one: one.key == "lamp199")
+        await far.lose_link()
+        await until(states, "the loss", lambda one: one.state == "unavailable")
+        far.gateway.devices.remove("lamp5", "it was sold")
+        far.gateway.devices.put(lamp("new"), "new")
+        await far.gateway.devices.report("lamp6", {"on_off": True})
+        await far.gateway.devices.report("new", {"on_off": True})
+        await far.mend_link()
+        await active(states)
+        await until(sightings, "the removal", lambda one: (one.key, one.kind) == ("lamp5", "removed"))
+        await until(reports, "the last report", lambda one: one.key == "new")
+        wanted = all_of(far.gateway)
+        assert all_of(near) == wanted
+        assert len(wanted) == 200 + 200 + 1
+
+
+async def test_another_secret_is_refused_on_both_sides(tmp_path: Path) -> None:
+    async with house(tmp_path, "a guess") as (far, near):
+        state = await until(listen(near.node, GatewayState, near.names.state), "the state")
+        assert "do not have the same secret: see token_file and password_file" in state.reason
+        answer = await near.node.create_client(SendCommand, near.names.send_command).call(command("lamp"))
+        assert (answer.success, answer.problem) == (False, "unreachable")
+        assert not far.gateway.commands
+
+
+def command(key: str, **change: object) -> Command:
+    asked = {"key": key, "part": "", "capability": "on_off", "value": Value.of(True), "id": "1", **change}
+    return Command.model_validate(asked)
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        ({"until": 1.0}, "too late, and was not carried out"),
+        ({"session": "before"}, "its machine has started anew"),
+        ({"follower": "somebody"}, "another homebot follows this gateway by now"),
+        ({"id": 0}, "this call came before; it is carried out once"),
+    ],
+    ids=["late", "restarted", "other", "again"],
+)
+async def test_a_command_is_not_carried_out_late_for_another_start_or_twice(
+    change: dict[str, object], why: str
+) -> None:
+    async with far_machine() as far, Node(Graph(), "caller") as node:
+        far.gateway.devices.put(lamp("lamp"), "new")
+        assert far.link.session is not None
+        wire = MachineWire(node, far.link.session, SecretStr(SECRET))
+        follow, call = (machine_name("villa", "attic", "memory", one) for one in ("follow", "call"))
+        news = await wire.ask(follow, FollowGateway, FollowGatewayRequest(follower="me", number=0), PATIENCE)
+
+        async def called(**given: object) -> CallGatewayResponse:
+            asked = {"session": news.session, "follower": "me", "id": 1, "until": news.now + PATIENCE, "longest": 5.0}
+            sent = {"service": "send_command", "request": message_to_cdr(command("lamp"))}
+            return await wire.ask(call, CallGateway, CallGatewayRequest.model_validate(asked | sent | given), PATIENCE)
+
+        assert (await called(id=0)).success
+        try:
+            problem = (await called(**change)).message
+        except PeerError as exc:
+            problem = str(exc)
+        assert why in problem
+        assert len(far.gateway.commands) == 1
+
+
+async def test_pairing_and_health_go_to_the_other_machine(tmp_path: Path) -> None:
+    async with house(tmp_path) as (far, near):
+        states = listen(near.node, GatewayState, near.names.state)
+        await active(states)
+        names = PairingNames(near.node.name)
+        assert names.pair not in near.node.graph.get_service_names_and_types()
+        await far.lose_link()
+        await until(states, "the loss", lambda one: one.state == "unavailable")
+        lost = await near.node.create_client(GetHealth, near.names.health).call(HealthRequest())
+        assert "the machine attic: it does not answer" in lost.troubles[0]
+        PairingServices(Lock(), far.gateway.node)
+        await far.mend_link()
+        client = near.node.create_client(Pair, names.pair)
+        assert await client.wait_for_service(PATIENCE)
+        assert await client.call(PairRequest(device="lock", code="123")) == PairResponse(
+            success=True, key="lock", name="the lock"
+        )
+        health = await near.node.create_client(GetHealth, near.names.health).call(HealthRequest())
+        assert {"commands", "news_missed"} <= {one.name for one in health.counts}
+
+
+class Lock:
+    """A gateway that pairs with a lock."""
+
+    acts, observes_because = True, ""
+
+    async def pair(self, key: str, code: str) -> str:
+        assert (key, code) == ("lock", "123")
+        return "the lock"
+
+    async def unpair(self, key: str) -> str:
+        return key
+
+
+@pytest.mark.parametrize(
+    ("gateways", "why"),
+    [(("mqtt", "ble"), "it has the gateways mqtt, ble; name it here"), ((), "it has no gateways yet")],
+)
+async def test_a_machine_with_more_or_less_than_one_gateway_asks_for_a_name(
+    tmp_path: Path, gateways: tuple[str, ...], why: str
+) -> None:
+    async with far_machine() as far, Node(Graph(), "attic", namespace="/gateway") as node:
+        await far.lose_link()
+        await far.mend_link(gateways)
+        async with running(far.near(node, tmp_path)):
+            state = await until(listen(node, GatewayState, "/gateway/attic/state"), "the state")
+            assert why in state.reason
+
+
+async def test_two_homes_on_one_network_do_not_mix(tmp_path: Path) -> None:
+    async with (
+        far_machine() as far,
+        Node(Graph(), "attic", namespace="/gateway") as node,
+        running(far.near(node, tmp_path, home="other")),
+    ):
+        state = await until(listen(node, GatewayState, "/gateway/attic/state"), "the state")
+        assert "it does not answer" in state.reason
