@@ -127,7 +127,7 @@ def test_a_misspelt_plug_in_is_told_with_the_one_that_is_like_it() -> None:
     with pytest.raises(PluginError, match=r"'light_servce' is not installed .*; did you mean light_service\?"):
         load_plugin("homebot.apps", "light_servce")
     with pytest.raises(PluginError, match=r"one of the conventions of mqtt: the table \[gateways.mqtt\] is enough"):
-        load_plugin("homebot.gateways", "zigbee2mqtt")
+        load_plugin("homebot.gateways", "thesis")
 
 
 def test_a_class_of_your_own_is_found_in_the_working_directory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -82,6 +82,7 @@ async def shown(house: VirtualHouse) -> tuple[Finding, ...]:
         return (await page.create_subscription(Findings, ALERT_FINDINGS, None, qos_profile_latched).receive()).findings
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.parametrize(
     ("kind", "begin", "end", "code"),
     [
@@ -117,6 +118,7 @@ async def test_a_danger_is_told_within_two_seconds_and_once_and_so_is_its_end(
     assert told(house) == [f"Alert: Sink {begin}", f"Over: Sink {end}"]
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.parametrize(
     ("kind", "wait", "text"),
     [("tamper", 60, "reports tampering"), ("problem", 300, "reports a problem"), ("safety", 300, "reports a problem")],
@@ -134,6 +136,7 @@ async def test_what_is_less_urgent_is_shown_at_once_and_told_later(
     assert len(told(house)) == 1
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.parametrize(
     ("name", "kind", "is_door"),
     [
@@ -158,6 +161,7 @@ async def test_a_door_is_told_after_a_quarter_of_an_hour_and_a_window_never(
     assert told(house) == ([f"Alert: {name} is open, for 15 min"] if is_door else [])
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.house(config=NOTIFY | {"alerts": {"leak": "10m", "smoke": False, "door": "1h"}})
 async def test_the_delay_of_each_kind_can_be_set(house: VirtualHouse) -> None:
     for name, kind in (("Sink", "moisture"), ("Roof", "smoke"), ("Hall", "door")):
@@ -177,6 +181,7 @@ def test_an_unknown_kind_is_an_error() -> None:
         parse_config({"alerts": {"leek": 5}}, "homebot.toml")
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.house(config=NOTIFY)
 async def test_a_sensor_that_flaps_is_told_twice_an_hour_at_most(house: VirtualHouse) -> None:
     await announce(house, "Sink", "moisture")
@@ -192,6 +197,7 @@ async def test_a_sensor_that_flaps_is_told_twice_an_hour_at_most(house: VirtualH
     assert told(house) == ["Alert: Sink is wet", "Over: Sink no longer is wet", "Alert: Sink is wet"]
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.house(config=NOTIFY)
 async def test_silence_does_not_end_an_alert(house: VirtualHouse) -> None:
     await announce(house, "Sink", "moisture", availability_topic="home/Sink/status", value_template="{{ value }}")
@@ -211,6 +217,7 @@ async def test_silence_does_not_end_an_alert(house: VirtualHouse) -> None:
     assert told(house)[1:] == ["Over: Sink no longer is wet"]
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.house(config=NOTIFY)
 async def test_the_old_word_of_an_unreachable_sensor_is_told_as_such(house: VirtualHouse) -> None:
     await announce(house, "Sink", "moisture", availability_topic="home/Sink/status")
@@ -224,6 +231,7 @@ async def test_the_old_word_of_an_unreachable_sensor_is_told_as_such(house: Virt
     assert text == "Alert: Sink is wet, by an old report: it is unreachable now"
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.house(config=NOTIFY)
 async def test_each_part_of_a_panel_is_told(house: VirtualHouse) -> None:
     for zone in ("Kitchen", "Cellar"):
@@ -243,6 +251,7 @@ async def test_each_part_of_a_panel_is_told(house: VirtualHouse) -> None:
     assert told(house) == ["Alert: Panel is wet", "Alert: Panel Cellar is wet"]
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.house(config=NOTIFY)
 async def test_a_weak_battery_is_told_after_a_day_but_not_that_of_a_vacuum_cleaner(house: VirtualHouse) -> None:
     for name, more in (("Sink", {}), ("Robby", {"component": "vacuum"})):
@@ -279,6 +288,7 @@ async def test_a_gateway_that_is_away_is_shown_at_once_and_told_after_two_minute
         assert told(house)[1:] == ["Over: gateway hub no longer is away"]
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.house(config={"notify": {}, "gateways": {"mqtt": {"act": False}}})
 async def test_a_message_that_was_not_sent_is_repeated_less_and_less_often(house: VirtualHouse) -> None:
     await announce(house, "Sink", "moisture")
@@ -297,6 +307,7 @@ async def homebot(folder: Path, broker: MemoryBroker, clock: LoopClock) -> Async
         yield runtime
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_a_restart_tells_nothing_again_and_what_ended_meanwhile(tmp_path: Path) -> None:
     clock, random = LoopClock(), Random(0)  # noqa: S311 - a test has no secrets
     async with MemoryBroker(clock=clock, random=random) as broker:
@@ -320,6 +331,7 @@ async def test_a_restart_tells_nothing_again_and_what_ended_meanwhile(tmp_path: 
                 assert [one.text for one in runtime.app_host.notifier.recent] == ["Over: Sink no longer is wet"]
 
 
+@pytest.mark.rooms("homeassistant", "homie", "shelly", "tasmota", "zigbee2mqtt")
 @pytest.mark.parametrize(
     ("world", "days"), [("family", size(7, nightly=21)), ("mixed", size(1, nightly=7))], indirect=["world"]
 )

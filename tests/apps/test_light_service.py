@@ -49,6 +49,7 @@ async def test_a_lamp_that_was_on_before_is_turned_off() -> None:
     assert await told(world) == (["off"], ["lights/lamp → off, by light_service: confirmed after reported)"])
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_a_lamp_that_does_not_obey_is_told_about_and_turned_off_again_some_minutes_later() -> None:
     commands, messages = await told(flat(lamp=lamp("hall", faults={"deaf": {}})), "on", wait="11m")
     assert commands == ["off"] * 9  # three tries, one as it may be fading, three; again where a heartbeat says on
@@ -56,6 +57,7 @@ async def test_a_lamp_that_does_not_obey_is_told_about_and_turned_off_again_some
     assert len(refused) == 3
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_where_somebody_is_a_policy_keeps_the_light_on() -> None:
     world = flat(("06:00", "hall"), hall_lamp=lamp("hall"), hall_motion=motion("hall"))
     with capture_logs() as lines:

@@ -315,6 +315,7 @@ def test_a_plain_run_is_refused_when_the_app_is_loaded() -> None:
         type("Hall", (App,), {"run": print})
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_the_mode_is_checked_when_the_reaction_begins() -> None:
     world = flat(hall_lamp=lamp("hall"), hall_motion=motion("hall"))
     async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "mine") as node:
@@ -345,6 +346,7 @@ async def test_a_name_that_nothing_has_is_told_when_devices_had_time_to_come(
     assert line["message"].startswith(f"{text}: nothing in the house has this name")
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.parametrize("query", ["light", (), (None,)])
 async def test_what_is_no_live_query_is_refused_when_the_reaction_begins(query: object) -> None:
     world = flat(hall_lamp=lamp("hall"))

@@ -13,7 +13,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.interfaces import find_message
 from homebot.testing import VirtualHouse, virtual_house_of
 
-pytestmark = pytest.mark.virtual_time
+pytestmark = [pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
 
 APP = "homebot.apps.rmf_doors:RmfDoors"
 HOUSE = {

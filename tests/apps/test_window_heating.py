@@ -9,7 +9,7 @@ from homebot.house.devices import SimulatedThermostat
 from homebot.house.faults import unwrap
 from homebot.testing import virtual_house_of
 
-pytestmark = pytest.mark.virtual_time
+pytestmark = [pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
 
 
 def airing(**more: object) -> World:

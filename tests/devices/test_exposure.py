@@ -31,6 +31,7 @@ ROBOT = ExposedDevice(
 NAMES = GatewayNames("mqtt")
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_the_app_of_the_guide_is_a_switch_for_a_home_assistant(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a real broker: announced, switched on, and told to be on."""
     section = GUIDE.read_text(encoding="utf-8").split("## Expose a device yourself")[1]

@@ -61,7 +61,7 @@ def test_the_site_has_a_table_of_all_handles() -> None:
     assert all(f"`{one}`" in FILE.read_text() for one in common)
 
 
-@pytest.mark.parametrize("page", ["configuration", "protocols"])
+@pytest.mark.parametrize("page", ["configuration", pytest.param("protocols", marks=pytest.mark.rooms("things"))])
 def test_the_site_has_a_row_for_each_key_of_the_configuration(page: str) -> None:
     """A key without an explanation is an error of the build."""
     site = runpy.run_path(str(SITE))
@@ -101,6 +101,7 @@ def install(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
 APPS = {"movie_night": "class MovieNight(", "good_night": "class GoodNight("}
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.virtual_time
 async def test_the_app_that_looks_at_outcomes_turns_lamps_off(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     install("good_night", monkeypatch)
@@ -114,6 +115,7 @@ async def test_the_app_that_looks_at_outcomes_turns_lamps_off(world: World, monk
         assert house.crashed == ()
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.virtual_time
 async def test_the_app_that_it_shows_works(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     """It starts before any device is known, closes the blinds, and dims whatever lamp of the room is on or goes on."""

@@ -14,7 +14,7 @@ from homebot.graph import Node
 from homebot.house import World
 from homebot.testing import virtual_house_of
 
-pytestmark = pytest.mark.virtual_time
+pytestmark = [pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
 
 ROOM = "rooms: there is no room 'Halll'; did you mean hall?"
 

@@ -26,7 +26,6 @@ SEED = int(os.environ.get("FUZZ_SEED", "1"))
 CASES = int(os.environ.get("FUZZ_CASES", "250"))
 CRASHES = Path(__file__).with_name("crashes.txt")
 PARTS = 4
-FIXTURES = Path(__file__).parents[1] / "gateways" / "mqtt" / "fixtures"
 KINDS = {"bool": bool, "number": float, "text": str, "numbers": tuple}
 WORDS = (*"on off ON None null a/b # + $x".split(), "", "{{ value }}", "\x00", "\ud800", "ü" * 40, "9" * 400)  # noqa: SIM905
 NUMBERS = (0, 1, -1, 2**31, 10**40, -(10**400), 0.5, 1e308, -0.0, math.nan, math.inf, True, 255, 65_536)
@@ -218,9 +217,3 @@ def check_part(mutator: Mutator, part: DescribedPart, spoken: Iterable[str]) -> 
 def check_value(capability: str, value: PlainValue) -> None:
     assert value is None or type(value) is KINDS[CAPABILITIES[capability].kind], (capability, value)
     assert not isinstance(value, float) or math.isfinite(value), (capability, value)
-
-
-def rows_of(convention: str) -> list[dict[str, Any]]:
-    """The real devices that are known to speak *convention*."""
-    lines = (FIXTURES / f"{convention}.jsonl").read_text(encoding="utf-8").splitlines()
-    return [json.loads(line) for line in lines]

@@ -35,6 +35,7 @@ def world(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> World:
     return load_world(tmp_path / "house.toml")
 
 
+@pytest.mark.rooms("zigbee2mqtt")
 @pytest.mark.virtual_time
 @pytest.mark.parametrize("name", TESTS)
 async def test_the_tests_of_the_guide_pass(world: World, name: str) -> None:
@@ -55,6 +56,7 @@ def two_rooms(tmp_path: Path) -> World:
     return load_world(tmp_path / "house.toml")
 
 
+@pytest.mark.rooms("zigbee2mqtt")
 @pytest.mark.usefixtures("world")
 @pytest.mark.virtual_time
 async def test_the_heating_goes_by_the_last_motion_of_all_sensors(two_rooms: World) -> None:

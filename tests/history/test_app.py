@@ -9,7 +9,7 @@ from homebot import App, Handle
 from homebot.errors import UsageError
 from homebot.testing import virtual_house_of
 
-pytestmark = pytest.mark.virtual_time
+pytestmark = [pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
 
 
 class Report(App):

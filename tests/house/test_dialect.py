@@ -4,32 +4,9 @@ import pytest
 
 from homebot.errors import UsageError
 from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat
-from homebot.house.dialect import DeviceState, OutgoingMessage, SimulatedDeviceInfo, state_of
-from homebot.house.family import dialects
-from homebot.house.kinds import KINDS
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo, state_of
 from homebot.house.sensors import LuxSensor
 from homebot.house.simulated_device import SimulatedDevice
-
-LAMP = SimulatedDeviceInfo("villa", "lamp", "desk", "lights", "study")
-
-
-def test_the_thesis_says_words_as_they_are_and_announces_nothing() -> None:
-    """On the device's own topics."""
-    thesis = dialects()["thesis"]
-    assert thesis.filters(LAMP) == ("villa/lights/desk/in",)
-    assert thesis.state_messages(LAMP, DeviceState(text="21.5")) == (
-        OutgoingMessage("villa/lights/desk/out", b"21.5", retain=False, qos=1),
-    )
-    assert thesis.state_messages(LAMP, DeviceState(text="\ud800")) == (OutgoingMessage("villa/lights/desk/out", b"?"),)
-    assert (thesis.birth(LAMP), thesis.will(LAMP)) == ((), None)
-    assert thesis.kinds == KINDS.keys()
-
-
-def test_the_thesis_takes_any_payload_for_a_word() -> None:
-    """What it means is for the device."""
-    told = dialects()["thesis"].parse_command
-    assert told(LAMP, "villa/lights/desk/in", b"on") == ("on",)
-    assert told(LAMP, "villa/lights/desk/in", b"\xff") == ("�",)
 
 
 @pytest.mark.parametrize("name", ["", "a/b", "+", "#", "a\0"])

@@ -24,7 +24,7 @@ async def test_it_may_be_cancelled_at_any_step_of_a_lost_link() -> None:
             connection = MqttConnection(
                 MqttOptions.from_url(url, client_id="lamp"), broker.make_client, status_topic=None, clock=clock
             )
-            dialect = dialects()["homeassistant"]
+            dialect = dialects()["thesis"]
             info = SimulatedDeviceInfo("home", "lamp", "lamp", "lights", "hall")
             device = MqttDevice(info, dialect, connection, lambda _, __: None, HouseCounters(), LogLimit(clock))
             device.begin(DeviceState(text="on"), has_power=True)
@@ -33,9 +33,9 @@ async def test_it_may_be_cancelled_at_any_step_of_a_lost_link() -> None:
                 tasks.start_soon(device.live)
                 await connection_stands(connection)
                 (topic,) = dialect.filters(info)
-                await app.publish(topic, b'{"state": "ON"}')
+                await app.publish(topic, b"on")
                 connection.drop()
-                await app.publish(topic, b'{"state": "ON"}')
+                await app.publish(topic, b"on")
                 for _ in range(steps):
                     await asyncio.sleep(0)
                 tasks.cancel_scope.cancel()

@@ -5,12 +5,12 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
-from shutil import copytree, ignore_patterns
+from shutil import copytree, ignore_patterns, rmtree
 
 import pytest
-from tests.sizes import NIGHTLY
+from tests.sizes import nightly
 
 ROOT = Path(__file__).parents[2]
 INTEGRATIONS = sorted(one.parent.name for one in (ROOT / "src/homebot/integrations").glob("*/__init__.py"))
@@ -23,49 +23,52 @@ for one in pkgutil.walk_packages(homebot.__path__, "homebot.", onerror=lambda na
         except ModuleNotFoundError as exc:
             assert not (exc.name or "").startswith("homebot"), (one.name, exc)
 """
+STAND_INS = {
+    "homebot.integrations.thesis.formats:Thesis": "tests.plain_layout:PlainLayout",
+    "homebot.integrations.thesis.simulated:ThesisDialect": "tests.plain_layout:PlainDialect",
+}
+"""What the core's tests have in place of the thesis's layout, which simulated devices speak by default."""
+
 Rest = Callable[..., str]
 
 
-@pytest.fixture(params=INTEGRATIONS)
-def rest(request: pytest.FixtureRequest, tmp_path: Path) -> Rest:
-    """A project without one integration, in which a program of Python runs; it returns what that prints."""
-    name = request.param
-    for folder in ("src", "tests"):
-        left_out = ignore_patterns("__pycache__", *(["web"] if folder == "src" else []))
-        copytree(ROOT / folder, tmp_path / folder, copy_function=os.link, ignore=left_out)
-        taken = tmp_path / folder / ("homebot/integrations" if folder == "src" else "integrations") / name
-        if taken.exists():
-            taken.rename(tmp_path / f"taken-{folder}")
-    for one in ("docs", "examples", "benchmarks", "README.md", "CHANGELOG.md", "Makefile", "Containerfile"):
-        (tmp_path / one).symlink_to(ROOT / one)
-    (tmp_path / "src/homebot/web").symlink_to(ROOT / "src/homebot/web")
-    lines = (ROOT / "pyproject.toml").read_text().splitlines(keepends=True)
-    kept = "".join(one for one in lines if f"homebot.integrations.{name}." not in one)
-    (tmp_path / "pyproject.toml").write_text(kept)
-    (tmp_path / "house.toml").write_text(
-        '[house]\ndialect = "homie"\n[rooms.hall]\n[devices.lamp]\nkind = "lamp"\nroom = "hall"\ndialect = "homie"\n'
-    )
-    info = tmp_path / "homebot-0.1.0.dist-info"
+def project_without(folders: Collection[str], root: Path, points: str) -> Rest:
+    """Copy the project to *root* with the entry points *points*, without the *folders* of integrations.
+
+    Returns:
+        What runs a program of Python there, and returns what that prints.
+    """
+    left_out = ignore_patterns("__pycache__", ".*_cache", ".git", ".venv*")
+    copytree(ROOT, root, copy_function=os.link, ignore=left_out)
+    for parent in ("src/homebot/integrations", "tests/integrations"):
+        for one in folders:
+            rmtree(root / parent / one, ignore_errors=True)
+    (root / "pyproject.toml").unlink()  # a link to ours
+    lines = points.splitlines(keepends=True)
+    kept = "".join(one for one in lines if not any(f"homebot.integrations.{name}." in one for name in folders))
+    (root / "pyproject.toml").write_text(kept)
+    info = root / "homebot-0.1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: homebot\nVersion: 0.1.0\n")
     groups: dict[str, dict[str, str]] = tomllib.loads(kept)["project"]["entry-points"]
     with (info / "entry_points.txt").open("w") as file:
-        for group, points in groups.items():
-            file.write(f"[{group}]\n" + "".join(f"{key} = {value}\n" for key, value in points.items()))
+        for group, entries in groups.items():
+            file.write(f"[{group}]\n" + "".join(f"{key} = {value}\n" for key, value in entries.items()))
 
-    def run(*arguments: str) -> str:
+    def run(*arguments: str, timeout: float = 300.0) -> str:
         environment = os.environ | {
-            "PYTHONPATH": f"{tmp_path}{os.pathsep}{tmp_path / 'src'}",
-            "HOMEBOT_DATA": str(tmp_path / "data"),
+            "PYTHONPATH": f"{root}{os.pathsep}{root / 'src'}",
+            "HOMEBOT_DATA": str(root / "data"),
         }
+        environment.pop("NIGHTLY", None)
         done = subprocess.run(
             [sys.executable, *arguments],
-            cwd=tmp_path,
+            cwd=root,
             env=environment,
             capture_output=True,
             text=True,
             check=False,
-            timeout=300,
+            timeout=timeout,
         )
         assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
         return done.stdout + done.stderr
@@ -73,18 +76,36 @@ def rest(request: pytest.FixtureRequest, tmp_path: Path) -> Rest:
     return run
 
 
+@pytest.fixture(params=INTEGRATIONS)
+def rest(request: pytest.FixtureRequest, tmp_path: Path) -> Rest:
+    """A project without one integration."""
+    return project_without([request.param], tmp_path / "rest", (ROOT / "pyproject.toml").read_text())
+
+
 def test_the_rest_imports_starts_and_keeps_its_import_rules(rest: Rest, request: pytest.FixtureRequest) -> None:
     rest("-c", IMPORT_ALL)
-    house = "house.toml" if "[thesis]" in request.node.name else "thesis"
+    house = "tests/packages/homie.toml" if "[thesis]" in request.node.name else "thesis"
     assert "is running" in rest(
         "-m", "homebot", "run", "--house", house, "--plain", "--for", "0.1", "--door", "127.0.0.1:0"
     )
     assert "0 broken" in rest("-c", "from importlinter.cli import lint_imports_command; lint_imports_command()")
 
 
-@pytest.mark.skipif(not NIGHTLY, reason="a long case of make nightly")
+@nightly
 def test_all_other_tests_are_collected(rest: Rest) -> None:
     found = rest("-m", "pytest", "--collect-only", "-q", "-p", "no:cacheprovider", "tests")
     collected = re.search(r"(\d+) tests collected|(\d+)/\d+ tests collected", found)
     assert collected is not None, found[-2000:]
     assert "error" not in found.splitlines()[-1]
+
+
+@nightly
+@pytest.mark.timeout(7200)
+def test_the_tests_of_the_core_pass_without_any_integration(tmp_path: Path) -> None:
+    points = (ROOT / "pyproject.toml").read_text()
+    for kind, other in STAND_INS.items():
+        assert points.count(kind) == 1
+        points = points.replace(kind, other)
+    run = project_without(INTEGRATIONS, tmp_path / "rest", points)
+    core = ("tests", "--ignore", "tests/integrations", "-m", "not peers")
+    assert " passed" in run("-m", "pytest", "-q", "-p", "no:cacheprovider", *core, timeout=7000.0)

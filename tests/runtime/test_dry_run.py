@@ -98,6 +98,7 @@ async def kinds(node: Node) -> list[str]:
     return [one.kind for one in (await journal.call(ReadJournalRequest())).entries if one.command]
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_an_app_goes_on_as_if_the_lamp_had_obeyed_and_the_lamp_stays_on() -> None:
     async with dry_house() as house, Node(house.runtime.graph, "app") as node:
         (light,) = await Devices(node).find(Light)
@@ -110,6 +111,7 @@ async def test_an_app_goes_on_as_if_the_lamp_had_obeyed_and_the_lamp_stays_on() 
         assert await kinds(node) == ["requested", "would", "outcome"]
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_the_lamp_is_as_it_is_from_its_next_report_on() -> None:
     async with dry_house() as house, Node(house.runtime.graph, "app") as node:
         (light,) = await Devices(node).find(Light)
@@ -118,6 +120,7 @@ async def test_the_lamp_is_as_it_is_from_its_next_report_on() -> None:
         assert [one.on for one in await Devices(node).find(Light)] == [True]
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_a_text_of_an_app_is_not_sent_either() -> None:
     async with dry_house() as house, Node(house.runtime.graph, "app") as node:
         devices = Devices(node)
@@ -129,6 +132,7 @@ async def test_a_text_of_an_app_is_not_sent_either() -> None:
         assert "published" not in await kinds(node)
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_the_code_in_a_text_is_not_logged_either() -> None:
     async with dry_house() as house, Node(house.runtime.graph, "app") as node:
         devices = Devices(node)
@@ -139,6 +143,7 @@ async def test_the_code_in_a_text_is_not_logged_either() -> None:
         assert line["message"] == 'app would set hall_lamp → {"action": "DISARM", "code": "***"}'
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_a_person_is_told_that_nothing_was_sent() -> None:
     async with dry_house() as house, Node(house.runtime.graph, "door") as node:
         command = node.create_client(CommandDevices, COMMAND_DEVICES)
@@ -151,6 +156,7 @@ async def test_a_person_is_told_that_nothing_was_sent() -> None:
         assert is_on(house.world, "hall_lamp")
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_an_app_that_commands_again_and_again_lets_time_pass() -> None:
     """The light service turns off each lamp that is on, again if it must; here none ever goes off."""
     world = flat(hall_lamp=lamp("hall"))

@@ -57,6 +57,7 @@ async def troubles(here: Home) -> tuple[str, ...]:
     return (await here.node.create_client(GetHealth, "/control/health").call(GetHealth.Request())).troubles
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.parametrize("first", [{}, {"presence_guard": {"doors": {"atic": ["hatch"]}}}])
 async def test_misspelt_names_are_those_of_the_newest_configuration(first: dict[str, object]) -> None:
     async with home(control=first) as here:
@@ -71,6 +72,7 @@ async def test_misspelt_names_are_those_of_the_newest_configuration(first: dict[
         assert await troubles(here) == ()
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_policies_take_effect_and_go_again() -> None:
     async with home() as here:
         assert (await here.turn_off()).succeeded  # type: ignore[attr-defined]
@@ -84,6 +86,7 @@ async def test_policies_take_effect_and_go_again() -> None:
         assert (await here.turn_off()).succeeded  # type: ignore[attr-defined]
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_a_policy_that_needs_sensors_finds_them() -> None:
     """The motion sensor has never detected anybody, so that its silence proves nothing."""
     async with home() as here:
@@ -95,6 +98,7 @@ async def test_a_policy_that_needs_sensors_finds_them() -> None:
         assert "hall_motion" in refused.reason
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_the_rights_of_an_app_are_swapped() -> None:
     async with home() as here:
         await here.reload({"apps": {"app": {"class": "light_service", "act": "light in kitchen"}}})
@@ -103,6 +107,7 @@ async def test_the_rights_of_an_app_are_swapped() -> None:
         assert (await here.turn_off()).succeeded  # type: ignore[attr-defined]
 
 
+@pytest.mark.rooms("homeassistant")
 async def test_places_are_swapped_and_devices_described_anew() -> None:
     async with home() as here:
         before = dict(here.house.runtime.config.places)
@@ -114,6 +119,7 @@ async def test_places_are_swapped_and_devices_described_anew() -> None:
         assert await here.rooms() == {"hall_lamp": "hall"}
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.parametrize(
     ("tables", "mistake"),
     [

@@ -10,8 +10,8 @@ from typing import Any
 
 import anyio
 import pytest
+from tests.integrations.valetudo.test_vacuum import DREAME
 from tests.robots.test_tracker import stamped
-from tests.robots.test_vacuum import DREAME
 
 from homebot.config import parse_config
 from homebot.devices.gateway_messages import RawMessage

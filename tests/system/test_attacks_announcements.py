@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.gateways.mqtt.test_long_lists import TOPIC, house_of
+from tests.integrations.zigbee2mqtt.formats.test_long_lists import TOPIC, house_of
 from tests.patience import PATIENCE
 from tests.sizes import NIGHTLY, nightly, size
 from tests.system.attack_probe import Attacked, attacked, begun, rss, until

@@ -463,17 +463,6 @@ async def test_a_broken_announcement_costs_itself_alone() -> None:
         assert house.gateway.counters.failures == 1
 
 
-async def test_an_announcement_that_says_a_key_twice_is_counted_and_counts_as_it_says_last() -> None:
-    async with simple_house(conventions=("homeassistant",)) as house:
-        config = '{"unique_id": "a", "command_topic": "x/lamp", "command_topic": "lamp/set", "name": "Lamp"}'
-        await house.say("homeassistant/switch/lamp/config", config)
-        (sighting,) = house.sighted()
-        assert sighting.parts[0].writes == ("lamp/set",)
-        assert house.gateway.counters.announcements_ambiguous == 1
-        await house.say("homeassistant/switch/other/config", '{"unique_id": "b", "command_topic": "other/set"}')
-        assert house.gateway.counters.announcements_ambiguous == 1
-
-
 async def test_a_part_that_fails_costs_itself_alone() -> None:
     async with simple_house() as house:
         await house.announce("lamp1")
@@ -558,17 +547,6 @@ async def test_the_message_that_makes_a_device_known_is_read_as_its_state_once()
         assert house.told() == [(LAMP, {"lamp.on_off": True}, False)]
         await house.announce("lamp1", retain=False, state="hello/lamp1", name="y on_off=off y")
         assert house.told() == [(LAMP, {"lamp.on_off": False}, False)]
-
-
-async def test_a_list_that_the_broker_drops_for_its_length_is_a_trouble() -> None:
-    """A link of MQTT 5: nobody is told."""
-    async with simple_house(conventions=("zigbee2mqtt",), max_payload=1024, max_announcement=4096) as house:
-        await house.say("zigbee2mqtt/bridge/info", {"version": "2.14.1"}, retain=True)
-        await house.say("zigbee2mqtt/bridge/devices", b"[" + b" " * 5000 + b"]", retain=True)
-        (trouble,) = (await house.health()).troubles
-        assert "larger than max_announcement" in trouble
-        await house.say("zigbee2mqtt/bridge/devices", "[]", retain=True)
-        assert (await house.health()).troubles == ()
 
 
 async def test_dropped_messages_are_among_the_counts_of_health() -> None:

@@ -203,8 +203,8 @@ async def test_a_tag_that_cannot_be_written_says_why(
         ("http://desk-strip.local/.well-known/wot", "url", LAMP.id),
         ("coap://10.0.0.7", "url", LAMP.id),
         ("mqtt://broker/home/lights/kitchen", "mqtt", LAMP.id),
-        (json.dumps(THING | {"id": "urn:dev:lamp:1"}), "thing", LAMP.id),
-        ("MT:Y.K90AFN00KA0648G00", "matter", PLUG.id),
+        pytest.param(json.dumps(THING | {"id": "urn:dev:lamp:1"}), "thing", LAMP.id, marks=pytest.mark.rooms("things")),
+        pytest.param("MT:Y.K90AFN00KA0648G00", "matter", PLUG.id, marks=pytest.mark.rooms("matter")),
         ("https://example.org/?u=1", "url", ""),
         ("Lamp", "text", ""),
     ],
@@ -225,5 +225,11 @@ async def test_an_ndef_message_of_another_reader_is_a_code_too() -> None:
         assert (await scan.call(ScanCodeRequest(ndef=uri("homebot:device/lights/kitchen")))).device == LAMP.id
         wrong = await scan.call(ScanCodeRequest(ndef=b"\xd1\xff\x00?"))
         assert (wrong.success, "NDEF" in wrong.message) == (False, True)
+
+
+@pytest.mark.rooms("matter")
+async def test_a_setup_code_that_is_invalid_is_refused() -> None:
+    async with tag_house() as house:
+        scan = house.watcher.create_client(ScanCode, "/gateway/nfc/scan")
         empty = await scan.call(ScanCodeRequest(text="MT:?"))
         assert (empty.success, "base 38" in empty.message) == (False, True)

@@ -16,7 +16,7 @@ from homebot.integrations.valetudo.formats import read_map
 from homebot.places.outline import simplified
 from homebot.places.polygon import Polygon
 
-DATA = Path(__file__).parents[2] / "robots" / "data"
+DATA = Path(__file__).parent / "data"
 SAMPLES = sorted(DATA.glob("valetudo_*.zlib"))
 
 

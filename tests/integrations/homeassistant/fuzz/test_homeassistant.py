@@ -4,7 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from tests.fuzz.conftest import Fuzz, fuzz_convention, rows_of
+from tests.fuzz.conftest import Fuzz, fuzz_convention
+from tests.integrations.real_devices import rows_of
 
 from homebot.integrations.homeassistant.formats import HomeAssistantDiscovery, HomeAssistantSettings
 

@@ -2,7 +2,8 @@
 
 from contextlib import suppress
 
-from tests.fuzz.conftest import Fuzz, rows_of
+from tests.fuzz.conftest import Fuzz
+from tests.integrations.real_devices import rows_of
 
 from homebot.integrations.homeassistant.formats.jinja import TemplateError, compile_template
 from homebot.integrations.homeassistant.formats.jinja.functions import FILTERS, FUNCTIONS

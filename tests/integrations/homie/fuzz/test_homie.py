@@ -1,6 +1,7 @@
 """Damaged announcements and messages of Homie: refused in our words, or understood."""
 
-from tests.fuzz.conftest import Fuzz, fuzz_convention, rows_of
+from tests.fuzz.conftest import Fuzz, fuzz_convention
+from tests.integrations.real_devices import rows_of
 
 from homebot.integrations.homie.formats import Homie, HomieSettings
 

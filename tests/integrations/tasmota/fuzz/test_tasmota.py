@@ -1,6 +1,7 @@
 """Damaged announcements and messages of Tasmota: refused in our words, or understood."""
 
-from tests.fuzz.conftest import Fuzz, fuzz_convention, rows_of
+from tests.fuzz.conftest import Fuzz, fuzz_convention
+from tests.integrations.real_devices import rows_of
 
 from homebot.integrations.tasmota.formats import TasmotaDiscovery, TasmotaSettings
 

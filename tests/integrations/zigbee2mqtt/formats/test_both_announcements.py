@@ -1,6 +1,6 @@
 """Real models, announced by ``bridge/devices`` and by Home Assistant discovery at once, as in every house with both.
 
-``both_announcements.jsonl`` has a model per line; ``../fixtures/README.md`` says how the messages were made:
+``both_announcements.jsonl`` has a model per line; ``real_devices.md`` says how the messages were made:
 
 - ``entry``: the model in ``bridge/devices``;
 - ``device``: the device block of each of its discovery messages;

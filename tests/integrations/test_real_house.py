@@ -1,12 +1,12 @@
 """Real products on one broker: all the way through gateway and directory."""
 
 import json
-from pathlib import Path
 from typing import Any, TypeAlias
 
 import anyio
 import pytest
 from tests.gateways.mqtt.known_house import known_house
+from tests.integrations.real_devices import rows_of
 
 from homebot.conventions.description import DeviceAnnounced
 from homebot.devices import Device
@@ -14,7 +14,6 @@ from homebot.plugins import load_plugin
 
 Row: TypeAlias = dict[str, Any]
 
-FIXTURES = Path(__file__).parent / "fixtures"
 CONVENTIONS = {
     "homeassistant": "homebot.integrations.homeassistant.formats:HomeAssistantDiscovery",
     "zigbee2mqtt": "homebot.integrations.zigbee2mqtt.formats:Zigbee2Mqtt",
@@ -26,8 +25,7 @@ BRIDGE = "zigbee2mqtt/bridge/devices"
 
 
 def rows(convention: str, each: int) -> list[Row]:
-    lines = (FIXTURES / f"{convention}.jsonl").read_text(encoding="utf-8").splitlines()
-    return [json.loads(line) for line in lines[::each]]
+    return rows_of(convention)[::each]
 
 
 def announced(products: list[Row]) -> list[tuple[str, str]]:

@@ -1,6 +1,6 @@
 """Real products, by every convention: what they are, what they say, and what they are told.
 
-``fixtures/<convention>.jsonl`` has a product per line; ``fixtures/README.md`` says where lines come from:
+``NAME/formats/real_devices.jsonl`` has a product per line; ``real_devices.md`` says where lines come from:
 
 - ``messages``: topic and payload of each announcement;
 - ``types``: service types it must have, settings and self-observations aside;
@@ -13,10 +13,10 @@ A part is named by its id, by its service type where ids are the convention's ow
 
 import json
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any, TypeAlias
 
 import pytest
+from tests.integrations.real_devices import rows_of
 
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
@@ -30,7 +30,6 @@ from homebot.integrations.zigbee2mqtt.formats import Zigbee2Mqtt, Zigbee2MqttSet
 
 Row: TypeAlias = dict[str, Any]
 
-FIXTURES = Path(__file__).parent / "fixtures"
 CONVENTIONS: Mapping[str, Callable[[], Convention]] = {
     "homeassistant": lambda: HomeAssistantDiscovery(HomeAssistantSettings()),
     "zigbee2mqtt": lambda: Zigbee2Mqtt(Zigbee2MqttSettings()),
@@ -41,10 +40,6 @@ CONVENTIONS: Mapping[str, Callable[[], Convention]] = {
 MODELS = 500
 TOLERANCES = {"color_temperature": 40.0, "level": 0.7, "position": 0.51, "tilt": 0.51, "fan_speed": 0.51}
 """Judges show whole percents and mireds; of other numbers, they show fewer digits."""
-
-
-def rows(convention: str) -> list[Row]:
-    return [json.loads(line) for line in (FIXTURES / f"{convention}.jsonl").read_text(encoding="utf-8").splitlines()]
 
 
 def parts_of(convention: Convention, row: Row) -> list[DescribedPart]:
@@ -121,13 +116,13 @@ def obeys(row: Row, ours: tuple[Publication, ...], theirs: Any) -> bool:
 
 def test_hundreds_of_products_are_here() -> None:
     """No product counts twice."""
-    assert len({(row["vendor"], row["model"]) for convention in CONVENTIONS for row in rows(convention)}) >= MODELS
+    assert len({(row["vendor"], row["model"]) for convention in CONVENTIONS for row in rows_of(convention)}) >= MODELS
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
 def test_products_are_understood_and_told_as_their_judge_does(convention: str) -> None:
     """What differs is listed, so that one run shows all of it."""
-    found = [(row["vendor"], row["model"], differences(convention, row)) for row in rows(convention)]
+    found = [(row["vendor"], row["model"], differences(convention, row)) for row in rows_of(convention)]
     assert [product for product in found if product[-1]] == []
 
 

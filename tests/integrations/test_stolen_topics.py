@@ -9,12 +9,12 @@ import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.integrations.real_devices import announcing, rows_of
 from tests.sizes import examples
 
 from homebot.conventions.convention import Convention
@@ -29,7 +29,6 @@ from homebot.messages import Time
 
 pytestmark = pytest.mark.slow
 
-FIXTURES = Path(__file__).parent / "fixtures"
 HOSTILE = "homeassistant:light/intruder"
 RESERVED = (
     "$SYS/broker/log",
@@ -60,11 +59,11 @@ def fresh(name: str) -> Convention:
 def products() -> tuple[tuple[DeviceAnnounced, ...], ...]:
     """What each product announces."""
     found = []
-    for file in sorted(FIXTURES.glob("*.jsonl")):
-        for line in file.read_text(encoding="utf-8").splitlines():
-            convention = fresh(file.stem)
+    for name in announcing():
+        for row in rows_of(name):
+            convention = fresh(name)
             described: dict[str, DeviceAnnounced] = {}
-            for topic, payload in json.loads(line)["messages"]:
+            for topic, payload in row["messages"]:
                 for heard in convention.read_message(topic, payload.encode(), retained=True):
                     if isinstance(heard, DeviceAnnounced):
                         described[heard.key] = heard

@@ -96,3 +96,14 @@ async def test_a_sensor_of_the_connection_says_that_it_is_lost() -> None:
             {"c.connectivity": True},
             {"c.connectivity": False},
         ]
+
+
+async def test_an_announcement_that_says_a_key_twice_is_counted_and_counts_as_it_says_last() -> None:
+    async with simple_house(conventions=("homeassistant",)) as house:
+        config = '{"unique_id": "a", "command_topic": "x/lamp", "command_topic": "lamp/set", "name": "Lamp"}'
+        await house.say("homeassistant/switch/lamp/config", config)
+        (sighting,) = house.sighted()
+        assert sighting.parts[0].writes == ("lamp/set",)
+        assert house.gateway.counters.announcements_ambiguous == 1
+        await house.say("homeassistant/switch/other/config", '{"unique_id": "b", "command_topic": "other/set"}')
+        assert house.gateway.counters.announcements_ambiguous == 1

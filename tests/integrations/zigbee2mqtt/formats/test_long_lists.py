@@ -23,7 +23,7 @@ from homebot.integrations.zigbee2mqtt.formats import Zigbee2Mqtt, Zigbee2MqttSet
 pytestmark = pytest.mark.slow
 
 TOPIC = "zigbee2mqtt/bridge/devices"
-FIXTURE = Path(__file__).parent / "fixtures" / "zigbee2mqtt.jsonl"
+FIXTURE = Path(__file__).with_name("real_devices.jsonl")
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4),
@@ -133,3 +133,15 @@ async def test_a_convention_that_never_ends_costs_its_message_alone() -> None:
         assert house.gateway.counters.announcements_rejected == 1
         await house.announce("other")
         assert [one.key for one in house.sighted()] == ["simple:other"]
+
+
+@pytest.mark.virtual_time
+async def test_a_list_that_the_broker_drops_for_its_length_is_a_trouble() -> None:
+    """A link of MQTT 5: nobody is told."""
+    async with simple_house(conventions=("zigbee2mqtt",), max_payload=1024, max_announcement=4096) as house:
+        await house.say("zigbee2mqtt/bridge/info", {"version": "2.14.1"}, retain=True)
+        await house.say("zigbee2mqtt/bridge/devices", b"[" + b" " * 5000 + b"]", retain=True)
+        (trouble,) = (await house.health()).troubles
+        assert "larger than max_announcement" in trouble
+        await house.say("zigbee2mqtt/bridge/devices", "[]", retain=True)
+        assert (await house.health()).troubles == ()
