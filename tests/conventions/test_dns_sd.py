@@ -87,8 +87,6 @@ ESPHOME = found(
     version="2026.10.0",
 )
 WLED = found("wled-desk", "_wled._tcp", "wled-desk.local.", mac="a8032abe54dc")
-MATTER = found("2906C908D115D362-8FC7772401CD0696", "_matter._tcp", "B827EBA1B2C3.local.", SII="5000")
-HOMEKIT = found("Hall lamp", "_hap._tcp", "hall-lamp.local.", id="A8:03:2A:BE:54:DC", md="Lamp 1", sf="0")
 AIRPLAY = found("A8032ABE54DC@Kitchen", "_raop._tcp", "Kitchen.local.", am="AudioAccessory5,1")
 
 
@@ -97,16 +95,10 @@ def test_a_hardware_address_is_found_where_devices_have_it(service: FoundService
     assert "mac:a8032abe54dc" in identifiers_of(service)
 
 
-def test_of_matter_the_host_is_the_hardware_address_and_the_instance_is_the_node() -> None:
-    (host, node) = identifiers_of(MATTER)
-    assert host == "mac:b827eba1b2c3"
-    assert node == f"id:matter:deviceid_{MATTER.name}-MatterNodeDevice"
-    on_matter_js = found(MATTER.name, "_matter._tcp", "B827EBA1B2C30000.local.", T="6")
-    assert identifiers_of(on_matter_js) == (host, node)
-
-
-def test_the_pairing_id_of_homekit_is_no_hardware_address() -> None:
-    assert identifiers_of(HOMEKIT) == ("id:homekit A8:03:2A:BE:54:DC pairing",)
+def test_what_an_ecosystem_says_is_declared_takes_the_place_of_the_usual() -> None:
+    lamp = found("Lamp", "_lamp._tcp", "lamp.local.", id="A8:03:2A:BE:54:DC")
+    assert identifiers_of(lamp) == ("mac:a8032abe54dc",)
+    assert identifiers_of(lamp, ["lamp number 7"]) == ("id:lamp number 7",)
 
 
 @pytest.mark.parametrize(
@@ -118,7 +110,6 @@ def test_the_pairing_id_of_homekit_is_no_hardware_address() -> None:
         ("me@home", "_http._tcp", {}, "me@home"),
         ("office [a8:03:2a:be:54:dc]", "_workstation._tcp", {}, "office"),
         ("Bosch SHC [a8-03-2a-be-54-dc]", "_http._tcp", {}, "Bosch SHC"),
-        ("DD200C20D25AE5F7", "_matterc._udp", {"dn": "Plug"}, "Plug"),
         ("amzn.dmgr:0BAECE33521E1296:IWtzu2uork:904801", "_amzn-wplay._tcp", {"n": "Bedroom TV"}, "Bedroom TV"),
         ("Lamp", "_http._tcp", {"n": "x"}, "Lamp"),
         ("Lamp", "_http._tcp", {"dn": "x", "fn": ""}, "Lamp"),

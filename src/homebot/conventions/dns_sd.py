@@ -113,17 +113,12 @@ _DECLARED = ("serial", "serialnumber", "serial_number", "serialnum", "sn", "uuid
 _SHORTEST = 8
 """Characters of a declared id: a shorter one, such as ``1``, belongs to many devices."""
 
-_PAIRING = frozenset({"_hap._tcp.local.", "_hap._udp.local."})
-"""HomeKit, also over Thread: its ``id`` looks like a hardware address, and is a random number that changes with each
-reset."""
-
 _NAMES = ("friendly_name", "friendlyname", "fn")
 """Keys that say the name that people gave, of ESPHome and of Google Cast."""
 
-_NAME_OF = {"_matterc._udp.local.": "dn", "_amzn-wplay._tcp.local.": "n"}
-"""Further ones by type: of Matter, and of the Fire TVs of Amazon, which are called ``amzn.dmgr:`` and an id."""
+_NAME_OF = {"_amzn-wplay._tcp.local.": "n"}
+"""Further ones by type: of the Fire TVs of Amazon, which are called ``amzn.dmgr:`` and an id."""
 
-_OPERATIONAL = "_matter._tcp.local."
 _ID = re.compile(r"[0-9A-Za-z]+[_-][0-9A-Fa-f]{12,}|[0-9A-Fa-f]{12,}")
 _ADDRESS_BEHIND = re.compile(r"\s*\[((?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2})\]$")
 """Of computers, ``office [00:0e:c6:12:34:56]``, and of Bosch's controller, with hyphens."""
@@ -181,23 +176,22 @@ def facts_of(service: FoundService) -> dict[str, str]:
     return {name: printable(value) for name, value in found.items() if value}
 
 
-def identifiers_of(service: FoundService) -> tuple[str, ...]:
+def identifiers_of(service: FoundService, declared: Iterable[str] | None = None) -> tuple[str, ...]:
     """Return the identifiers of a service's device beyond this gateway; see :mod:`homebot.devices.identity`.
 
     A host name and an instance name count where they contain a hardware address: without one, they are names that
     people give. For the host as such, see :func:`host_identifiers`.
+
+    Args:
+        declared: What it declares, if its ecosystem has a rule of its own.
     """
     said = service.properties
     label = _PADDED.sub(r"\1", service.host.removesuffix(".").removesuffix(".local"))
     named = [label] if _has_address(label, "mac:", "eui64:") else []
-    # Not of 64 bits: an instance of Matter is called <fabric>-<node>, and neither is an address.
+    # Not of 64 bits: the node of a fabric is called <fabric>-<node>, and neither is an address.
     named += [one for one in (service.name, service.name.partition("@")[0]) if _has_address(one, "mac:")]
     named += [match[1] for match in _ADDRESS_BEHIND.finditer(service.name)]
-    if service.service_type in _PAIRING:
-        declared = [f"homekit {said['id'].upper()} pairing"] if "id" in said else []
-    elif service.service_type == _OPERATIONAL:
-        declared = [f"matter:deviceid_{service.name.upper()}-MatterNodeDevice"]  # as Home Assistant spells it
-    else:
+    if declared is None:
         declared = [said[key] for key in _DECLARED if len(said.get(key, "")) >= _SHORTEST]
     hardware = [in_pairs(one) for key in _HARDWARE for one in _SEPARATORS.split(said.get(key, ""))[:_MOST_ADDRESSES]]
     return identifiers([*hardware, *named, *declared])
@@ -209,13 +203,14 @@ def host_identifiers(service: FoundService) -> tuple[str, ...]:
     return () if is_group else (f"{HOST}{printable(service.host).removesuffix('.').casefold()}",)
 
 
-def name_of(service: FoundService) -> str:
+def name_of(service: FoundService, key: str = "") -> str:
     """Return the name of a service for people: its instance name without the address that some put into it.
 
-    A name in the TXT record comes first: there the instance name is made of an id (Google Cast, Matter, Amazon).
+    A name in the TXT record comes first, also that of the *key* of its ecosystem: there the instance name is made of an
+    id (Google Cast, Amazon).
     """
-    for key in (*_NAMES, _NAME_OF.get(service.service_type, "")):
-        if name := printable(service.properties.get(key, "")).strip():
+    for one in (*_NAMES, key, _NAME_OF.get(service.service_type, "")):
+        if name := printable(service.properties.get(one, "")).strip():
             return name
     before, _, after = service.name.partition("@")
     if after.strip() and (_has_address(before, "mac:") or _ID.fullmatch(before)):

@@ -10,13 +10,15 @@ from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import cycle
-from typing import Final, NamedTuple, Protocol, final
+from typing import ClassVar, Final, NamedTuple, Protocol, final
 
 from homebot.places.outline import traced
 from homebot.places.rigid import MapPose
-from homebot.plugins import load_plugin
+from homebot.plugins import load_plugin, plugin_names
 
-__all__ = ["MapReader", "VacuumMap", "VacuumSegment", "map_reader"]
+__all__ = ["MapReader", "VacuumMap", "VacuumSegment", "map_readers"]
+
+_GROUP: Final = "homebot.vacuum_maps"
 
 _NEARBY: Final = 0.5
 
@@ -27,7 +29,19 @@ _NONE: Final = -1
 
 
 class MapReader(Protocol):
-    """Reads the maps of one kind of vacuum."""
+    """Reads the maps of one kind of vacuum; the plug-in group is ``homebot.vacuum_maps``.
+
+    Attributes:
+        origin: What its announcements state as their origin.
+        state_topic: The topic of ``lost`` and ``ready`` below that of the vacuum.
+        status_topic: The topic of what it does, such as ``cleaning`` or ``docked``.
+        map_topic: The topic of its map.
+    """
+
+    origin: ClassVar[str]
+    state_topic: ClassVar[str]
+    status_topic: ClassVar[str]
+    map_topic: ClassVar[str]
 
     def read(self, payload: bytes) -> VacuumMap:
         """Return the map in *payload*.
@@ -38,14 +52,9 @@ class MapReader(Protocol):
         ...
 
 
-def map_reader(kind: str) -> MapReader:
-    """Return the reader for vacuums of a *kind*, such as ``valetudo``.
-
-    Raises:
-        PluginError: None is installed.
-    """
-    made: MapReader = load_plugin("homebot.vacuum_maps", kind)()
-    return made
+def map_readers() -> tuple[MapReader, ...]:
+    """Return the installed readers."""
+    return tuple(load_plugin(_GROUP, name)() for name in plugin_names(_GROUP))
 
 
 class VacuumSegment(NamedTuple):

@@ -15,6 +15,7 @@ from typing import Final
 
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import spoken_type
+from homebot.devices.identity import ALIASING_BRIDGE
 from homebot.devices.part import Capability, Part
 from homebot.devices.words import (
     ALL_THAT_ASK,
@@ -201,7 +202,7 @@ def _why_beside(device: Device, part: DevicePart, other: DevicePart) -> str:
     """Return why *part* always asks because of *other*; a command on the topic of a lock may unlock it."""
     shares_topic = not frozenset(part.part.writes).isdisjoint(other.part.writes)
     kind = part.part.service_type
-    is_apart = not shares_topic and not _is_of_zigbee2mqtt(device)
+    is_apart = not shares_topic and not _has_aliases(device)
     if is_apart and (kind == "light" or (kind == "window_covering" and _has_its_program(part, other))):
         return ""
     reason = _why_declared(other.part)
@@ -210,9 +211,9 @@ def _why_beside(device: Device, part: DevicePart, other: DevicePart) -> str:
     return f"beside another part: {reason}" if reason else ""
 
 
-def _is_of_zigbee2mqtt(device: Device) -> bool:
+def _has_aliases(device: Device) -> bool:
     """Return whether further topics reach any part of it, such as ``LOCK/left/set`` and that of its address."""
-    return any(one.name == "via_device" and one.value.startswith("zigbee2mqtt_bridge_") for one in device.facts)
+    return any(one.name == "via_device" and one.value.startswith(ALIASING_BRIDGE) for one in device.facts)
 
 
 def _has_its_program(part: DevicePart, other: DevicePart) -> bool:

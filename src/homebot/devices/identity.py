@@ -9,12 +9,18 @@ bridge names its devices ``<bridge>_<address of the bridge>_<device>``. A servic
 import re
 from collections.abc import Iterable
 
-__all__ = ["HOST", "identifiers", "in_pairs"]
+__all__ = ["ALIASING_BRIDGE", "HOST", "identifiers", "in_pairs"]
 
 HOST = "id:host "
 """The beginning of the identifier of all services of one host: its name in the local network, case-folded.
 
 Host names are unique in one local network, so it is valid among the announcements of one gateway."""
+
+ALIASING_BRIDGE = "zigbee2mqtt_bridge_"
+"""The beginning of the identifiers of bridges that take a command on ``BASE/NAME/set``, and with the name of an
+endpoint, its number, the address of the device, or a group in place of the name.
+
+Every announcement of a device behind one has it, by whichever convention it comes; nothing else in it tells."""
 
 _PAIRS = re.compile(
     r"(?:.*[^0-9a-f:-])?([0-9a-f]{2}(?:([:-])[0-9a-f]{2})(?:\2[0-9a-f]{2}){4}(?:(?:\2[0-9a-f]{2}){2})?)"

@@ -66,7 +66,8 @@ class ScanCodeResponse(ServiceAnswer):
     """The device that a code points to; a success if the code was understood, even if the device is unknown.
 
     Attributes:
-        kind: The kind of code: ``homebot``, ``thing``, ``matter``, ``homekit``, ``mqtt``, ``url`` or ``text``.
+        kind: The kind of code: ``homebot``, ``thing``, ``mqtt``, ``url``, ``text``, or that of a setup code, such as
+            ``matter``.
         device: The id of the device; empty if there is none, or several.
         candidates: The ids of all devices that it may mean.
         area: The room that it names; empty for none.

@@ -48,7 +48,7 @@ from homebot.house.household import Habit, Person
 from homebot.house.kinds import FAULTS, KINDS, Surroundings
 from homebot.house.rooms import DAY, OUTSIDE, Room, Rooms, WorldTime
 from homebot.house.sensors import PowerMeter
-from homebot.house.simulated_device import Placed, ScheduledCommand, SimulatedDevice
+from homebot.house.simulated_device import DEFAULT_DIALECT, Placed, ScheduledCommand, SimulatedDevice
 from homebot.house.world import World
 from homebot.support.similar import unknown_key
 from homebot.support.toml_file import read_toml
@@ -145,7 +145,7 @@ class _HouseTable(_Strict):
     latitude: float = Field(default=48.0, ge=-90.0, le=90.0)
     by_hand: bool = True
     forgetful: bool = False
-    dialect: str = "thesis"
+    dialect: str = DEFAULT_DIALECT
     pace: float = Field(default=1.0, gt=0.0, le=1000.0)
     begins: time | None = None
 

@@ -8,7 +8,7 @@ separate client.
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, final
+from typing import ClassVar, NamedTuple, final
 
 from homebot.errors import UsageError
 from homebot.house.devices import SimulatedLamp, SimulatedThermostat, WindowMotor
@@ -138,7 +138,13 @@ class Bridge(NamedTuple):
 
 
 class Dialect(ABC):
-    """A family of devices. Its functions never raise, for any state or payload."""
+    """A family of devices. Its functions never raise, for any state or payload.
+
+    Attributes:
+        announces: Whether its devices announce themselves.
+    """
+
+    announces: ClassVar[bool] = True
 
     @property
     @abstractmethod

@@ -23,6 +23,7 @@ __all__ = [
     "FamilyNetwork",
     "LoopbackMdns",
     "ServedFamily",
+    "announces",
     "dialects",
     "family_names",
     "family_of",
@@ -114,6 +115,12 @@ def dialects() -> dict[str, Dialect]:
     """Return the installed families on MQTT by their names."""
     found = ((name, family_of(name)) for name in family_names())
     return {name: one for name, one in found if isinstance(one, Dialect)}
+
+
+def announces(name: str) -> bool:
+    """Return whether devices of the family *name* announce themselves, and so have names and identifiers."""
+    found = family_of(name)
+    return not isinstance(found, Dialect) or found.announces
 
 
 def kinds_of(name: str) -> frozenset[str] | None:

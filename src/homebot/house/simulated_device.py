@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, Final, NamedTuple
 
 from homebot.support.numbers import to_number
 
@@ -123,6 +123,10 @@ class SimulatedDevice(ABC):
         return ()
 
 
+DEFAULT_DIALECT: Final = "thesis"
+"""The family of devices for which a house states none."""
+
+
 class Placed(NamedTuple):
     """A device and its place.
 
@@ -135,7 +139,7 @@ class Placed(NamedTuple):
     device: SimulatedDevice
     room: str
     door: str = ""
-    dialect: str = "thesis"
+    dialect: str = DEFAULT_DIALECT
     at: tuple[float, float] | None = None
 
 

@@ -28,7 +28,7 @@ class RobotSettings(BaseModel):
         limit: Seconds for which a pose from ``/NAME/pose`` or MQTT is valid.
         topic: An MQTT topic with its pose as JSON: ``x``, ``y``, and any of ``yaw``, ``error``, ``floor`` and
             ``limit``; or only ``room``. Retained messages do not count, as their age is not known.
-        vacuum: The MQTT topic of a vacuum cleaner with Valetudo: ``valetudo/NAME``.
+        vacuum: The MQTT topic of a vacuum cleaner with a map, such as ``valetudo/NAME``.
         segments: The rooms of the segments on its map, by id: ``{"16" = "Kitchen"}``.
         map_transform: x, y in metres and yaw in radians of the frame of its map, ``NAME/map``, in the house's frame
             ``map``. Not needed if three of its segments have the names of rooms with a polygon.

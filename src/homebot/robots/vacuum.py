@@ -1,4 +1,4 @@
-"""A Valetudo robot vacuum: its map, with rooms as segments, and its position on it."""
+"""A robot vacuum: its map, with rooms as segments, and its position on it."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -7,12 +7,12 @@ from typing import Final
 import anyio
 from anyio import to_thread
 
-from homebot.conventions.vacuum_map import VacuumMap, VacuumSegment, map_reader
+from homebot.conventions.vacuum_map import VacuumMap, VacuumSegment, map_readers
 from homebot.devices.devices import Devices
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.names import CHANGE_ROOM, IMPORT_PLACES
 from homebot.devices.places_messages import ChangeRoom, ChangeRoomRequest, ImportPlaces, ImportPlacesRequest
-from homebot.errors import ConfigError, ServiceError, WireError
+from homebot.errors import ConfigError, PluginError, ServiceError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
 from homebot.places import places_text
@@ -47,7 +47,13 @@ class Vacuum:
 
     def __init__(self, node: Node, devices: Devices, robot: TrackedRobot, house: Callable[[], HousePlan]) -> None:
         self._node, self._devices, self._robot, self._house = node, devices, robot, house
-        self._source = f"{robot.settings.vacuum}/MapData"
+        readers = map_readers()
+        if not readers:
+            raise PluginError(
+                robot.settings.vacuum, "needs an integration that reads the maps of vacuums; none is installed"
+            )
+        self._reader = readers[0]
+        self._source = f"{robot.settings.vacuum}/{self._reader.map_topic.partition('/')[0]}"
         self._rooms = _ImportedRooms(node, house, robot.name)
         self._map: VacuumMap | None = None
         self._first_id: str | None = None
@@ -64,17 +70,16 @@ class Vacuum:
         """Read maps until cancelled, only the newest; they are decoded in a thread."""
         base = self._robot.settings.vacuum
         for name, handle in (
-            ("$state", self._on_state),
-            ("StatusStateAttribute/status", self._on_status),
-            ("MapData/map-data", self._on_map),
+            (self._reader.state_topic, self._on_state),
+            (self._reader.status_topic, self._on_status),
+            (self._reader.map_topic, self._on_map),
         ):
             await listen(self._node, self._devices, self._robot.settings.gateway, f"{base}/{name}", handle)
-        read = map_reader("valetudo").read
         while True:
             await self._arrived.wait()
             self._arrived = anyio.Event()
             try:
-                found = await to_thread.run_sync(read, self._waiting)
+                found = await to_thread.run_sync(self._reader.read, self._waiting)
                 if self._map is None or self._map.segments != found.segments:
                     self._shapes, self._joined = await to_thread.run_sync(_rooms_of, found)
             except WireError as exc:

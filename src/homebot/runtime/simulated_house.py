@@ -13,6 +13,7 @@ from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import Graph, Node
 from homebot.house import SimulatedHouse, World
 from homebot.house.dialect import SimulatedDeviceInfo
+from homebot.house.family import announces
 from homebot.house.faults import unwrap
 from homebot.house.network import HouseNetwork
 from homebot.house.rooms import DOOR_WIDTH
@@ -27,8 +28,7 @@ __all__ = ["HouseOfRun", "identifiers"]
 ROBOT = "house.robot"
 
 _STATED = ("configuration", 0.0)
-_THESIS = "thesis"
-_THESIS_HOME = "home425"
+_HOME = "home425"
 _FRAMES = ("odom", "base_footprint", "base_link")
 _BOOTS = 1.0
 """Seconds by which the robot starts after the house, so that loading its code does not delay the start."""
@@ -49,7 +49,7 @@ class HouseOfRun:
         self._world = world
         self.robot = robot if any(room.corners for room in world.rooms.rooms.values()) else ""
         self._configured = frozenset(configured)
-        self.home = _THESIS_HOME
+        self.home = _HOME
         self.network = HouseNetwork(world.families())
 
     def completed(self, plan: Plan, source: str) -> Plan:
@@ -159,9 +159,9 @@ def identifiers(placed: Placed, home: str) -> tuple[str, ...]:
         home: The first level of the devices' topics, on which hardware addresses depend.
     """
     name, kind = placed.device.device_id, placed.device.service_type
-    if placed.dialect == _THESIS:
+    if not announces(placed.dialect):
         return (f"{kind}/{name}",)
-    from homebot.house.wire import hardware_address  # noqa: PLC0415 - the thesis's devices have none
+    from homebot.house.wire import hardware_address  # noqa: PLC0415 - what announces nothing has none
 
     address = hardware_address(SimulatedDeviceInfo(home, "", name, kind, placed.room))
     return (name, f"mac:{address}")
@@ -170,7 +170,7 @@ def identifiers(placed: Placed, home: str) -> tuple[str, ...]:
 def _facts(name: str, placed: Placed) -> Iterator[OwnerFact]:
     """Yield the facts that the owner of a simulated device would state, because few protocols carry rooms or names."""
     yield OwnerFact("area", placed.room, *_STATED)
-    if placed.dialect != _THESIS:
+    if announces(placed.dialect):
         yield OwnerFact("name", name, *_STATED)
     if placed.at is not None:
         yield OwnerFact("position", Position(*placed.at).text, *_STATED)

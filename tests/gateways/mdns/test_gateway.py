@@ -314,7 +314,7 @@ def test_an_invalid_service_type_is_refused(wrong: str) -> None:
 
 def test_without_service_types_those_of_drivers_and_all_on_the_network_are_looked_for() -> None:
     types = MdnsGatewaySettings().types_with(frozenset({"_lamp._tcp.local."}))
-    assert {"_lamp._tcp.local.", "_hap._tcp.local.", "_services._dns-sd._udp.local."} <= types
+    assert {"_lamp._tcp.local.", "_airplay._tcp.local.", "_services._dns-sd._udp.local."} <= types
     assert MdnsGatewaySettings(service_types=("_HTTP._tcp",)).types_with(frozenset({"_lamp._tcp.local."})) == {
         "_http._tcp.local."
     }

@@ -5,11 +5,14 @@ from __future__ import annotations
 import re
 from collections import deque
 from collections.abc import Awaitable, Callable, Collection, Iterable, Iterator, Mapping
+from functools import partial
 from operator import attrgetter
 from typing import NamedTuple, TypeVar
 
 import anyio
 
+from homebot.conventions.ecosystem import ecosystems
+from homebot.conventions.vacuum_map import map_readers
 from homebot.devices import QUERY_DEVICES, Device, GatewayState, QueryDevices
 from homebot.devices.alerts import ALERTS, MOST_SHOWN, alerts_of, findings_of
 from homebot.devices.findings import Finding, FindingKind, Row
@@ -173,8 +176,10 @@ class _Doctor:
             shown = sorted((one for one in alerts if one.is_shown(now)), key=attrgetter("target"))
             total = found.total if found.total > MOST_SHOWN else 0
             findings += [_finding(kind.text, one, max(one.total, total)) for one in findings_of(shown)]
-        vacuums = _DeviceCheck(FindingKind.VACUUM, '"origin"=Valetudo', self._table, MOST_SHOWN)
-        for check, query, detail, most in (*_DEVICE_CHECKS, vacuums):
+        vacuums = (
+            _DeviceCheck(FindingKind.VACUUM, f'"origin"={one.origin}', self._table, MOST_SHOWN) for one in map_readers()
+        )
+        for check, query, detail, most in (*_DEVICE_CHECKS, *_unused(), *vacuums):
             found = await self._find(parse_query(query), most)
             rows = sorted(
                 (one.device.id, text) for one in found.results if (text := detail(one.device, now)) is not None
@@ -307,12 +312,10 @@ def _unread(device: Device, now: float) -> str | None:
     return f"{ago(last.said_at, now)}: {last.value}{more}"
 
 
-def _step(device: Device, _now: float) -> str:
-    """Return the next step with what has a gateway of its own, rather than as a HomeKit accessory, which it may be."""
+def _step(shared: Collection[str], device: Device, _now: float) -> str:
+    """Return the next step with *device*, rather with a gateway of its own than with one of *shared* ones."""
     needed = {(one.gateway, one.key): one.value for one in device.facts if one.name == NEEDS_GATEWAY}
-    steps = [
-        (needed.get((one.gateway, one.key)) == "homekit", one.value) for one in device.facts if one.name == NEXT_STEP
-    ]
+    steps = [(needed.get((one.gateway, one.key)) in shared, one.value) for one in device.facts if one.name == NEXT_STEP]
     return min(steps, default=(False, ""))[1]
 
 
@@ -320,15 +323,21 @@ def _several_names(device: Device, _now: float) -> str:
     return next((one.value for one in device.facts if one.name == SEVERAL_NAMES), "")
 
 
-_UNUSED = (
-    f'"{NEEDS_GATEWAY}"=homeassistant or "{NEEDS_GATEWAY}"=hue '
-    f'or ("{NEEDS_GATEWAY}"=homekit and not "dns_sd_type"=_hue._tcp)'
-)
+def _unused() -> Iterator[_DeviceCheck]:
+    """Yield the check for devices that no gateway uses; what has a gateway of its own needs no shared one."""
+    known = sorted((one for one in ecosystems() if one.gateway), key=attrgetter("is_shared", "gateway"))
+    own = sorted(one.removesuffix(".local.") for kind in known if not kind.is_shared for one in kind.service_types)
+    no_own = "".join(f' and not "dns_sd_type"={one}' for one in own)
+    needs = [f'"{NEEDS_GATEWAY}"={one.gateway}' for one in known]
+    needs = [f"({need}{no_own})" if one.is_shared else need for one, need in zip(known, needs, strict=True)]
+    if needs:
+        step = partial(_step, [one.gateway for one in known if one.is_shared])
+        yield _DeviceCheck(FindingKind.NO_GATEWAY, " or ".join(needs), step, MOST_SHOWN)
+
 
 _DEVICE_CHECKS = (
     _DeviceCheck(FindingKind.DISPUTED, "disputed", _dispute, MOST_SHOWN),
     _DeviceCheck(FindingKind.UNREADABLE, UNREADABLE, _unread, MOST_SHOWN),
     _DeviceCheck(FindingKind.NAMES, f'"{SEVERAL_NAMES}"=names', _several_names, MOST_SHOWN),
-    _DeviceCheck(FindingKind.NO_GATEWAY, _UNUSED, _step, MOST_SHOWN),
     _DeviceCheck(FindingKind.NO_ROOM, "without area", lambda one, _now: one.name, _FEW),
 )

@@ -15,9 +15,9 @@ from typing import Final
 from urllib.parse import quote, unquote, urlsplit
 
 from homebot.conventions.described_thing import DescribedThing, read_thing
+from homebot.conventions.ecosystem import SetupCode, read_setup_code
 from homebot.conventions.nfc.ndef_message import NdefRecord
 from homebot.conventions.payload import clean_text, parse_object
-from homebot.conventions.setup_codes import HomekitCode, MatterCode, read_homekit_code, read_matter_code
 from homebot.errors import WireError
 
 __all__ = ["Pointer", "pointer_of_code", "pointer_of_device", "pointer_of_records", "records_for"]
@@ -44,6 +44,7 @@ class Pointer:
         address: The topic on which it publishes, or a level above that topic.
         urls: Addresses of the device, or of its description.
         thing: What its Thing Description says.
+        codes: What setup codes say.
         area: The room that is named.
         problems: Texts about records that are invalid.
     """
@@ -55,24 +56,14 @@ class Pointer:
     address: str = ""
     urls: tuple[str, ...] = ()
     thing: DescribedThing | None = None
-    matter: MatterCode | None = None
-    homekit: HomekitCode | None = None
+    codes: tuple[SetupCode, ...] = ()
     area: str = ""
     problems: tuple[str, ...] = field(default=(), compare=False)
 
     @property
     def facts(self) -> Mapping[str, str]:
         """Further facts in the code, without secrets."""
-        facts: dict[str, str] = {}
-        if self.matter is not None:
-            facts = {
-                "vendor_id": str(self.matter.vendor),
-                "product_id": str(self.matter.product),
-                "discriminator": str(self.matter.discriminator),
-            }
-        if self.homekit is not None:
-            facts = {"category": str(self.homekit.category), "setup_id": self.homekit.setup_id}
-        return facts
+        return self.codes[0].facts if self.codes else {}
 
     def joined(self, other: Pointer) -> Pointer:
         """Return both in one; where they differ, this one counts."""
@@ -82,12 +73,13 @@ class Pointer:
             kind=self.kind if self.text else other.kind,
             words=(*self.words, *other.words),
             urls=(*self.urls, *other.urls),
+            codes=(*self.codes, *other.codes),
             problems=(*self.problems, *other.problems),
             **{name: getattr(self, name) or getattr(other, name) for name in _SINGLE},
         )
 
 
-_SINGLE: Final = ("text", "id", "address", "thing", "matter", "homekit", "area")
+_SINGLE: Final = ("text", "id", "address", "thing", "area")
 
 
 def pointer_of_device(device: str) -> Pointer:
@@ -144,12 +136,8 @@ def _of_record(record: NdefRecord) -> Pointer:
 def _of_uri(uri: str) -> Pointer:
     if not uri.isprintable() or len(uri) > _MAX_CODE:
         raise WireError("a URI has unprintable characters, or is too long", uri.encode())
-    upper = uri.upper()
-    if upper.startswith("MT:"):
-        code = read_matter_code(upper)
-        return Pointer("matter", f"Matter device {code.vendor:#06x}/{code.product:#06x}", matter=code)
-    if upper.startswith("X-HM:"):
-        return Pointer("homekit", "HomeKit device", homekit=read_homekit_code(uri))
+    if (code := read_setup_code(uri)) is not None:
+        return Pointer(code.kind, code.text, codes=(code,))
     if uri.lower().startswith(_DEVICE):
         device = unquote(uri[len(_DEVICE) :])
         if not device or not device.isprintable() or len(device) > _MAX_TEXT:

@@ -16,15 +16,12 @@ from typing import NamedTuple
 from homebot.devices import Sighting
 from homebot.devices.always_ask import ALWAYS_ASK, asks_by_itself
 from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.identity import ALIASING_BRIDGE
 from homebot.devices.words import ALL_THAT_ASK, matching_words
 from homebot.discovery.merging.identity import is_generic
 from homebot.discovery.source_record import SourceKey, SourceRecord
 
 __all__ = ["Place", "TopicUse", "aliases_of", "bridge_of", "is_called", "place_of", "topic_use"]
-
-_ZIGBEE = "zigbee2mqtt_bridge_"
-"""The beginning of the identifier of a Zigbee2MQTT, which takes a command on ``BASE/NAME/set``, and with the name of an
-endpoint, its number, the address of the device, or a group in place of the name."""
 
 _SHORTEST = 4
 _HARDWARE_TAIL = 6
@@ -199,7 +196,7 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
         reads = tuple(dict.fromkeys(reads))
     commands = (parts[0].service_type, parts[0].payloads) if len(parts) == 1 and parts[0].payloads and writes else ()
     bridge, owns = bridge_of(sighting), sighting.owns
-    base = _base_of(sighting, owns or writes) if bridge.startswith(_ZIGBEE) and _asks(sighting) else ""
+    base = _base_of(sighting, owns or writes) if bridge.startswith(ALIASING_BRIDGE) and _asks(sighting) else ""
     if base and not owns:  # a bridge that is known only by its announcements to Home Assistant
         owns = tuple([f"{base}/{one}" for one in (sighting.name, *_addresses_of(sighting.identifiers))])
     return TopicUse(

@@ -14,6 +14,7 @@ from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
 from homebot.conventions.dns_sd import FoundService, facts_of, host_identifiers, identifiers_of, name_of
+from homebot.conventions.ecosystem import Ecosystem, ecosystems, hint_facts
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.gateways.announced.device_runner import problems_of
@@ -21,7 +22,6 @@ from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway, GatewayContext
 from homebot.gateways.drivers.driver_runner import LOST_BACKOFF, DriverRunner, UsableDriver, find_drivers
-from homebot.gateways.mdns.gateway_hints import hint_facts
 from homebot.gateways.mdns.network import Interfaces, NetworkInterfaces, ResolvedService
 from homebot.gateways.mdns.own_services import OwnServices
 from homebot.gateways.mdns.services import CHANGE_EVERY, Services
@@ -75,6 +75,7 @@ class MdnsGateway(Gateway):
         self._retries = BackoffCounter(node.graph.clock, self.random)
         self._interfaces = self.context.service(NetworkInterfaces) or NetworkInterfaces()
         self._drivers: Mapping[str, UsableDriver] = {}
+        self._ecosystems = {one: kind for kind in ecosystems() for one in kind.service_types}
         self._listed: dict[str, _Listed] = {}
         self._tasks: TaskGroup | None = None
         self._unavailable = "it has not started"
@@ -191,7 +192,7 @@ class MdnsGateway(Gateway):
             if listed.service.key not in self._asleep:
                 self._start(listed)
         tasks.start_soon(run_as, self.node.full_name, partial(self._services.follow, network, known))
-        for service_type in sorted(self._settings.types_with(frozenset(self._drivers))):
+        for service_type in sorted(self._settings.types_with((*self._drivers, *self._ecosystems))):
             network.browse(service_type)
         if self._own is not None:
             tasks.start_soon(run_as, self.node.full_name, partial(self._own.announce, network))
@@ -243,11 +244,13 @@ class MdnsGateway(Gateway):
         if self._listed.get(listed.service.key) is not listed:
             return
         service = listed.service
-        bare = GatewayDevice(service.key, name_of(service), service_type=service.service_type.removesuffix(".local."))
+        known_by = self._ecosystems.get(service.service_type, Ecosystem)
+        name = name_of(service, known_by.name_key)
+        bare = GatewayDevice(service.key, name, service_type=service.service_type.removesuffix(".local."))
         listed.device = known = device or listed.device or bare
-        facts = facts_of(service) | hint_facts(service, self.context.gateways) | dict(known.metadata)
+        facts = facts_of(service) | hint_facts(known_by, service, self.context.gateways) | dict(known.metadata)
         host = host_identifiers(service) if known.parts or listed.runner is None else ()  # else it is not known yet
-        identifiers = (*known.identifiers, *identifiers_of(service), *host)
+        identifiers = (*known.identifiers, *identifiers_of(service, known_by.declared(service)), *host)
         if self._sleeps(listed):
             facts["sleep"] = "asleep" if service.key in self._asleep else "awake"
         self.devices.put(

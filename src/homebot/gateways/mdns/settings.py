@@ -1,6 +1,6 @@
 """The table ``[gateways.NAME]`` of an mDNS gateway."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -17,26 +17,17 @@ KNOWN_TYPES = tuple(
     f"{name}.local."
     for name in (
         "_airplay._tcp",
-        "_esphomelib._tcp",
         "_googlecast._tcp",
-        "_hap._tcp",
-        "_hap._udp",
-        "_home-assistant._tcp",
         "_homebot._tcp",
         "_http._tcp",
-        "_hue._tcp",
         "_ipp._tcp",
-        "_matter._tcp",
-        "_matterc._udp",
-        "_matterd._udp",
         "_mqtt._tcp",
         "_rosbridge._tcp",
-        "_shelly._tcp",
-        "_wled._tcp",
         "_wot._tcp",
     )
 )
-"""The types that are queried at once; others are found by querying the list of all types first."""
+"""The types that are queried at once, besides those of drivers and ecosystems; others are found by querying the list of
+all types first."""
 
 
 class MdnsGatewaySettings(GatewaySettings):
@@ -44,7 +35,7 @@ class MdnsGatewaySettings(GatewaySettings):
 
     Attributes:
         interfaces: The network interfaces to use, by name or address; by default all but loopback.
-        service_types: The DNS-SD service types to look for, such as ``_shelly._tcp``. By default those of all drivers,
+        service_types: The DNS-SD service types to look for, such as ``_http._tcp``. By default those of all drivers,
             some that are common in houses, and every further one on the network, which
             ``_services._dns-sd._udp`` stands for.
         announce: Whether homebot announces itself on the network.
@@ -75,7 +66,7 @@ class MdnsGatewaySettings(GatewaySettings):
         full = tuple(full_type(one) for one in types)
         for given, one in zip(types, full, strict=True):
             if not is_service_type(one):
-                raise ValueError(f"{given!r} is not a service type; write it like _shelly._tcp")
+                raise ValueError(f"{given!r} is not a service type; write it like _http._tcp")
         return full
 
     def model_post_init(self, context: object) -> None:
@@ -87,8 +78,8 @@ class MdnsGatewaySettings(GatewaySettings):
         """The folder that relative paths in the tables of drivers start from."""
         return self._folder
 
-    def types_with(self, drivers: frozenset[str]) -> frozenset[str]:
-        """Return the service types to look for, given the types that *drivers* support."""
+    def types_with(self, known: Iterable[str]) -> frozenset[str]:
+        """Return the service types to look for, given the types that drivers and ecosystems have."""
         if self.service_types is not None:
             return frozenset(self.service_types)
-        return frozenset((*drivers, *KNOWN_TYPES, ENUMERATION))
+        return frozenset((*known, *KNOWN_TYPES, ENUMERATION))

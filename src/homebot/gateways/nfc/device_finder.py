@@ -6,7 +6,6 @@ from typing import Final, final
 from urllib.parse import urlsplit
 
 from homebot.conventions.nfc.pointer import Pointer
-from homebot.conventions.setup_codes import MatterCode
 from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.identity import identifiers
 from homebot.devices.names import TEACH_PLACE
@@ -124,10 +123,7 @@ def _tests(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
     if pointer.thing is not None:
         own = frozenset(pointer.thing.identifiers)
         yield lambda device: not own.isdisjoint(device.identifiers)
-    if (homekit := pointer.homekit) is not None:
-        yield lambda device: homekit.is_of(*(_facts(device).get(name, "") for name in ("txt_id", "txt_sh")))
-    if (matter := pointer.matter) is not None:
-        yield lambda device: _has_matter_code(device, matter)
+    yield from (lambda device, code=code: code.fits(_facts(device)) for code in pointer.codes)
     if pointer.address:
         yield lambda device: any(_is_at(pointer.address, one.address) for one in device.endpoints)
     if pointer.urls:
@@ -144,16 +140,6 @@ def _tests(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
 
 def _facts(device: Device) -> dict[str, str]:
     return {one.key.casefold(): one.value for one in device.metadata}
-
-
-def _has_matter_code(device: Device, code: MatterCode) -> bool:
-    """Return whether a device announces the discriminator, vendor and product (``D``, ``VP``) of a Matter code."""
-    facts = _facts(device)
-    if facts.get("txt_d", facts.get("discriminator")) != str(code.discriminator):
-        return False
-    vendor, _, product = facts.get("txt_vp", "").partition("+")
-    vendor, product = vendor or facts.get("vendor_id", ""), product or facts.get("product_id", "")
-    return vendor in {"", str(code.vendor)} and product in {"", str(code.product)}
 
 
 def _is_at(address: str, published: str) -> bool:

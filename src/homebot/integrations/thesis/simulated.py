@@ -8,6 +8,7 @@ __all__ = ["ThesisDialect"]
 class ThesisDialect(Dialect):
     """Every kind of device; the layout announces none."""
 
+    announces = False
     kinds = frozenset(
         {
             "lamp",

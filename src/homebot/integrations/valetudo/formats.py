@@ -70,6 +70,11 @@ class _Map(_Json):
 class ValetudoMaps:
     """The reader of maps; see :class:`homebot.conventions.vacuum_map.MapReader`."""
 
+    origin = "Valetudo"
+    state_topic = "$state"
+    status_topic = "StatusStateAttribute/status"
+    map_topic = "MapData/map-data"
+
     def read(self, payload: bytes) -> VacuumMap:
         """Return the map in *payload*; as :func:`read_map`."""
         return read_map(payload)

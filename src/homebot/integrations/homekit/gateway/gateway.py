@@ -17,7 +17,6 @@ from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
 from homebot.config import FilePath
-from homebot.conventions.setup_codes import read_homekit_digits
 from homebot.devices import GatewayNames, GatewayState, Sighting
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, UnableError, WireError
@@ -26,6 +25,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway, GatewayContext, GatewaySettings
 from homebot.gateways.pairing import PairingFile, PairingServices
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, Subscription
+from homebot.integrations.homekit.formats.setup_code import read_homekit_digits
 from homebot.integrations.homekit.gateway.accessory_device import describe
 from homebot.integrations.homekit.gateway.accessory_runner import AccessoryRunner
 from homebot.integrations.homekit.gateway.port import FoundAccessory, HomekitPort, Pairing

@@ -8,7 +8,6 @@ from pydantic import BaseModel, Field, field_validator
 
 from homebot.conventions.capability_row import writer_of
 from homebot.conventions.payload import as_fields, shown
-from homebot.conventions.setup_codes import check_matter_setup_code
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
@@ -19,6 +18,7 @@ from homebot.graph import Node
 from homebot.integrations.matter.formats.endpoint import DESCRIPTOR, MatterEndpoint
 from homebot.integrations.matter.formats.parts import parts_of
 from homebot.integrations.matter.formats.sensor_clusters import SWITCH, press_of
+from homebot.integrations.matter.formats.setup_code import check_matter_setup_code
 from homebot.integrations.matter.gateway.commissioning import CommissionRequest, serve_commissioning
 from homebot.integrations.matter.gateway.node import BASIC, BRIDGED, MatterNode, NodeDevice, node_id_of, parse_path
 from homebot.integrations.matter.gateway.server_link import MAX_FRAME_BYTES, MatterServerLink, check_result

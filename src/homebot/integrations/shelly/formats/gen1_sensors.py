@@ -11,7 +11,7 @@ from homebot.conventions.command_values import number_writer
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import BytesPart, JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, read_number, to_json, to_text
-from homebot.conventions.probe_errors import read_probe
+from homebot.conventions.probe_errors import DS18X20_RESET, read_probe
 from homebot.conventions.units import sensor_type, to_celsius, to_fahrenheit
 from homebot.conventions.unreadable import unreadable
 from homebot.devices.part import Category
@@ -55,7 +55,8 @@ class Gen1Sensor:
         is_out = isinstance(number, float) and not self.least <= number <= self.most
         if is_out:
             return {self.capability: None}
-        return read_probe("shelly add-on", found) if self.suffix == "ext_temperature" else found
+        # home-assistant/core#177168; the other probe of the add-on, a DHT22, ends at 80 °C
+        return read_probe(found, DS18X20_RESET) if self.suffix == "ext_temperature" else found
 
 
 _FLAG_VALUES: Mapping[str, PlainValue] = {"true": True, "false": False, "1": True, "0": False, "-1": None}

@@ -9,7 +9,7 @@ from functools import partial
 
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import Readings, as_fields, text_of
-from homebot.conventions.probe_errors import read_probe
+from homebot.conventions.probe_errors import DS18X20_RESET, read_probe
 from homebot.conventions.units import sensor_type
 from homebot.integrations.shelly.formats.gen2_component import LONGEST_UNIT, PRESSES, ShellyComponent
 from homebot.integrations.shelly.formats.status import Fields, StatusDecoder, reader_of
@@ -76,7 +76,7 @@ def _decode_sensor(read: StatusDecoder, capability: str, status: Fields, *, is_p
     """Read a sensor; the number beside an error is invalid: a display without sensor reports -275 °C."""
     if status.get("errors"):
         return {capability: None}
-    return read_probe("shelly add-on", read(status)) if is_probe else read(status)
+    return read_probe(read(status), DS18X20_RESET) if is_probe else read(status)
 
 
 _FURTHER: Mapping[str, tuple[tuple[str, str, str], ...]] = {

@@ -14,7 +14,7 @@ from typing import TypeAlias
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, as_fields, clean_text, is_unknown, text_of
-from homebot.conventions.probe_errors import read_probe
+from homebot.conventions.probe_errors import DS18X20_GONE, DS18X20_RESET, read_probe
 from homebot.conventions.units import Quantity, quantity
 from homebot.conventions.unreadable import unreadable
 from homebot.integrations.tasmota.formats.config import TasmotaConfig, sensor_values
@@ -234,10 +234,10 @@ def _read(leaf: Leaf, capability: str, message: JsonMessage) -> Readings:
     if number is None:
         return {capability: None} if is_unknown(value) else unreadable(value, "a number")
     readings = {capability: leaf.quantity.value(number)}
-    return read_probe("tasmota DS18x20", readings) if _DS18X20.match(str(leaf.path[0])) else readings
+    return read_probe(readings, DS18X20_RESET, DS18X20_GONE) if _DS18X20.match(str(leaf.path[0])) else readings
 
 
-_DS18X20 = re.compile("DS18[BS]20|DS1822")
+_DS18X20 = re.compile("DS18[BS]20|DS1822")  # arendst/Tasmota#2168, #5983; DallasTemperature.h, DEVICE_DISCONNECTED_C
 
 
 def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:

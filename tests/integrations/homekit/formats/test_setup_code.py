@@ -2,8 +2,8 @@
 
 import pytest
 
-from homebot.conventions.setup_codes import read_homekit_digits
 from homebot.errors import WireError
+from homebot.integrations.homekit.formats.setup_code import read_homekit_digits
 
 
 @pytest.mark.parametrize("text", ["031-45-154", "03145154", "031 45 154", "X-HM://0023ISYWY", "x-hm://0023ISYWYABCD"])
