@@ -4,11 +4,12 @@ import itertools
 
 import anyio
 import pytest
-from tests.control.conftest import Home, ignore, obey_after
+from tests.control.conftest import Home, ignore, obey, obey_after
 
+from homebot.control.durations import ACKNOWLEDGED_TOO
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, Light
-from homebot.devices.outcomes import Confirmed, NoAnswer
+from homebot.devices.outcomes import Confirmed, NoAnswer, Superseded
 from homebot.support.unanswered import awaiting_answer
 
 pytestmark = pytest.mark.virtual_time
@@ -128,5 +129,18 @@ async def test_a_press_that_the_network_did_not_acknowledge_is_not_confirmed(hom
 
 async def test_a_report_confirms_what_the_network_did_not_acknowledge(home: Home) -> None:
     lamp = await home.lamp("on_off", behaviour=freeze)
+    began = anyio.current_time()
     home.later(4.0, "lamp", "on_off", value=True)
     assert isinstance(await lamp.turn_on(), Confirmed)
+    assert anyio.current_time() - began == pytest.approx(4.0 + ACKNOWLEDGED_TOO)
+
+
+async def test_a_newer_command_ends_the_wait_for_an_acknowledgement(home: Home) -> None:
+    """Where the older one still waits for a connection it is not sent after the newer one."""
+    lamp = await home.lamp("on_off", behaviour=freeze)
+    outcomes = home.begin(lamp.turn_on)
+    await anyio.sleep(1.0)
+    home.behaviours["lamp"] = obey
+    newer = await lamp.turn_off()
+    await anyio.sleep(ACKNOWLEDGED_TOO + 0.1)
+    assert outcomes == [Superseded(newer.command_id, command_id=outcomes[0].command_id)]

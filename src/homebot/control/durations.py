@@ -11,6 +11,9 @@ SAME_MESSAGE: Final = 0.01
 SENT_AT_ONCE: Final = 0.01
 """A connected gateway sends within this time."""
 
+ACKNOWLEDGED_TOO: Final = 1.0
+"""A gateway that is about to return has this long after the outcome; what it still does then is cancelled."""
+
 FAST: Final = 0.1
 """A report this soon after a sending may be a bridge's echo: radios take longer.
 

@@ -5,6 +5,8 @@ import math
 from dataclasses import dataclass, field
 from typing import ClassVar, Final, Protocol, final
 
+import anyio
+
 from homebot.control import durations
 from homebot.control.command import IssuedCommand
 from homebot.control.gateway_feed import GatewayFeed
@@ -58,6 +60,7 @@ class OpenCommand:
 
     Attributes:
         recorded: The last report of each capability in the journal, which does not record it twice.
+        acknowledging: The wait for an acknowledgement; None for none.
     """
 
     command: IssuedCommand
@@ -65,6 +68,7 @@ class OpenCommand:
     progress: CommandProgress
     limits: TimeLimits
     recorded: dict[str, object] = field(default_factory=dict)
+    acknowledging: anyio.CancelScope | None = None
     _waiter: asyncio.Future[None] | None = None
 
     def is_news(self, fact: Reported) -> bool:
@@ -78,6 +82,9 @@ class OpenCommand:
 
     def wake(self) -> None:
         """Wake the task if it is waiting; a task that checks before it waits misses nothing."""
+        if self.acknowledging is not None and self.progress.wanted and self.progress.over_at == -math.inf:
+            until = asyncio.get_running_loop().time() + durations.ACKNOWLEDGED_TOO
+            self.acknowledging.deadline = min(self.acknowledging.deadline, until)
         if self._waiter is not None and not self._waiter.done():
             self._waiter.set_result(None)
 
@@ -210,9 +217,12 @@ class Sending:
                     kept_for=plan.keeps_for if sendings.attempts + 1 < plan.tries else 0.0,
                     repeated=is_repeated,
                 )
-                route = await self._sender.send(command.device, command.part, order, ineffective)
-                if len(command.part.routes) > 1:
-                    routes.append(route.name)
+                with anyio.CancelScope() as scope:
+                    sent.acknowledging = scope
+                    route = await self._sender.send(command.device, command.part, order, ineffective)
+                    if len(command.part.routes) > 1:
+                        routes.append(route.name)
+                is_unacknowledged = is_unacknowledged or scope.cancelled_caught
         except UnansweredError:
             is_unacknowledged = True
         except LinkError as exc:
@@ -220,5 +230,6 @@ class Sending:
         except RefusedError as exc:
             return Refused("gateway", exc.reason, command_id=command.id)
         finally:
+            sent.acknowledging = None
             sent.timeline.append(SendingEnded(command.id, clock.monotonic(), tuple(routes), is_unacknowledged))
         return None
