@@ -2,21 +2,27 @@
 
 from collections.abc import Awaitable, Callable
 from functools import partial
+from typing import Any
 
 import anyio
 import pytest
 from structlog.testing import capture_logs
+from tests.bridges.ros2.bare_robot import Meeting, meeting
 from tests.bridges.ros2.pair import appears, pair
 from tests.patience import PATIENCE
 
+from homebot.bridges.ros2.attachment import Attachment
+from homebot.bridges.ros2.tokens import EntityToken
 from homebot.devices.action_messages import HoldDevice, HoldDeviceFeedback, HoldDeviceGoal, HoldDeviceResult
 from homebot.devices.command_messages import Setting
 from homebot.devices.value import Value
 from homebot.errors import GoalRejectedError
-from homebot.graph import Graph, Node
+from homebot.graph import EntityKind, Graph, Node
 from homebot.graph.actions import ActionClient, ActionServer, ClientGoal, GoalState, ServerGoal
 from homebot.messages.action_msgs import CancelGoal, CancelGoalRequest, GoalInfo
 from homebot.messages.builtin_interfaces import Time
+from homebot.messages.cdr import message_from_cdr, message_to_cdr
+from homebot.messages.type_hash import type_hash
 from homebot.messages.unique_identifier_msgs import UUID
 
 Goal = ServerGoal[HoldDeviceGoal, HoldDeviceResult, HoldDeviceFeedback]
@@ -161,3 +167,35 @@ async def test_an_action_of_a_robot_is_cancelled_from_the_house() -> None:
             await holder.began.wait()
             await goal.cancel()
             assert (await goal.result())[0] is GoalState.CANCELED
+
+
+async def result_of_unknown_goal(both: Meeting, client: EntityToken) -> Any:
+    """Return the response to a call of *client*, whose token the house may not have."""
+    request = message_to_cdr(HoldDevice.GetResult.Request(goal_id=UUID(uuid=bytes(16))))
+    attachment = Attachment(1, 0, client.gid).to_bytes()
+    with anyio.fail_after(PATIENCE):
+        answer = await both.robot.ask(client.key, request, attachment, PATIENCE)
+    assert isinstance(answer, bytes)
+    return message_from_cdr(HoldDevice.GetResult.Response, answer)
+
+
+async def declared(both: Meeting, client: EntityToken) -> None:
+    both.declare(client)
+
+
+@pytest.mark.parametrize("comes", [True, False])
+async def test_a_client_whose_token_comes_after_its_call_is_answered_and_one_without_is_refused(*, comes: bool) -> None:
+    async with meeting() as both:
+        Holder(both.app, "/house/hold")
+        service = HoldDevice.GetResult
+        client = both.token(EntityKind.CLIENT, "/house/hold/_action/get_result", service.ros_type, type_hash(service))
+        both.declare(both.token(EntityKind.NODE, "/rosie/nav"))
+        await appears(both.app.graph, "/rosie/nav")
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(both.robot.run)
+            if comes:
+                tasks.start_soon(declared, both, client)  # its turn is after the call
+            assert (await result_of_unknown_goal(both, client)).status == GoalState.UNKNOWN
+            tasks.cancel_scope.cancel()
+        refused = {one.name: one.count for one in (await both.health()).counts}["call_refused"]
+        assert refused == (0 if comes else 1)

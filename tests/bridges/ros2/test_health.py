@@ -1,27 +1,17 @@
 """What ``homebot doctor`` says of the link: types that differ, and what is refused."""
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
-from functools import partial
-
 import anyio
 import anyio.lowlevel
 import pytest
 from structlog.testing import capture_logs
-from tests.bridges.ros2.pair import access, linked
+from tests.bridges.ros2.bare_robot import meeting
 from tests.patience import PATIENCE
-from tests.ports import reserve_port
 
 from homebot.bridges.ros2.attachment import Attachment
-from homebot.bridges.ros2.robots import RobotsOnWire
-from homebot.bridges.ros2.session import Declared, ZenohSession, open_session
-from homebot.bridges.ros2.tokens import NO_HASH, EntityToken
-from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
-from homebot.graph import EntityKind, Graph, Node, QoSProfile
-from homebot.graph.endpoint import EndpointInfo
+from homebot.bridges.ros2.tokens import NO_HASH
+from homebot.graph import EntityKind, QoSProfile
 from homebot.messages import String
 from homebot.messages.cdr import message_to_cdr
-from homebot.messages.interfaces.settings import RosSettings
 from homebot.messages.std_srvs import Trigger
 from homebot.messages.type_hash import type_hash
 
@@ -29,50 +19,6 @@ OTHER_HASH = f"RIHS01_{'0' * 64}"
 OLD_ATTACHMENT = (
     b"\x0fsequence_number" + bytes(8) + b"\x10source_timestamp" + bytes(8) + b"\x0asource_gid\x10" + bytes(16)
 )
-
-
-class Meeting:
-    """An app at a house, and a robot that is a bare session."""
-
-    def __init__(self, app: Node, robot: ZenohSession) -> None:
-        self.app, self.robot = app, robot
-        self._declared: list[Declared] = []
-
-    def declare(self, kind: EntityKind, name: str, ros_type: str, the_hash: str) -> EntityToken:
-        """Return the token that the robot has from now on."""
-        qos = QoSProfile() if kind in {EntityKind.PUBLISHER, EntityKind.SUBSCRIPTION} else None
-        token = EntityToken(0, self.robot.id, (0, 7), EndpointInfo(kind, "/rosie/nav", name, ros_type, qos), the_hash)
-        self._declared.append(self.robot.declare_token(token.text))
-        return token
-
-    def take_back(self) -> None:
-        """Take all tokens back."""
-        for one in self._declared:
-            one.undeclare()
-
-    async def health(self) -> HealthResponse:
-        return await self.app.create_client(GetHealth, "/ros2/health").call(HealthRequest())
-
-    async def troubles(self, count: int) -> tuple[str, ...]:
-        """Return the troubles once there are *count*."""
-        with anyio.fail_after(PATIENCE):
-            while len(troubles := (await self.health()).troubles) != count:
-                await anyio.lowlevel.checkpoint()
-        return troubles
-
-
-@asynccontextmanager
-async def meeting() -> AsyncIterator[Meeting]:
-    address = f"tcp/127.0.0.1:{reserve_port()}"
-    house = RosSettings.model_validate(
-        {"listen": address, "export": ("/house/**",), "import": {"rosie": ("/rosie/**",)}}
-    )
-    robots = RobotsOnWire(house.imports, {"rosie": access("rosie")})
-    async with anyio.create_task_group() as tasks, Node(Graph(), "app") as app:
-        await tasks.start(partial(linked, app.graph, "ros2", "/", house, robots))
-        async with open_session(RosSettings.model_validate({"connect": (address,)})) as robot:
-            yield Meeting(app, robot)
-        tasks.cancel_scope.cancel()
 
 
 @pytest.mark.parametrize(
@@ -122,7 +68,7 @@ async def test_a_type_that_differs_is_a_trouble_while_its_robot_is_there(
     async with meeting() as both:
         both.app.create_publisher(String, "/house/words")
         both.app.create_service(Trigger, "/house/light", lambda _: Trigger.Response(success=True, message=""))
-        both.declare(kind, name, ros_type, the_hash)
+        both.declare(both.token(kind, name, ros_type, the_hash))
         (trouble,) = await both.troubles(1)
         assert trouble.startswith(f"{name} of /rosie/nav ")
         assert problem in trouble
@@ -133,7 +79,7 @@ async def test_a_type_that_differs_is_a_trouble_while_its_robot_is_there(
 async def test_of_many_troubles_some_are_told() -> None:
     async with meeting() as both:
         for number in range(25):
-            both.declare(EntityKind.SERVICE, f"/rosie/dock{number}", Trigger.ros_type, OTHER_HASH)
+            both.declare(both.token(EntityKind.SERVICE, f"/rosie/dock{number}", Trigger.ros_type, OTHER_HASH))
         with anyio.fail_after(PATIENCE):
             while (await both.troubles(21))[-1] != "5 more do not pass":  # it was fewer before all had come
                 await anyio.lowlevel.checkpoint()
@@ -143,7 +89,7 @@ async def test_of_many_troubles_some_are_told() -> None:
 async def test_messages_of_older_ros_2_are_read_and_what_is_none_is_refused_and_counted(the_hash: str) -> None:
     with capture_logs() as lines:
         async with meeting() as both:
-            token = both.declare(EntityKind.PUBLISHER, "/rosie/words", String.ros_type, the_hash)
+            token = both.declare(both.token(EntityKind.PUBLISHER, "/rosie/words", String.ros_type, the_hash))
             words = both.app.create_subscription(String, "/rosie/words")
             writer = both.robot.publish(token.key, QoSProfile())
             payload, got = message_to_cdr(String(data="hello")), anyio.Event()

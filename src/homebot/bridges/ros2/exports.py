@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Awaitable, Callable, Iterable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -45,7 +45,7 @@ class Exports:
     """Offers the topics and services with the names in *patterns*, while a node of homebot has them.
 
     Args:
-        node_of: Returns the full name of the node with a gid; empty if it is unknown.
+        node_of: Returns the full name of the node with a gid; empty if it remains unknown.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Exports:
         own: OwnEntities,
         patterns: Iterable[str],
         robots: RobotsOnWire,
-        node_of: Callable[[bytes], str],
+        node_of: Callable[[bytes], Awaitable[str]],
         health: LinkHealth,
     ) -> None:
         self._node, self._own, self._patterns = node, own, tuple(patterns)
@@ -150,7 +150,8 @@ class Exports:
         """Answer *query*, also if it fails: a client of rmw_zenoh would wait for ten minutes."""
         try:
             gid = Attachment.of_bytes(query.attachment).gid
-            response = await self._response(name, query.payload, self._node_of(gid))
+            caller = await self._node_of(gid) if self._robots.are_several or "/_action/" in name else ""
+            response = await self._response(name, query.payload, caller)
         except HomebotError as exc:
             self._health.refused(CALL_REFUSED, name, str(exc))
             failed = self._failure(name, str(exc))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
+import anyio
+
 from homebot.bridges.ros2.attachment import Attachment
 from homebot.bridges.ros2.health import MESSAGE_REFUSED, NOT_IMPORTED
 from homebot.bridges.ros2.tokens import NO_HASH, EntityToken
@@ -29,6 +31,8 @@ __all__ = ["Imports"]
 _MOST_TOKENS = 10_000
 """Tokens of others that are kept; a robot with Nav2 has some 700."""
 
+_LATEST_TOKEN = 1.0  # seconds
+
 _LONGEST_ANSWER = 600.0
 """Seconds after which a query ends, as with rmw_zenoh; the time limit of the caller is shorter."""
 
@@ -44,10 +48,17 @@ class Imports:
         self._problems: dict[str, str] = {}
         self._tokens: dict[str, EntityToken] = {}
         self._callers: dict[bytes, str] = {}
+        self._new_caller = anyio.Event()
         self._open: dict[tuple[EntityKind, str], tuple[set[str], Callable[[], None]]] = {}
 
-    def node_of(self, gid: bytes) -> str:
-        """Return the full name of the node whose client has *gid*; empty if it is unknown."""
+    async def node_of(self, gid: bytes) -> str:
+        """Return the full name of the node whose client has *gid*; empty if it is unknown.
+
+        The token of a new client may come after its first request, so an unknown one is waited for.
+        """
+        with anyio.move_on_after(_LATEST_TOKEN):
+            while gid not in self._callers:
+                await self._new_caller.wait()
         return self._callers.get(gid, "")
 
     @property
@@ -87,6 +98,8 @@ class Imports:
             self._node.graph.add_endpoint(token, token.info)
         elif kind is EntityKind.CLIENT:
             self._callers[token.gid] = token.info.node
+            self._new_caller.set()
+            self._new_caller = anyio.Event()
         access = self._robots.source_of(name) if kind in {EntityKind.PUBLISHER, EntityKind.SERVICE} else None
         if access is None:
             return

@@ -73,6 +73,11 @@ class RobotsOnWire:
         robot = next((robot for robot, patterns in self._imports.items() if fits_any(name, patterns)), None)
         return None if robot is None or self._has_ended(robot) else self._accesses[robot]
 
+    @property
+    def are_several(self) -> bool:
+        """Whether the rights of a caller depend on its node."""
+        return len(self._accesses) > 1
+
     def caller(self, node: str) -> ClientAccess:
         """Return the access of the robot to which *node* belongs: the only one, or that of its namespace.
 
@@ -80,7 +85,7 @@ class RobotsOnWire:
             PeerError: It belongs to none, or the token of its robot has ended.
         """
         robot = node.split("/", 2)[1] if node else ""
-        if len(self._accesses) == 1:
+        if self._accesses and not self.are_several:
             robot = next(iter(self._accesses))
         if robot not in self._accesses:
             known = ", ".join(f"/{one}/…" for one in self._accesses) or "none: name it in import of [ros]"

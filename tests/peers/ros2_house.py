@@ -1,0 +1,63 @@
+"""A house with a link to ROS 2, and a robot that pyzeros is: another implementation of ROS 2 nodes on Zenoh."""
+
+import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from functools import partial
+from typing import Any
+
+import anyio
+import pytest
+from tests.ports import reserve_port
+
+from homebot.bridges.ros2.link import serve_link
+from homebot.bridges.ros2.robots import RobotsOnWire
+from homebot.bridges.ros2.session import open_session
+from homebot.bridges.rosbridge.access import ClientAccess
+from homebot.devices.client_rights import read_scope
+from homebot.devices.robot_owners import RobotOwners
+from homebot.graph import Graph, Node
+from homebot.messages.interfaces.settings import RosSettings
+
+SCOPE = ("read", "act: harmless", "robot: rosie", "manage")
+EXPORT = ("/house/**", "/map", "/app", "/app/*", "/parameter_events")
+
+
+@asynccontextmanager
+async def house() -> AsyncIterator[tuple[Node, int]]:
+    """An app at the house, and the port to which a robot connects."""
+    port = reserve_port()
+    async with anyio.create_task_group() as tasks, Node(Graph(), "app") as app:
+        await tasks.start(partial(_serve, app.graph, port))
+        yield app, port
+        tasks.cancel_scope.cancel()
+
+
+async def _serve(graph: Graph, port: int, *, task_status: anyio.abc.TaskStatus[None]) -> None:
+    table = {"listen": f"tcp/127.0.0.1:{port}", "export": EXPORT, "import": {"rosie": ("/rosie/**",)}}
+    settings = RosSettings.model_validate(table)
+    access = ClientAccess("rosie", read_scope(SCOPE), RobotOwners({"rosie": ()}))
+    async with open_session(settings) as session, Node(graph, "ros2") as node:
+        node.create_task(session.run)
+        robots = RobotsOnWire(settings.imports, {"rosie": access})
+        await serve_link(node, session, settings, robots, task_status=task_status)
+
+
+@asynccontextmanager
+async def robot(port: int) -> AsyncIterator[Any]:
+    """The Zenoh session of the node ``/rosie/brain`` of pyzeros."""
+    pyzeros: Any = pytest.importorskip("pyzeros")
+    afor: Any = pytest.importorskip("asyncio_for_robotics")
+    zenoh: Any = pytest.importorskip("zenoh")
+    peer = {
+        "mode": "peer",
+        "connect": {"endpoints": [f"tcp/127.0.0.1:{port}"]},
+        "listen": {"endpoints": ["tcp/127.0.0.1:0"]},
+        "scouting": {"multicast": {"enabled": False}},
+    }
+    with (
+        zenoh.open(zenoh.Config.from_json5(json.dumps(peer))) as session,
+        pyzeros.auto_context(node="brain", namespace="/rosie", zenoh_session=session),
+    ):
+        async with afor.Scope():
+            yield session
