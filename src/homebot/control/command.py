@@ -27,15 +27,17 @@ from homebot.devices.wording.journal_words import settings_text
 from homebot.errors import RefusedError
 
 if TYPE_CHECKING:
+    from homebot.clock import Clock
+    from homebot.control.timeline.part_timeline import PartTimeline
     from homebot.devices.client_rights import ClientRights
     from homebot.devices.command_sender import TextTarget
 
 __all__ = [
     "IssuedCommand",
+    "certain_values",
     "commanded_part",
     "device_settings",
     "is_by_hand",
-    "known_state",
     "label_of",
     "order_of",
     "read_text",
@@ -259,23 +261,20 @@ def read_text(device: Device | None, text: TextTarget) -> tuple[DevicePart, Sett
     return part, Setting.of(UNREAD, public_text(text.payload, text.address)[:MOST_NOTED])
 
 
-def known_state(
-    command: IssuedCommand,
-    asked: Iterable[str],
-    unsure_since: Mapping[str, float],
-    lost_at: float,
+def certain_values(
+    command: IssuedCommand, asked: Iterable[str], timeline: PartTimeline, lost_at: float, clock: Clock
 ) -> tuple[dict[str, PlainValue], bool]:
     """Return the values of the capabilities *asked* that are certain for the commanded part, and if all are recent.
 
-    Recent values were reported live within the last minute, and since the connection was lost.
+    Recent values were reported live within the last minute, since the connection was lost, and no command failed since
+    the last that was confirmed.
 
     Nothing is certain of an unreachable device. If one is online by its last will, retained values are certain, and so
     are those from before the connection was lost: many devices report only changes. They are not recent if the device
-    has come back since, because it may have lost power. After a failed command older values are not certain, and newer
-    ones are not recent.
+    has come back since, because it may have lost power. See also
+    :meth:`PartTimeline.certain`.
 
     Args:
-        unsure_since: The time of the last failed command for each capability, in seconds since the Unix epoch.
         lost_at: The time of the last loss of the connection, in seconds since the Unix epoch.
     """
     is_online = command.device.reachable.state == "yes"
@@ -283,14 +282,17 @@ def known_state(
         return {}, False
     back_at = command.device.reachable.since.to_seconds() if is_online else -inf
     values: dict[str, PlainValue] = {}
-    is_recent = True
+    is_recent, now = True, clock.monotonic()
+    ahead = clock.now() - now
     for capability in asked:
         state = command.states.get(capability)
         if state is None or not (state.live or is_online):
             continue
-        told_at, unsure_at = state.told_at.to_seconds(), unsure_since.get(capability, -inf)
+        told_at = state.told_at.to_seconds()
         is_fresh = state.live and abs(command.issued_at - told_at) <= durations.FRESH
-        is_recent = is_recent and is_fresh and unsure_at == -inf and lost_at < told_at >= back_at
-        if told_at > (unsure_at if is_online else max(unsure_at, lost_at)):
-            values[capability] = command.values[capability]
+        is_proved = capability not in timeline.unsure_since
+        is_recent = is_recent and is_fresh and is_proved and lost_at < told_at >= back_at
+        value = timeline.certain(capability, command.values[capability], told_at - ahead, now)
+        if value is not None and (is_online or told_at > lost_at):
+            values[capability] = value
     return values, is_recent

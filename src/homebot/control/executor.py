@@ -1,7 +1,6 @@
 """The steps of a command: resolve, rights, leases, policies, send, wait for evidence, journal."""
 
 import asyncio
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final, final
 
@@ -9,9 +8,9 @@ from homebot.control import durations
 from homebot.control.code_guesses import CodeGuesses
 from homebot.control.command import (
     IssuedCommand,
+    certain_values,
     commanded_part,
     device_settings,
-    known_state,
     order_of,
     read_text,
     rounding_text,
@@ -45,10 +44,8 @@ from homebot.devices.command_messages import (
 from homebot.devices.command_sender import TextTarget
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import COMMAND_EVENTS
-from homebot.devices.obedience import changes, related
 from homebot.devices.outcomes import (
     AlreadySo,
-    Confirmed,
     Contradicted,
     Gone,
     NoAnswer,
@@ -285,16 +282,15 @@ class CommandExecutor:
     def _begin(self, command: IssuedCommand) -> tuple[OpenCommand, bool]:
         """Append a command to its timeline; return it, and whether the part is already known to be as commanded."""
         timeline, order = self.timelines.of(command.device, command.part), order_of(command)
-        is_at_rest, is_sure = True, command.place not in self.witnesses.contradicted
-        for older in timeline.open_commands():
-            settings = older.order.settings
-            is_at_rest = is_at_rest and settings.keys().isdisjoint(command.settings)
-            is_sure = is_sure and not _contradicts(settings, command)
+        is_at_rest = True
+        for other in timeline.commands:
+            if other.is_open and not order.settings.keys().isdisjoint(other.order.settings):
+                is_at_rest = False
         known: dict[str, PlainValue] = {}
         is_recent = False
-        if is_sure:
+        if command.place not in self.witnesses.contradicted:
             asked, lost = dict.fromkeys((*order.settings, *order.wanted)), self._feed.last_loss(command.part.routes)
-            known, is_recent = known_state(command, asked, timeline.unsure_since, lost.wall)
+            known, is_recent = certain_values(command, asked, timeline, lost.wall, self._clock)
         answers = self._feed.is_answering(command.part.routes)
         progress = timeline.command(order, self._clock.monotonic(), known, command.values, answers=answers)
         opened = self._open[command.id] = OpenCommand(command, timeline, progress, self._limits)
@@ -321,17 +317,8 @@ class CommandExecutor:
         return device is None or device.part(command.part.id) is None
 
     def _decided(self, opened: OpenCommand, outcome: Outcome) -> Outcome:
-        command, timeline, progress = opened.command, opened.timeline, opened.progress
-        if isinstance(outcome, Confirmed):
-            for capability in command.settings:
-                timeline.unsure_since.pop(capability, None)
-        elif outcome.may_obey_later:  # it may have changed, although no report says so
-            since = self._clock.now()
-            if isinstance(outcome, Contradicted):  # certain is what it has reported since the last sending
-                since -= self._clock.monotonic() - progress.transmission.sent_at
-            timeline.unsure_since.update((other, since) for one in command.settings for other in related(one))
-        timeline.append(Decided(command.id, self._clock.monotonic(), outcome))
-        self.timelines.schedule(command.place)
+        opened.timeline.append(Decided(opened.command.id, self._clock.monotonic(), outcome))
+        self.timelines.schedule(opened.command.place)
         return outcome
 
     def _on_news(self, progress: CommandProgress, fact: Reported | None) -> None:
@@ -380,11 +367,6 @@ class CommandExecutor:
         if opened is not None and capability in opened.command.settings:
             opened.timeline.append(Answered(command, self._clock.monotonic(), capability, problem))
             opened.wake()
-
-
-def _contradicts(older: Mapping[str, PlainValue], command: IssuedCommand) -> bool:
-    """Return whether an older command would change a value that *command* sets."""
-    return any(one in older and changes(one, older[one], one, value) for one, value in command.settings.items())
 
 
 def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:

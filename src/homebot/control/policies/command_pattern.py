@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, Final, TypeAlias, final
+from typing import Annotated, TypeAlias, final
 
 from pydantic import AfterValidator, GetCoreSchemaHandler, PlainSerializer, PlainValidator
 from pydantic_core import CoreSchema, core_schema
@@ -11,8 +11,7 @@ from pydantic_core import CoreSchema, core_schema
 from homebot.config import value_errors
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
-from homebot.devices.obedience import END_POSITIONS, POWERS
-from homebot.devices.obedience import fits as is_reached
+from homebot.devices.obedience import POWERS
 from homebot.devices.query.exact import parse_exact_query
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import Query, type_is
@@ -20,7 +19,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
 
-__all__ = ["VERBS", "CommandPattern", "Patterns", "QueryText", "known_value", "pattern_of_type", "read_pattern"]
+__all__ = ["VERBS", "CommandPattern", "Patterns", "QueryText", "pattern_of_type", "read_pattern"]
 
 _Does: TypeAlias = Callable[[str, PlainValue, PlainValue], bool]
 """Returns whether setting a capability to a value is the action, given the value before, or None if it is unknown."""
@@ -43,7 +42,7 @@ class CommandPattern:
         """Return whether *command* matches, or may match: a motor at an unknown position may be closed."""
         does = VERBS[self.verb]
         for capability, value in command.settings.items():
-            known = known_value(command, capability, facts) if capability in _COMPARED else None
+            known = facts.certain(command, capability) if capability in _COMPARED else None
             if does(capability, value, known):
                 break
         else:
@@ -158,36 +157,6 @@ def _heats(capability: str, wanted: PlainValue, known: PlainValue) -> bool:
 def _starts(capability: str, wanted: PlainValue, known: PlainValue) -> bool:
     is_work = (capability, wanted) in {("vacuum", "cleaning"), ("vacuum", "spot"), ("mower", "mowing")}
     return is_work or _turns_on(capability, wanted, known)
-
-
-_ON_THE_WAY: Final = 300.0
-"""Seconds after a command in which a report of another value may be an intermediate one."""
-
-_ROUNDING: Final = 0.001
-"""Seconds by which time stamps and the monotonic clock may differ: some devices answer at once."""
-
-_MOVED_BY: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType({"position": ("position", "movement")})
-
-
-def known_value(command: IssuedCommand, capability: str, facts: Facts) -> PlainValue:
-    """Return the certain value of *capability* of the commanded part; None if an earlier command may have changed it.
-
-    A report after that command is certain if it has the commanded value, and any report five minutes after the command.
-    """
-    state = command.states.get(capability)
-    if state is None:
-        return None
-    value, age = command.values[capability], facts.age(state.told_at.to_seconds())
-    timeline = facts.timeline_of(command.device, command.part)
-    for name in _MOVED_BY.get(capability, (capability,)):
-        sent = timeline.last_sent(name, command.id)
-        if sent is None:
-            continue
-        wanted, sent_ago = sent[0], facts.monotonic - sent[1]
-        is_there = is_reached(capability, END_POSITIONS.get(wanted, wanted), value)
-        if age > sent_ago + _ROUNDING or (not is_there and sent_ago < _ON_THE_WAY):
-            return None
-    return value
 
 
 VERBS: Mapping[str, _Does] = MappingProxyType(

@@ -42,6 +42,15 @@ class Facts(NamedTuple):
             return since_set if since_set < math.inf else 0.0
         return min(self.now - stamp, since_set)
 
+    def certain(self, command: IssuedCommand, capability: str) -> PlainValue:
+        """Return the value of *capability* of the commanded part; None unless it is certain, whatever *command* did."""
+        state = command.states.get(capability)
+        if state is None:
+            return None
+        timeline, told_at = self.timeline_of(command.device, command.part), state.told_at.to_seconds()
+        value, now = command.values[capability], self.monotonic
+        return timeline.certain(capability, value, now - self.age(told_at), now, command.id)
+
     @property
     def local_time(self) -> datetime:
         """The time in the home."""

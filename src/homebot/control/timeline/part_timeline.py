@@ -22,7 +22,9 @@ from homebot.control.timeline.learning import learn_failure, learn_late_answer, 
 from homebot.control.timeline.profile import ENOUGH, DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
-from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer
+from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.obedience import changes, related
+from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer
 from homebot.devices.value import PlainValue
 
 __all__ = ["MOST_REPORTS", "PartTimeline"]
@@ -31,6 +33,9 @@ MOST_REPORTS: Final = 128
 _MOST_WHILE_OPEN: Final = 256
 _MOST_SENT: Final = 2000
 """As many as a rate limit needs, which counts up to 1,000 changes, and repetitions."""
+
+_ROUNDING: Final = 0.001
+"""Seconds by which time stamps and the monotonic clock may differ: some devices answer at once."""
 
 _NONE: Final[Mapping[str, PlainValue]] = MappingProxyType({})
 
@@ -51,7 +56,7 @@ class PartTimeline:
         sent: The newest 2,000 sendings of commands, oldest first.
         place: The part.
         nearby: The commands to this part and those near it.
-        unsure_since: Since when the value of each capability may differ from the reported one.
+        unsure_since: The end of the last failed command for each capability, if none is confirmed since, in seconds.
         dropped_change: The newest unexplained change that is no longer among the reports; None if there is none.
         on_news: Called with each report for each command that may have caused it, and with None for a replaced command.
         on_undone: Called with a command whose confirmed value is undone, and the cause.
@@ -125,11 +130,7 @@ class PartTimeline:
             if fact.at - progress.transmission.sent_at > durations.SENT_AT_ONCE:  # it arrives only now
                 self.sent.append(Sent(fact.command, progress.order.settings, fact.at))
         elif isinstance(fact, Decided):
-            if progress.settling is not None:
-                self._replace_settling(progress, fact.at)
-                learn_outcome(progress, self.profile, self._first)
-            else:
-                learn_failure(progress, self.profile)
+            self._end(progress, fact)
 
     def report(
         self, at: float, stamp: float, capability: str, value: PlainValue, lost_at: float = -math.inf
@@ -206,17 +207,60 @@ class PartTimeline:
         kept = self.dropped_change
         return kept if kept is not None and kept.at >= since else None
 
-    def last_sent(self, capability: str, except_id: str) -> tuple[PlainValue, float] | None:
-        """Return the value and the time of the newest sent command for *capability*, except *except_id*."""
-        for one in reversed(self.commands):
-            sendings = one.transmission
-            if sendings.count and one.order.id != except_id and capability in one.order.settings:
-                return one.order.settings[capability], sendings.sent_at
-        return None
+    def certain(
+        self, capability: str, value: PlainValue, told_at: float, now: float, except_id: str = ""
+    ) -> PlainValue:
+        """Return *value*, reported at *told_at* on the monotonic clock, if no command makes it doubtful; else None.
+
+        A report since the last command is certain, also of what a person did, and so is one of what the command is for.
+        It is doubtful
+
+        - if it came before the end of a command that failed: the device may have obeyed unseen, or have lost power;
+        - if a command that changes it was sent since: even a confirmed one, as some devices report only a part of it;
+        - if the part may be on its way to another value: for five minutes while a command is open, after a raw text
+          that has shown no effect, and of a motor that has not arrived; and during a transition.
+
+        Args:
+            except_id: The id of a command that does not count.
+        """
+        if value is None or told_at <= self.unsure_since.get(capability, -math.inf) + _ROUNDING:
+            return None
+        for sent in reversed(self.commands):
+            outcome, sendings, settings = sent.outcome, sent.transmission, sent.order.settings
+            has_effect = outcome is None or (sendings.count > 0 and (outcome.succeeded or outcome.may_obey_later))
+            if sent.order.id == except_id or not has_effect:
+                continue
+            if settings.get(capability) != value:
+                may_change = told_at < sendings.sent_at - _ROUNDING or _is_on_its_way(sent, capability, now)
+                if may_change and self._changes(settings, capability, value):
+                    return None
+            if capability in settings:
+                break  # it replaced all older ones
+        return value
 
     def open_commands(self) -> list[CommandProgress]:
         """Return the commands without an outcome, oldest first, without raw texts."""
         return [one for one in self._active if one.is_open]
+
+    def _changes(self, settings: Mapping[str, PlainValue], capability: str, value: PlainValue) -> bool:
+        """Return whether *settings* are for another *value* of *capability*."""
+        if capability in settings and self.profile.fits(capability, settings[capability], value):
+            return False
+        return any(changes(capability, value, one, settings[one]) for one in related(capability) if one in settings)
+
+    def _end(self, progress: CommandProgress, fact: Decided) -> None:
+        """Learn from an outcome; a command that failed may have had an effect, although no report says so."""
+        settings, outcome = progress.order.settings, fact.outcome
+        if progress.settling is not None:
+            for capability in settings if self.unsure_since else ():
+                self.unsure_since.pop(capability, None)
+            self._replace_settling(progress, fact.at)
+            learn_outcome(progress, self.profile, self._first)
+            return
+        if outcome.may_obey_later:  # if it is contradicted, certain is what it has reported since the last sending
+            since = progress.transmission.sent_at if isinstance(outcome, Contradicted) else fact.at
+            self.unsure_since.update((other, since) for one in settings for other in related(one))
+        learn_failure(progress, self.profile)
 
     def _learn_change(self, fact: Reported) -> None:
         """Relate a change that no command explains to one nearby, or else to the time that the value before lasted."""
@@ -279,3 +323,13 @@ class PartTimeline:
             if commands[0].ended_at >= before and len(commands) <= MOST_REPORTS:
                 break
             commands.popleft()
+
+
+def _is_on_its_way(sent: CommandProgress, capability: str, now: float) -> bool:
+    since, settling, wanted = now - sent.transmission.sent_at, sent.settling, sent.wanted.get(capability)
+    if not (sent.is_open or (sent.is_raw and settling is None)):
+        if not CAPABILITIES.get(capability, OWN).obedience.moves:
+            return since < sent.order.transition
+        if wanted is not None and wanted.met_at is not None and settling is not None and settling.has_held:
+            return False  # it has arrived
+    return since < durations.LONGEST_MOVE
