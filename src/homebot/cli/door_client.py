@@ -41,6 +41,7 @@ DoorCommand: TypeAlias = "Callable[[DoorClient, argparse.Namespace], int]"
 
 _MAX_WAITING: Final = 10_000  # topic messages that arrive while something else is awaited
 _MAX_FRAME: Final = 64 * 1024 * 1024
+_FIRST_OF_CBOR: Final = b"\xa0"  # JSON is ASCII
 _READ: Final = 256 * 1024
 _OPEN_TIMEOUT: Final = 5.0
 _CLOSE_TIMEOUT: Final = 1.0
@@ -203,13 +204,15 @@ class DoorClient:
         """Ask the server of *action* to cancel a goal, whose result tells how it ended."""
         self._send({"op": "cancel_action_goal", "id": identifier, "action": action})
 
-    def subscribe(self, topic: str) -> None:
-        """Subscribe to *topic*, which need not exist yet."""
-        self._send({"op": "subscribe", "id": f"subscribing to {topic}", "topic": topic})
+    def subscribe(self, topic: str, compression: str = "none") -> None:
+        """Subscribe to *topic*, which need not exist yet; ``cbor-raw`` gives ``bytes`` of CDR, ``secs``, ``nsecs``."""
+        subscription = {"op": "subscribe", "id": f"subscribing to {topic}", "topic": topic}
+        self._send(subscription | {"compression": compression})
 
-    def advertise(self, topic: str, ros_type: str) -> None:
-        """Announce that messages of *ros_type* will be published on *topic*."""
-        self._send({"op": "advertise", "id": f"advertising {topic}", "topic": topic, "type": ros_type})
+    def advertise(self, topic: str, ros_type: str, *, latch: bool = False) -> None:
+        """Announce that messages of *ros_type* will be published on *topic*; late readers get the last if *latch*."""
+        advertisement = {"op": "advertise", "id": f"advertising {topic}", "topic": topic, "type": ros_type}
+        self._send(advertisement | {"latch": latch})
 
     def publish(self, topic: str, message: Mapping[str, object]) -> None:
         """Publish *message*; an error in it is raised by :meth:`settle`."""
@@ -307,7 +310,7 @@ class DoorClient:
         """Read one frame; topic messages and answers are stored, a refusal is raised."""
         text = self._text(deadline)
         try:
-            frame = json.loads(text)
+            frame = json.loads(text) if text[:1] < _FIRST_OF_CBOR else _from_cbor(text)
         except ValueError as exc:
             raise WireError(f"the rosbridge server sent invalid JSON: {_begin(text)!r}") from exc
         if not isinstance(frame, dict):
@@ -352,7 +355,7 @@ class DoorClient:
         else:
             self._protocol.receive_eof()
         for event in self._protocol.events_received():
-            if isinstance(event, Frame) and event.opcode in {Opcode.TEXT, Opcode.CONT}:
+            if isinstance(event, Frame) and event.opcode in {Opcode.TEXT, Opcode.BINARY, Opcode.CONT}:
                 self._frames.append(event)
             elif isinstance(event, Response):
                 self.home = unquote(event.headers.get(HOME_HEADER, ""))
@@ -401,6 +404,12 @@ def _with_hint(problem: str) -> str:
     has_token = "; the token " in problem
     use_token = "" if has_token else ", and use --token-file FILE or HOMEBOT_DOOR_TOKEN"
     return f"{problem}; then reload homebot (`kill -HUP`){use_token}"
+
+
+def _from_cbor(frame: bytes) -> object:
+    from homebot.conventions.cbor import decode_cbor  # noqa: PLC0415 - loads pydantic
+
+    return decode_cbor(frame, _MAX_FRAME, as_bytes=True)
 
 
 def _own_token() -> str:

@@ -53,6 +53,7 @@ COMMANDS: Final = {
     "journal": "list commands and changes with their causes and outcomes",
     "history": "show past measurements as a table, a plot, CSV or JSON; energy by day",
     "record": "record the house, for a replay",
+    "bag": "record and play bags of ROS 2 (MCAP files)",
     "replay": "replay a recorded day, and show which commands differ",
     "tag": "tag devices with words; read and write NFC tags",
     "mcp": "serve an agent over the Model Context Protocol",

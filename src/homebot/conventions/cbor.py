@@ -1,6 +1,7 @@
 """Documents in CBOR, in and out. Pure, and bounded whatever it is given.
 
-It reads the values of JSON: tags are ignored, and byte strings become text, with replacements for invalid UTF-8.
+It reads the values of JSON: tags are ignored, and byte strings become text, with replacements for invalid UTF-8,
+unless they are asked for.
 
 Source: RFC 8949, sections 3 and 4; the examples of its appendix A are tests.
 """
@@ -20,15 +21,19 @@ _FLOATS = {25: ">e", 26: ">f", 27: ">d"}
 _BREAK = object()
 
 
-def decode_cbor(payload: bytes) -> object:
+def decode_cbor(payload: bytes, longest: int = MAX_STATE_BYTES, *, as_bytes: bool = False) -> object:
     """Return the document in *payload*: one data item and nothing after it.
+
+    Args:
+        longest: The limit of its length in bytes.
+        as_bytes: Whether byte strings of a stated length stay bytes.
 
     Raises:
         WireError: It is no CBOR, or too long, too deep or too large.
     """
-    if len(payload) > MAX_STATE_BYTES:
-        raise WireError(f"CBOR of {len(payload)} bytes is longer than {MAX_STATE_BYTES}")
-    reader = _Reader(payload)
+    if len(payload) > longest:
+        raise WireError(f"CBOR of {len(payload)} bytes is longer than {longest}")
+    reader = _Reader(payload, as_bytes=as_bytes)
     value = reader.item(_MAX_DEPTH)
     if value is _BREAK:
         raise WireError("CBOR has a break that ends nothing", payload)
@@ -87,9 +92,10 @@ def cbor_head(major: int, number: int) -> bytes:
 class _Reader:
     """Reader of the items of a payload, with the place of the next one."""
 
-    def __init__(self, payload: bytes) -> None:
+    def __init__(self, payload: bytes, *, as_bytes: bool) -> None:
         self.at = 0
         self._payload = payload
+        self._as_bytes = as_bytes
         self._items = 0
 
     def item(self, depth: int) -> object:
@@ -113,7 +119,8 @@ class _Reader:
             case 1:
                 return -1 - number
             case 2:
-                return self._consume(number).decode(errors="replace")
+                found = self._consume(number)
+                return found if self._as_bytes else found.decode(errors="replace")
             case 3:
                 return _text(self._consume(number))
             case 4:

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from homebot.bridges.ros2.attachment import Attachment
 from homebot.bridges.ros2.goals import RobotGoals
 from homebot.bridges.ros2.health import CALL_REFUSED
-from homebot.bridges.ros2.robots import RobotsOnWire, fits_any
+from homebot.bridges.ros2.robots import RobotsOnWire
 from homebot.bridges.rosbridge.services import cause_of_call, usual_timeout
 from homebot.errors import HomebotError, ServiceUnavailableError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
@@ -24,6 +24,7 @@ from homebot.messages.cdr import message_from_cdr, message_to_cdr
 from homebot.messages.definition import fields_by_name, zero_message
 from homebot.messages.message import Message
 from homebot.messages.type_hash import type_hash
+from homebot.support.name_patterns import fits_any
 
 if TYPE_CHECKING:
     from homebot.bridges.ros2.entities import OwnEntities, WireEntity

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Mapping
-from functools import lru_cache
 from math import inf
 from types import MappingProxyType
 from typing import TYPE_CHECKING, final
@@ -12,12 +10,13 @@ from typing import TYPE_CHECKING, final
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.devices.client_rights import read_scope
 from homebot.errors import PeerError, UsageError
+from homebot.support.name_patterns import fits_any
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge import DoorSettings
     from homebot.devices.robot_owners import RobotOwners
 
-__all__ = ["RobotsOnWire", "fits_any"]
+__all__ = ["RobotsOnWire"]
 
 
 @final
@@ -96,15 +95,3 @@ class RobotsOnWire:
 
     def _has_ended(self, robot: str) -> bool:
         return self._now() >= self._ends.get(robot, inf)
-
-
-def fits_any(name: str, patterns: Iterable[str]) -> bool:
-    """Return whether the full name *name*, or that of the action of which it is a part, fits one of *patterns*."""
-    name = name.partition("/_action/")[0]
-    return any(_compiled(pattern).fullmatch(name) for pattern in patterns)
-
-
-@lru_cache(maxsize=256)
-def _compiled(pattern: str) -> re.Pattern[str]:
-    parts = (".*" if part == "**" else part.replace("*", "[^/]*") for part in pattern.split("/"))
-    return re.compile("/".join(parts))

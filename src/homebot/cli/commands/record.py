@@ -1,15 +1,13 @@
 """``homebot record``."""
 
 import argparse
-import signal
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Final, cast
 
 from homebot.cli.arguments import positive, seconds, set_client_command
 from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.stop_signals import stop_signals
 from homebot.devices.names import READ_RECORDING, START_RECORDER
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.recording.recording_file import DEFAULT_MEGABYTES, RecordingFile
@@ -77,7 +75,7 @@ def _fetch(door: DoorClient, file: RecordingFile, seconds: float | None) -> Link
     """Write lines until interrupted, the time is up or the file is full; return the error that ended it earlier."""
     ends = None if seconds is None else time.monotonic() + seconds
     is_over = False
-    with _stop_signals() as stopped:
+    with stop_signals() as stopped:
         while not is_over:
             is_last = bool(stopped) or file.is_full or (ends is not None and time.monotonic() >= ends)
             try:
@@ -87,18 +85,3 @@ def _fetch(door: DoorClient, file: RecordingFile, seconds: float | None) -> Link
                 return exc
             is_over = bool(answer["is_over"])
     return None
-
-
-@contextmanager
-def _stop_signals() -> Iterator[list[int]]:
-    """Yield the list of received stop signals: a pending answer is written first."""
-    received: list[int] = []
-    before = {
-        number: signal.signal(number, lambda number, _: received.append(number))
-        for number in (signal.SIGINT, signal.SIGTERM)
-    }
-    try:
-        yield received
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

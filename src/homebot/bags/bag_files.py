@@ -1,0 +1,30 @@
+"""Reading of a bag: a folder of rosbag2, or one of its MCAP files."""
+
+import re
+from pathlib import Path
+
+from homebot.bags.mcap_file import McapFile
+from homebot.errors import UsageError
+
+__all__ = ["bag_files"]
+
+
+def bag_files(path: Path) -> tuple[McapFile, ...]:
+    """Return the files of the bag *path*, in order; ``metadata.yaml`` may be missing, as after a kill.
+
+    Raises:
+        UsageError: There are none.
+    """
+    if not path.exists():
+        raise UsageError(f"there is no bag {path}")
+    found = [path] if not path.is_dir() else sorted(path.glob("*.mcap"), key=_number)
+    if not found:
+        others = ", ".join(sorted(one.name for one in (*path.glob("*.db3*"), *path.glob("*.mcap.*"))))
+        hint = f", but {others}: convert it with `ros2 bag convert`" if others else ""
+        raise UsageError(f"{path} has no MCAP file{hint}")
+    return tuple(map(McapFile, found))
+
+
+def _number(path: Path) -> tuple[int, str]:
+    found = re.search(r"_(\d+)\.mcap$", path.name)
+    return int(found[1]) if found else 0, path.name

@@ -1,0 +1,83 @@
+"""Writing of a bag in a thread, behind a bounded queue: a slow disk delays nobody, and what it costs is counted."""
+
+import threading
+from queue import Empty, SimpleQueue
+from typing import Final, Self, final
+
+from homebot.bags.bag_topic import BagMessage
+from homebot.bags.bag_writer import BagWriter
+from homebot.errors import UsageError
+
+__all__ = ["BagThread"]
+
+_MOST_BYTES: Final = 64 * 1024 * 1024
+_EACH: Final = 200
+"""Bytes that a waiting message takes beside its own."""
+
+_FLUSHED_AFTER: Final = 5.0
+"""Seconds without a message after which the last ones are given to the operating system."""
+
+
+@final
+class BagThread:
+    """Writes into *writer*, and closes it at the end of the block.
+
+    Messages beyond 64 MiB that wait are dropped, as is everything after an error of the disk, which the end raises.
+
+    Attributes:
+        dropped: The number of messages that were dropped.
+        error: The error of the disk, if there was one.
+    """
+
+    def __init__(self, writer: BagWriter, most_bytes: int = _MOST_BYTES) -> None:
+        self.dropped = 0
+        self.error: OSError | UsageError | None = None
+        self._writer, self._most = writer, most_bytes
+        self._queue: SimpleQueue[BagMessage | None] = SimpleQueue()
+        self._waiting = 0
+        self._lock = threading.Lock()
+        self._thread = threading.Thread(target=self._run, name="bag", daemon=True)
+
+    def put(self, message: BagMessage) -> None:
+        """Write *message* soon, or drop and count it."""
+        size = len(message.data) + _EACH
+        with self._lock:
+            if self.error or self._waiting + size > self._most:
+                self.dropped += 1
+                return
+            self._waiting += size
+        self._queue.put(message)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._queue.put(None)
+        self._thread.join()
+        while not self._queue.empty():
+            self.dropped += self._queue.get() is not None
+        try:
+            self._writer.close()
+        except (OSError, UsageError) as exc:
+            self.error = self.error or exc
+        if self.error is not None:
+            raise self.error
+
+    def _run(self) -> None:
+        try:
+            while (message := self._next()) is not None:
+                self._writer.write(message)
+                with self._lock:
+                    self._waiting -= len(message.data) + _EACH
+        except (OSError, UsageError) as exc:
+            with self._lock:
+                self.error = exc
+                self.dropped += 1
+
+    def _next(self) -> BagMessage | None:
+        while True:
+            try:
+                return self._queue.get(timeout=_FLUSHED_AFTER)
+            except Empty:
+                self._writer.flush()

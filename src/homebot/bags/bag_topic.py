@@ -1,0 +1,91 @@
+"""A topic of a bag, with all that a reader needs to decode its messages. Pure."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any, Final, NamedTuple, final
+
+from homebot.graph import QoSProfile
+from homebot.messages.interfaces import Interfaces
+from homebot.messages.interfaces.interface_text import split_definitions
+from homebot.messages.message import Message
+from homebot.messages.type_hash import type_hash
+
+__all__ = ["BagMessage", "BagTopic", "qos_text"]
+
+_POLICIES: Final = ("history", "reliability", "durability", "liveliness")
+_SPANS: Final = ("deadline", "lifespan", "liveliness_lease_duration")
+_INFINITE: Final = {"sec": 9_223_372_036, "nsec": 854_775_807}
+
+
+@final
+@dataclass(frozen=True, slots=True)
+class BagTopic:
+    """A topic and its type.
+
+    Attributes:
+        definition: The text of the type and of those in it, like that of
+            :func:`homebot.messages.definition.definition_text`.
+        qos: What its publishers offered, as :func:`qos_text`.
+    """
+
+    name: str
+    ros_type: str
+    definition: str
+    type_hash: str
+    qos: str
+
+    @classmethod
+    def of(cls, name: str, ros_type: str, definition: str, qos: str) -> BagTopic:
+        """Return the topic *name* with messages whose type has the text *definition*.
+
+        Raises:
+            UsageError: The text is none.
+        """
+        topic = cls(name, ros_type, definition, "", qos)
+        return replace(topic, type_hash=type_hash(topic.message_type()))
+
+    @property
+    def is_latched(self) -> bool:
+        """True if late subscribers got messages from before."""
+        return "transient_local" in self.qos
+
+    def message_type(self) -> type[Message]:
+        """Return the type of the messages, built from its text.
+
+        Raises:
+            UsageError: The text is none.
+        """
+        return Interfaces(split_definitions(self.ros_type, self.definition)).find_message(self.ros_type)
+
+
+class BagMessage(NamedTuple):
+    """A message in CDR.
+
+    Attributes:
+        at: When it was received, in nanoseconds since 1970.
+    """
+
+    topic: BagTopic
+    at: int
+    data: bytes
+
+
+def qos_text(offered: Iterable[QoSProfile]) -> str:
+    """Return the profiles that publishers *offered* in the form of rosbag2, as a text of YAML."""
+    return json.dumps([_profile(one) for one in offered])
+
+
+def _profile(qos: QoSProfile) -> dict[str, Any]:
+    return (
+        {name: getattr(qos, name).name.lower() for name in _POLICIES}
+        | {"depth": qos.depth, "avoid_ros_namespace_conventions": False}
+        | {name: _span(getattr(qos, name)) for name in _SPANS}
+    )
+
+
+def _span(seconds: float) -> dict[str, int]:
+    sec, nsec = divmod(round(seconds * 1e9), 1_000_000_000)
+    return {"sec": sec, "nsec": nsec} if seconds else _INFINITE

@@ -1,0 +1,110 @@
+"""Playing of a bag into a running homebot, over the door."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, final
+
+from homebot.bags.bag_files import bag_files
+from homebot.bridges.rosbridge.access import right_to_publish
+from homebot.devices import RawCommand
+from homebot.devices.client_rights import Right
+from homebot.devices.gateway_messages import Command
+from homebot.devices.names import DEFINE_TYPE
+from homebot.errors import PeerError
+from homebot.messages.cdr import message_from_cdr
+from homebot.messages.json import message_to_json
+from homebot.support.name_patterns import fits_any
+
+if TYPE_CHECKING:
+    from homebot.bags.bag_topic import BagMessage, BagTopic
+    from homebot.cli.door_client import DoorClient
+    from homebot.messages.message import Message
+
+__all__ = ["play"]
+
+_COMMANDS: Final = {
+    RawCommand.ros_type,
+    Command.ros_type,
+    "geometry_msgs/msg/Twist",
+    "geometry_msgs/msg/TwistStamped",
+}
+"""The types of messages that set something in motion."""
+
+_GOAL: Final = "/goal_pose"
+
+
+def play(door: DoorClient, options: argparse.Namespace) -> int:
+    """Publish the messages of a bag, and say which topics were left out."""
+    player = _Player(door, options)
+    began, first = time.monotonic(), None
+    for message in chain.from_iterable(file.messages() for file in bag_files(Path(options.bag))):
+        if not player.plays(message.topic):
+            continue
+        first = message.at if first is None else first
+        due = began + (message.at - first) / 1e9 / options.rate
+        for _ in door.until(due - time.monotonic()):  # raises what was refused
+            pass
+        player.publish(message)
+    door.settle()
+    print(f"{player.count:,} messages of {len(player.types):,} topics were played")
+    for reason, topics in player.left_out.items():
+        print(f"left out, {reason}: {', '.join(sorted(topics))}")
+    return 0
+
+
+@final
+class _Player:
+    """Publishes messages, each topic first advertised with its type.
+
+    Attributes:
+        count: The number of messages published.
+        types: The types of the topics published.
+        left_out: The topics left out, by the reason.
+    """
+
+    def __init__(self, door: DoorClient, options: argparse.Namespace) -> None:
+        self.count = 0
+        self.types: dict[BagTopic, type[Message]] = {}
+        self.left_out: dict[str, set[str]] = {}
+        self._door, self._patterns, self._commands = door, options.topics, options.commands
+
+    def plays(self, topic: BagTopic) -> bool:
+        """Return whether messages of *topic* are played."""
+        if topic in self.types:
+            return True
+        if self._patterns and not fits_any(topic.name, self._patterns):
+            return False
+        is_command = topic.ros_type in _COMMANDS or topic.name.endswith(_GOAL)
+        reason = ""
+        if is_command and not self._commands:
+            reason = "as they are commands (--commands plays them)"
+        elif not is_command and not self._patterns and _is_own(topic):
+            reason = "as they are homebot's own (--topics plays them)"
+        if reason:
+            self.left_out.setdefault(reason, set()).add(topic.name)
+        return not reason
+
+    def publish(self, message: BagMessage) -> None:
+        """Publish *message*; errors as for :meth:`DoorClient.settle`, and that it is none of its topic's type."""
+        topic = message.topic
+        message_type = self.types.get(topic)
+        if message_type is None:
+            message_type = self.types[topic] = self._advertised(topic)
+        self._door.publish(topic.name, message_to_json(message_from_cdr(message_type, message.data)))
+        self.count += 1
+
+    def _advertised(self, topic: BagTopic) -> type[Message]:
+        try:
+            self._door.call("/rosapi/message_details", {"type": topic.ros_type})
+        except PeerError:  # homebot does not know it
+            self._door.ask(DEFINE_TYPE, {"type": topic.ros_type, "definition": topic.definition})
+        self._door.advertise(topic.name, topic.ros_type, latch=topic.is_latched)
+        return topic.message_type()
+
+
+def _is_own(topic: BagTopic) -> bool:
+    return right_to_publish(topic.name) is Right.RAW or topic.ros_type.startswith("homebot/")

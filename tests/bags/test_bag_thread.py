@@ -1,0 +1,46 @@
+"""A bag that is written in a thread: nobody waits for the disk, and what is lost is counted."""
+
+from pathlib import Path
+
+import pytest
+from tests.bags.bags import words
+
+from homebot.bags.bag_files import bag_files
+from homebot.bags.bag_thread import BagThread
+from homebot.bags.bag_writer import BagWriter
+from homebot.errors import UsageError
+
+
+def test_what_is_put_is_written_before_the_end(tmp_path: Path) -> None:
+    with BagThread(BagWriter(tmp_path / "day")) as bag:
+        for message in words(1000):
+            bag.put(message)
+    (file,) = bag_files(tmp_path / "day")
+    assert bag.dropped == 0
+    assert list(file.messages()) == list(words(1000))
+
+
+def test_messages_that_do_not_fit_are_dropped_and_counted(tmp_path: Path) -> None:
+    """The thread begins when they are there already."""
+    bag = BagThread(BagWriter(tmp_path / "day"), most_bytes=1000)
+    for message in words(10):
+        bag.put(message)
+    with bag:
+        pass
+    (file,) = bag_files(tmp_path / "day")
+    assert bag.dropped == 6
+    assert list(file.messages()) == list(words(4))
+
+
+def test_an_error_of_the_disk_ends_it_and_is_raised_at_its_end(tmp_path: Path) -> None:
+    """The folder for the next file is gone."""
+    bag = BagThread(BagWriter(tmp_path / "day", max_duration=0.05))
+    (tmp_path / "day").rename(tmp_path / "gone")
+    messages = list(words(3))
+    for message in messages:
+        bag.put(message)
+    with pytest.raises(UsageError, match=r"day_1.mcap cannot be written: No such file"), bag:
+        pass
+    assert bag.dropped == 2
+    bag.put(messages[0])
+    assert bag.dropped == 3

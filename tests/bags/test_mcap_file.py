@@ -1,0 +1,54 @@
+"""MCAP files that were cut off, damaged or written by others."""
+
+from contextlib import suppress
+from pathlib import Path
+from random import Random
+
+import pytest
+from tests.bags.bags import bag_of, whole
+
+from homebot.bags.bag_topic import BagMessage
+from homebot.bags.mcap_file import DamagedFileError, McapFile
+from homebot.errors import UsageError
+
+
+def test_a_file_that_was_cut_off_gives_what_is_whole(tmp_path: Path) -> None:
+    written = bag_of(tmp_path / "whole.mcap", 4000, 300)
+    intact = (tmp_path / "whole.mcap").read_bytes()
+    cut = McapFile(tmp_path / "cut.mcap")
+    cut.path.write_bytes(intact[: len(intact) * 6 // 10])
+    for read in (cut.content, lambda: list(cut.messages())):
+        with pytest.raises(DamagedFileError, match=r"homebot bag recover .*cut.mcap NEW` keeps what is whole"):
+            read()
+    found = whole(cut)
+    assert 1000 < len(found) < 4000
+    assert found == written[: len(found)]
+
+
+def test_any_damage_is_an_error_in_words_and_never_a_wrong_message(tmp_path: Path) -> None:
+    """Bytes are changed, dropped and doubled anywhere in the messages; checksums find it."""
+    written = bag_of(tmp_path / "whole.mcap", 300)
+    intact = (tmp_path / "whole.mcap").read_bytes()
+    end = intact.index(b"serialized_metadata")
+    random = Random(1)  # noqa: S311 - the same each time
+    for _ in range(300):
+        at = random.randrange(end)
+        piece = random.choice((b"", random.randbytes(1), random.randbytes(9)))
+        damaged = McapFile(tmp_path / "damaged.mcap")
+        damaged.path.write_bytes(intact[:at] + piece + intact[at + 1 :])
+        found: list[BagMessage] = []
+        with suppress(UsageError):
+            found += damaged.messages(is_cut=True)
+        assert [one.data for one in found] == [one.data for one in written[: len(found)]]
+
+
+@pytest.mark.parametrize("text", [b"", b"{}", b"\x89PNG\r\n\x1a\n"])
+def test_another_file_is_none(tmp_path: Path, text: bytes) -> None:
+    (tmp_path / "other").write_bytes(text)
+    with pytest.raises(UsageError, match=r"other (is not an MCAP file|was cut off or is damaged)"):
+        McapFile(tmp_path / "other").content()
+
+
+def test_a_missing_file_is_told(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="day cannot be read: No such file or directory"):
+        McapFile(tmp_path / "day").content()

@@ -1,0 +1,128 @@
+"""Bags of a running homebot; the commands are those of docs/bags.md."""
+
+import re
+import shlex
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+from tests.patience import PATIENCE
+from tests.shell import Homebot, environment, homebot_in
+
+GUIDE = (Path(__file__).parents[2] / "docs" / "bags.md").read_text("utf-8")
+COMMANDS = [one.partition("  #")[0].strip() for one in re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)]
+RECORD, RECORD_FILE, INFO, PLAY, RECOVER, EXPORT = COMMANDS
+
+HOUSE = """
+[rooms.hall]
+[devices.hall_lamp]
+kind = "lamp"
+room = "hall"
+"""
+HELLO = "homebot topic pub --once /hello std_msgs/String '{data: hi}'"
+OUT = "homebot topic pub --once /gateway/mqtt/out '{address: home425/lights/hall_lamp/in, payload: on}'"
+
+
+def begin(shell: Homebot, command: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        shlex.split(command),
+        cwd=shell.folder,
+        env=environment(shell.door),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def ok(shell: Homebot, command: str) -> str:
+    done = shell.run(command)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
+def commands(shell: Homebot) -> int:
+    """How often somebody published a command."""
+    return ok(shell, "homebot journal").count("published 'on' for hall_lamp")
+
+
+def test_topics_are_recorded_and_played(tmp_path: Path) -> None:
+    with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
+        recorder = begin(shell, RECORD)
+        while not (tmp_path / "day").exists():
+            assert recorder.poll() is None
+        talker = begin(shell, HELLO.replace("--once", "-r 10"))
+        assert talker.stdout is not None
+        while "#20 " not in talker.stdout.readline():
+            assert talker.poll() is None
+        ok(shell, OUT)
+        talker.kill()
+        talker.communicate()
+        ok(shell, "homebot do hall_lamp off")
+        recorder.send_signal(signal.SIGINT)
+        out, err = recorder.communicate(timeout=PATIENCE)
+        assert (recorder.returncode, err) == (0, "")
+        assert re.fullmatch(r"day: \d+ messages of \d+ topics\n", out)
+        told = ok(shell, INFO)
+        assert re.search(r"/hello \| std_msgs/msg/String \| \d+\n", told)
+        assert re.search(r"/gateway/mqtt/received_topics \| homebot/msg/Sighting \| [1-9]", told)  # it is latched
+
+        reader = begin(shell, "homebot topic echo --once --json /hello")
+        assert reader.stderr is not None
+        assert "no topic /hello yet" in reader.stderr.readline()
+        played = ok(shell, PLAY)
+        assert reader.communicate(timeout=PATIENCE)[0] == '{"data": "hi"}\n'
+        assert re.search(r"left out, as they are commands \(--commands plays them\): /gateway/mqtt/out\n", played)
+        assert re.search(
+            r"left out, as they are homebot's own \(--topics plays them\): .*/gateway/mqtt/readings", played
+        )
+        assert commands(shell) == 1
+        ok(shell, f"{PLAY} --rate 1000 --topics /gateway/mqtt/out --commands")
+        assert commands(shell) == 2
+
+
+def test_one_file_has_the_topics_that_were_named(tmp_path: Path) -> None:
+    with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
+        command = RECORD_FILE.replace("/robots/**", "/gateway/**").replace("60", "1")
+        assert re.fullmatch(r"robot.mcap: \d+ messages of \d+ topics\n", ok(shell, command))
+        told = ok(shell, INFO.replace("day", "robot.mcap"))
+        assert set(re.findall(r"^Topic: +(/\w+)", told, re.MULTILINE)) == {"/gateway"}
+        again = shell.run(command)
+        assert (again.returncode, "robot.mcap exists already" in again.stderr) == (1, True)
+
+
+def test_a_bag_that_was_cut_off_is_recovered(tmp_path: Path) -> None:
+    with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
+        ok(shell, f"{RECORD} --for 1")
+        file = tmp_path / "day" / "day_0.mcap"
+        whole = file.read_bytes()
+        file.write_bytes(whole[: whole.index(b"serialized_metadata")])
+        broken = shell.run(INFO)
+        rescue = "`homebot bag recover day/day_0.mcap NEW` keeps what is whole"
+        assert broken.stderr == f"homebot: day/day_0.mcap was cut off or is damaged; {rescue}\n"
+        told = ok(shell, RECOVER)
+        assert (found := re.fullmatch(r"day/day_0.mcap: (\d+) messages, up to where it is cut off or damaged\n", told))
+        assert re.search(rf"^Messages: +{found[1]}$", ok(shell, "homebot bag info whole"), re.MULTILINE)
+
+
+def test_a_recording_is_exported(tmp_path: Path) -> None:
+    with homebot_in(tmp_path, "--record", "house.jsonl.gz", house=HOUSE, until=("found", "is running")) as shell:
+        ok(shell, "homebot do hall_lamp on")
+    assert re.fullmatch(r"house: \d+ messages\n", ok(shell, EXPORT))
+    told = ok(shell, "homebot bag info house")
+    for topic in ("/gateway/mqtt/readings", "/gateway/mqtt/state", "/recording/commands", "/recording/outcomes"):
+        assert topic in told
+
+
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        (INFO, "there is no bag day"),
+        (RECOVER, "there is no bag day"),
+        (EXPORT, "house.jsonl.gz cannot be read: No such file or directory"),
+    ],
+)
+def test_what_is_missing_is_told_and_nothing_is_written(tmp_path: Path, command: str, told: str) -> None:
+    done = Homebot(tmp_path).run(command)
+    assert (done.returncode, done.stderr) == (1, f"homebot: {told}\n")
+    assert [*tmp_path.iterdir()] == []
