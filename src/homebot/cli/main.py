@@ -68,6 +68,7 @@ COMMANDS: Final = {
     "backup": "write homebot's data and configuration to one file",
     "restore": "restore the data and configuration from a backup",
     "broker": "run only an MQTT broker",
+    "join": "let another machine, with gateways only, become part of the house",
 }
 """The purpose of each command in one line."""
 
@@ -99,8 +100,8 @@ examples:
   homebot service call /rosapi/get_time          call a service
   homebot broker                                 only an MQTT broker
 
-All commands except `run`, `replay`, `restore`, `broker`, `config`, `interface`, `new` and `token` connect to a running
-homebot, by default on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
+All commands except `run`, `replay`, `restore`, `broker`, `config`, `interface`, `join`, `new` and `token` connect to a
+running homebot, by default on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
 """
 
 

@@ -7,26 +7,25 @@ import json
 import secrets
 import time
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from homebot.bridges.rosbridge.settings import check_token_name
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, set_command
-from homebot.cli.commands.run import with_environment
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient, set_door_command
+from homebot.cli.secret_tables import add_secret_table
 from homebot.cli.terminal import print_table
-from homebot.config import parse_config
 from homebot.devices.names import LIST_TOKENS
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import ago, iso, to_seconds
 from homebot.errors import UsageError
-from homebot.runtime.plan import make_plan
-from homebot.support.toml_file import parse_toml
 
 if TYPE_CHECKING:
     from homebot.devices.access_messages import ListedToken, ListTokensResponse
+    from homebot.runtime.plan import Plan
 
 __all__ = ["add_arguments"]
 
@@ -78,26 +77,8 @@ def _new(options: argparse.Namespace) -> int:
     rights = ", ".join(map(json.dumps, options.scope))
     table = f"[door.tokens.{options.name}]\ntoken_file = {json.dumps(token_file.name)}\nscope = [{rights}]\n"
     table += f"until = {json.dumps(options.until)}\n" if options.until else ""
-    try:
-        before = config.read_text(encoding="utf-8-sig") if config.exists() else ""
-    except (OSError, UnicodeDecodeError) as exc:
-        raise UsageError(f"{config} cannot be read: {exc}") from exc
-    if table.partition("\n")[0] in before:
-        raise UsageError(f"{config} has a table [door.tokens.{options.name}]; choose another name, or remove it first")
-    try:
-        token_file.touch(0o600, exist_ok=False)
-    except OSError as exc:
-        hint = "; choose another name" if isinstance(exc, FileExistsError) else ""
-        raise UsageError(f"{token_file} cannot be written: {exc.strerror}{hint}") from exc
-    try:
-        token_file.write_text(f"{secrets.token_urlsafe(32)}\n", encoding="ascii")
-        _check_table(f"{before}\n{table}", config, options.name)
-        if config.exists():
-            with config.open("a", encoding="utf-8") as file:
-                file.write(f"\n{table}")
-    except (UsageError, OSError) as exc:
-        token_file.unlink()
-        raise UsageError(f"{exc}; no token was created") from exc
+    secret = secrets.token_urlsafe(32)
+    add_secret_table(config, table, token_file, secret, partial(_check_end, options.name), creates=False)
     print(f"the token is in {token_file}, which only you can read")
     print(
         f"{config} has its table now; `systemctl [--user] reload homebot`, or `kill -HUP`, makes homebot read it"
@@ -108,8 +89,7 @@ def _new(options: argparse.Namespace) -> int:
     return 0
 
 
-def _check_table(text: str, config: Path, name: str) -> None:
-    plan = make_plan(with_environment(parse_config(parse_toml(text, str(config)), str(config), config.parent)))
+def _check_end(name: str, plan: Plan) -> None:
     if plan.door.tokens[name].until <= time.time():
         raise UsageError("its end (--until) is over")
 
