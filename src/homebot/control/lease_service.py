@@ -30,7 +30,7 @@ from homebot.devices.lease_messages import (
     LeasesResponse,
     LeaseState,
 )
-from homebot.devices.obedience import STOPPED, departs, value_text
+from homebot.devices.obedience import STOPPED, value_text
 from homebot.devices.outcomes import Contradicted, Gone, NoAnswer, Outcome, Refused, no_such_part
 from homebot.devices.part import check_setting
 from homebot.devices.trigger import NO_TRIGGER, Trigger
@@ -212,10 +212,11 @@ class LeaseService:
             self._compare(lease, value, finding)
 
     def _compare(self, lease: Lease, value: PlainValue, finding: Attribution | None = None) -> None:
-        if self._executor.timelines.fits(lease.part, lease.capability, lease.value, value):
+        profile = self._executor.timelines.profile(lease.part)
+        if profile.fits(lease.capability, lease.value, value):
             self._hand_back(lease)
             lease.set_so()
-        elif lease.is_so and departs(lease.capability, lease.value, value):
+        elif lease.is_so and profile.departs(lease.capability, lease.value, value):
             now, saw = self._clock.monotonic(), f"{lease.capability} is {value_text(value)}"
             if finding is None or finding.cause.may_be_person:
                 self._leases.outrank(lease, saw, now)

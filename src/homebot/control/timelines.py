@@ -14,6 +14,7 @@ from homebot.control.learnt import Profiles
 from homebot.control.timeline.cause import MOST_NEARBY, NOWHERE, Attribution, Cause, Nearby, NearbyCommands
 from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole
 from homebot.control.timeline.part_timeline import PartTimeline
+from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.devices import Device, DevicePart, KeyValue, State
@@ -103,9 +104,9 @@ class Timelines:
         listeners.append(on_value)
         return partial(listeners.remove, on_value)
 
-    def fits(self, place: PartRef, capability: str, wanted: PlainValue, value: PlainValue) -> bool:
-        """Return whether *value* is the wanted one, allowing for the rounding of a commanded part."""
-        return self._entries[place].timeline.profile.fits(capability, wanted, value)
+    def profile(self, place: PartRef) -> DeviceProfile:
+        """Return the profile of a commanded part, which compares its values."""
+        return self._entries[place].timeline.profile
 
     def schedule(self, place: PartRef) -> None:
         """Set the timer of a decided command, and save the profile."""

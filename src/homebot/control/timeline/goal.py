@@ -74,6 +74,10 @@ class WantedValue:
         """Return whether *value* is the wanted one, allowing for the device's rounding."""
         return self._profile.fits(self._capability, self.value, value)
 
+    def departs(self, value: PlainValue) -> bool:
+        """Return whether *value* shows that the device is neither at the wanted one nor on its way there."""
+        return self._profile.departs(self._capability, self.value, value)
+
     def shows_obedience(self, value: PlainValue) -> bool:
         """Return whether *value* shows that the device obeyed; a value that it had before must be the exact one."""
         return self.fits(value) and (self._known != value or self._is_so(value))

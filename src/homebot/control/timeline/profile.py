@@ -11,7 +11,7 @@ from pydantic import Field
 
 from homebot.control import durations
 from homebot.devices.capabilities import CAPABILITIES, OWN
-from homebot.devices.obedience import fits, is_other_end, is_same
+from homebot.devices.obedience import departs, fits, is_other_end, is_same
 from homebot.devices.value import PlainValue
 
 __all__ = ["ENOUGH", "KEPT", "DeviceProfile", "Return"]
@@ -204,6 +204,10 @@ class DeviceProfile:
         if capability not in self.answers or not (isinstance(wanted, float) and isinstance(value, float)):
             return False
         return abs(wanted - value) <= self.rounding(capability) and not is_other_end(capability, wanted, value)
+
+    def departs(self, capability: str, wanted: PlainValue, value: PlainValue) -> bool:
+        """Return whether *value* shows that the device is neither at the wanted one nor on its way there."""
+        return departs(capability, wanted, value) and not self.fits(capability, wanted, value)
 
     def rounding(self, capability: str) -> float:
         """Return by how much the device rounds values of *capability*; 0 if unknown.

@@ -7,7 +7,7 @@ from typing import Final, Literal, NamedTuple, TypeAlias, final
 from homebot.control import durations
 from homebot.control.timeline.facts import Order, Reported, ReportRole
 from homebot.control.timeline.goal import STEP, WantedValue, side_role
-from homebot.devices.obedience import departs, is_intermediate
+from homebot.devices.obedience import is_intermediate
 from homebot.devices.value import PlainValue
 
 __all__ = ["Settling", "Undoing"]
@@ -127,8 +127,7 @@ class Settling:
             return False
         if capability == _ON and not is_commanded:
             return False  # a newer command may have turned it off
-        wanted = self._wanted[capability]
-        return departs(capability, wanted.value, value) and not wanted.fits(value)
+        return self._wanted[capability].departs(value)
 
     def _may_move_on(self, fact: Reported) -> bool:
         """Return whether a dimmer or a motor that reported the wanted value may still be on its way there."""
