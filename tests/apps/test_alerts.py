@@ -12,6 +12,7 @@ from typing import get_args
 import anyio
 import pytest
 from tests.sizes import size
+from tests.whole_house import WHOLE_HOUSE
 
 from homebot.apps.alerts import MOST_INCIDENTS, update_incidents
 from homebot.clock import LoopClock
@@ -331,7 +332,7 @@ async def test_a_restart_tells_nothing_again_and_what_ended_meanwhile(tmp_path: 
                 assert [one.text for one in runtime.app_host.notifier.recent] == ["Over: Sink no longer is wet"]
 
 
-@pytest.mark.rooms("homeassistant", "homie", "shelly", "tasmota", "zigbee2mqtt")
+@WHOLE_HOUSE
 @pytest.mark.parametrize(
     ("world", "days"), [("family", size(7, nightly=21)), ("mixed", size(1, nightly=7))], indirect=["world"]
 )

@@ -17,6 +17,7 @@ import anyio
 import pytest
 from anyio import to_thread
 from tests.patience import PATIENCE
+from tests.whole_house import WHOLE_HOUSE
 
 from homebot.cli.main import main
 from homebot.testing import house_of
@@ -127,6 +128,7 @@ async def completed(words: list[str], environment: dict[str, str], folder: Path)
     return found
 
 
+@WHOLE_HOUSE
 async def test_bash_completes_names_of_devices_quoted(script: Path, tmp_path: Path) -> None:
     async with lamps() as environment:
         for line, found in (
@@ -145,6 +147,7 @@ async def test_bash_completes_names_of_devices_quoted(script: Path, tmp_path: Pa
         assert list(tmp_path.iterdir()) == []
 
 
+@WHOLE_HOUSE
 async def test_without_a_homebot_or_with_one_that_is_silent_nothing_is_completed(
     tmp_path: Path,
 ) -> None:
@@ -164,6 +167,7 @@ def test_the_scripts_of_other_shells_ask_for_devices(shell: str, capsys: pytest.
     assert " --complete-devices " in capsys.readouterr().out
 
 
+@WHOLE_HOUSE
 @pytest.mark.skipif(shutil.which("fish") is None, reason="fish is not installed")
 async def test_fish_completes_names_of_devices(tmp_path: Path) -> None:
     async with lamps() as environment:
@@ -172,6 +176,7 @@ async def test_fish_completes_names_of_devices(tmp_path: Path) -> None:
         assert {one.partition("\t")[0] for one in found.splitlines()} == {"Hall lamp", "Hall light 2"}
 
 
+@WHOLE_HOUSE
 @pytest.mark.skipif(shutil.which("zsh") is None, reason="zsh is not installed")
 async def test_the_tab_key_of_zsh_completes_names_of_devices_quoted(tmp_path: Path) -> None:
     """The shell prints the words of the completed line, as a command gets them."""

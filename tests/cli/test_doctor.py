@@ -135,6 +135,7 @@ def test_what_a_device_sent_and_nobody_understood_is_a_problem_for_a_day(
     assert "HB407" not in findings(capsys.readouterr().out)
 
 
+@pytest.mark.rooms("homeassistant", "homekit", "hue")
 def test_what_mdns_found_and_no_gateway_uses_is_no_problem_and_has_its_next_step(
     homebot_with: Callable[..., Homebot], capsys: Text
 ) -> None:
@@ -163,6 +164,7 @@ def test_what_mdns_found_and_no_gateway_uses_is_no_problem_and_has_its_next_step
     assert finding["rows"] == [{"what": "bridge", "why": "press its button"}, {"what": "hall", "why": "pair it"}]
 
 
+@pytest.mark.rooms("valetudo")
 def test_a_vacuum_that_is_no_robot_has_the_table_that_makes_it_one(
     homebot_with: Callable[..., Homebot], capsys: Text
 ) -> None:

@@ -72,6 +72,7 @@ def test_no_command_is_forgotten() -> None:
     assert {*COMMANDS} == {*PRINTED, FOLLOWING}
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.parametrize("command", PRINTED)
 def test_a_command_of_the_guides_does_what_they_say(door: str, command: str, tmp_path: Path) -> None:
     code, printed = PRINTED[command]
@@ -81,6 +82,7 @@ def test_a_command_of_the_guides_does_what_they_say(door: str, command: str, tmp
     assert (done.returncode, (done.stdout + done.stderr)[: len(printed)]) == (code, printed)
 
 
+@pytest.mark.rooms("homeassistant")
 def test_the_journal_is_followed(door: str) -> None:
     with subprocess.Popen(
         shlex.split(FOLLOWING), env=environment(door), stdout=subprocess.PIPE, text=True

@@ -20,6 +20,7 @@ from random import Random
 import anyio
 import pytest
 from tests.ports import reserve_port
+from tests.whole_house import WHOLE_HOUSE
 
 import homebot
 from homebot.cli.house_picture import HousePicture, lines_of
@@ -31,6 +32,8 @@ from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime import Runtime
 from homebot.support.virtual_time import VirtualTimeLoop
+
+pytestmark = WHOLE_HOUSE
 
 FAMILY = Path(homebot.__file__).parent / "house" / "family"
 CONFIG = load_config(FAMILY / "home.toml")

@@ -69,6 +69,7 @@ def test_a_name_of_several_words_is_one_in_each_spelling(tmp_path: Path) -> None
     assert 'north_star = "homebot_north_star.formats:NorthStar"' in (folder / "pyproject.toml").read_text()
 
 
+@pytest.mark.rooms("wled", "zigbee2mqtt")
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [

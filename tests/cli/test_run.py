@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from tests.patience import PATIENCE
+from tests.whole_house import WHOLE_HOUSE
 
 from homebot.cli import main
 from homebot.cli.commands.run import configuration
@@ -40,6 +41,7 @@ def house_of(*arguments: str) -> World | None:
     return configuration(make_parser().parse_args(["run", *arguments]))[1]
 
 
+@WHOLE_HOUSE
 def test_without_anything_it_is_the_family_house() -> None:
     config = config_of()
     assert config.home.name == "family"
@@ -148,6 +150,7 @@ def test_an_app_of_the_file_keeps_its_settings_when_it_is_named_again() -> None:
     assert config_of("--app", "light_service").apps == {"light_service": {"colour": "red"}}
 
 
+@WHOLE_HOUSE
 def test_the_door_is_where_the_option_says() -> None:
     assert config_of("--door", "127.0.0.1:7").door == {"host": "127.0.0.1", "port": 7}
     assert config_of("--door", "[::1]:7").door == {"host": "::1", "port": 7}
@@ -156,6 +159,7 @@ def test_the_door_is_where_the_option_says() -> None:
     assert config_of("--door", "127.0.0.1:7").door == {"host": "127.0.0.1", "port": 7}
 
 
+@WHOLE_HOUSE
 def test_the_door_may_stand_before_the_command() -> None:
     """As it may before any other; it was ignored."""
 
@@ -166,6 +170,7 @@ def test_the_door_may_stand_before_the_command() -> None:
     assert door_of("--door", "127.0.0.1:7", "run", "--door", "127.0.0.1:8") == {"host": "127.0.0.1", "port": 8}
 
 
+@WHOLE_HOUSE
 def test_the_variable_of_clients_does_not_move_a_door_whose_place_the_file_states(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -180,6 +185,7 @@ def test_the_variable_of_clients_does_not_move_a_door_whose_place_the_file_state
     assert config_of().door == {"host": "::1"}
 
 
+@WHOLE_HOUSE
 def test_the_token_of_the_environment_counts_where_the_file_has_none(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOMEBOT_DOOR_TOKEN", "hunter2")
     assert config_of().door == {"token": "hunter2"}
@@ -213,6 +219,7 @@ def test_an_app_whose_class_makes_no_legal_node_name_is_refused() -> None:
         config_of("--app", "my_app:Küche")
 
 
+@pytest.mark.rooms("thesis")
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [

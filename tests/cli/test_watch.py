@@ -11,6 +11,7 @@ from typing import Any, cast
 import pytest
 from tests.cli.test_guides import HOUSE
 from tests.shell import homebot_in
+from tests.whole_house import WHOLE_HOUSE
 
 from homebot.cli.commands.watch import MOST_LINES, _LinePrinter
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted
@@ -65,6 +66,7 @@ def _first_lines(door: str, watch: subprocess.Popen[str], device: str) -> list[s
     return (text + watch.communicate(timeout=60)[0]).splitlines()
 
 
+@WHOLE_HOUSE
 def test_a_command_and_the_change_are_a_line_each(door: str) -> None:
     lines = _first_lines(door, _watch(door), "Hall lamp")
     cells = [line.split()[1:] for line in lines]  # the light service commands it too, and some commands change nothing
@@ -76,6 +78,7 @@ def test_a_command_and_the_change_are_a_line_each(door: str) -> None:
     assert "\x1b" not in "".join(lines)
 
 
+@WHOLE_HOUSE
 def test_json_has_an_object_a_line_and_a_query_leaves_others_out(door: str) -> None:
     watch = _watch(door, "--json", "light")
     _do(door, "Front door", "lock")
@@ -86,12 +89,14 @@ def test_json_has_an_object_a_line_and_a_query_leaves_others_out(door: str) -> N
     assert all(isinstance(one["values"]["on_off"], bool) and one["issuer"] for one in shown)
 
 
+@WHOLE_HOUSE
 def test_a_query_that_is_not_understood_is_refused(door: str) -> None:
     watch = _watch(door, "temperature >")
     _, errors = watch.communicate(timeout=60)
     assert (watch.returncode, errors.startswith("homebot: ")) == (1, True)
 
 
+@WHOLE_HOUSE
 def test_a_query_that_nothing_matches_yet_is_said(door: str) -> None:
     watch = _watch(door, "nosuch")
     assert watch.stderr is not None
@@ -100,6 +105,7 @@ def test_a_query_that_nothing_matches_yet_is_said(door: str) -> None:
     watch.communicate(timeout=60)
 
 
+@WHOLE_HOUSE
 def test_a_reader_that_has_enough_ends_it_quietly(door: str) -> None:
     watch = _watch(door)
     assert watch.stdout is not None
@@ -152,6 +158,7 @@ def test_each_press_is_a_line_also_one_equal_to_the_one_before() -> None:
     assert [line.value for line in lines.pop(20.0)] == ["single", "single", "double", "single", "single"]
 
 
+@WHOLE_HOUSE
 def test_top_prints_one_table_into_a_pipe_and_a_line_a_sample_as_json(door: str) -> None:
     top = [*HOMEBOT, "top"]
     table = subprocess.run(top, env=_environment(door), capture_output=True, text=True, timeout=60, check=True).stdout
@@ -165,6 +172,7 @@ def test_top_prints_one_table_into_a_pipe_and_a_line_a_sample_as_json(door: str)
     assert all({"/rosout", "/discovery/states"} <= {one["topic"] for one in load["topics"]} for load in found)
 
 
+@WHOLE_HOUSE
 def test_top_takes_the_whole_terminal_and_gives_it_back(door: str) -> None:
     ours, theirs = os.openpty()
     environment = {**_environment(door), "TERM": "xterm", "LINES": "12", "COLUMNS": "90"}

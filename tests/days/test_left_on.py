@@ -3,6 +3,7 @@
 import pytest
 from tests.days.left_on import DEFAULTS, LONG, Family, Score, Trial, scored
 from tests.sizes import nightly
+from tests.whole_house import WHOLE_HOUSE
 
 MOVES, SITS, READS, READS_WITH_RADARS = Family(0.0), Family(1200.0), Family(3000.0), Family(3000.0, has_radars=True)
 
@@ -12,6 +13,7 @@ def score_of(people: Family, trial: Trial = DEFAULTS) -> Score:
     return score
 
 
+@WHOLE_HOUSE
 @pytest.mark.slow
 @pytest.mark.parametrize("people", [READS_WITH_RADARS, *(pytest.param(one, marks=nightly) for one in (MOVES, SITS))])
 def test_by_default_lamps_left_on_are_turned_off_and_those_of_people_who_sit_still_are_not(people: Family) -> None:

@@ -12,6 +12,8 @@ from tests.days.random_day import RandomDay, Table
 from homebot.testing import Day
 from homebot.testing.day_event import DayEvent
 
+pytestmark = pytest.mark.rooms("homeassistant")
+
 START = 5.5 * 3600.0
 OFF_AT = 3480.0
 OFF = {"at": OFF_AT, "device": "lamp", "capability": "on_off", "value": False}

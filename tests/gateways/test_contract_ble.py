@@ -82,7 +82,7 @@ class GattLamp(Lamp):
     async def misbehave(self) -> None:
         for number in range(2000):
             address = ":".join(f"{one:02X}" for one in (0xC0 + number // 256, number % 256, 1, 2, 3, 4))
-            self.radio.transmit(address, [(0x01, b"\x06"), (0x16, b"\xd2\xfc\x40\x02\x01")])
+            self.radio.transmit(address, [(0x01, b"\x06"), (0xFF, b"\x4c\x00\x02\x15")])  # an iBeacon, cut off
             if number % 100 == 0:
                 await anyio.sleep(0.01)
 

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import aiocoap
 import anyio
+import pytest
 from aiocoap import resource
 from aiocoap.cli.rd import StandaloneResourceDirectory
 from anyio.abc import TaskGroup, TaskStatus
@@ -20,6 +21,8 @@ from homebot.graph import Node
 from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState
 from homebot.testing.gateway_contract import GatewayContract, Lamp
+
+pytestmark = pytest.mark.rooms("things")
 
 OLD = 75.0
 """Seconds after which the last state is too old, and the list is read again: Max-Age is a minute where none is told."""

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from tests.whole_house import WHOLE_HOUSE
 
 from homebot.house import World, thesis_world
 from homebot.house.description import load_world
@@ -26,7 +27,7 @@ def test_the_places_of_the_small_house_are_valid_and_its_doors_are_at_their_room
         assert found.room == placed.room
 
 
-@pytest.mark.rooms("homeassistant", "homie", "shelly", "tasmota", "zigbee2mqtt")
+@WHOLE_HOUSE
 @pytest.mark.parametrize(("name", "doors"), [("flat", 2), ("family", 6), ("mixed", 3)])
 def test_the_rooms_of_the_examples_stand_side_by_side_with_each_door_in_a_wall(name: str, doors: int) -> None:
     world = load_world(Path(__file__).parents[2] / "examples" / "houses" / f"{name}.toml")

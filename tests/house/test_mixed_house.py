@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from tests.sizes import size
+from tests.whole_house import WHOLE_HOUSE
 
 from homebot.devices import Devices
 from homebot.devices.handles import Light, WindowCovering
@@ -45,6 +46,7 @@ async def test_the_light_service_switches_lamps_of_every_family(dialect: str) ->
         assert (counters.unsaid, counters.overflowed, counters.refused) == (0, 0, 0)
 
 
+@WHOLE_HOUSE
 @pytest.mark.no_cover
 async def test_a_day_of_a_mixed_house_loses_nothing() -> None:
     """Each lamp that was lit is dark again soon, by a command that came over the wire; nothing is lost."""
@@ -74,6 +76,7 @@ async def test_a_device_is_in_its_room_and_has_its_name_whatever_it_speaks(diale
     assert {(device.name, device.area) for device in found} == {(name, "hall") for name in devices}
 
 
+@WHOLE_HOUSE
 @pytest.mark.parametrize("dialect", dialects())
 async def test_the_effects_of_commands_are_no_hand_whatever_a_device_speaks(dialect: str) -> None:
     """A lamp that is on again as it was, and a cover that rests where it was sent, are confirmed and explained."""

@@ -23,7 +23,12 @@ from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.rooms(
+        "bthome", "esphome", "homeassistant", "homekit", "hue", "matter", "shelly", "wled", "zigbee2mqtt"
+    ),
+]
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "houses" / "protocols.toml"
 APP = Path(__file__).parents[2] / "examples" / "02_window_light"

@@ -41,7 +41,7 @@ from homebot.replay.command_diff import CommandDiff
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.testing import virtual_house_of
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant", "zigbee2mqtt")]
 
 LIGHTS_OUT = {**APPS["lights_out"], "quiet_after": 600.0}
 START = "2026-01-01 07:55"

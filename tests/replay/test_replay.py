@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from tests.replay.recorded_days import diff_of, evening_flat, family, recorded, replayed, texts
 from tests.sizes import NIGHTLY, nightly, size
+from tests.whole_house import WHOLE_HOUSE
 
 import homebot.apps.lights_out
 from homebot.config import HomeSettings, parse_config
@@ -40,6 +41,7 @@ def evening() -> Recording:
     return recorded(evening_flat(), EVENING_APPS, "2h", start="2026-01-01 18:00")
 
 
+@WHOLE_HOUSE
 @pytest.mark.no_cover
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=nightly)])
 def test_the_same_apps_give_the_same_commands_in_a_day_of_the_family_home(seed: int) -> None:
@@ -49,6 +51,7 @@ def test_the_same_apps_give_the_same_commands_in_a_day_of_the_family_home(seed: 
     assert diff.same > size(15, 100)
 
 
+@WHOLE_HOUSE
 def test_a_recording_of_a_run_has_all_of_it(evening: Recording) -> None:
     assert evening.lost == 0
     assert evening.ends_at == pytest.approx(2 * 3600, abs=1)
@@ -57,12 +60,14 @@ def test_a_recording_of_a_run_has_all_of_it(evening: Recording) -> None:
     assert {one.command.issuer for one in evening.commands} == {"/lights_out", "/follow_me"}
 
 
+@WHOLE_HOUSE
 def test_the_same_apps_give_the_same_commands(evening: Recording) -> None:
     diff = diff_of(evening)
     assert texts(evening, diff) == []
     assert diff.same == len(evening.commands)
 
 
+@WHOLE_HOUSE
 def test_a_changed_line_is_told_by_exactly_the_commands_that_it_changes(evening: Recording, tmp_path: Path) -> None:
     """The app waits five minutes, and not 21, so its commands come 16 minutes earlier; others stay."""
     source = Path(homebot.apps.lights_out.__file__).read_text("utf-8")
@@ -86,6 +91,7 @@ GOLDEN = """\
 """.splitlines()
 
 
+@WHOLE_HOUSE
 def test_two_app_files_with_classes_of_one_name_are_replayed_each_in_its_place(
     tmp_path: Path, evening: Recording
 ) -> None:
@@ -107,6 +113,7 @@ def test_two_app_files_with_classes_of_one_name_are_replayed_each_in_its_place(
         diff_of(mine, [str(changed)])
 
 
+@WHOLE_HOUSE
 def test_a_policy_that_refuses_is_named(evening: Recording) -> None:
     """Quiet hours keep the app from turning lamps on; those that it turned off were never on in truth, and stay."""
     rules = {"quiet_hours": [{"start": "00:00", "end": "23:59", "commands": ["turn on lights"]}]}
@@ -116,6 +123,7 @@ def test_a_policy_that_refuses_is_named(evening: Recording) -> None:
     assert len(diff.different) == sum(one.command.issuer == "/follow_me" for one in evening.commands)
 
 
+@WHOLE_HOUSE
 def test_an_app_that_was_not_recorded_gives_added_commands_which_succeed(evening: Recording) -> None:
     found = replayed(evening, ["homebot.apps.light_service:LightService"])
     assert found.issuers == ("/light_service",)

@@ -88,6 +88,7 @@ def hour() -> Recording:
     return recording_of(lines)
 
 
+@pytest.mark.rooms("bthome", "homeassistant", "zigbee2mqtt")
 def test_the_same_apps_give_the_same_commands_over_all_gateways_whose_devices_are_merged(hour: Recording) -> None:
     assert hour.gateways == ("ble", "mqtt", "observer")
     commanded = {one.command.device for one in hour.commands}
@@ -105,6 +106,7 @@ def test_the_same_apps_give_the_same_commands_over_all_gateways_whose_devices_ar
     }
 
 
+@pytest.mark.rooms("bthome", "homeassistant", "zigbee2mqtt")
 def test_a_changed_line_changes_exactly_its_commands_over_all_gateways(hour: Recording, tmp_path: Path) -> None:
     """The app turns lamps off five minutes after the last motion, not after 21; the other app has no part in it.
 

@@ -12,6 +12,7 @@ import anyio
 import pytest
 from anyio import to_thread
 from structlog.testing import capture_logs
+from tests.whole_house import WHOLE_HOUSE
 
 import homebot.house
 from homebot.config import parse_config
@@ -94,7 +95,7 @@ async def test_the_robot_of_the_house_is_found_in_its_room_and_stays_known_while
         assert (batteries[-1].percentage, batteries[-1].power_supply_status) == (1.0, 4)
 
 
-@pytest.mark.rooms("homeassistant", "homie", "shelly", "tasmota", "zigbee2mqtt")
+@WHOLE_HOUSE
 async def test_in_the_hall_of_the_family_the_lamp_of_the_hall_is_the_nearest() -> None:
     """The hall is long: while its lamp had no position, ten metres were added, and the lamp of the study came first."""
     world = await to_thread.run_sync(load_world, FAMILY_HOUSE)

@@ -24,7 +24,11 @@ from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.runtime import Runtime
 from homebot.testing.contexts import in_background
 
-pytestmark = [pytest.mark.system, pytest.mark.skipif(MOSQUITTO is None, reason="mosquitto is not installed")]
+pytestmark = [
+    pytest.mark.system,
+    pytest.mark.skipif(MOSQUITTO is None, reason="mosquitto is not installed"),
+    pytest.mark.rooms("homeassistant"),
+]
 
 CREDENTIALS: Final = {"anna": "right"}
 DEVICE: Final = {"device": {"identifiers": ["porch"], "name": "Porch"}}

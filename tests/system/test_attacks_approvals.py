@@ -27,6 +27,7 @@ pytestmark = [
     pytest.mark.no_cover,
     pytest.mark.system,
     pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
+    pytest.mark.rooms("homeassistant"),
 ]
 
 HOUSE = """

@@ -405,6 +405,7 @@ def check_journal(entries: list[dict[str, Any]], lock: str) -> None:
         assert [one["results"][0]["policy"] for one in outcomes] == ["rights"]
 
 
+@pytest.mark.rooms("homeassistant")
 def test_a_program_without_the_right_opens_no_lock_and_forges_nothing(tmp_path: Path) -> None:
     """On a real broker: what the lock hears is the command of the one program that may unlock it."""
     (tmp_path / "homebot.toml").write_text(HOUSE)

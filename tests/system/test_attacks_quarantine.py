@@ -115,6 +115,7 @@ def homebot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Attacked]:
         yield begun(running)
 
 
+@pytest.mark.rooms("homeassistant", "zigbee2mqtt")
 @pytest.mark.parametrize(
     ("case", "topic", "payload"),
     [

@@ -19,7 +19,7 @@ from websockets.sync.client import ClientConnection
 
 from homebot.mqtt.packets import Connect, MqttSubscription, ProtocolVersion, Publish, Subscribe
 
-pytestmark = [pytest.mark.system, pytest.mark.no_cover]
+pytestmark = [pytest.mark.system, pytest.mark.no_cover, pytest.mark.rooms("homeassistant")]
 
 LAMP = {"name": "Hall lamp", "unique_id": "hall", "command_topic": "hall/set", "state_topic": "hall/state"}
 HOUSE = """

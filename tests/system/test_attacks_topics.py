@@ -28,7 +28,7 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 
-pytestmark = pytest.mark.system
+pytestmark = [pytest.mark.system, pytest.mark.rooms("homeassistant", "homie", "zigbee2mqtt")]
 
 UNLOCK = '{"state":"UNLOCK"}'
 IEEE = "0x00158d0001a2b3c4"

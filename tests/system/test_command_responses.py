@@ -41,6 +41,9 @@ SILENCE = 3.0
 AnyBroker = Broker | MemoryBroker | MosquittoBroker
 
 
+pytestmark = pytest.mark.rooms("homeassistant")
+
+
 @dataclass
 class Responder:
     """A device that answers each command with :attr:`response`; None for not at all."""

@@ -24,7 +24,7 @@ from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 
-pytestmark = pytest.mark.system
+pytestmark = [pytest.mark.system, pytest.mark.rooms("homeassistant")]
 
 KILLS = size(3, 10)
 LATEST = 12.0

@@ -19,7 +19,7 @@ from websockets.sync.client import ClientConnection
 
 from homebot.mqtt.packets import Connect, MqttSubscription, ProtocolVersion, Publish, Subscribe
 
-pytestmark = [pytest.mark.system, pytest.mark.no_cover]
+pytestmark = [pytest.mark.system, pytest.mark.no_cover, pytest.mark.rooms("homeassistant")]
 
 ROBOT = Path(__file__).with_name("holding_robot.py")
 TTL = 5.0

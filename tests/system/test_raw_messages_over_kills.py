@@ -23,7 +23,11 @@ from homebot.mqtt.options import MqttOptions
 from homebot.runtime import Runtime
 from homebot.testing.contexts import in_background
 
-pytestmark = [pytest.mark.system, pytest.mark.skipif(MOSQUITTO is None, reason="mosquitto is not installed")]
+pytestmark = [
+    pytest.mark.system,
+    pytest.mark.skipif(MOSQUITTO is None, reason="mosquitto is not installed"),
+    pytest.mark.rooms("homeassistant"),
+]
 
 SENSORS: Final = 50
 KILLS: Final = 3

@@ -22,6 +22,7 @@ NAMELESS = {("tasmota", "motion"), ("tasmota", "contact")}
 """A switch of Tasmota does not say what it is on, so that its part is of no type with a handle."""
 
 
+@pytest.mark.rooms("thesis")
 @pytest.mark.parametrize("dialect", dialects())
 async def test_what_a_sensor_senses_arrives_whatever_it_speaks(dialect: str) -> None:
     kinds = sorted(dialects()[dialect].kinds & SENSED.keys())

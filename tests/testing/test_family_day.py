@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from tests.thesis_light_service import THESIS_LIGHT_SERVICE
+from tests.whole_house import WHOLE_HOUSE
 
 from homebot.devices import Devices
 from homebot.graph import Node
@@ -19,6 +20,8 @@ from homebot.house.description import parse_world
 from homebot.house.event_log import Event
 from homebot.house.rooms import DAY
 from homebot.testing import EventLog, VirtualHouse, virtual_house_of
+
+pytestmark = WHOLE_HOUSE
 
 FAMILY = tomllib.loads((Path(__file__).parents[2] / "examples" / "houses" / "family.toml").read_text("utf-8"))
 HOUSES = int(os.environ.get("HOUSES", "1"))

@@ -24,6 +24,7 @@ def test_nothing_is_shown_that_is_not_run() -> None:
     assert len(TESTS) > 5
 
 
+@pytest.mark.rooms("thesis")
 def test_the_tests_pass_without_any_configuration(pytester: pytest.Pytester) -> None:
     shutil.copy(EXAMPLE / "window_light.py", pytester.path)
     for name, text in FILES.items():

@@ -70,6 +70,7 @@ async def test_the_report_has_the_cause_of_the_first_change_as_well() -> None:
         assert house_report(house).split()[-4:] == ["lights/hall", "on", "by", "hand"]
 
 
+@pytest.mark.rooms("esphome", "thesis")
 async def test_measurements_leave_room_in_the_report_for_what_was_done() -> None:
     async with virtual_house_of(world=World.of(SimulatedLamp("hall"))) as house, EventLog.of(house):
         await house.press("hall", "on")
@@ -194,6 +195,7 @@ async def test_a_night_without_broker_is_survived() -> None:
         assert await house.hears("home425/lights/roomlights405/in") == "off"
 
 
+@pytest.mark.rooms("esphome", "thesis")
 async def test_a_device_that_needs_a_network_is_refused_by_the_name_of_its_family() -> None:
     world = World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("hall"), "hall", dialect="esphome")])
     with pytest.raises(UsageError, match="world: esphome needs a network, and a virtual house has a broker alone"):

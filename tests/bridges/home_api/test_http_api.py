@@ -2,9 +2,11 @@
 
 from pathlib import Path
 
+import pytest
 from tests.bridges.home_api.api import bearer, running_api
 
 
+@pytest.mark.rooms("thesis")
 async def test_a_house_is_found_commanded_and_explained(tmp_path: Path) -> None:
     async with running_api(tmp_path) as api:
         found = await api.get("/api/devices?q=light")

@@ -16,6 +16,7 @@ def settings(**given: object) -> BleGatewaySettings:
     return BleGatewaySettings.model_validate(given)
 
 
+@pytest.mark.rooms("bthome", "sensor_libraries", "switchbot")
 def test_homebots_own_parsers_are_used_unless_others_are_named() -> None:
     assert settings().parsers == ("beacon", "bthome", "sensor_libraries", "switchbot")
 

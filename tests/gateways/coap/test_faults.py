@@ -46,6 +46,7 @@ class LeavingLamp(CoapDevice):
         return [(path, _LeavingResource(self) if path == ("on",) else one) for path, one in super()._make_resources()]
 
 
+@pytest.mark.rooms("things")
 async def test_a_lamp_that_leaves_while_it_is_told_is_unreachable_and_the_others_obey() -> None:
     info = SimulatedDeviceInfo("house", "lamp", "Leaving", "lights", "hall")
     leaving = LeavingLamp(info, lambda _command: None)
@@ -79,6 +80,7 @@ async def test_the_socket_that_asks_answers_no_requests() -> None:
             lamp.recv(1000)
 
 
+@pytest.mark.rooms("things")
 async def test_a_host_that_answers_from_many_ports_keeps_no_other_out() -> None:
     """Nor one whose address begins alike."""
     async with watched_gateway(devices=["coap://127.0.0.2"], timeout=PATIENCE) as watcher:
@@ -89,6 +91,7 @@ async def test_a_host_that_answers_from_many_ports_keeps_no_other_out() -> None:
         assert len(watcher.gateway._sessions) == 2 + MAX_PER_ADDRESS
 
 
+@pytest.mark.rooms("things")
 async def test_a_host_that_answers_from_many_ports_and_is_silent_delays_no_other() -> None:
     async with device() as lamp, watched_gateway(devices=["coap://127.0.0.2"], timeout=300.0) as watcher:
         with ExitStack() as silent:

@@ -17,6 +17,8 @@ from homebot.house.coap_devices import CoapDevice
 from homebot.house.coap_directory import served_directory
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 
+pytestmark = pytest.mark.rooms("things")
+
 
 @asynccontextmanager
 async def device(kind: str = "lamp", directory: str = "") -> AsyncIterator[CoapDevice]:

@@ -63,6 +63,7 @@ async def test_each_lost_link_is_told() -> None:
     assert sum(line["event"] == "gateway.link_lost" for line in lines) == 2
 
 
+@pytest.mark.rooms("thesis")
 @pytest.mark.parametrize(
     ("refused", "state", "outcome"),
     [

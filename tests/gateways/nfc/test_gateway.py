@@ -97,6 +97,7 @@ async def test_the_settings_count_more_than_the_tag() -> None:
         assert (tap.device, tap.area) == (LAMP.id, "Hall")
 
 
+@pytest.mark.rooms("things")
 async def test_a_thing_that_only_a_tag_describes_becomes_a_device_without_commands() -> None:
     async with tag_house() as house:
         sightings = house.listen(Sighting, "received_topics")
