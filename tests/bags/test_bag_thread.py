@@ -2,13 +2,11 @@
 
 from pathlib import Path
 
-import pytest
 from tests.bags.bags import words
 
 from homebot.bags.bag_files import bag_files
 from homebot.bags.bag_thread import BagThread
 from homebot.bags.bag_writer import BagWriter
-from homebot.errors import UsageError
 
 
 def test_what_is_put_is_written_before_the_end(tmp_path: Path) -> None:
@@ -32,15 +30,17 @@ def test_messages_that_do_not_fit_are_dropped_and_counted(tmp_path: Path) -> Non
     assert list(file.messages()) == list(words(4))
 
 
-def test_an_error_of_the_disk_ends_it_and_is_raised_at_its_end(tmp_path: Path) -> None:
+def test_after_an_error_of_the_disk_everything_is_dropped(tmp_path: Path) -> None:
     """The folder for the next file is gone."""
     bag = BagThread(BagWriter(tmp_path / "day", max_duration=0.05))
     (tmp_path / "day").rename(tmp_path / "gone")
     messages = list(words(3))
     for message in messages:
         bag.put(message)
-    with pytest.raises(UsageError, match=r"day_1.mcap cannot be written: No such file"), bag:
+    with bag:
         pass
     assert bag.dropped == 2
+    assert "day ends early: " in str(bag.error)
+    assert "day_1.mcap cannot be written: No such file or directory; `homebot bag recover " in str(bag.error)
     bag.put(messages[0])
     assert bag.dropped == 3

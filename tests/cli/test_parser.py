@@ -84,9 +84,13 @@ def test_a_wrong_address_in_the_environment_is_told_as_such(capsys: Text, monkey
     assert capsys.readouterr().err.startswith("homebot: environment: HOMEBOT_DOOR: an address is HOST:PORT")
 
 
+@pytest.mark.parametrize(
+    ("command", "extra", "modules"), [("mcp --door 9", "mcp", "mcp"), ("bag info day", "mcap", "mcap, yaml, zstandard")]
+)
 def test_without_the_extra_the_command_that_installs_it_is_named(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: str, extra: str, modules: str
 ) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
-    assert main(["mcp", "--door", "9"]) == 1
-    assert capsys.readouterr().err == 'homebot: homebot mcp needs mcp; install it with: pip install "homebot[mcp]"\n'
+    assert main(command.split()) == 1
+    told = f'homebot {command.split(maxsplit=1)[0]} needs {modules}; install it with: pip install "homebot[{extra}]"'
+    assert capsys.readouterr().err == f"homebot: {told}\n"

@@ -103,6 +103,12 @@ def test_any_bytes_are_a_document_or_a_clear_error(payload: bytes) -> None:
         assert not isinstance(document, float) or math.isfinite(document)
 
 
+def test_byte_strings_stay_bytes_where_they_are_asked_for() -> None:
+    assert decode_cbor(bytes.fromhex("a1616244fffe0102"), as_bytes=True) == {"b": b"\xff\xfe\x01\x02"}
+    with pytest.raises(WireError, match="longer than 7"):
+        decode_cbor(bytes.fromhex("a1616244fffe0102"), 7, as_bytes=True)
+
+
 def test_a_value_that_is_no_document_is_refused() -> None:
     with pytest.raises(TypeError):
         encode_cbor({1, 2})

@@ -62,7 +62,7 @@ def test_topics_are_recorded_and_played(tmp_path: Path) -> None:
         recorder.send_signal(signal.SIGINT)
         out, err = recorder.communicate(timeout=PATIENCE)
         assert (recorder.returncode, err) == (0, "")
-        assert re.fullmatch(r"day: \d+ messages of \d+ topics\n", out)
+        assert re.fullmatch(r"day: \d+ messages; topics: \d+\n", out)
         told = ok(shell, INFO)
         assert re.search(r"/hello \| std_msgs/msg/String \| \d+\n", told)
         assert re.search(r"/gateway/mqtt/received_topics \| homebot/msg/Sighting \| [1-9]", told)  # it is latched
@@ -84,11 +84,25 @@ def test_topics_are_recorded_and_played(tmp_path: Path) -> None:
 def test_one_file_has_the_topics_that_were_named(tmp_path: Path) -> None:
     with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
         command = RECORD_FILE.replace("/robots/**", "/gateway/**").replace("60", "1")
-        assert re.fullmatch(r"robot.mcap: \d+ messages of \d+ topics\n", ok(shell, command))
+        assert re.fullmatch(r"robot.mcap: \d+ messages; topics: \d+\n", ok(shell, command))
         told = ok(shell, INFO.replace("day", "robot.mcap"))
         assert set(re.findall(r"^Topic: +(/\w+)", told, re.MULTILINE)) == {"/gateway"}
         again = shell.run(command)
         assert (again.returncode, "robot.mcap exists already" in again.stderr) == (1, True)
+
+
+def test_a_topic_that_is_not_there_is_awaited(tmp_path: Path) -> None:
+    with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
+        recorder = begin(shell, f"{RECORD} hello --for 300")
+        assert recorder.stderr is not None
+        assert recorder.stderr.readline() == "homebot: no topic /hello yet; waiting, Ctrl-C stops\n"
+        talker = begin(shell, HELLO.replace("--once", "-r 10"))
+        while not (tmp_path / "day" / "day_0.mcap").stat().st_size > 500:  # beyond its first bytes
+            assert recorder.poll() is None
+        talker.kill()
+        talker.communicate()
+        recorder.send_signal(signal.SIGTERM)
+        assert re.fullmatch(r"day: [1-9]\d* messages; topics: 1\n", recorder.communicate(timeout=PATIENCE)[0])
 
 
 def test_a_bag_that_was_cut_off_is_recovered(tmp_path: Path) -> None:

@@ -22,16 +22,16 @@ _FLUSHED_AFTER: Final = 5.0
 class BagThread:
     """Writes into *writer*, and closes it at the end of the block.
 
-    Messages beyond 64 MiB that wait are dropped, as is everything after an error of the disk, which the end raises.
+    Messages beyond 64 MiB that wait are dropped, as is everything after an error of the disk.
 
     Attributes:
         dropped: The number of messages that were dropped.
-        error: The error of the disk, if there was one.
+        error: The error of the disk; None without one.
     """
 
     def __init__(self, writer: BagWriter, most_bytes: int = _MOST_BYTES) -> None:
         self.dropped = 0
-        self.error: OSError | UsageError | None = None
+        self.error: UsageError | None = None
         self._writer, self._most = writer, most_bytes
         self._queue: SimpleQueue[BagMessage | None] = SimpleQueue()
         self._waiting = 0
@@ -60,9 +60,7 @@ class BagThread:
         try:
             self._writer.close()
         except (OSError, UsageError) as exc:
-            self.error = self.error or exc
-        if self.error is not None:
-            raise self.error
+            self.error = self.error or self._told(exc)
 
     def _run(self) -> None:
         try:
@@ -72,8 +70,12 @@ class BagThread:
                     self._waiting -= len(message.data) + _EACH
         except (OSError, UsageError) as exc:
             with self._lock:
-                self.error = exc
+                self.error = self._told(exc)
                 self.dropped += 1
+
+    def _told(self, exc: OSError | UsageError) -> UsageError:
+        path, why = self._writer.path, exc.strerror if isinstance(exc, OSError) else exc
+        return UsageError(f"{path} ends early: {why}; `homebot bag recover {path} NEW` keeps what is whole")
 
     def _next(self) -> BagMessage | None:
         while True:

@@ -50,7 +50,7 @@ def play(door: DoorClient, options: argparse.Namespace) -> int:
             pass
         player.publish(message)
     door.settle()
-    print(f"{player.count:,} messages of {len(player.types):,} topics were played")
+    print(f"{player.count:,} messages were played; topics: {', '.join(sorted(one.name for one in player.types))}")
     for reason, topics in player.left_out.items():
         print(f"left out, {reason}: {', '.join(sorted(topics))}")
     return 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
 import time
 from collections.abc import Mapping, Sequence
 from datetime import datetime
@@ -14,9 +15,9 @@ from homebot.bags.bag_thread import BagThread
 from homebot.bags.bag_topic import BagMessage, BagTopic, qos_text
 from homebot.bags.bag_writer import BagWriter
 from homebot.bags.public_message import without_raw_secrets
-from homebot.cli.graph_queries import entities, is_hidden
+from homebot.cli.graph_queries import entities, is_hidden, not_yet
 from homebot.cli.stop_signals import stop_signals
-from homebot.errors import LinkError
+from homebot.errors import HomebotError, LinkError
 from homebot.graph import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from homebot.support.name_patterns import fits_any
 
@@ -33,11 +34,11 @@ _ALL: Final = ("/**",)
 
 
 def record(door: DoorClient, options: argparse.Namespace) -> int:
-    """Record until a stop signal, the end of the time, or an error, which is raised once the bag is whole."""
+    """Record until a stop signal, the end of the time, or an error, which is raised once all else is written."""
     path = Path(options.output or f"rosbag2_{datetime.now().astimezone():%Y_%m_%d-%H_%M_%S}")
     distribution = str(door.call("/rosapi/get_ros_version")["distro"])
     writer = BagWriter(path, options.max_size, options.max_duration, distribution)
-    problem: LinkError | None = None
+    problem: HomebotError | None = None
     with stop_signals() as stopped, BagThread(writer) as bag:
         recorder = _Recorder(door, bag, options.topics or _ALL, options.exclude)
         try:
@@ -45,9 +46,9 @@ def record(door: DoorClient, options: argparse.Namespace) -> int:
         except LinkError as exc:
             problem = exc
     dropped = recorder.lost + bag.dropped
-    lost = f", {dropped:,} were lost: they came too fast" if dropped else ""
-    print(f"{path}: {writer.count:,} messages of {len(recorder.topics):,} topics{lost}")
-    if problem is not None:
+    lost = f"; {dropped:,} messages were lost: they came too fast" if dropped else ""
+    print(f"{path}: {writer.count:,} messages; topics: {len(recorder.topics):,}{lost}")
+    if (problem := problem or bag.error) is not None:
         raise problem
     return 0
 
@@ -68,10 +69,13 @@ class _Recorder:
 
     def run(self, ends: float, stopped: Sequence[int]) -> None:
         """Record until the monotonic time *ends*, or something is in *stopped*."""
+        self._follow_new_topics()
+        if not self.topics:
+            print(not_yet(self._door, " ".join(self._wanted)), file=sys.stderr)
         while not stopped and not self._bag.error and (left := ends - time.monotonic()) > 0:
-            self._follow_new_topics()
             for received in self._door.until(min(_LOOK_EVERY, left)):
                 self._put(received)
+            self._follow_new_topics()
 
     def _follow_new_topics(self) -> None:
         offered: dict[str, list[EndpointDetails]] = {}

@@ -51,12 +51,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add_record(verbs: Commands) -> None:
     command = add_verb(verbs, "record", "record topics into a bag")
-    command.add_argument("topics", metavar="TOPIC", nargs="*", help=f"topics (default: all){_PATTERNS}")
+    command.add_argument("topics", metavar="TOPIC", nargs="*", type=_pattern, help=f"topics (default: all){_PATTERNS}")
     command.add_argument(
         "-o", "--output", metavar="BAG", default="", help="folder, or file that ends in .mcap (default: rosbag2_TIME)"
     )
     command.add_argument(
-        "-x", "--exclude", metavar="TOPIC", nargs="+", default=[], help="topics to leave out, likewise"
+        "-x", "--exclude", metavar="TOPIC", nargs="+", type=_pattern, default=[], help="topics to leave out, likewise"
     )
     command.add_argument(
         "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after TIME: seconds, or a text such as 2m"
@@ -70,16 +70,22 @@ def _add_play(verbs: Commands) -> None:
     command = add_verb(verbs, "play", "publish the messages of a bag at the times that they had")
     command.add_argument("bag", metavar="BAG", help="folder, or file that ends in .mcap")
     command.add_argument("-r", "--rate", metavar="N", type=positive, default=1.0, help="play N times as fast")
-    command.add_argument("--topics", metavar="TOPIC", nargs="+", default=[], help=f"topics to play{_PATTERNS}")
+    command.add_argument(
+        "--topics", metavar="TOPIC", nargs="+", type=_pattern, default=[], help=f"topics to play{_PATTERNS}"
+    )
     command.add_argument("--commands", action="store_true", help="play commands to devices and robots too")
     set_door_command(command, _later("bag_playing", "play"), _PLAY_EXAMPLES, acts=True)
+
+
+def _pattern(text: str) -> str:
+    return f"/{text.removeprefix('/')}"
 
 
 def _later(module: str, function: str) -> Callable[..., int]:
     """Return a command whose *module* is loaded when it runs, as the libraries take a while, or may be missing."""
 
     def run(*arguments: object) -> int:
-        check_extra("`homebot bag`", "mcap", "mcap", "yaml", "zstandard")
+        check_extra("homebot bag", "mcap", "mcap", "yaml", "zstandard")
         code: int = getattr(import_module(f"homebot.cli.{module}"), function)(*arguments)
         return code
 
