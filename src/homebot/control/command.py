@@ -100,8 +100,10 @@ class IssuedCommand:
 
     def __post_init__(self) -> None:
         self.place = self.device.id, self.part.id
-        self.states = {one.capability: one for one in self.device.states if one.part == self.part.id}
-        self.values = {name: state.value.plain() for name, state in self.states.items()}
+        self.states, self.values = {}, {}
+        for one in self.device.states:
+            if one.part == self.part.id:
+                self.states[one.capability], self.values[one.capability] = one, one.value.plain()
         if len(self.settings) > 1:
             self.settings = _ordered(self.settings, self.values)
         self.why_it_asks = why_it_asks(self.device, self.part)
@@ -126,11 +128,6 @@ class IssuedCommand:
         """Return *values* of the part, by default the wanted ones, for people: without codes."""
         values = self.settings if values is None else values
         return without_codes(tuple(map(Setting.of, values, values.values())), self.device, self.part)
-
-    @property
-    def is_told_once(self) -> bool:
-        """True if a second sending might undo it, or count as a second attempt with its code."""
-        return bool(self.code or self.why_it_asks) or is_told_once(self.part.part.service_type, self.settings)
 
 
 def _ordered(settings: Mapping[str, PlainValue], values: Mapping[str, PlainValue]) -> Mapping[str, PlainValue]:
@@ -159,6 +156,7 @@ def label_of(device: Device, part_id: str) -> str:
 def order_of(command: IssuedCommand) -> Order:
     """Return *command* as an order for the timeline."""
     settings, readable, echoed, has_ramp = command.settings, set[str](), _NO_ECHO, False
+    is_undone = is_told_once(command.part.part.service_type, settings)  # or a second attempt with its code counts
     for one in command.part.part.capabilities:
         if one.readable:
             readable.add(one.name)
@@ -171,7 +169,7 @@ def order_of(command: IssuedCommand) -> Order:
         _expected(settings, readable),
         command.transition,
         moves=not _MOTIONS.isdisjoint(settings) and any(settings[one] != STOPPED for one in _MOTIONS & settings.keys()),
-        is_told_once=command.is_told_once,
+        is_told_once=is_undone or bool(command.code or command.why_it_asks),
         opens_further=settings.get("movement") == "open" and _is_half_open(command.values.get("position")),
         turns_on="on_off" not in settings and _turns_on(command),
         has_ramp=has_ramp,

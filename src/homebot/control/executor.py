@@ -158,7 +158,8 @@ class CommandExecutor:
                 name, device, part, settings, issuer, rights, trigger, asked_at, request.scope, text
             )
             agreed = await self._agreed(command) if command.is_client else command
-            outcome = agreed if isinstance(agreed, Outcome) else await self._send_text(agreed, text)
+            is_code = shown != (read,)
+            outcome = agreed if isinstance(agreed, Outcome) else await self._send_text(agreed, text, is_code=is_code)
         if outcome is None:
             return SendTextResponse(success=True, others=text.others, command_id=name)
         self._journal.decided(issuer, place, outcome)
@@ -196,7 +197,7 @@ class CommandExecutor:
                 return held
         return self._policies.check(command, is_recorded=not is_preview)
 
-    async def _send_text(self, command: IssuedCommand, text: TextTarget) -> Outcome | None:
+    async def _send_text(self, command: IssuedCommand, text: TextTarget, *, is_code: bool) -> Outcome | None:
         """Send a text, which supersedes older commands for the same; None if that is done, as no report is awaited."""
         refused = self.check(command)
         if refused is not None:
@@ -210,7 +211,7 @@ class CommandExecutor:
         timeline.command(order, now, is_raw=True)
         if command.part.part.members:
             await self._record_members(command, order)
-        return await self._sending.send_text(command, text)
+        return await self._sending.send_text(command, text, is_code=is_code)
 
     async def _record_members(self, command: IssuedCommand, order: Order) -> None:
         """Record a command to a group for the parts that its source lists as its members."""
@@ -291,7 +292,7 @@ class CommandExecutor:
         if command.place not in self.witnesses.contradicted:
             asked, lost = dict.fromkeys((*order.settings, *order.wanted)), self._feed.last_loss(command.part.routes)
             known, is_recent = certain_values(command, asked, timeline, lost.wall, self._clock)
-        answers = self._feed.is_answering(command.part.routes)
+        answers = not order.wanted and self._feed.is_answering(command.part.routes)
         progress = timeline.command(order, self._clock.monotonic(), known, command.values, answers=answers)
         opened = self._open[command.id] = OpenCommand(command, timeline, progress, self._limits)
         is_so = is_recent and is_at_rest and progress.was_so

@@ -10,7 +10,6 @@ import anyio
 from homebot.control import durations
 from homebot.control.command import IssuedCommand
 from homebot.control.gateway_feed import GatewayFeed
-from homebot.control.journal.given_codes import CODE_GIVEN
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
@@ -163,13 +162,12 @@ class Sending:
             self._log.info(WOULD_SEND, message=text, device=command.device.id, command=command.id)
         return outcome
 
-    async def send_text(self, command: IssuedCommand, text: TextTarget) -> NoAnswer | None:
+    async def send_text(self, command: IssuedCommand, text: TextTarget, *, is_code: bool) -> NoAnswer | None:
         """Send a text once, and return when its gateway has queued it; return the outcome if that fails."""
         try:
             sent = await self.texts.send(text, command.issuer, command.trigger, command.id, command.part.routes)
         except LinkError as exc:
             return NoAnswer(0.0, str(exc), command_id=command.id)
-        is_code = CODE_GIVEN in [one.value.plain() for one in command.public()]
         self._journal.published(command.device.id, sent, self._clock.now(), is_code=is_code)
         return None
 
