@@ -31,7 +31,7 @@ COMMANDS = [
     for block in re.findall(r"```console\n(.*?)```", GUIDE, re.DOTALL)
     for command in re.findall(r"^\$ (.*)$", block, re.MULTILINE)
 ]
-BEFORE_IT_RUNS = ("homebot token", "homebot interface import")
+BEFORE_IT_RUNS = ("homebot token", "homebot interface import", "homebot router --certificate")
 """These change the configuration, which is read at the start."""
 
 

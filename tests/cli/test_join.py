@@ -80,3 +80,23 @@ def test_a_house_that_does_not_listen_says_what_to_do(
     Path("homebot.toml").write_text('[home]\nname = "villa"\n')
     assert main(["join", "--new", "attic"]) == 1
     assert "has no listen in [ros], where attic could connect" in capsys.readouterr().err
+
+
+def test_a_machine_trusts_the_certificate_of_a_house_that_listens_for_other_computers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Text
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["router", "--certificate", "villa.lan"]) == 0
+    files = 'cert_file = "router.crt"\nkey_file = "router.key"\n'
+    Path("homebot.toml").write_text(LISTENS.replace("tcp/127.0.0.1", "tls/0.0.0.0") + files)
+    assert main(["join", "--new", "attic"]) == 0
+    code = capsys.readouterr().out.split()[-1]
+    Path("attic").mkdir()
+    monkeypatch.chdir("attic")
+    monkeypatch.setattr("sys.stdin", io.StringIO(code))
+    assert main(["join", "tls/villa.lan:7447"]) == 0
+    link = make_plan(load_config(Path("homebot.toml"))).link
+    assert link is not None
+    assert link.ca is not None
+    assert link.ca.read_text() == Path("../router.crt").read_text()
+    assert Path("../router.key").read_text() not in code

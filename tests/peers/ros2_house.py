@@ -2,15 +2,18 @@
 
 import json
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, nullcontext
 from functools import partial
 from typing import Any
 
 import anyio
 import pytest
+import zenoh
 from tests.ports import reserve_port
+from tests.robots_on_wire import HOME, house_rights, log_in
 
 from homebot.bridges.ros2.link import serve_link
+from homebot.bridges.ros2.rights import WireRights
 from homebot.bridges.ros2.robots import RobotsOnWire
 from homebot.bridges.ros2.session import open_session
 from homebot.bridges.rosbridge.access import ClientAccess
@@ -24,20 +27,24 @@ EXPORT = ("/house/**", "/map", "/app", "/app/*", "/parameter_events")
 
 
 @asynccontextmanager
-async def house() -> AsyncIterator[tuple[Node, int]]:
-    """An app at the house, and the port to which a robot connects."""
+async def house(*, is_router: bool = True) -> AsyncIterator[tuple[Node, int]]:
+    """An app at the house, and the port to which a robot connects: at the house, or at a router of its own."""
     port = reserve_port()
+    address = f"tcp/127.0.0.1:{port}"
+    router = {"mode": "router", "listen": {"endpoints": [address]}, "scouting": {"multicast": {"enabled": False}}}
     async with anyio.create_task_group() as tasks, Node(Graph(), "app") as app:
-        await tasks.start(partial(_serve, app.graph, port))
-        yield app, port
-        tasks.cancel_scope.cancel()
+        with nullcontext() if is_router else zenoh.open(zenoh.Config.from_json5(json.dumps(router))):
+            link: dict[str, object] = {"listen": address} if is_router else {"connect": (address,)}
+            await tasks.start(partial(_serve, app.graph, link))
+            yield app, port
+            tasks.cancel_scope.cancel()
 
 
-async def _serve(graph: Graph, port: int, *, task_status: anyio.abc.TaskStatus[None]) -> None:
-    table = {"listen": f"tcp/127.0.0.1:{port}", "export": EXPORT, "import": {"rosie": ("/rosie/**",)}}
-    settings = RosSettings.model_validate(table)
+async def _serve(graph: Graph, link: dict[str, object], *, task_status: anyio.abc.TaskStatus[None]) -> None:
+    settings = RosSettings.model_validate({**link, "export": EXPORT, "import": {"rosie": ("/rosie/**",)}})
+    rights = house_rights(settings) if settings.listen else WireRights.of_routers(settings, HOME, None)
     access = ClientAccess("rosie", read_scope(SCOPE), RobotOwners({"rosie": ()}))
-    async with open_session(settings) as session, Node(graph, "ros2") as node:
+    async with open_session(settings, rights) as session, Node(graph, "ros2") as node:
         node.create_task(session.run)
         robots = RobotsOnWire(settings.imports, {"rosie": access})
         await serve_link(node, session, settings, robots, task_status=task_status)
@@ -48,15 +55,8 @@ async def robot(port: int) -> AsyncIterator[Any]:
     """The Zenoh session of the node ``/rosie/brain`` of pyzeros."""
     pyzeros: Any = pytest.importorskip("pyzeros")
     afor: Any = pytest.importorskip("asyncio_for_robotics")
-    zenoh: Any = pytest.importorskip("zenoh")
-    peer = {
-        "mode": "peer",
-        "connect": {"endpoints": [f"tcp/127.0.0.1:{port}"]},
-        "listen": {"endpoints": ["tcp/127.0.0.1:0"]},
-        "scouting": {"multicast": {"enabled": False}},
-    }
     with (
-        zenoh.open(zenoh.Config.from_json5(json.dumps(peer))) as session,
+        log_in(f"tcp/127.0.0.1:{port}", "rosie") as session,
         pyzeros.auto_context(node="brain", namespace="/rosie", zenoh_session=session),
     ):
         async with afor.Scope():

@@ -247,8 +247,8 @@ async def test_pyzeros_reads_and_sets_the_parameters_of_a_node() -> None:
 
 
 async def test_zenoh_ros2_sdk_is_a_neighbour() -> None:
-    pytest.importorskip("zenoh_ros2_sdk")
-    async with house() as (app, port):
+    pytest.importorskip("zenoh_ros2_sdk")  # it cannot log in
+    async with house(is_router=False) as (app, port):
         app.create_publisher(String, "/map", qos_profile_latched).publish(String(data="rooms"))
         app.create_service(Trigger, "/house/light", lambda _: Trigger.Response(success=True, message="on"))
         ours = app.create_publisher(Int32, "/house/number")

@@ -10,6 +10,7 @@ import anyio.lowlevel
 import pytest
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
+from tests.robots_on_wire import robot_rights
 
 from homebot.bridges.ros2.link import serve_link
 from homebot.bridges.ros2.robots import RobotsOnWire
@@ -53,7 +54,7 @@ async def robot_beside_house(folder: Path, *scope: str) -> AsyncIterator[tuple[N
         async with (
             Runtime(config, house=thesis_world(), with_door=False, services=services) as runtime,
             Node(runtime.graph, "tester") as tester,
-            open_session(robot) as session,
+            open_session(robot, robot_rights(robot, "rosie")) as session,
             Node(graph, "ros2") as node,
             Node(graph, "nav") as nav,
         ):

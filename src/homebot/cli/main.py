@@ -69,6 +69,7 @@ COMMANDS: Final = {
     "restore": "restore the data and configuration from a backup",
     "broker": "run only an MQTT broker",
     "join": "let another machine, with gateways only, become part of the house",
+    "router": "run only the router between homebot and ROS 2 robots; make its certificate",
 }
 """The purpose of each command in one line."""
 
@@ -102,6 +103,8 @@ examples:
 
 All commands except `run`, `replay`, `restore`, `broker`, `config`, `interface`, `join`, `new` and `token` connect to a
 running homebot, by default on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
+All commands except `run`, `replay`, `restore`, `broker`, `router`, `config`, `interface`, `new` and `token` connect to
+a running homebot, by default on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
 """
 
 

@@ -55,6 +55,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass, field
+from pathlib import Path
 from random import Random
 from typing import ClassVar, Final, Generic, Literal, Self, TypeAlias, TypeVar
 
@@ -153,7 +154,6 @@ class Gateway(ABC):
 
     Attributes:
         Settings: The model of its table.
-        is_of_other_machine: Whether its devices are those of another homebot, to which no third one gets by this one.
         names: Its names on the graph.
         reports: The publisher of its devices' reports.
         random: The source of random numbers for pauses.
@@ -162,7 +162,6 @@ class Gateway(ABC):
     """
 
     Settings: ClassVar[type[BaseModel]]
-    is_of_other_machine: ClassVar[bool] = False
     acts: bool = True
     observes_because: str = ONLY_OBSERVES
 
@@ -207,6 +206,14 @@ class Gateway(ABC):
     def host_services(cls, settings: BaseModel) -> tuple[HostService[object], ...]:  # noqa: ARG003 - most need none
         """Return the services that it needs in this process; they outlive the gateway."""
         return ()
+
+    @classmethod
+    def other_machine(cls, name: str, settings: BaseModel) -> tuple[str, Path] | None:  # noqa: ARG003 - most are here
+        """Return the machine whose gateway *name* is, with the file of its secret; None if its devices are of this one.
+
+        What is of another machine gets to no third one by this one.
+        """
+        return None
 
     @classmethod
     def resolve(cls, settings: BaseModel, context: GatewayContext) -> BaseModel:  # noqa: ARG003 - most change nothing

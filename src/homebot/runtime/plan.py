@@ -144,7 +144,13 @@ class Plan:
     @property
     def own_gateways(self) -> tuple[str, ...]:
         """The names of the gateways of this machine."""
-        return tuple(one.name for one in self.gateways if not one.kind.is_of_other_machine)
+        return tuple(one.name for one in self.gateways if one.kind.other_machine(one.name, one.settings) is None)
+
+    @property
+    def other_machines(self) -> Mapping[str, Path]:
+        """The machines with gateways of this house, by name, with the files of their secrets."""
+        found = (one.kind.other_machine(one.name, one.settings) for one in self.gateways)
+        return dict(filter(None, found))
 
     @property
     def is_other_machine(self) -> bool:
@@ -307,6 +313,13 @@ def _link(config: Config) -> RosSettings | None:
     if not settings.has_link:
         return None
     _check_extra(config.source, "ros", "the link to robots", "ros2", "zenoh", "xxhash")
+    if len(settings.imports) > 1:
+        from homebot.bridges.ros2.rights import check_apart  # noqa: PLC0415 - only with several robots
+
+        try:
+            check_apart(settings)
+        except UsageError as exc:
+            raise ConfigError(config.source, "ros.import", str(exc)) from exc
     return settings
 
 

@@ -39,8 +39,12 @@ _LIVE: Final[Mapping[str, frozenset[str]]] = {
     "control": frozenset(PolicySettings.model_fields),
     "apps": frozenset({ACT}),
     "devices": frozenset({"limits"}),
+    "ros": frozenset({"ca", "cert_file", "connect", "domain", "export", "import", "key_file", "listen", "user"}),
 }
 """The keys that take effect without a restart; so do all of ``[places]`` and ``[devices]``."""
+
+_RELOADED: Final = ("config", "door", "control", "places", "limits", "link")
+"""The parts of a plan that a reload replaces."""
 
 _BY_KEY: Final = frozenset({"control", "door"})
 """Tables of which only live keys are missed."""
@@ -81,13 +85,18 @@ def _robots(door: Mapping[str, Any]) -> set[str]:
 
 def _changed(table: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
     for key in dict.fromkeys((*old, *new)):
-        if old.get(key) == new.get(key) or key in _LIVE.get(table, ()):
+        if old.get(key) == new.get(key) or (key in _LIVE.get(table, ()) and _runs(table, old)):
             continue
         if table in _SECTIONS and key in old and key in new:
             rest = (one for one in dict.fromkeys((*old[key], *new[key])) if one not in _LIVE.get(table, ()))
             yield from (f"{table}.{key}.{one}" for one in rest if old[key].get(one) != new[key].get(one))
         else:
             yield f"{table}.{key}"
+
+
+def _runs(table: str, old: Mapping[str, Any]) -> bool:
+    """Return whether what the live keys of *table* are for was there at the start."""
+    return table != "ros" or not old.keys().isdisjoint(("connect", "listen"))
 
 
 def lost_keys(before: Config, after: Config) -> tuple[str, ...]:
@@ -138,7 +147,7 @@ def _tables_in(value: object) -> list[Mapping[str, Any]]:
 
 
 def _is_limit(path: tuple[str, ...]) -> bool:
-    return path[0] == "places" or not _LIVE.get(path[0], frozenset()).isdisjoint(path)
+    return path[0] == "places" or (path[0] != "ros" and not _LIVE.get(path[0], frozenset()).isdisjoint(path))
 
 
 def _cut_tokens(before: Mapping[str, SecretStr], after: Mapping[str, SecretStr]) -> Iterator[str]:
@@ -189,5 +198,5 @@ async def reload_configuration(
     rest = f"; restart homebot for the changes of {waiting}" if waiting else ""
     message = f"tokens, rights, policies and places were reloaded{rest}"
     _log.info(RELOADED, message=message)
-    done = replace(plan, config=new.config, door=new.door, control=new.control, places=new.places, limits=new.limits)
+    done = replace(plan, **{name: getattr(new, name) for name in _RELOADED})
     return done, ChangeAppResponse(success=True, message=message)

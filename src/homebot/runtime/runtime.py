@@ -54,9 +54,9 @@ if TYPE_CHECKING:
     from homebot.control.sending import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.house import World
-    from homebot.messages.interfaces.settings import RosSettings
     from homebot.recording.lines import RecordingHeader
     from homebot.recording.recording_file import LineSink
+    from homebot.runtime.link_starter import LinkStarter
     from homebot.runtime.simulated_house import HouseOfRun
 
 __all__ = ["Runtime"]
@@ -151,6 +151,7 @@ class Runtime:
         self._approves_all = self.trusts_apps or is_all_simulated
         self.trusts_apps = self.trusts_apps or self.house is not None
         self._machines: MachinesOnWire | None = None
+        self._link: LinkStarter | None = None
         if self._plan.link is not None:
             from homebot.bridges.machines.on_wire import MachinesOnWire  # noqa: PLC0415 - few houses have a link
 
@@ -173,6 +174,10 @@ class Runtime:
         self.app_host = AppHost(self.graph, self._plan, self._beside_index(STORE_FILE), self._clock)
         if self._plan.interfaces is not None:
             self.graph.interfaces = self._plan.interfaces
+        if self._machines is not None:
+            from homebot.runtime.link_starter import LinkStarter  # noqa: PLC0415 - few houses have a link
+
+            self._link = LinkStarter(self.graph, self._machines, lambda: self._plan, self._owner_token)
         self.supervisor = Supervisor(self._clock)
         self.app_manager = AppManager(self.supervisor, self.app_host, self._planner)
         self.door: Door | None = None
@@ -228,6 +233,8 @@ class Runtime:
             self._plan, self._reloaded = await reload_configuration(
                 self.config, self._plan, parts, read, self._make_plan, may_lose=may_lose
             )
+            if self._link is not None:
+                self._link.reload()
             return self._reloaded
 
     def cut_start_short(self) -> None:
@@ -284,8 +291,8 @@ class Runtime:
     ) -> Iterator[AbstractAsyncContextManager[None]]:
         """Yield components in the order of their start; each is created when the previous ones are ready."""
         running = self.supervisor.running
-        if self._plan.link is not None and not self.is_dry_run:
-            yield running("ros2", partial(self._link, self._plan.link))
+        if self._link is not None and not self.is_dry_run:
+            yield running("ros2", self._link.serve)
         yield from (running(gateway.name, partial(self._gateway, gateway), "gateway") for gateway in gateways)
         if not self._plan.is_other_machine:
             yield from self._mind()
@@ -414,20 +421,6 @@ class Runtime:
             node.create_service(GetHealth, "~/health", self.door.health)
             node.create_service(ListTokens, LIST_TOKENS, self.door.list_tokens)
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
-
-    async def _link(self, settings: RosSettings, *, task_status: TaskStatus[None]) -> None:
-        from homebot.bridges.ros2.link import serve_link  # noqa: PLC0415 - few houses have a link
-        from homebot.bridges.ros2.robots import RobotsOnWire  # noqa: PLC0415 - as above
-        from homebot.bridges.ros2.session import open_session  # noqa: PLC0415 - as above
-
-        assert self._machines is not None, "the plan has a link"  # noqa: S101 - for mypy
-        robots = RobotsOnWire.of(settings.imports, self._plan.door, self._plan.robot_owners(), self._clock.now)
-        async with open_session(settings) as session, Node(self.graph, "ros2") as node:
-            node.create_task(session.run)
-            async with self._machines.linked(self.graph, settings, session):
-                await run_as(
-                    node.full_name, partial(serve_link, node, session, settings, robots, task_status=task_status)
-                )
 
     async def _owner_token(self) -> OwnerToken | None:
         if self.owner_file is None or self._local_rights is SIMULATED_HOUSE_RIGHTS:

@@ -9,6 +9,7 @@ import anyio.lowlevel
 from tests.bridges.ros2.pair import access, linked
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
+from tests.robots_on_wire import robot_rights
 
 from homebot.bridges.ros2.robots import RobotsOnWire
 from homebot.bridges.ros2.session import Declared, ZenohSession, open_session
@@ -60,6 +61,8 @@ async def meeting() -> AsyncIterator[Meeting]:
     robots = RobotsOnWire(house.imports, {"rosie": access("rosie")})
     async with anyio.create_task_group() as tasks, Node(Graph(), "app") as app:
         await tasks.start(partial(linked, app.graph, "ros2", "/", house, robots))
-        async with open_session(RosSettings.model_validate({"connect": (address,)})) as robot:
+        link = {"connect": (address,), "export": ("/rosie/**",), "import": {"house": ("/house/**",)}}
+        settings = RosSettings.model_validate(link)
+        async with open_session(settings, robot_rights(settings, "rosie")) as robot:
             yield Meeting(app, robot)
         tasks.cancel_scope.cancel()

@@ -7,6 +7,7 @@ from functools import partial
 import anyio
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
+from tests.robots_on_wire import house_rights, robot_rights
 
 from homebot.bridges.ros2.link import serve_link
 from homebot.bridges.ros2.robots import RobotsOnWire
@@ -70,7 +71,8 @@ async def linked(
     *,
     task_status: anyio.abc.TaskStatus[None],
 ) -> None:
-    async with open_session(settings) as session, Node(graph, name, namespace=namespace) as node:
+    rights = house_rights(settings) if settings.listen else robot_rights(settings, "rosie")
+    async with open_session(settings, rights) as session, Node(graph, name, namespace=namespace) as node:
         node.create_task(session.run)
         await serve_link(node, session, settings, robots, task_status=task_status)
 

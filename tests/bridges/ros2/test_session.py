@@ -5,6 +5,7 @@ import anyio.lowlevel
 from structlog.testing import capture_logs
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
+from tests.robots_on_wire import house_rights, robot_rights
 
 from homebot.bridges.ros2.session import WireSample, open_session
 from homebot.graph.qos import HistoryPolicy, QoSProfile
@@ -15,10 +16,13 @@ ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL)
 
 async def test_more_messages_than_wait_for_the_loop_are_lost_counted_and_told() -> None:
     address = f"tcp/127.0.0.1:{reserve_port()}"
-    listening = RosSettings.model_validate({"listen": address})
-    connecting = RosSettings.model_validate({"connect": (address,)})
+    listening = RosSettings.model_validate({"listen": address, "import": {"rosie": ("/rosie/*",)}})
+    connecting = RosSettings.model_validate({"connect": (address,), "export": ("/rosie/*",)})
     got: list[WireSample] = []
-    async with open_session(listening) as router, open_session(connecting) as robot:
+    async with (
+        open_session(listening, house_rights(listening)) as router,
+        open_session(connecting, robot_rights(connecting, "rosie")) as robot,
+    ):
         there, done = anyio.Event(), anyio.Event()
 
         def took(sample: WireSample) -> None:
@@ -28,8 +32,8 @@ async def test_more_messages_than_wait_for_the_loop_are_lost_counted_and_told() 
             if len(got) == 1000:
                 done.set()
 
-        reading = router.subscribe("0/words", ALL, took)
-        writer = robot.publish("0/words", ALL)
+        reading = router.subscribe("0/rosie/words/T/H", ALL, took)
+        writer = robot.publish("0/rosie/words/T/H", ALL)
         with anyio.fail_after(PATIENCE), capture_logs() as lines:
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(router.run)

@@ -11,6 +11,7 @@ import anyio
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import SecretStr
 from tests.ports import reserve_port
+from tests.robots_on_wire import house_rights, robot_rights
 
 from homebot.bridges.machines.exports import serve_gateways
 from homebot.bridges.machines.on_wire import MachinesOnWire
@@ -70,7 +71,10 @@ class FarMachine:
 
     async def _serve(self, gateways: tuple[str, ...], *, task_status: TaskStatus[None]) -> None:
         with self._on_wire:
-            async with open_session(self._settings) as session, Node(self.gateway.node.graph, "machine") as node:
+            async with (
+                open_session(self._settings, robot_rights(self._settings, "attic")) as session,
+                Node(self.gateway.node.graph, "machine") as node,
+            ):
                 node.create_task(session.run)
                 wire = MachineWire(node, session, SecretStr(SECRET))
                 await serve_gateways(node, wire, "villa", "attic", gateways, task_status=task_status)
@@ -81,8 +85,9 @@ class FarMachine:
 async def far_machine() -> AsyncIterator[FarMachine]:
     """Run the machine, and the router of the other one, inside the block."""
     router = f"tcp/127.0.0.1:{reserve_port()}"
+    settings = RosSettings.model_validate({"listen": router})
     async with (
-        open_session(RosSettings.model_validate({"listen": router})) as session,
+        open_session(settings, house_rights(settings, "attic")) as session,
         Node(Graph(), "memory", namespace="/gateway") as node,
         anyio.create_task_group() as tasks,
     ):

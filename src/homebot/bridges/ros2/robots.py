@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from homebot.bridges.rosbridge import DoorSettings
     from homebot.devices.robot_owners import RobotOwners
 
-__all__ = ["RobotsOnWire"]
+__all__ = ["RobotsOnWire", "token_of"]
 
 
 @final
@@ -54,14 +54,14 @@ class RobotsOnWire:
         """
         found, ends = {}, {}
         for robot in imports:
-            rights = {name: read_scope(one.scope) for name, one in door.tokens.items()}
-            name = next((name for name, one in rights.items() if robot in one.robots), None)
+            name = token_of(robot, door)
             if name is None:
                 raise UsageError(
                     f"[ros] import: no token has the right 'robot: {robot}'; make one: "
                     f"homebot token new {robot} --scope read --scope 'robot: {robot}'"
                 )
-            found[robot], ends[robot] = ClientAccess(name, rights[name], owners), door.tokens[name].until
+            token = door.tokens[name]
+            found[robot], ends[robot] = ClientAccess(name, read_scope(token.scope), owners), token.until
         return cls(imports, found, ends, now)
 
     def source_of(self, name: str) -> ClientAccess | None:
@@ -74,7 +74,7 @@ class RobotsOnWire:
 
     @property
     def are_several(self) -> bool:
-        """Whether the rights of a caller depend on its node."""
+        """True if the rights of a caller depend on its node."""
         return len(self._accesses) > 1
 
     def caller(self, node: str) -> ClientAccess:
@@ -95,3 +95,8 @@ class RobotsOnWire:
 
     def _has_ended(self, robot: str) -> bool:
         return self._now() >= self._ends.get(robot, inf)
+
+
+def token_of(robot: str, door: DoorSettings) -> str | None:
+    """Return the name of the token of *robot*: the first with the right to be it; None without one."""
+    return next((name for name, one in door.tokens.items() if robot in read_scope(one.scope).robots), None)

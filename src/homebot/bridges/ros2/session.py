@@ -1,4 +1,4 @@
-"""The Zenoh session of the bridge, which alone knows the library.
+"""The Zenoh session of the bridge, which alone knows the library, but for the key expressions of rights.
 
 Zenoh calls back on threads of its own: all that comes from there waits for the event loop in a bounded queue.
 """
@@ -7,11 +7,14 @@ from __future__ import annotations
 
 import asyncio
 import json
+import ssl
 import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from functools import partial
 from itertools import count
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import anyio
@@ -21,9 +24,11 @@ from anyio import to_thread
 
 from homebot.errors import UsageError
 from homebot.graph.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from homebot.mqtt.certificate import load_certificate
 from homebot.support.logger import get_logger
 
 if TYPE_CHECKING:
+    from homebot.bridges.ros2.rights import WireRights
     from homebot.messages.interfaces.settings import RosSettings
 
 __all__ = ["Declared", "WirePublisher", "WireQuery", "WireSample", "ZenohSession", "open_session"]
@@ -234,14 +239,14 @@ class ZenohSession:
 
 
 @asynccontextmanager
-async def open_session(settings: RosSettings) -> AsyncIterator[ZenohSession]:
-    """Open a session as a ROS 2 node has it, and close it at the end, within a second.
+async def open_session(settings: RosSettings, rights: WireRights) -> AsyncIterator[ZenohSession]:
+    """Open a session in which only what *rights* allow passes, and close it at the end, within a second.
 
     Raises:
         UsageError: It cannot listen, or a value is not allowed by Zenoh.
     """
     try:
-        session: Any = await to_thread.run_sync(zenoh.open, zenoh.Config.from_json5(json.dumps(_config(settings))))
+        session: Any = await to_thread.run_sync(_open, settings, rights)
     except zenoh.ZError as exc:
         raise UsageError(f"[ros] listen or connect: {exc}") from exc
     try:
@@ -261,13 +266,35 @@ def _close(session: Any, loop: asyncio.AbstractEventLoop, closed: asyncio.Event)
         loop.call_soon_threadsafe(closed.set)
 
 
-def _config(settings: RosSettings) -> dict[str, object]:
-    """Return the configuration of Zenoh: a router if it listens, else a peer, which loses nothing on reconnection."""
+def _open(settings: RosSettings, rights: WireRights) -> object:
+    if settings.cert_file is not None:
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        what, option = "[ros] certificate", "key_file"
+        load_certificate(context, settings.cert_file, settings.key_file, what=what, key_option=option)
+    with TemporaryDirectory() as folder:  # Zenoh takes passwords from a file alone, and reads it now
+        users = Path(folder, "users")
+        users.touch(0o600)
+        users.write_text(rights.dictionary())
+        return zenoh.open(zenoh.Config.from_json5(json.dumps(_config(settings, rights, str(users)))))
+
+
+def _config(settings: RosSettings, rights: WireRights, users: str) -> dict[str, object]:
+    """Return the configuration of Zenoh: always a router, as to a peer others may send past the rules."""
+    listens = bool(settings.listen) and not settings.connect
+    user, password = rights.login or (None, None)
+    files = {"root_ca_certificate": settings.ca}
+    if listens:
+        files |= {"listen_certificate": settings.cert_file, "listen_private_key": settings.key_file}
+    login = {"user": user, "password": password and password.get_secret_value()}
     return {
-        "mode": "router" if settings.listen else "peer",
+        "mode": "router",
         "connect": {"endpoints": settings.connect, "timeout_ms": -1, "exit_on_failure": False},
-        "listen": {"endpoints": [settings.listen or "tcp/127.0.0.1:0"]},
-        "scouting": {"multicast": {"enabled": False}},
+        "listen": {"endpoints": [settings.listen] if listens else []},
+        "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": False}},
         "timestamping": {"enabled": True},
-        "transport": {"link": {"tls": {"root_ca_certificate": str(settings.ca) if settings.ca else None}}},
+        "transport": {
+            "link": {"tls": {key: file and str(file) for key, file in files.items()}},
+            "auth": {"usrpwd": {"dictionary_file": users} if listens else login},
+        },
+        "access_control": rights.access_control(),
     }

@@ -31,9 +31,7 @@ def _checked_address(text: str) -> str:
 
 
 def _checked_listen(text: str) -> str:
-    if text and _checked_address(text).startswith("tls/"):
-        raise ValueError("homebot listens for programs of this computer only: write tcp/127.0.0.1:7447")
-    return text
+    return text and _checked_address(text)
 
 
 def _checked_pattern(text: str) -> str:
@@ -51,10 +49,15 @@ class RosSettings(BaseModel):
     Attributes:
         interfaces: Folders with ``.msg``, ``.srv`` and ``.action`` files, such as from ``homebot interface import``.
         distro: The ROS 2 distribution whose definitions are used if they differ.
-        connect: Addresses of Zenoh routers or robots to connect to.
-        listen: The address at which homebot is the router for programs of this computer; empty for none.
-        ca: File with the certificate that vouches for those at addresses of ``tls/``.
-        password_file: File with the secret of *machine* in its first line, readable by its owner only.
+        connect: Addresses of Zenoh routers to connect to.
+        listen: The address at which homebot is the router; empty for none. With ``connect`` that of ``homebot router``.
+        ca: File with the certificate that vouches for those to connect to at addresses of ``tls/``.
+        cert_file: File with the certificate to listen with at an address of ``tls/`` (PEM).
+        key_file: File with its key, readable by its owner only.
+        user: The name with which homebot logs in at the routers to connect to; by default *machine*, or that of the
+            owner at its own ``homebot router``, if there is *listen*.
+        password_file: File with the password of *user*, or the secret of *machine*, in its first line, readable by its
+            owner only.
         machine: The name of this machine in the house whose homebot has its gateways; empty if this has them.
         domain: The ROS domain.
         export: Names of topics and services that robots may see; ``*`` is a part of a name, ``**`` any number of parts.
@@ -68,6 +71,9 @@ class RosSettings(BaseModel):
     connect: tuple[Annotated[str, AfterValidator(_checked_address)], ...] = ()
     listen: Annotated[str, AfterValidator(_checked_listen)] = ""
     ca: FilePath | None = None
+    cert_file: FilePath | None = None
+    key_file: FilePath | None = None
+    user: str = ""
     password_file: FilePath | None = None
     machine: str = ""
     domain: Annotated[int, Field(ge=0, le=232)] = 0
@@ -75,9 +81,13 @@ class RosSettings(BaseModel):
     imports: Mapping[str, _Patterns] = Field(default_factory=dict, alias="import")
 
     @model_validator(mode="after")
-    def _check_machine(self) -> Self:
+    def _check_files(self) -> Self:
         if self.machine and self.password_file is None:
             raise ValueError("a machine needs password_file, with the secret that it shares with the house")
+        if bool(self.user or self.machine) != (self.password_file is not None):
+            raise ValueError("give user and password_file together")
+        if self.listen.startswith("tls/") and (self.cert_file is None or self.key_file is None):
+            raise ValueError(f"{self.listen} needs cert_file and key_file; make them: homebot router --certificate")
         return self
 
     @property

@@ -33,6 +33,8 @@ from homebot.names import unescape_token
 from homebot.support.counters import Severity
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from homebot.bridges.machines.messages import FollowGatewayResponse
     from homebot.messages.message import Message
 
@@ -64,7 +66,6 @@ class MachineGateway(Gateway):
     """A gateway of another machine of the house, as one of this."""
 
     Settings: ClassVar[type[BaseModel]] = MachineGatewaySettings
-    is_of_other_machine: ClassVar[bool] = True
 
     def __init__(self, node: Node, settings: MachineGatewaySettings, context: GatewayContext | None = None) -> None:
         super().__init__(node, settings, context)
@@ -88,6 +89,12 @@ class MachineGateway(Gateway):
         """Check the secret."""
         if isinstance(settings, MachineGatewaySettings):
             read_password(settings.token_file, None, "token")
+
+    @classmethod
+    def other_machine(cls, name: str, settings: BaseModel) -> tuple[str, Path] | None:
+        """Return the machine, and the file with the secret."""
+        assert isinstance(settings, MachineGatewaySettings), "the model of its table"  # noqa: S101 - for mypy
+        return settings.machine or name, settings.token_file
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Follow the gateway until cancelled, again and again."""

@@ -1,0 +1,135 @@
+"""The link to robots and other machines, begun again when its settings or the tokens of its robots change."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple, Self, final
+
+import anyio
+from anyio import to_thread
+from anyio.abc import TaskStatus
+from pydantic import SecretStr
+
+from homebot.bridges.ros2.link import serve_link
+from homebot.bridges.ros2.rights import WireRights
+from homebot.bridges.ros2.robots import RobotsOnWire, token_of
+from homebot.bridges.ros2.session import open_session
+from homebot.devices.client_rights import OWNER_CLIENT
+from homebot.errors import UsageError
+from homebot.graph import Graph, Node
+from homebot.support.file_access import read_secret
+from homebot.support.isolation import run_as
+from homebot.support.logger import get_logger
+
+if TYPE_CHECKING:
+    from homebot.bridges.machines.on_wire import MachinesOnWire
+    from homebot.messages.interfaces.settings import RosSettings
+    from homebot.runtime.plan import Plan
+    from homebot.support.owner_token import OwnerToken
+
+__all__ = ["LinkStarter", "read_rights"]
+
+NOT_LINKED = "ros2.not_linked"
+
+_log = get_logger(node="/homebot")
+
+
+@final
+class LinkStarter:
+    """Runs the link of the plan that is in force.
+
+    Args:
+        plan: Returns that plan.
+        owner: Returns the owner's token; None without one.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        machines: MachinesOnWire,
+        plan: Callable[[], Plan],
+        owner: Callable[[], Awaitable[OwnerToken | None]],
+    ) -> None:
+        self._graph, self._machines, self._plan, self._owner = graph, machines, plan, owner
+        self._facts: _Facts | None = None
+        self._changed = anyio.Event()
+
+    def reload(self) -> None:
+        """Begin the link again if the plan has changed what it depends on."""
+        if self._facts is not None and self._facts != _Facts.of(self._plan()):
+            self._changed.set()
+
+    async def serve(self, *, task_status: TaskStatus[None]) -> None:
+        """Run until cancelled; a mistake in a later plan is logged, and leaves no link until the next one.
+
+        Raises:
+            UsageError: The link cannot be started as configured.
+        """
+        is_first = True
+        while True:
+            self._changed, plan = anyio.Event(), self._plan()
+            self._facts = _Facts.of(plan)
+            settings = plan.link if is_first else self._facts.settings
+            async with anyio.create_task_group() as tasks:
+                try:
+                    if settings is not None:
+                        await tasks.start(self._run, plan, settings)
+                except UsageError as exc:
+                    if is_first:
+                        raise
+                    _log.error(NOT_LINKED, message=f"there is no link to robots until the next reload: {exc}")
+                task_status.started()
+                await self._changed.wait()
+                tasks.cancel_scope.cancel()
+            is_first = False
+
+    async def _run(self, plan: Plan, settings: RosSettings, *, task_status: TaskStatus[None]) -> None:
+        now, owner = self._graph.clock.now, await self._owner()
+        robots = RobotsOnWire.of(settings.imports, plan.door, plan.robot_owners(), now)
+        secret = None if owner is None else SecretStr(owner.secret)
+        rights = await to_thread.run_sync(read_rights, plan, settings, now(), secret)
+        async with open_session(settings, rights) as session, Node(self._graph, "ros2") as node:
+            node.create_task(session.run)
+            async with self._machines.linked(self._graph, settings, session):
+                serving = partial(serve_link, node, session, settings, robots, task_status=task_status)
+                await run_as(node.full_name, serving)
+
+
+class _Facts(NamedTuple):
+    """The facts on which a link depends.
+
+    Attributes:
+        settings: The settings without robots whose tokens were revoked; None for no link.
+        tokens: The tokens of the robots, and that of the owner.
+    """
+
+    settings: RosSettings | None
+    tokens: tuple[object, ...]
+
+    @classmethod
+    def of(cls, plan: Plan) -> Self:
+        if plan.link is None:
+            return cls(None, ())
+        names = {robot: token_of(robot, plan.door) for robot in plan.link.imports}
+        known = {robot: plan.link.imports[robot] for robot, name in names.items() if name is not None}
+        tokens = (plan.door.token, *(plan.door.tokens.get(name or "") for name in names.values()))
+        return cls(plan.link.model_copy(update={"imports": known}), tokens)
+
+
+def read_rights(plan: Plan, settings: RosSettings, now: float, owner: SecretStr | None) -> WireRights:
+    """Return the rights of others in a session with *settings*, which may be other than those of *plan*. Blocking.
+
+    Raises:
+        UsageError: A secret cannot be read.
+    """
+    own = SecretStr(read_secret(settings.password_file)) if settings.password_file is not None else None
+    if settings.connect:
+        login = (settings.user or settings.machine, own) if own is not None else None
+        if login is None and settings.listen and owner is not None:
+            login = OWNER_CLIENT, owner
+        return WireRights.of_routers(settings, plan.home, login)
+    machines = {name: SecretStr(read_secret(file)) for name, file in plan.other_machines.items()}
+    if own is not None and settings.machine:
+        machines[settings.machine] = own
+    return WireRights.of_tokens(settings, plan.door, plan.home, machines, now, owner)

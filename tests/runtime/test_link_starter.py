@@ -1,0 +1,115 @@
+"""The rights of robots on Zenoh change as the configuration of a running homebot does."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import anyio
+import anyio.lowlevel
+import pytest
+import zenoh
+from anyio import to_thread
+from structlog.testing import capture_logs
+from tests.patience import PATIENCE
+from tests.ports import reserve_port
+from tests.robots_on_wire import log_in, write_tokens
+
+from homebot.config import Config, parse_config
+from homebot.runtime import Runtime
+from homebot.support.toml_file import parse_toml
+
+ROBOTS = '{rosie = ["/rosie/**"], bob = ["/bob/**"]}'
+
+
+class House:
+    """A homebot that is a router, and its configuration."""
+
+    def __init__(self, folder: Path) -> None:
+        self.address = f"tcp/127.0.0.1:{reserve_port()}"
+        self._folder = folder
+        write_tokens(folder, "rosie", "bob")
+
+    def config(self, *robots: str, imports: str = ROBOTS, ros: str = "") -> Config:
+        """Return the configuration with the tokens of *robots*."""
+        ros = f'[ros]\nlisten = "{self.address}"\nimport = {imports}\n{ros}'
+        tokens = "".join(
+            f'[door.tokens.{one}]\ntoken_file = "{one}.token"\nscope = ["read", "robot: {one}"]\n' for one in robots
+        )
+        text = f'[home]\nname = "villa"\n{tokens}{ros}'
+        return parse_config(parse_toml(text, "homebot.toml"), "homebot.toml", self._folder)
+
+    @asynccontextmanager
+    async def running(self) -> AsyncIterator[Runtime]:
+        async with Runtime(self.config("rosie", "bob"), with_door=False) as runtime:
+            yield runtime
+
+    async def node_seen_by(self, robot: str) -> str:
+        """Return the token of homebot's node, as *robot* sees it once it is there."""
+
+        def look() -> str:
+            with log_in(self.address, robot) as session:
+                while True:
+                    for reply in session.liveliness().get("@ros2_lv/0/*/*/*/NN/**", timeout=PATIENCE):
+                        if reply.ok is not None and str(reply.ok.key_expr).endswith("/ros2"):
+                            return str(reply.ok.key_expr)
+
+        with anyio.fail_after(PATIENCE):
+            return await to_thread.run_sync(look)
+
+    async def has_begun_again(self, before: str) -> None:
+        """Wait until bob sees another node than *before*."""
+        with anyio.fail_after(PATIENCE):
+            while await self.node_seen_by("bob") == before:
+                await anyio.lowlevel.checkpoint()
+
+
+@pytest.fixture
+def house(tmp_path: Path) -> House:
+    return House(tmp_path)
+
+
+async def test_a_robot_whose_token_was_revoked_is_shut_out_and_others_stay(house: House) -> None:
+    async with house.running() as runtime:
+        before = await house.node_seen_by("rosie")
+        answer = await runtime.reload(lambda: house.config("bob"))
+        assert answer.success, answer.message
+        assert "restart" not in answer.message
+        await house.has_begun_again(before)
+        with pytest.raises(zenoh.ZError, match="Unable to connect"):
+            await to_thread.run_sync(log_in, house.address, "rosie")
+
+
+async def test_a_reload_that_changes_no_right_of_robots_leaves_their_link_alone(house: House) -> None:
+    async with house.running() as runtime:
+        before = await house.node_seen_by("rosie")
+        answer = await runtime.reload(lambda: house.config("rosie", "bob"))
+        assert answer.success
+        assert await house.node_seen_by("rosie") == before
+        await runtime.reload(lambda: house.config("rosie", "bob", ros='export = ["/map"]\n'))
+        await house.has_begun_again(before)
+
+
+async def test_a_name_of_two_robots_is_refused_and_nothing_changes(house: House) -> None:
+    async with house.running() as runtime:
+        before = await house.node_seen_by("rosie")
+        both = '{rosie = ["/tf"], bob = ["/tf"]}'
+        with capture_logs():
+            answer = await runtime.reload(lambda: house.config("rosie", "bob", imports=both))
+        assert "homebot.toml: ros.import: /tf of rosie and /tf of bob have names in common" in answer.message
+        assert await house.node_seen_by("rosie") == before
+
+
+async def test_a_link_that_cannot_be_opened_again_is_told_and_comes_back_with_a_better_configuration(
+    house: House,
+) -> None:
+    async with house.running() as runtime:
+        await house.node_seen_by("rosie")
+        missing = 'cert_file = "router.crt"\nkey_file = "router.key"\n'
+        with capture_logs() as lines:
+            await runtime.reload(lambda: house.config("rosie", "bob", ros=missing))
+            with anyio.fail_after(PATIENCE):
+                while not any(line["event"] == "ros2.not_linked" for line in lines):
+                    await anyio.lowlevel.checkpoint()
+        assert any("router.crt: No such file" in str(line.get("message")) for line in lines)
+        await runtime.reload(lambda: house.config("rosie", "bob"))
+        await house.node_seen_by("rosie")
