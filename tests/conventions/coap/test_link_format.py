@@ -3,8 +3,9 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.conventions.coap.link_writer import format_links
 
-from homebot.conventions.coap.link_format import MAX_LINKS, WebLink, format_links, parse_links
+from homebot.conventions.coap.link_format import MAX_LINKS, WebLink, parse_links
 from homebot.errors import WireError
 
 
@@ -78,8 +79,3 @@ _links = st.builds(WebLink, _targets, st.lists(st.tuples(_names, _values), max_s
 @given(st.lists(_links, max_size=5).map(tuple))
 def test_written_values_are_read_again(links: tuple[WebLink, ...]) -> None:
     assert parse_links(format_links(links)) == links
-
-
-def test_a_list_that_nobody_would_read_is_not_written() -> None:
-    with pytest.raises(WireError, match="ask for pages"):
-        format_links([WebLink("/on", (("title", "x" * 1000),))] * 300)

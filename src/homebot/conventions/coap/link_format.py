@@ -1,24 +1,23 @@
-"""Links of CoRE Link Format, in and out. Pure.
+"""Links of CoRE Link Format. Pure.
 
 Source: RFC 6690, section 2; the grammar is that of RFC 8288 with an explicit anchor, and with empty elements and
 parameters: small devices print a comma after each link. An invalid link is an error, and nothing of it is kept.
 """
 
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
 from homebot.conventions.payload import shown
 from homebot.errors import WireError
 
-__all__ = ["LINK_FORMAT", "MAX_LINKS", "MAX_LINK_FORMAT_BYTES", "WebLink", "format_links", "parse_links"]
+__all__ = ["LINK_FORMAT", "MAX_LINKS", "MAX_LINK_FORMAT_BYTES", "WebLink", "parse_links"]
 
 LINK_FORMAT: Final = 40
 """The number of this content format (IANA, "CoAP Content-Formats")."""
 
 MAX_LINK_FORMAT_BYTES = 256 * 1024
-"""Longest list of links that is read or written; one link has about 100 bytes."""
+"""Longest list of links that is read; one link has about 100 bytes."""
 
 MAX_LINKS = 2000
 _MAX_ATTRIBUTES = 40
@@ -83,21 +82,6 @@ def parse_links(payload: bytes) -> tuple[WebLink, ...]:
     return tuple(links)
 
 
-def format_links(links: Iterable[WebLink]) -> bytes:
-    """Return *links* as a list.
-
-    Raises:
-        WireError: It is longer than 256 KiB.
-    """
-    spelt, left = [], MAX_LINK_FORMAT_BYTES
-    for link in links:
-        spelt.append(_spelt(link))
-        left -= len(spelt[-1]) + 1
-        if left < 0:
-            raise WireError(f"the list is longer than {MAX_LINK_FORMAT_BYTES} bytes; ask for pages with page and count")
-    return ",".join(spelt).encode()
-
-
 def _link(text: str, at: int) -> tuple[WebLink, int]:
     match = _TARGET.match(text, at)
     if match is None:
@@ -125,14 +109,3 @@ def _next_attribute(text: str, at: int) -> tuple[str, str, int]:
     if found is None:
         raise WireError(f"the value of {name[1][:40]} of a link does not end")
     return name[1], found[2].strip() if found[1] is None else _ESCAPED.sub(r"\1", found[1]), found.end()
-
-
-def _spelt(link: WebLink) -> str:
-    return ";".join([f"<{link.target}>", *(_attribute(name, value) for name, value in link.attributes)])
-
-
-def _attribute(name: str, value: str) -> str:
-    if not value:
-        return name
-    escaped = value.replace("\\", "\\\\").replace('"', '\\"')
-    return f'{name}="{escaped}"'
