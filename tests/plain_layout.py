@@ -19,14 +19,15 @@ from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, Simulat
 from homebot.house.kinds import KINDS
 
 _CAPABILITIES = {
-    "contact_sensor": "contact",
-    "door_lock": "lock",
-    "light": "on_off",
-    "occupancy_sensor": "occupancy",
-    "thermostat": "heating_setpoint",
-    "window_covering": "movement",
+    "contact_sensor": ("contact",),
+    "door_lock": ("lock",),
+    "light": ("on_off", "level"),
+    "light_sensor": ("illuminance",),
+    "occupancy_sensor": ("occupancy",),
+    "thermostat": ("heating_setpoint",),
+    "window_covering": ("movement",),
 }
-_SETTABLE = {"heating_setpoint", "lock", "movement", "on_off"}
+_SETTABLE = {"heating_setpoint", "level", "lock", "movement", "on_off"}
 
 
 class PlainSettings(ConventionSettings):
@@ -57,9 +58,15 @@ class PlainLayout:
         base = f"{home}/{service_type}/{name}"
         known = wanted_types(service_type) & _CAPABILITIES.keys()
         kind = next(iter(known), "")
-        capabilities = [Capability(name=one, settable=one in _SETTABLE) for one in [_CAPABILITIES.get(kind)] if one]
-        part = Part(id="", service_type=kind, advertised=service_type, guessed=True, capabilities=tuple(capabilities))
-        part = part.model_copy(update={"reads": (topic,), "writes": (f"{base}/in",)})
+        part = Part(
+            id="",
+            service_type=kind,
+            advertised=service_type,
+            guessed=True,
+            capabilities=tuple(Capability(name=one, settable=one in _SETTABLE) for one in _CAPABILITIES.get(kind, ())),
+            reads=(topic,),
+            writes=(f"{base}/in",),
+        )
         return DeviceAnnounced(
             key=f"{service_type}/{name}" if self._home != "+" else base,
             convention=self.name,

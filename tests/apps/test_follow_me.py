@@ -6,7 +6,7 @@ from tests.apps.houses import flat, hall, is_on, lamp, motion, warnings
 
 from homebot.testing import virtual_house_of
 
-pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
 
 
 async def test_the_lamp_goes_on_in_each_room_that_somebody_comes_into() -> None:

@@ -9,7 +9,7 @@ from homebot.devices.services import ForgetDevice, ForgetDeviceRequest
 from homebot.graph import Node
 from homebot.testing import virtual_house_of
 
-pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
 
 
 async def test_the_lamps_of_a_room_go_off_when_everybody_has_left_it_for_a_while() -> None:
