@@ -12,6 +12,8 @@ from homebot.runtime.plan import make_plan
 
 Text = pytest.CaptureFixture[str]
 
+pytestmark = pytest.mark.rooms("machines")
+
 LISTENS = '[home]\nname = "villa"\n[ros]\nlisten = "tcp/127.0.0.1:7447"\n'
 ADDRESS = "tcp/127.0.0.1:7447"
 
