@@ -1,5 +1,6 @@
 """The table ``[gateways.NAME]`` of an MQTT gateway."""
 
+import json
 import os
 import secrets
 from collections.abc import Iterable
@@ -131,7 +132,8 @@ class MqttGatewaySettings(PasswordSettings):
         if not {"/", "+", "#", "\0"}.isdisjoint(share):
             raise ValueError(f"is one level of a topic filter, without '/', '+' and '#', got {share!r}")
         if share and any_announcing(info.data.get("conventions", ())):
-            raise ValueError('an announcement would reach one of the group alone; add conventions = ["thesis"]')
+            texts = json.dumps([one for one in default_conventions() if not any_announcing([one])])
+            raise ValueError(f"an announcement would reach one of the group alone; add conventions = {texts}")
         if share and info.data.get("act"):
             raise ValueError("needs act = false: the report after a command may reach another of the group")
         if share and info.data.get("protocol") == "3.1.1":
