@@ -11,13 +11,28 @@ from tests.cli.conftest import Homebot
 
 from homebot.cli import main
 from homebot.clock import ManualClock
-from homebot.graph import Graph, Node, ParameterDescriptor
+from homebot.graph import EntityKind, Graph, Node, ParameterDescriptor
 from homebot.graph.actions import ActionServer, ServerGoal
+from homebot.graph.endpoint import EndpointInfo
 from homebot.messages.interfaces import find_action
 from homebot.messages.message import Message
 
 Text = pytest.CaptureFixture[str]
 FIBONACCI = find_action("example_interfaces/action/Fibonacci")
+
+ELSEWHERE = (
+    EndpointInfo(EntityKind.NODE, "/rosie/brain", "/rosie/brain"),
+    EndpointInfo(EntityKind.PUBLISHER, "/rosie/brain", "/rosie/words", "std_msgs/msg/String"),
+    EndpointInfo(EntityKind.SUBSCRIPTION, "/rosie/brain", "/hello", "std_msgs/msg/String"),
+    EndpointInfo(EntityKind.SERVICE, "/rosie/brain", "/rosie/dock", "std_srvs/srv/Trigger"),
+    EndpointInfo(
+        EntityKind.SERVICE,
+        "/rosie/brain",
+        "/rosie/fibonacci/_action/send_goal",
+        "example_interfaces/action/Fibonacci_SendGoal",
+    ),
+)
+"""The entities of a robot, as a link shows them."""
 
 READ_ONLY = (
     "/robot: parameter 'steps' is read-only; set it before its node starts; settings of gateways and apps are in "
@@ -59,6 +74,9 @@ def robot(graph: Graph) -> Node:
         return result
 
     ActionServer(node, FIBONACCI, "fibonacci", execute)
+    for info in ELSEWHERE:
+        graph.elsewhere.add(info, info)
+    graph.add_endpoint(ELSEWHERE[0], ELSEWHERE[0])
     return node
 
 
@@ -84,8 +102,19 @@ def door(homebot_with: Any) -> str:
             "type: double\nminimum: 0.1\nread_only: false\n",
         ),
         ("param dump /robot", DUMP),
-        ("action list", "/fibonacci\n"),
-        ("action list -t", "/fibonacci [example_interfaces/action/Fibonacci]\n"),
+        ("action list", "/fibonacci\n/rosie/fibonacci  (at /rosie/brain)\n"),
+        (
+            "action list -t",
+            "/fibonacci [example_interfaces/action/Fibonacci]\n"
+            "/rosie/fibonacci [example_interfaces/action/Fibonacci]  (at /rosie/brain)\n",
+        ),
+        (
+            "node info /rosie/brain",
+            "/rosie/brain\n  Subscribers:\n    /hello: std_msgs/msg/String\n"
+            "  Publishers:\n    /rosie/words: std_msgs/msg/String\n"
+            "  Service Servers:\n    /rosie/dock: std_srvs/srv/Trigger\n"
+            "  Service Clients:\n  Action Servers:\n  Action Clients:\n",
+        ),
         (
             "action info fibonacci",
             "Action: /fibonacci [example_interfaces/action/Fibonacci]\n"
@@ -218,3 +247,19 @@ def split(arguments: str) -> list[str]:
     """Return the words of *arguments*; what begins with a brace is one."""
     head, brace, rest = arguments.partition("{")
     return [*head.split(), *([brace + rest] if brace else [])]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        ("node list", "/rosie/brain  (elsewhere)"),
+        ("topic list", "/rosie/words  (at /rosie/brain)"),
+        ("service list -t", "/rosie/dock [std_srvs/srv/Trigger]  (at /rosie/brain)"),
+    ],
+)
+def test_what_is_of_a_robot_is_listed_with_where_it_is(door: str, capsys: Text, arguments: str, line: str) -> None:
+    assert main(["--door", door, *arguments.split()]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert line in lines
+    assert lines == sorted(lines)
+    assert not any("_action" in one for one in lines)

@@ -17,6 +17,7 @@ from homebot.cli.yaml import message, type_or_message
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError
 from homebot.names import absolute_name
+from homebot.names import is_hidden as is_hidden_name
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -47,15 +48,18 @@ _ENDS: Final = {
 }
 
 
-def entities(door: DoorClient, *, kind: str = "", name: str = "", node: str = "") -> list[EndpointDetails]:
-    """Return the entities of the graph, sorted by name; an empty text means any."""
-    found = JsonMessage(door.call("/rosapi/endpoints", {"kind": kind, "name": name, "node": node}))
+def entities(
+    door: DoorClient, *, kind: str = "", name: str = "", node: str = "", elsewhere: bool = False
+) -> list[EndpointDetails]:
+    """Return the entities of the graph, or those *elsewhere*, sorted by name; an empty text means any."""
+    asked = {"kind": kind, "name": name, "node": node, **({"elsewhere": True} if elsewhere else {})}
+    found = JsonMessage(door.call("/rosapi/endpoints", asked))
     return cast("list[EndpointDetails]", found.endpoints)
 
 
 def is_hidden(entity: EndpointDetails) -> bool:
     """Return whether *entity* is shown only on request."""
-    return "/_" in entity.name
+    return is_hidden_name(entity.name)
 
 
 def topic_type(door: DoorClient, topic: str) -> str:
@@ -194,8 +198,11 @@ def check_type(kind: str, name: str, ros_type: str, expected: str) -> None:
 
 
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
-    for name, ros_type in _types(door, options.kind, show_hidden=options.all).items():
-        print(f"{name} [{ros_type}]" if options.show_types else name)
+    known, places = _types(door, options.kind, show_hidden=options.all), _types_elsewhere(door, options.kind)
+    for name, ros_type in sorted({**{name: found for name, (found, _) in places.items()}, **known}.items()):
+        if options.all or not is_hidden_name(name):
+            place = f"  (at {', '.join(places[name][1])})" if name in places else ""
+            print(f"{name} [{ros_type}]{place}" if options.show_types else f"{name}{place}")
     return 0
 
 
@@ -217,6 +224,18 @@ def _find(door: DoorClient, options: argparse.Namespace) -> int:
 def _types(door: DoorClient, kind: str, *, show_hidden: bool) -> dict[str, str]:
     ends = [one for one in entities(door) if one.kind in _ENDS[kind] and (show_hidden or not is_hidden(one))]
     return {one.name: one.type for one in ends}
+
+
+def _types_elsewhere(door: DoorClient, kind: str) -> dict[str, tuple[str, list[str]]]:
+    """Return what robots and other machines have: by its name the type, and the nodes that have it."""
+    found: dict[str, tuple[str, list[str]]] = {}
+    for one in entities(door, kind="publisher" if kind == "topic" else "service", elsewhere=True):
+        action, _, part = one.name.partition("/_action/")
+        if kind != "action":
+            found.setdefault(one.name, (one.type, []))[1].append(one.node)
+        elif part == "send_goal":
+            found.setdefault(action, (one.type.removesuffix("_SendGoal"), []))[1].append(one.node)
+    return found
 
 
 def _short(ros_type: str) -> str:

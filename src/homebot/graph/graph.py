@@ -38,9 +38,13 @@ class Graph:
     Args:
         clock: The clock of nodes, timers and lifespans; by default that of the running loop. Timers sleep on the loop,
             so any other clock must run at its pace.
+
+    Attributes:
+        elsewhere: The entities of nodes of robots and other machines, as a link shows them; nobody here can use them.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
+        self.elsewhere = EndpointIndex()
         self.clock = clock or LoopClock()
         self._nodes: dict[str, Node] = {}
         self._topics: dict[str, Topic] = {}

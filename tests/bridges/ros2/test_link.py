@@ -97,7 +97,13 @@ async def test_the_nodes_of_a_robot_are_nodes_of_the_graph_while_the_link_is_the
     async with pair() as both:
         await appears(both.house, "/rosie/brain")
         assert [one.name for one in both.house.get_endpoints(kind=EntityKind.NODE)] == ["/ros2", "/rosie/brain"]
+        async with Node(both.robot, "nav") as nav:
+            nav.create_publisher(String, "/rosie/words")
+            await appears(both.house, "/rosie/words")
+            there = {(one.kind, one.name) for one in both.house.elsewhere.find(None, None, "/rosie/brain")}
+            assert {(EntityKind.NODE, "/rosie/brain"), (EntityKind.PUBLISHER, "/rosie/words")} <= there
     assert both.house.get_endpoints() == ()
+    assert both.house.elsewhere.find(None, None, None) == ()
 
 
 async def test_a_type_that_differs_is_refused_with_both_hashes() -> None:

@@ -86,7 +86,7 @@ class Imports:
     def close(self) -> None:
         """Remove the nodes of others from the graph; the rest ends with the node of the link."""
         for token in self._tokens.values():
-            self._node.graph.remove_endpoint(token)
+            self._hide(token)
 
     def _add(self, text: str) -> None:
         token = EntityToken.of_text(text)
@@ -94,6 +94,7 @@ class Imports:
             return
         self._tokens[text] = token
         kind, name = token.info.kind, token.info.name
+        self._node.graph.elsewhere.add(token, token.info)
         if kind is EntityKind.NODE:
             self._node.graph.add_endpoint(token, token.info)
         elif kind is EntityKind.CLIENT:
@@ -113,13 +114,17 @@ class Imports:
     def _remove(self, text: str, token: EntityToken) -> None:
         self._problems.pop(text, None)
         self._callers.pop(token.gid, None)
-        self._node.graph.remove_endpoint(token)
+        self._hide(token)
         key = (token.info.kind, token.info.name)
         texts, close = self._open.get(key, (set(), lambda: None))
         texts.discard(text)
         if not texts and key in self._open:
             del self._open[key]
             close()
+
+    def _hide(self, token: EntityToken) -> None:
+        self._node.graph.remove_endpoint(token)
+        self._node.graph.elsewhere.remove(token)
 
     def _topic(self, token: EntityToken, access: ClientAccess) -> Callable[[], None]:
         info, node = token.info, self._node

@@ -47,11 +47,16 @@ class EndpointDetails(Message):
 
 
 class FindEndpointsRequest(Message):
-    """A question for everything of a kind, a full name and a node; each is any where it is empty."""
+    """A question for everything of a kind, a full name and a node; each is any where it is empty.
+
+    Attributes:
+        elsewhere: Whether for the nodes of robots and other machines in place of those here.
+    """
 
     kind: str = ""
     name: str = ""
     node: str = ""
+    elsewhere: bool = False
 
 
 class FindEndpointsResponse(Message):
@@ -65,9 +70,12 @@ def _find_endpoints(graph: Graph, request: FindEndpointsRequest) -> FindEndpoint
     kinds = {kind.value for kind in EntityKind}
     if request.kind and request.kind not in kinds:
         raise RefusedError("the search", f"field 'kind' is one of {', '.join(sorted(kinds))}, got {request.kind!r}")
-    found = graph.get_endpoints(
-        kind=EntityKind(request.kind) if request.kind else None, name=request.name or None, node=request.node or None
-    )
+    kind = EntityKind(request.kind) if request.kind else None
+    name, node = request.name or None, request.node or None
+    if request.elsewhere:
+        found = graph.elsewhere.find(kind, name, node)
+    else:
+        found = graph.get_endpoints(kind=kind, name=name, node=node)
     ordered = sorted(found, key=lambda info: (info.name, info.kind, info.node))
     return FindEndpointsResponse(endpoints=tuple(_details(info) for info in ordered))
 

@@ -36,15 +36,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
+    others = {one.name for one in entities(door, kind="node", elsewhere=True)}
     for one in entities(door, kind="node"):
         if options.all or not is_hidden(one):
-            print(one.name)
+            print(f"{one.name}  (elsewhere)" if one.name in others else one.name)
     return 0
 
 
 def _info(door: DoorClient, options: argparse.Namespace) -> int:
     name = absolute_name(options.node)
-    ends = entities(door, node=name)
+    ends = [*entities(door, node=name), *entities(door, node=name, elsewhere=True)]
     if not ends:
         known = [one.name for one in entities(door, kind="node")]
         raise not_found("node", name, known)
