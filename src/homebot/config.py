@@ -8,6 +8,7 @@
     [gateways.mqtt]                  # one table per gateway; class = "module:Class" if it is not a plug-in
     url = "mqtt://192.168.1.10"
     [apps.light_service]             # one table per app
+    [[routines]]                     # one table per routine: when, if, do
     [door]                           # where tools reach this homebot
     [discovery]
     [control]                        # how long commands wait for devices to answer
@@ -49,10 +50,12 @@ from homebot.clock import read_zone
 from homebot.errors import ConfigError, HomebotError, InvalidNameError, UsageError
 from homebot.names import validate_node_name
 from homebot.support.file_access import why_not_trusted
+from homebot.support.folding import words_of
 from homebot.support.similar import did_you_mean, unknown_key
 from homebot.units import DURATION
 
 __all__ = [
+    "ROUTINE",
     "UNNAMED",
     "AlertKey",
     "Config",
@@ -207,8 +210,8 @@ def load_tables(path: Path, *, may_be_cut: bool = False) -> dict[str, object]:
             raise ConfigError(
                 source,
                 name,
-                "unknown key; known are home, gateways, apps, door, discovery, control, history, notify, alerts, "
-                "places, devices, robots, ros",
+                "unknown key; known are home, gateways, apps, routines, door, discovery, control, history, notify, "
+                "alerts, places, devices, robots, ros",
             )
     return tables
 
@@ -225,6 +228,7 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
     """
     for name in _GONE.keys() & tables.keys():
         raise ConfigError(source, name, _GONE[name])
+    tables = _with_routines(tables, source) if "routines" in tables else tables
     config = parse_settings(Config, {**tables, "source": source, "folder": str(folder)}, source, "")
     for section, names in (("gateways", config.gateways), ("apps", config.apps), ("robots", config.robots)):
         for name in names:
@@ -233,6 +237,31 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
             except InvalidNameError as exc:
                 raise ConfigError(source, f"{section}.{name}", str(exc)) from exc
     return config
+
+
+ROUTINE: Final = "routine"
+"""The plug-in that a table ``[[routines]]`` is an app of."""
+
+
+def _with_routines(tables: Mapping[str, object], source: str) -> dict[str, object]:
+    """Return *tables* with each routine as an app, whose name is that of the routine in small letters."""
+    others = dict(tables)
+    routines, apps = others.pop("routines"), others.get("apps", {})
+    if not isinstance(routines, list) or not all(isinstance(one, dict) for one in routines):
+        raise ConfigError(source, "routines", "must be tables, as in [[routines]]")
+    if not isinstance(apps, dict):
+        return others  # reported with the other tables
+    found = dict(apps)
+    for number, table in enumerate(routines):
+        name = table.get("name")
+        app = "_".join(words_of(name)) if isinstance(name, str) else ""
+        if not app:
+            raise ConfigError(source, f"routines.{number}.name", f"must be a name, such as 'Hall light', got {name!r}")
+        app = app if app[0].isalpha() else f"{ROUTINE}_{app}"
+        if app in found:
+            raise ConfigError(source, f"routines.{number}.name", f"{name!r} is also the name of another routine or app")
+        found[app] = {**table, "class": ROUTINE}
+    return {**others, "apps": found}
 
 
 def parse_settings(

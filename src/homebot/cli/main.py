@@ -27,6 +27,7 @@ COMMANDS: Final = {
     "run": "run homebot: find the devices of a house and control them",
     "new": "create a folder with an app, or a package for devices, with tests and configuration",
     "app": "list, load, unload and reload apps of a running homebot",
+    "routine": "list and show routines, start them, switch them on and off",
     "config": "check the configuration",
     "devices": "list the devices in the house",
     "find": "find devices by type, capability, state, room or name",

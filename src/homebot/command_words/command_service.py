@@ -158,4 +158,5 @@ def _part_request(
         scope=request.scope,
         ask_first=request.ask_first,
         cause=request.cause,
+        trigger=request.trigger,
     )

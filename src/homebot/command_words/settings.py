@@ -17,7 +17,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
 
-__all__ = ["SET", "parse_command_words"]
+__all__ = ["SET", "STATE_WORDS", "parse_command_words"]
 
 SET: Final = "set"
 """The command that only sets values."""
@@ -25,7 +25,7 @@ SET: Final = "set"
 _SAME_WORDS: Final[Mapping[str, str]] = MappingProxyType(
     {"on": "on", "turn_on": "on", "turn on": "on", "turn_off": "off", "turn off": "off", SET: SET}
 )
-_STATES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+STATE_WORDS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "start": ("cleaning", "mowing"),
         "pause": ("paused",),
@@ -127,7 +127,7 @@ def _reworded(word: str, part: Part, target: str) -> tuple[str, PlainValue] | No
 
 def _state_for(word: str, part: Part) -> tuple[str, PlainValue] | None:
     """Return the setting of a robot, alarm or lock for a word, or a press of the button of that name; None for none."""
-    states = (*_STATES.get(word.replace("_", " "), ()), word.replace(" ", "_"))
+    states = (*STATE_WORDS.get(word.replace("_", " "), ()), word.replace(" ", "_"))
     for one in part.capabilities:
         if one.settable and CAPABILITIES.get(one.name, OWN).by_state:
             options = settable_options(one.name, one.options or CAPABILITIES[one.name].options)

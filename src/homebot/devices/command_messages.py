@@ -207,6 +207,7 @@ class CommandDevicesRequest(Message):
         scope: As for :class:`CommandRequest`.
         ask_first: Whether a person must agree first.
         cause: The id of its cause; may be empty.
+        trigger: What led to it; only homebot's own nodes can say so.
     """
 
     model_config = ConfigDict(hide_input_in_errors=True)
@@ -220,6 +221,7 @@ class CommandDevicesRequest(Message):
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
     ask_first: bool = False
     cause: str = ""
+    trigger: Trigger = NO_TRIGGER
 
 
 class CommandedPart(Message):

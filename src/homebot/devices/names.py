@@ -56,6 +56,8 @@ LIST_APPS = "/apps/list"
 LOAD_APP = "/apps/load"
 UNLOAD_APP = "/apps/unload"
 RELOAD_APP = "/apps/reload"
+LIST_ROUTINES = "/routines/list"
+CHANGE_ROUTINE = "/routines/change"
 START_RECORDER = "/homebot/start_recorder"
 COPY_FILES = "/homebot/copy_files"
 RELOAD = "/homebot/reload"
@@ -78,6 +80,7 @@ OWN_NAMESPACES = frozenset(
         "parameter_events",
         "robots",
         "rosapi",
+        "routines",
         "rosbridge_websocket",
         "rosout",
         "subscribe_to_mqtt_topic",

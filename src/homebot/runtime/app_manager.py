@@ -36,6 +36,7 @@ from homebot.messages import Time
 from homebot.plugins import plugin_names
 from homebot.runtime.app_host import AppHost
 from homebot.runtime.plan import APPS, PlannedComponent
+from homebot.runtime.routine_services import RoutineServices
 from homebot.runtime.supervisor import ComponentCrashes, Supervisor
 from homebot.support.isolation import error_text
 from homebot.support.logger import get_logger
@@ -206,6 +207,7 @@ class AppManager:
         node.create_service(UnloadApp, UNLOAD_APP, partial(_answer, self.unload))
         node.create_service(ReloadApp, RELOAD_APP, partial(_answer, self.reload))
         node.create_service(ListApps, LIST_APPS, self._list)
+        RoutineServices(node, self._host)
 
     def _list(self, _: AppsRequest) -> AppsResponse:
         running, crashes = self._host.running, self._supervisor.crashes

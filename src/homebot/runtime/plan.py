@@ -14,7 +14,7 @@ import homebot.control
 import homebot.places
 from homebot.apps import App
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.config import UNNAMED, Config, HomeSettings, Table, parse_settings
+from homebot.config import ROUTINE, UNNAMED, Config, HomeSettings, Table, parse_settings
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
@@ -66,6 +66,7 @@ OWN_NODES = frozenset(
         "robots",
         "ros2",
         "rosapi",
+        "routines",
         "rosbridge_websocket",
     }
 )
@@ -238,10 +239,11 @@ def planned_app(
     if given is not None and "class" in table:
         problem = f"the program gives the class {given.__name__} for this app; remove the key, or rename one of both"
         raise ConfigError(config.source, f"apps.{name}.class", problem)
-    _check_name(f"apps.{name}", name, config.source)
-    scope_of(f"apps.{name}", table, config)
+    key = f"{'routines' if table.get('class') == ROUTINE else 'apps'}.{name}"
+    _check_name(key, name, config.source)
+    scope_of(key, table, config)
     made = load if given is None else lambda *_: given
-    return _component(App, APPS, name, without_act(table), config, f"apps.{name}", made)  # type: ignore[type-abstract]
+    return _component(App, APPS, name, without_act(table), config, key, made)  # type: ignore[type-abstract]
 
 
 def _check_name(key: str, name: str, source: str) -> None:

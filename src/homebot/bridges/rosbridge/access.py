@@ -44,6 +44,7 @@ _READING: Final = frozenset(
         names.GET_UNAPPROVED,
         names.LIST_APPS,
         names.LIST_DEVICES,
+        names.LIST_ROUTINES,
         names.QUERY_DEVICES,
         names.READ_ENERGY,
         names.READ_HISTORY,
@@ -139,6 +140,7 @@ class ClientAccess:
         """
         fields = _stamped_fields(message_type)
         own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope), "listener": ""}
+        own["trigger"] = {}  # only homebot's own nodes know what led to a command
         return {**values, **{name: own[name] for name in fields}} if fields else values
 
     def as_own(self, message: MessageT) -> MessageT:
@@ -229,7 +231,7 @@ class ClientAccess:
 @lru_cache(maxsize=256)
 def _stamped_fields(message_type: type[Message]) -> tuple[str, ...]:
     fields = {field.name for field in fields_of(message_type)}
-    return tuple(sorted(fields & {"issuer", "scope", "listener"})) if fields & {"issuer", "listener"} else ()
+    return tuple(sorted(fields & {"issuer", "scope", "listener", "trigger"})) if fields & {"issuer", "listener"} else ()
 
 
 @lru_cache(maxsize=1024)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from datetime import datetime, tzinfo
+from datetime import tzinfo
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -12,17 +12,16 @@ from homebot.cli.arguments import Commands, add_verb, add_verbs
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient, set_door_command
+from homebot.cli.local_time import local_text, next_text, zone_of
 from homebot.cli.terminal import print_table
-from homebot.clock import read_zone
 from homebot.devices.names import LIST_APPS, LOAD_APP, RELOAD, RELOAD_APP, UNLOAD_APP
 from homebot.devices.wording.json_message import JsonMessage
-from homebot.devices.wording.time_format import age, iso, to_seconds
-from homebot.errors import PeerError, UsageError
+from homebot.devices.wording.time_format import iso
+from homebot.errors import PeerError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices.app_messages import AppInfo, AppJob, AppsResponse
-    from homebot.messages import Time
 
 __all__ = ["add_arguments", "add_reload_arguments"]
 
@@ -90,19 +89,11 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
     if options.json:
         print(list_text([json_text(_json(one)) for one in apps]))
     elif apps:
-        now, zone = house_time(door), _zone(answer.zone)
+        now, zone = house_time(door), zone_of(answer.zone)
         print_table(("APP", "STATE", "JOB", "NEXT", ""), [row for app in apps for row in _rows(app, now, zone)])
     else:
         print("no app is running")
     return 0
-
-
-def _zone(name: str) -> tzinfo:
-    """Return the zone of the home; the computer's if it is unknown here."""
-    try:
-        return read_zone(name)
-    except UsageError:
-        return read_zone("")
 
 
 def _rows(app: AppInfo, now: float, zone: tzinfo) -> list[tuple[str, ...]]:
@@ -120,17 +111,10 @@ def _job_text(job: AppJob) -> str:
 def _times(job: AppJob, now: float, zone: tzinfo) -> tuple[str, str]:
     notes = [printable(job.note, 200)] if job.note else []
     if job.running_since.sec:
-        notes.append(f"running since {_local(job.running_since, zone)}")
+        notes.append(f"running since {local_text(job.running_since, zone)}")
     if job.dropped:
         notes.append(f"{job.dropped} calls dropped")
-    if not job.next.sec:
-        return "", "; ".join(notes)
-    left = age(cast("Time", JsonMessage({"sec": int(now), "nanosec": 0})), to_seconds(job.next))
-    return f"{_local(job.next, zone)}, in {left}", "; ".join(notes)
-
-
-def _local(time: Time, zone: tzinfo) -> str:
-    return f"{datetime.fromtimestamp(to_seconds(time), zone):%a %d %b %H:%M %Z}"
+    return next_text(job.next, now, zone), "; ".join(notes)
 
 
 def _json(app: AppInfo) -> dict[str, object]:

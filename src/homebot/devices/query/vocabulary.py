@@ -169,6 +169,7 @@ ADJECTIVES: Mapping[str, tuple[StateIs, ...]] = MappingProxyType(
         ),
         "occupied": (StateIs("occupancy", "=", True),),  # noqa: FBT003 - as above
         "unoccupied": (StateIs("occupancy", "=", False),),  # noqa: FBT003 - as above
+        "clear": (StateIs("occupancy", "=", False),),  # noqa: FBT003 - as above
         "wet": (StateIs("water_leak", "=", True),),  # noqa: FBT003 - as above
         "dry": (StateIs("water_leak", "=", False),),  # noqa: FBT003 - as above
         "jammed": (StateIs("lock", "=", "jammed"),),

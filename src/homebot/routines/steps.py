@@ -1,0 +1,143 @@
+"""The steps of a routine, as text. Pure."""
+
+import re
+from dataclasses import dataclass
+from itertools import chain
+from typing import Final, TypeAlias
+
+from homebot.command_words.settings import STATE_WORDS
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.text.colors import COLORS, WHITES
+from homebot.errors import UsageError
+from homebot.routines.times import read_duration
+from homebot.routines.triggers import Becomes, read_state
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
+
+__all__ = ["Do", "Notify", "Step", "Undo", "Wait", "WaitUntil", "read_step"]
+
+_WAIT_UNTIL: Final = re.compile(r"wait until\s+(?P<state>.+?),?\s+at most\s+(?P<most>.+)", re.IGNORECASE)
+_WAIT: Final = re.compile(r"wait\s+(?P<length>\d.*)", re.IGNORECASE)
+_NOTIFY: Final = re.compile(r"notify:?\s+(?P<text>.+)", re.IGNORECASE)
+_NUMBER: Final = re.compile(r"[+-]?\d+(?:\.\d+)?\s*(?P<unit>%|k|°?[cf])?", re.IGNORECASE)
+_UNITS: Final = {"%": "level", "k": "color_temperature"}
+_WORDS: Final = frozenset(
+    chain(
+        ("toggle", "turn on", "turn off"),
+        STATE_WORDS,
+        COLORS,
+        WHITES,
+        *((*one.words, *(one.options or ())) for one in CAPABILITIES.values()),
+    )
+)
+_SETTABLE: Final = frozenset(
+    word for one in CAPABILITIES.values() for word in (one.name, one.name.replace("_", " "), one.spoken) if word
+) - frozenset(fold(word) for one in DEVICE_TYPES.values() for word in one.words)
+"""Names of capabilities, but not those that are also what a device is called, as in ``robot vacuum dock``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Do:
+    """A command to all devices that *target* means.
+
+    Attributes:
+        values: Further values by capability, as text.
+    """
+
+    text: str
+    target: str
+    command: str
+    values: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Notify:
+    """A message to people."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    """A pause, in seconds."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class WaitUntil:
+    """A wait until a device is in a state, at most so many seconds."""
+
+    state: Becomes
+    most: float
+
+
+@dataclass(frozen=True, slots=True)
+class Undo:
+    """The values from before the earlier steps, where nobody has changed them since."""
+
+
+Step: TypeAlias = Do | Notify | Wait | WaitUntil | Undo
+
+
+def read_step(text: str) -> Step:
+    """Return the step *text*.
+
+    Raises:
+        UsageError: It is none; the message shows how it could be written.
+    """
+    plain = " ".join(text.split())
+    if plain.casefold() == "undo":
+        return Undo()
+    if (found := _NOTIFY.fullmatch(plain)) is not None:
+        return Notify(found["text"])
+    if (until := _WAIT_UNTIL.fullmatch(plain)) is not None:
+        return WaitUntil(read_state(until["state"]), read_duration(until["most"]))
+    if plain.casefold().startswith("wait until"):
+        raise UsageError(f"{text!r} may last forever; end it with `, at most 30m`")
+    if (pause := _WAIT.fullmatch(plain)) is not None:
+        return Wait(read_duration(pause["length"]))
+    return _read_do(plain)
+
+
+def _read_do(text: str) -> Do:
+    """Return the command *text*: words for devices, and then words that devices take, such as ``hall lamp on, 20 %``.
+
+    A colon divides them where the words of the command are a device's own: ``washing machine: eco 40``.
+    """
+    target, colon, command = text.partition(": ")
+    if colon:
+        return Do(text, target.strip(), command.strip())
+    words = text.split(" ")
+    for place in range(1, len(words)):
+        commands = [one.strip().removeprefix("to ") for one in " ".join(words[place:]).split(",")]
+        if all(map(_is_command, commands)):
+            return _combined(text, " ".join(words[:place]), commands)
+    hint = did_you_mean(words[-1].casefold(), sorted(_WORDS), "say what to do, such as on, off, open or 40 %")
+    raise UsageError(f"{text!r} is no step: it ends with no command; {hint}, or divide it, such as 'washer: eco'")
+
+
+def _is_command(text: str) -> bool:
+    word = text.casefold()
+    if word in _WORDS or word.replace(" ", "_") in _WORDS or _NUMBER.fullmatch(word):
+        return True
+    name, _, value = word.rpartition(" ")
+    return name.removeprefix("set ") in _SETTABLE and bool(value)
+
+
+def _combined(text: str, target: str, commands: list[str]) -> Do:
+    """Return one command for several words: ``on, 20 %, 2700 K``."""
+    first, *others = commands
+    values: list[tuple[str, str]] = []
+    for one in others:
+        number = _NUMBER.fullmatch(one)
+        capability = _UNITS.get((number["unit"] or "").casefold(), "") if number else _color_of(one)
+        if not capability:
+            raise UsageError(f"{text!r}: {one!r} cannot follow {first!r}; write it as a step of its own")
+        values.append((capability, one))
+    return Do(text, target, first, tuple(values))
+
+
+def _color_of(word: str) -> str:
+    return "color_temperature" if word in WHITES else "color" if word in COLORS else ""

@@ -1,0 +1,116 @@
+"""Times of the day and of the sun in the texts of routines. Pure."""
+
+import re
+from datetime import datetime, time
+from typing import Final, NamedTuple
+
+from homebot.apps.wall_time import read_days, read_time
+from homebot.units import parse_duration
+
+__all__ = ["SUN_EVENTS", "DaysAndTime", "SunMoment", "TimeSpan", "read_days_of_week", "read_duration"]
+
+SUN_EVENTS: Final = ("dawn", "sunrise", "noon", "sunset", "dusk")
+_DAYS: Final = {"weekdays": "mon-fri", "weekends": "sat,sun", "every day": "", "all days": ""}
+_SUN: Final = re.compile(rf"(?P<event>{'|'.join(SUN_EVENTS)})(?:\s*(?P<sign>[+-])\s*(?P<offset>.+))?")
+_CLOCK: Final = re.compile(r"(?P<time>\d{1,2}:\d\d(?::\d\d)?)(?:\s+on\s+(?P<days>.+))?")
+_BETWEEN: Final = re.compile(r"between\s+(?P<begin>\S+)\s+and\s+(?P<end>\S+)")
+_HALF: Final = re.compile(r"(?P<word>after|before)\s+(?P<time>\d\S*)")
+
+
+class SunMoment(NamedTuple):
+    """A moment relative to an event of the sun; *offset* is a text such as ``-30m``."""
+
+    event: str
+    offset: str
+
+    @classmethod
+    def read(cls, text: str) -> "SunMoment | None":
+        """Return the moment *text*, such as ``sunset - 30m``; None if it is none.
+
+        Raises:
+            UsageError: Its offset is not a duration.
+        """
+        found = _SUN.fullmatch(text)
+        if found is None:
+            return None
+        offset = found["offset"] or "0s"
+        read_duration(offset)
+        return cls(found["event"], f"{'-' if found['sign'] == '-' else ''}{offset}")
+
+
+class DaysAndTime(NamedTuple):
+    """A time of day, such as ``22:00``, on some days, such as ``mon-fri``; empty for all."""
+
+    time: str
+    days: str
+
+    @classmethod
+    def read(cls, text: str) -> "DaysAndTime | None":
+        """Return the time *text*, such as ``22:00 on weekdays``; None if it is none.
+
+        Raises:
+            UsageError: There is no such time or day.
+        """
+        found = _CLOCK.fullmatch(text)
+        if found is None:
+            return None
+        read_time(found["time"])
+        days = _days_text(found["days"] or "")
+        read_days(days)
+        return cls(found["time"], days)
+
+
+class TimeSpan(NamedTuple):
+    """A part of each day; if *end* is not after *begin*, it lasts over midnight."""
+
+    begin: time
+    end: time
+
+    @classmethod
+    def read(cls, text: str) -> "TimeSpan | None":
+        """Return the span *text*: ``after 22:00``, ``before 6:30`` or ``between 22:00 and 6:30``; None if it is none.
+
+        Raises:
+            UsageError: A time of it does not exist.
+        """
+        if (found := _BETWEEN.fullmatch(text)) is not None:
+            return cls(read_time(found["begin"]), read_time(found["end"]))
+        if (half := _HALF.fullmatch(text)) is None:
+            return None
+        at = read_time(half["time"])
+        return cls(at, time()) if half["word"] == "after" else cls(time(), at)
+
+    def contains(self, at: datetime) -> bool:
+        """Return whether the time of day *at* is in the span."""
+        now = at.time()
+        if self.begin < self.end:
+            return self.begin <= now < self.end
+        return now >= self.begin or now < self.end
+
+
+def read_days_of_week(text: str) -> frozenset[int] | None:
+    """Return the days ``on weekdays`` or ``on sat,sun``, Monday being 0; None if *text* has no such form.
+
+    Raises:
+        UsageError: There is no such day.
+    """
+    word, _, days = text.partition(" ")
+    return read_days(_days_text(days)) if word == "on" and days else None
+
+
+def read_duration(text: str) -> float:
+    """Return a length of time in seconds: ``5m``, ``30 s``, ``2 hours``.
+
+    Raises:
+        UsageError: It is not a duration.
+    """
+    short = _LONG_UNITS.sub(lambda found: found[1], text.strip().lower())
+    return parse_duration(short)
+
+
+_LONG_UNITS: Final = re.compile(r"\b([smhd])(?:ec(?:ond)?s?|in(?:ute)?s?|ours?|ays?)\b")
+
+
+def _days_text(days: str) -> str:
+    given = days.strip().lower()
+    return _DAYS.get(given, given)

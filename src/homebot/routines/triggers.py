@@ -1,0 +1,99 @@
+"""What starts a routine, as text: a state, a press, a time, the sun, or the arrival of a robot. Pure."""
+
+import re
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.terms import Query, StateIs, leaves, split_near
+from homebot.errors import UsageError
+from homebot.routines.times import DaysAndTime, SunMoment, read_duration
+
+__all__ = ["Arrival", "Becomes", "Press", "Trigger", "read_state", "read_trigger"]
+
+_LASTING: Final = re.compile(r"(?P<state>.+?)\s+for\s+(?P<length>\d[^,]*)")
+_BY_PLACE: Final = re.compile(r"(?P<what>.+?)\s+in\s+(?P<area>.+?)\s+(?P<limit>(?:below|above|<=?|>=?)\s*\S.*)")
+_PRESS: Final = re.compile(r"(?P<query>.+?)\s+(?:press|pressed|presses)(?:\s+(?P<value>\w+))?", re.IGNORECASE)
+_ARRIVAL: Final = re.compile(r"(?P<robot>\w+)\s+(?P<word>arrives in|leaves)\s+(?P<room>.+)", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Becomes:
+    """A device begins to match a query with a state, such as ``hall motion occupied``.
+
+    Attributes:
+        lasting: Seconds for which it must match first.
+    """
+
+    text: str
+    query: Query
+    lasting: float = 0.0
+
+    @property
+    def capabilities(self) -> frozenset[str]:
+        """The capabilities whose values decide."""
+        return frozenset(one.capability for one in leaves(self.query) if isinstance(one, StateIs))
+
+
+@dataclass(frozen=True, slots=True)
+class Press:
+    """A device that matches a query reports an event, such as the press of a button.
+
+    Attributes:
+        value: The event, such as ``double``; empty for any.
+    """
+
+    text: str
+    query: Query
+    value: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """A robot comes into a room, or goes out of it; ``robot`` is any robot."""
+
+    robot: str
+    room: str
+    leaves: bool = False
+
+
+Trigger: TypeAlias = Becomes | Press | Arrival | DaysAndTime | SunMoment
+
+
+def read_trigger(text: str) -> Trigger:
+    """Return the trigger *text*.
+
+    Raises:
+        UsageError: It is none; the message shows how it could be written.
+    """
+    plain = " ".join(text.split())
+    moment = DaysAndTime.read(plain) or SunMoment.read(plain)
+    if moment is not None:
+        return moment
+    if (found := _ARRIVAL.fullmatch(plain)) is not None:
+        return Arrival(found["robot"].casefold(), found["room"], leaves=found["word"].casefold() == "leaves")
+    if (pressed := _PRESS.fullmatch(plain)) is not None:
+        return Press(plain, parse_query(pressed["query"]), (pressed["value"] or "").casefold())
+    return read_state(plain)
+
+
+def read_state(text: str) -> Becomes:
+    """Return the state *text*, such as ``front door open for 5m``.
+
+    Raises:
+        UsageError: It is not a query, or contains no state.
+    """
+    lasting = _LASTING.fullmatch(text)
+    state, length = (lasting["state"], read_duration(lasting["length"])) if lasting else (text, 0.0)
+    if (placed := _BY_PLACE.fullmatch(state)) is not None:  # a query has its room last
+        state = f"{placed['what']} {placed['limit']} in {placed['area']}"
+    query = parse_query(state)
+    if split_near(query)[0] is not None:
+        raise UsageError(f"{text!r}: a distance to a robot starts nothing; write it like 'robot arrives in kitchen'")
+    found = Becomes(text, query, length)
+    if not found.capabilities:
+        raise UsageError(
+            f"{text!r} names no state; write it like 'hall motion occupied', 'front door open for 5m', "
+            "'temperature in nursery below 18 °C', 'hall button press', '22:00 on weekdays' or 'sunset - 30m'"
+        )
+    return found

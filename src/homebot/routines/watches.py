@@ -1,0 +1,116 @@
+"""Watches for what starts a routine: states, presses, and the arrival of robots."""
+
+import math
+from collections.abc import AsyncIterator, Callable
+from typing import Final, NamedTuple, TypeAlias, final
+
+import anyio
+
+from homebot.devices.device import Device, DeviceChange, StateChange
+from homebot.devices.follow import Follow
+from homebot.devices.house_view import HouseView, HouseWatcher
+from homebot.devices.names import ROBOT_POSES
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import fits
+from homebot.devices.robot_messages import RobotPose
+from homebot.graph import Node, qos_profile_latched
+from homebot.graph.current_cause import CURRENT_CAUSE
+from homebot.routines.triggers import Arrival, Becomes, Press
+from homebot.support.bounded_map import BoundedMap
+from homebot.support.folding import fold
+from homebot.support.timer_queue import TimerQueue
+
+__all__ = ["ArrivalWatch", "Begun", "OnStart", "PressWatch", "begun"]
+
+OnStart: TypeAlias = Callable[[object], None]
+"""Called with the cause."""
+
+_MOST_ROBOTS: Final = 100
+
+
+class Begun(NamedTuple):
+    """A device that has matched for long enough, and the change with which it began to."""
+
+    device: Device
+    cause: object
+
+
+async def begun(node: Node, state: Becomes, since: float = -math.inf) -> AsyncIterator[Begun]:
+    """Yield each device when it has matched *state* for as long as that says.
+
+    Args:
+        since: Seconds since the Unix epoch. A device that did so earlier is left out, and so is one that is found so,
+            or whose first value since the start matches: it may have been so before. -inf leaves out none.
+    """
+    clock, due = node.graph.clock, TimerQueue[str, Begun]()
+    follow = Follow(node, query=state.query)
+    while True:
+        at = due.next()
+        wait = math.inf if at is None else at - clock.monotonic()
+        with anyio.CancelScope(deadline=anyio.current_time() + wait) as scope:
+            change = await anext(follow, None)  # first, because a change reported meanwhile may end the wait
+            if change is None:
+                return
+            device = change.device
+            if change.kind == "removed":
+                due.discard(device.id)
+            elif change.kind == "appeared":
+                cause = CURRENT_CAUSE.get()
+                is_found = since > -math.inf and isinstance(cause, DeviceChange) and cause.kind == "appeared"
+                matched_at = -math.inf if is_found else _matched_at(device, state, since, clock.now())
+                if matched_at + state.lasting >= since:
+                    wait = matched_at + state.lasting - clock.now()
+                    due.set(device.id, clock.monotonic() + wait, Begun(device, cause))
+        if scope.cancelled_caught and (found := due.pop(clock.monotonic())) is not None:
+            yield found[1]
+
+
+def _matched_at(device: Device, state: Becomes, since: float, now: float) -> float:
+    """Return since when *device* has the values of *state*; -inf if only since before the time *since*."""
+    values = [one for one in device.states if one.capability in state.capabilities and one.live]
+    if not values:
+        return now if since == -math.inf else -math.inf
+    newest = max(values, key=lambda one: one.since.to_seconds())
+    return -math.inf if newest.is_first and since > -math.inf else newest.since.to_seconds()
+
+
+@final
+class PressWatch(HouseWatcher):
+    """Calls a function with each event that fits a trigger."""
+
+    def __init__(self, node: Node, press: Press, on_start: OnStart) -> None:
+        self._press = press
+        self._on_start = on_start
+        self._view = HouseView.of(node)
+        self._view.add(self)
+        self._view.names.add(press.query, press.text)
+
+    def on_event(self, change: StateChange) -> None:
+        """Start the routine if the device and the event are meant."""
+        known = self._view.get(change.device)
+        value = change.readings[0].value.plain()
+        if self._press.value and self._press.value != str(value).casefold():
+            return
+        if known is not None and change.live and fits(self._press.query, facets_of(known.current())):
+            self._on_start(change)
+
+
+@final
+class ArrivalWatch:
+    """Calls a function when a robot comes into a room, or goes out of it."""
+
+    def __init__(self, node: Node, arrival: Arrival, on_start: OnStart) -> None:
+        self._arrival = arrival
+        self._on_start = on_start
+        self._rooms: BoundedMap[str, str] = BoundedMap(_MOST_ROBOTS)
+        node.create_subscription(RobotPose, ROBOT_POSES, self._on_pose, qos_profile_latched)
+
+    def _on_pose(self, pose: RobotPose) -> None:
+        arrival, room = self._arrival, fold(pose.room) if pose.counts and not pose.is_nearest_room else ""
+        if arrival.robot not in {"robot", pose.robot.casefold()}:
+            return
+        before = self._rooms.get(pose.robot)
+        self._rooms[pose.robot] = room
+        wanted = fold(arrival.room)
+        if before is not None and room != before and wanted == (before if arrival.leaves else room):
+            self._on_start(CURRENT_CAUSE.get())

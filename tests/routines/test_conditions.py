@@ -1,0 +1,52 @@
+"""What must hold for a routine to run, as text."""
+
+from datetime import UTC, datetime, time
+
+import pytest
+
+from homebot.errors import UsageError
+from homebot.routines.conditions import Matches, OnDays, SunIs, read_condition
+from homebot.routines.times import TimeSpan
+
+
+def test_the_sun_days_and_times() -> None:
+    assert read_condition("sun is down") == SunIs(is_up=False)
+    assert read_condition("on weekends") == OnDays(frozenset({5, 6}))
+    assert read_condition("after 22:00") == TimeSpan(time(22), time())
+    assert read_condition("between 22:00 and 6:30") == TimeSpan(time(22), time(6, 30))
+
+
+@pytest.mark.parametrize(
+    ("text", "inside", "outside"),
+    [
+        ("after 22:00", "23:59", "21:59"),
+        ("before 6:30", "06:29", "06:30"),
+        ("between 22:00 and 6:30", "00:00", "12:00"),
+        ("between 9:00 and 17:00", "09:00", "17:00"),
+    ],
+)
+def test_a_span_may_last_over_midnight(text: str, inside: str, outside: str) -> None:
+    span = read_condition(text)
+    assert isinstance(span, TimeSpan)
+    at = {text: datetime.strptime(text, "%H:%M").replace(tzinfo=UTC) for text in (inside, outside)}
+    assert span.contains(at[inside])
+    assert not span.contains(at[outside])
+
+
+@pytest.mark.parametrize(
+    ("text", "is_none"),
+    [
+        *(("hall lamp on", False), ("not hall lamp on", True), ("no window open", True)),
+        *(("somebody in study", False), ("nobody in study", True), ("nobody sleeps in bedroom", True)),
+    ],
+)
+def test_a_state_holds_or_does_not(text: str, *, is_none: bool) -> None:
+    found = read_condition(text)
+    assert isinstance(found, Matches)
+    assert found.is_none is is_none
+
+
+@pytest.mark.parametrize(("text", "problem"), [("door open for 5m", "holds now"), ("hall lamp", "names no state")])
+def test_a_mistake_is_named(text: str, problem: str) -> None:
+    with pytest.raises(UsageError, match=problem):
+        read_condition(text)

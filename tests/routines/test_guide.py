@@ -1,0 +1,70 @@
+"""What docs/routines.md shows works."""
+
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.shell import Homebot, homebot_in
+
+from homebot.cli.main import main
+from homebot.routines.conditions import read_condition
+from homebot.routines.steps import read_step
+from homebot.routines.triggers import read_trigger
+
+pytestmark = pytest.mark.slow
+
+GUIDE = (Path(__file__).parents[2] / "docs/routines.md").read_text("utf-8")
+COMMANDS = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)
+HOUSE = """
+[house]
+seed = 1
+[rooms.hall]
+x = 0.0
+y = 0.0
+doors = ["outside"]
+[devices.hall_lamp]
+kind = "lamp"
+room = "hall"
+dialect = "homeassistant"
+"""
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
+    path = tmp_path_factory.mktemp("home")
+    (shown,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
+    (path / "homebot.toml").write_text(f"{shown}\n[gateways.mqtt]\n")
+    (path / "house.toml").write_text(HOUSE)
+    with homebot_in(path, "--house", "house.toml", until=("found hall_lamp", "good_night")) as homebot:
+        yield homebot
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command_of_the_guide_runs(
+    home: Homebot, command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(home.folder)
+    monkeypatch.setenv("HOMEBOT_DOOR", home.door)
+    program, *words = shlex.split(command)
+    assert program == "homebot"
+    assert main(words) == 0, capsys.readouterr()
+    assert capsys.readouterr().out
+
+
+def test_the_texts_of_the_guide_are_read() -> None:
+    when, given, steps = re.split(r"^## `(?:when|if|do)`", GUIDE, flags=re.MULTILINE)[1:]
+    for text in _in_first_column(when):
+        read_trigger(text)
+    for text in re.findall(r"`([^`]+)`", given):
+        if "homebot" not in text:
+            read_condition(text)
+    for text in _in_first_column(steps):
+        read_step(text)
+
+
+def _in_first_column(section: str) -> list[str]:
+    rows = [row.split("|")[1] for row in section.splitlines() if row.startswith("| `")]
+    assert len(rows) > 5
+    return [text for row in rows for text in re.findall(r"`([^`]+)`", row)]

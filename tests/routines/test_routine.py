@@ -1,0 +1,165 @@
+"""Routines in a simulated flat in virtual time."""
+
+from collections.abc import Mapping
+
+import pytest
+from tests.apps.houses import hall, is_on, lamp
+
+from homebot.devices.app_messages import ChangeAppRequest, ReloadApp
+from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES, RELOAD_APP
+from homebot.devices.routine_messages import ChangeRoutine, ChangeRoutineRequest, ListRoutines, RoutinesRequest
+from homebot.errors import ConfigError
+from homebot.graph import Node
+from homebot.testing import virtual_house_of
+
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
+
+NIGHT_LIGHT: dict[str, object] = {
+    "name": "Hall light",
+    "when": ["hall motion occupied"],
+    "do": ["hall lamp on", "wait until hall motion clear for 2m, at most 30m", "undo"],
+    "mode": "restart",
+}
+
+
+def config(*routines: Mapping[str, object], **home: object) -> dict[str, object]:
+    return {"routines": list(routines), "home": {"zone": "UTC", **home}}
+
+
+async def test_a_lamp_is_on_while_somebody_moves_and_goes_back_afterwards() -> None:
+    world = hall(("08:00", "hall"), ("08:05", "outside"))
+    async with virtual_house_of(world=world, config=config(NIGHT_LIGHT)) as house:
+        await house.run_until("07:59")
+        assert not is_on(world, "hall_lamp")
+        await house.run_until("08:01")
+        assert is_on(world, "hall_lamp")
+        await house.run_until("08:30")
+        assert not is_on(world, "hall_lamp")
+
+
+async def test_a_run_that_starts_anew_brings_back_what_was_before_the_first() -> None:
+    """Anna looks into the hall three times."""
+    visits = [(f"08:0{minute}", "hall" if minute % 2 else "study") for minute in range(1, 7)]
+    world = hall(*visits, ("08:07", "outside"))
+    async with virtual_house_of(world=world, config=config(NIGHT_LIGHT)) as house:
+        await house.run_until("08:06:30")
+        assert is_on(world, "hall_lamp")
+        await house.run_until("08:30")
+        assert not is_on(world, "hall_lamp")
+
+
+async def test_what_a_person_changed_meanwhile_is_not_undone() -> None:
+    world = hall(("08:00", "hall"), ("08:05", "outside"))
+    routine = NIGHT_LIGHT | {"do": ["hall lamp on, 20 %", "wait until hall motion clear for 2m, at most 30m", "undo"]}
+    async with virtual_house_of(world=world, config=config(routine)) as house:
+        await house.run_until("08:02")
+        await house.press("hall_lamp", "off")
+        await house.press("hall_lamp", "on")
+        await house.run_until("08:30")
+        assert is_on(world, "hall_lamp")
+
+
+async def test_a_condition_holds_it_back() -> None:
+    world = hall(("08:00", "hall"), ("08:05", "outside"))
+    routine = NIGHT_LIGHT | {"if": ["after 20:00"]}
+    async with virtual_house_of(world=world, config=config(routine)) as house:
+        await house.run_until("08:01")
+        assert not is_on(world, "hall_lamp")
+
+
+async def test_a_time_of_day_starts_it() -> None:
+    world = hall()
+    routine = {"name": "Evening", "when": ["18:30"], "do": ["hall lamp on"]}
+    async with virtual_house_of(world=world, config=config(routine)) as house:
+        await house.run_until("18:29")
+        assert not is_on(world, "hall_lamp")
+        await house.run_until("18:31")
+        assert is_on(world, "hall_lamp")
+
+
+async def test_the_sun_starts_it() -> None:
+    world = hall()
+    routine = {"name": "Dusk", "when": ["sunset - 30m"], "do": ["hall lamp on"]}
+    async with virtual_house_of(world=world, config=config(routine, latitude=52.5, longitude=13.4)) as house:
+        await house.run_until("14:20")
+        assert not is_on(world, "hall_lamp")
+        await house.run_until("14:45")  # the sun sets at 15:02 UTC
+        assert is_on(world, "hall_lamp")
+
+
+async def test_a_state_that_lasts_starts_it() -> None:
+    world = hall(kitchen_lamp=lamp("kitchen"))
+    routine = {"name": "Forgotten", "when": ["hall lamp on for 10m"], "do": ["kitchen lamp on"]}
+    async with virtual_house_of(world=world, config=config(routine)) as house:
+        await house.run_for("1m")
+        await house.press("hall_lamp", "on")
+        await house.run_for("9m")
+        assert not is_on(world, "kitchen_lamp")
+        await house.run_for("2m")
+        assert is_on(world, "kitchen_lamp")
+
+
+async def test_what_was_so_before_it_began_starts_nothing() -> None:
+    """A restart of homebot or a reload of the routine in an occupied room turns nothing on."""
+    world = hall(("08:00", "hall"))
+    async with virtual_house_of(world=world, config=config(NIGHT_LIGHT)) as house:
+        await house.run_until("08:01")
+        await house.press("hall_lamp", "off")
+        async with Node(house.runtime.graph, "owner") as owner:
+            client = owner.create_client(ReloadApp, RELOAD_APP)
+            assert (await client.call(ChangeAppRequest(app="hall_light"))).message == "reloaded the app hall_light"
+        await house.run_for("1m")
+        assert not is_on(world, "hall_lamp")
+
+
+async def test_a_run_goes_on_after_a_restart_in_its_wait() -> None:
+    world = hall(("08:00", "hall"), ("08:05", "outside"))
+    async with virtual_house_of(world=world, config=config(NIGHT_LIGHT)) as house:
+        await house.run_until("08:01")
+        async with Node(house.runtime.graph, "owner") as owner:
+            await owner.create_client(ReloadApp, RELOAD_APP).call(ChangeAppRequest(app="hall_light"))
+        await house.run_until("08:05")
+        assert is_on(world, "hall_lamp")
+        await house.run_until("08:30")
+        assert not is_on(world, "hall_lamp")
+
+
+async def test_it_is_listed_switched_off_and_started_by_hand() -> None:
+    world = hall(("08:00", "hall"), ("08:05", "outside"))
+    async with (
+        virtual_house_of(world=world, config=config(NIGHT_LIGHT)) as house,
+        Node(house.runtime.graph, "owner") as owner,
+    ):
+        change = owner.create_client(ChangeRoutine, CHANGE_ROUTINE)
+        listing = owner.create_client(ListRoutines, LIST_ROUTINES)
+        answer = await change.call(ChangeRoutineRequest(name="hall LIGHT", change="disable"))
+        assert answer.message == "disabled Hall light"
+        await house.run_until("08:01")
+        assert not is_on(world, "hall_lamp")
+        answer = await change.call(ChangeRoutineRequest(name="Hall light", change="run"))
+        assert answer.message == "started Hall light"
+        await house.run_for("10s")
+        assert is_on(world, "hall_lamp")
+        (found,) = (await listing.call(RoutinesRequest())).routines
+        assert (found.name, found.app, found.enabled, found.is_running) == ("Hall light", "hall_light", False, True)
+        assert [one.text for one in found.notes] == ["ran"]
+        answer = await change.call(ChangeRoutineRequest(name="hall lite", change="run"))
+        assert answer.message == "there is no routine 'hall lite'; did you mean Hall light?"
+
+
+@pytest.mark.parametrize(
+    ("change", "problem"),
+    [
+        ({"when": ["hall lamp"]}, "routines.hall_light.when.0: 'hall lamp' names no state"),
+        ({"do": ["hall lamp onn"]}, "did you mean on"),
+        ({"do": ["undo"]}, "nothing to undo"),
+        ({"when": ["hall lamp on"], "do": ["hall lamp on"]}, "would start itself"),
+        ({"mode": "often"}, "routines.hall_light.mode"),
+        ({"then": []}, "routines.hall_light.then"),
+        ({"name": ""}, "routines.0.name"),
+    ],
+)
+async def test_a_mistake_is_an_error_with_its_place(change: dict[str, object], problem: str) -> None:
+    with pytest.raises(ConfigError, match=problem):
+        async with virtual_house_of(world=hall(), config=config(NIGHT_LIGHT | change)):
+            pytest.fail("it starts")

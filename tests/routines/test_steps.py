@@ -1,0 +1,50 @@
+"""The steps of a routine, as text."""
+
+import pytest
+
+from homebot.errors import UsageError
+from homebot.routines.steps import Do, Notify, Undo, Wait, WaitUntil, read_step
+
+
+@pytest.mark.parametrize(
+    ("text", "target", "command", "values"),
+    [
+        ("hall lamp on, 20 %", "hall lamp", "on", (("level", "20 %"),)),
+        ("hall lamp on, 20 %, 2700 K", "hall lamp", "on", (("level", "20 %"), ("color_temperature", "2700 K"))),
+        ("lamp on, red", "lamp", "on", (("color", "red"),)),
+        ("lights in hall off", "lights in hall", "off", ()),
+        ("thermostat in nursery to 21 °C", "thermostat in nursery", "21 °C", ()),
+        ("kitchen blind position 40", "kitchen blind", "position 40", ()),
+        ("robot vacuum dock", "robot vacuum", "dock", ()),
+        ("open plan lamp on", "open plan lamp", "on", ()),
+        ("washing machine: eco 40", "washing machine", "eco 40", ()),
+        ("alarm arm night", "alarm", "arm night", ()),
+    ],
+)
+def test_a_command_ends_with_what_devices_take(
+    text: str, target: str, command: str, values: tuple[tuple[str, str], ...]
+) -> None:
+    assert read_step(text) == Do(text, target, command, values)
+
+
+def test_other_steps() -> None:
+    assert read_step("notify The window is open") == Notify("The window is open")
+    assert read_step("wait 5 minutes") == Wait(300.0)
+    assert read_step("Undo") == Undo()
+    found = read_step("wait until hall motion clear for 2m, at most 30m")
+    assert isinstance(found, WaitUntil)
+    assert (found.state.lasting, found.most) == (120.0, 1800.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("hall lamp onn", "did you mean on"),
+        ("wait until lamp on", "may last forever"),
+        ("lamp on, open", "cannot follow"),
+        ("lamp", "is no step"),
+    ],
+)
+def test_a_mistake_is_named(text: str, problem: str) -> None:
+    with pytest.raises(UsageError, match=problem):
+        read_step(text)

@@ -1,0 +1,64 @@
+"""What starts a routine, as text."""
+
+import pytest
+
+from homebot.errors import UsageError
+from homebot.routines.times import DaysAndTime, SunMoment
+from homebot.routines.triggers import Arrival, Becomes, Press, read_trigger
+
+
+def test_a_state_may_have_to_last() -> None:
+    found = read_trigger("front door  open for 5m")
+    assert isinstance(found, Becomes)
+    assert found.lasting == 300.0
+    assert "contact" in found.capabilities
+
+
+@pytest.mark.parametrize("text", ["hall motion occupied", "hall motion clear", "lamp on", "front door locked"])
+def test_a_state_is_written_as_in_a_search(text: str) -> None:
+    assert isinstance(read_trigger(text), Becomes)
+
+
+def test_the_room_of_a_measurement_may_come_before_its_limit() -> None:
+    found = read_trigger("temperature in nursery below 18 °C")
+    assert isinstance(found, Becomes)
+    last = read_trigger("temperature below 18 °C in nursery")
+    assert isinstance(last, Becomes)
+    assert found.query == last.query
+
+
+def test_a_press_may_be_a_certain_one() -> None:
+    found = read_trigger("hall button pressed double")
+    assert isinstance(found, Press)
+    assert found.value == "double"
+    every = read_trigger("hall button press")
+    assert isinstance(every, Press)
+    assert not every.value
+
+
+def test_a_robot_comes_and_goes() -> None:
+    assert read_trigger("Rosie arrives in living room") == Arrival("rosie", "living room")
+    assert read_trigger("robot leaves kitchen") == Arrival("robot", "kitchen", leaves=True)
+
+
+def test_times_of_the_day_and_of_the_sun() -> None:
+    assert read_trigger("22:00 on weekdays") == DaysAndTime("22:00", "mon-fri")
+    assert read_trigger("7:30") == DaysAndTime("7:30", "")
+    assert read_trigger("sunset - 30m") == SunMoment("sunset", "-30m")
+    assert read_trigger("sunrise") == SunMoment("sunrise", "0s")
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("25:00", "25:00"),
+        ("22:00 on funday", "no day 'funday'"),
+        ("sunset - soon", "'soon' is not a duration"),
+        ("hall lamp", "names no state; write it like"),
+        ("lamp on near robot", "arrives in"),
+        ("front door open for 5 parsecs", "is not a duration"),
+    ],
+)
+def test_a_mistake_is_named(text: str, problem: str) -> None:
+    with pytest.raises(UsageError, match=problem):
+        read_trigger(text)
