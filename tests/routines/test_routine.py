@@ -5,9 +5,15 @@ from collections.abc import Mapping
 import pytest
 from tests.apps.houses import hall, is_on, lamp
 
-from homebot.devices.app_messages import ChangeAppRequest, ReloadApp
+from homebot.devices.app_messages import (
+    ChangeAppRequest,
+    ChangeRoutine,
+    ChangeRoutineRequest,
+    ListRoutines,
+    ReloadApp,
+    RoutinesRequest,
+)
 from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES, RELOAD_APP
-from homebot.devices.routine_messages import ChangeRoutine, ChangeRoutineRequest, ListRoutines, RoutinesRequest
 from homebot.errors import ConfigError
 from homebot.graph import Node
 from homebot.testing import virtual_house_of

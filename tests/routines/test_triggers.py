@@ -4,7 +4,7 @@ import pytest
 
 from homebot.errors import UsageError
 from homebot.routines.times import DaysAndTime, SunMoment
-from homebot.routines.triggers import Arrival, Becomes, Press, read_trigger
+from homebot.routines.triggers import Becomes, Press, RobotArrival, read_trigger
 
 
 def test_a_state_may_have_to_last() -> None:
@@ -37,8 +37,8 @@ def test_a_press_may_be_a_certain_one() -> None:
 
 
 def test_a_robot_comes_and_goes() -> None:
-    assert read_trigger("Rosie arrives in living room") == Arrival("rosie", "living room")
-    assert read_trigger("robot leaves kitchen") == Arrival("robot", "kitchen", leaves=True)
+    assert read_trigger("Rosie arrives in living room") == RobotArrival("rosie", "living room")
+    assert read_trigger("robot leaves kitchen") == RobotArrival("robot", "kitchen", leaves=True)
 
 
 def test_times_of_the_day_and_of_the_sun() -> None:

@@ -1,4 +1,8 @@
-"""Services of the runtime that list, load, unload and reload apps, and reload the configuration."""
+"""Services of the runtime for apps and routines, and to reload the configuration."""
+
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field
 
 from homebot.devices.value import ShortText
 from homebot.messages.builtin_interfaces import Time
@@ -11,11 +15,20 @@ __all__ = [
     "AppsResponse",
     "ChangeAppRequest",
     "ChangeAppResponse",
+    "ChangeRoutine",
+    "ChangeRoutineRequest",
+    "ChangeRoutineResponse",
     "ListApps",
+    "ListRoutines",
     "LoadApp",
     "Reload",
     "ReloadApp",
     "ReloadRequest",
+    "RoutineChange",
+    "RoutineInfo",
+    "RoutineNote",
+    "RoutinesRequest",
+    "RoutinesResponse",
     "UnloadApp",
 ]
 
@@ -92,6 +105,76 @@ class ChangeAppResponse(Message):
     message: str = ""
 
 
+RoutineChange: TypeAlias = Literal["run", "enable", "disable"]
+
+_Texts: TypeAlias = Annotated[tuple[ShortText, ...], Field(max_length=50)]
+
+
+class RoutineNote(Message):
+    """The result of a start of a routine, or why it did not run."""
+
+    at: Time
+    text: str
+
+
+class RoutineInfo(Message):
+    """A routine, with its texts as they are configured.
+
+    Attributes:
+        app: The name of its node, which issues its commands.
+        next: When a time starts it next; 0 if none does.
+        notes: The last ten notes, oldest first.
+    """
+
+    name: str
+    app: str
+    when: _Texts = ()
+    conditions: _Texts = ()
+    steps: _Texts = ()
+    mode: str = ""
+    enabled: bool = True
+    is_running: bool = False
+    next: Time = _NO_TIME
+    notes: tuple[RoutineNote, ...] = ()
+
+
+class RoutinesRequest(Message):
+    """Request for the routines."""
+
+
+class RoutinesResponse(Message):
+    """The routines.
+
+    Attributes:
+        zone: The IANA name of the home's time zone; empty if it has none.
+    """
+
+    routines: tuple[RoutineInfo, ...] = ()
+    zone: ShortText = ""
+
+
+class ChangeRoutineRequest(Message):
+    """Request to start a routine now, whatever its conditions, or to switch it on or off until the next change.
+
+    Attributes:
+        name: Its name, or that of its node.
+    """
+
+    name: ShortText
+    change: RoutineChange
+
+
+class ChangeRoutineResponse(Message):
+    """The answer.
+
+    Attributes:
+        message: What was done, or why it was not.
+    """
+
+    success: bool = True
+    message: str = ""
+
+
 class ReloadRequest(Message):
     """Request to reload the configuration.
 
@@ -106,4 +189,6 @@ LoadApp = ServiceType("homebot/srv/LoadApp", ChangeAppRequest, ChangeAppResponse
 UnloadApp = ServiceType("homebot/srv/UnloadApp", ChangeAppRequest, ChangeAppResponse)
 ReloadApp = ServiceType("homebot/srv/ReloadApp", ChangeAppRequest, ChangeAppResponse)
 ListApps = ServiceType("homebot/srv/ListApps", AppsRequest, AppsResponse)
+ListRoutines = ServiceType("homebot/srv/ListRoutines", RoutinesRequest, RoutinesResponse)
+ChangeRoutine = ServiceType("homebot/srv/ChangeRoutine", ChangeRoutineRequest, ChangeRoutineResponse)
 Reload = ServiceType("homebot/srv/Reload", ReloadRequest, ChangeAppResponse)

@@ -1,4 +1,4 @@
-"""What must hold for a routine to run, as text. Pure."""
+"""Conditions of routines, as text. Pure."""
 
 import re
 from dataclasses import dataclass

@@ -7,9 +7,9 @@ from typing import Any, Final, assert_never, final
 
 from homebot.apps import App
 from homebot.apps.run_modes import HandlerRuns
+from homebot.devices.app_messages import RoutineChange, RoutineInfo, RoutineNote
 from homebot.devices.names import QUERY_DEVICES
 from homebot.devices.query.term_messages import query_terms
-from homebot.devices.routine_messages import RoutineChange, RoutineInfo, RoutineNote
 from homebot.devices.services import QueryDevices, QueryDevicesRequest
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -19,7 +19,7 @@ from homebot.routines.run import RoutineRun
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.steps import read_step
 from homebot.routines.times import DaysAndTime, SunMoment, TimeSpan
-from homebot.routines.triggers import Arrival, Becomes, Press, read_trigger
+from homebot.routines.triggers import Becomes, Press, RobotArrival, read_trigger
 from homebot.routines.watches import ArrivalWatch, PressWatch, begun
 
 __all__ = ["Routine"]
@@ -58,7 +58,7 @@ class Routine(App[RoutineSettings]):
                     self.start_task(partial(self._follow, trigger, since))
                 case Press():
                     PressWatch(self.node, trigger, self._start)
-                case Arrival():
+                case RobotArrival():
                     ArrivalWatch(self.node, trigger, self._start)
                 case _:
                     assert_never(trigger)

@@ -35,7 +35,7 @@ _RESTORED: Final = (
 
 
 class RoutineOwner(Protocol):
-    """What a run needs of its routine."""
+    """The routine of a run."""
 
     node: Node
     devices: Devices

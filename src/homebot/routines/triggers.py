@@ -1,4 +1,4 @@
-"""What starts a routine, as text: a state, a press, a time, the sun, or the arrival of a robot. Pure."""
+"""Triggers of routines, as text: a state, a press, a time, the sun, or the arrival of a robot. Pure."""
 
 import re
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from homebot.devices.query.terms import Query, StateIs, leaves, split_near
 from homebot.errors import UsageError
 from homebot.routines.times import DaysAndTime, SunMoment, read_duration
 
-__all__ = ["Arrival", "Becomes", "Press", "Trigger", "read_state", "read_trigger"]
+__all__ = ["Becomes", "Press", "RobotArrival", "Trigger", "read_state", "read_trigger"]
 
 _LASTING: Final = re.compile(r"(?P<state>.+?)\s+for\s+(?P<length>\d[^,]*)")
 _BY_PLACE: Final = re.compile(r"(?P<what>.+?)\s+in\s+(?P<area>.+?)\s+(?P<limit>(?:below|above|<=?|>=?)\s*\S.*)")
@@ -49,7 +49,7 @@ class Press:
 
 
 @dataclass(frozen=True, slots=True)
-class Arrival:
+class RobotArrival:
     """A robot comes into a room, or goes out of it; ``robot`` is any robot."""
 
     robot: str
@@ -57,7 +57,7 @@ class Arrival:
     leaves: bool = False
 
 
-Trigger: TypeAlias = Becomes | Press | Arrival | DaysAndTime | SunMoment
+Trigger: TypeAlias = Becomes | Press | RobotArrival | DaysAndTime | SunMoment
 
 
 def read_trigger(text: str) -> Trigger:
@@ -71,7 +71,7 @@ def read_trigger(text: str) -> Trigger:
     if moment is not None:
         return moment
     if (found := _ARRIVAL.fullmatch(plain)) is not None:
-        return Arrival(found["robot"].casefold(), found["room"], leaves=found["word"].casefold() == "leaves")
+        return RobotArrival(found["robot"].casefold(), found["room"], leaves=found["word"].casefold() == "leaves")
     if (pressed := _PRESS.fullmatch(plain)) is not None:
         return Press(plain, parse_query(pressed["query"]), (pressed["value"] or "").casefold())
     return read_state(plain)

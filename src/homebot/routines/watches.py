@@ -1,4 +1,4 @@
-"""Watches for what starts a routine: states, presses, and the arrival of robots."""
+"""Watches for the triggers of routines: states, presses, and the arrival of robots."""
 
 import math
 from collections.abc import AsyncIterator, Callable
@@ -15,7 +15,7 @@ from homebot.devices.query.matching import fits
 from homebot.devices.robot_messages import RobotPose
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.routines.triggers import Arrival, Becomes, Press
+from homebot.routines.triggers import Becomes, Press, RobotArrival
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
 from homebot.support.timer_queue import TimerQueue
@@ -99,7 +99,7 @@ class PressWatch(HouseWatcher):
 class ArrivalWatch:
     """Calls a function when a robot comes into a room, or goes out of it."""
 
-    def __init__(self, node: Node, arrival: Arrival, on_start: OnStart) -> None:
+    def __init__(self, node: Node, arrival: RobotArrival, on_start: OnStart) -> None:
         self._arrival = arrival
         self._on_start = on_start
         self._rooms: BoundedMap[str, str] = BoundedMap(_MOST_ROBOTS)

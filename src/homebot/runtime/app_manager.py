@@ -6,7 +6,7 @@ import gc
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from importlib import import_module
 from itertools import count, islice
 from typing import TYPE_CHECKING, TypeAlias, final
@@ -24,19 +24,24 @@ from homebot.devices.app_messages import (
     AppsResponse,
     ChangeAppRequest,
     ChangeAppResponse,
+    ChangeRoutine,
+    ChangeRoutineRequest,
+    ChangeRoutineResponse,
     ListApps,
+    ListRoutines,
     LoadApp,
     ReloadApp,
+    RoutinesRequest,
+    RoutinesResponse,
     UnloadApp,
 )
-from homebot.devices.names import LIST_APPS, LOAD_APP, RELOAD_APP, UNLOAD_APP
+from homebot.devices.names import CHANGE_ROUTINE, LIST_APPS, LIST_ROUTINES, LOAD_APP, RELOAD_APP, UNLOAD_APP
 from homebot.errors import HomebotError, UsageError
 from homebot.graph import Node
 from homebot.messages import Time
 from homebot.plugins import plugin_names
 from homebot.runtime.app_host import AppHost
 from homebot.runtime.plan import APPS, PlannedComponent
-from homebot.runtime.routine_services import RoutineServices
 from homebot.runtime.supervisor import ComponentCrashes, Supervisor
 from homebot.support.isolation import error_text
 from homebot.support.logger import get_logger
@@ -45,6 +50,7 @@ from homebot.support.similar import did_you_mean
 if TYPE_CHECKING:
     from homebot.apps.jobs import Job
     from homebot.runtime.app_loading import AppPlanner, FreshCode
+    from homebot.runtime.routine_services import RoutineServices
 
 __all__ = ["AppManager", "PlannedApp"]
 
@@ -207,12 +213,25 @@ class AppManager:
         node.create_service(UnloadApp, UNLOAD_APP, partial(_answer, self.unload))
         node.create_service(ReloadApp, RELOAD_APP, partial(_answer, self.reload))
         node.create_service(ListApps, LIST_APPS, self._list)
-        RoutineServices(node, self._host)
+        node.create_service(ListRoutines, LIST_ROUTINES, self._list_routines)
+        node.create_service(ChangeRoutine, CHANGE_ROUTINE, self._change_routine)
+
+    @cached_property
+    def _routines(self) -> RoutineServices:
+        from homebot.runtime.routine_services import RoutineServices  # noqa: PLC0415 - many homes have none
+
+        return RoutineServices(self._host)
 
     def _list(self, _: AppsRequest) -> AppsResponse:
         running, crashes = self._host.running, self._supervisor.crashes
         infos = tuple(_info(name, running.get(name), crashes.get(name)) for name in self._apps)
         return AppsResponse(apps=infos, zone=zone_name(self._host.context.zone_name))
+
+    def _list_routines(self, request: RoutinesRequest) -> RoutinesResponse:
+        return self._routines.list(request)
+
+    def _change_routine(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
+        return self._routines.change(request)
 
     async def _plan(self, name: str, *, is_new: bool) -> tuple[PlannedApp, FreshCode]:
         self._planner = self._planner or self._make_planner()

@@ -21,7 +21,7 @@ from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
-    from homebot.devices.routine_messages import RoutineInfo, RoutinesResponse
+    from homebot.devices.app_messages import RoutineInfo, RoutinesResponse
 
 __all__ = ["add_arguments"]
 
