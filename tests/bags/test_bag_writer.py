@@ -1,6 +1,7 @@
 """Bags as rosbag2 makes them: files that rotate, in a folder that only its owner reads."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from random import Random
@@ -98,6 +99,13 @@ def test_the_files_of_a_folder_are_read_in_the_order_of_their_numbers(tmp_path: 
     write(BagWriter(tmp_path / "day", max_duration=0.05), words(12))
     (tmp_path / "day/metadata.yaml").unlink()
     assert list(chain.from_iterable(read(tmp_path / "day"))) == list(words(12))
+
+
+@pytest.mark.parametrize("qos", ["", "{", "[" * 100_000, "&a [*a]", "3"])
+def test_the_quality_of_service_of_another_program_is_no_reason_to_fail(tmp_path: Path, qos: str) -> None:
+    """It is copied from a bag that is recovered."""
+    write(BagWriter(tmp_path / "day"), [one._replace(topic=replace(CHAT, qos=qos)) for one in words(1)])
+    assert "version: 9" in (tmp_path / "day/metadata.yaml").read_text()
 
 
 def test_one_file_has_no_limits(tmp_path: Path) -> None:

@@ -162,7 +162,7 @@ def test_a_file_that_is_there_is_not_overwritten(files: dict[str, SqliteFile], c
     close(files)
     Path("villa.tar").write_text("mine")
     assert main(["backup", "villa.tar"]) == 1
-    assert "villa.tar cannot be written: File exists; give another name" in capsys.readouterr().err
+    assert "villa.tar exists already; delete it, or choose another name" in capsys.readouterr().err
     assert Path("villa.tar").read_text() == "mine"
 
 

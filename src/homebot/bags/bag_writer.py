@@ -3,18 +3,17 @@
 Source: rosbag2, ``sequential_writer.cpp`` and ``metadata_io.cpp`` (version 9).
 """
 
-import os
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
-from typing import IO, Any, Final, Self, final
+from typing import Any, Final, Self, final
 
 import yaml
 
 from homebot.bags.bag_topic import BagMessage
 from homebot.bags.mcap_file import CHUNK, McapWriter
 from homebot.errors import UsageError
+from homebot.support.new_file import create_file, told_if_not_created
 
 __all__ = ["BagWriter"]
 
@@ -46,7 +45,7 @@ class BagWriter:
         self._flushed_at = 0
         self._is_folder = path.suffix != ".mcap"
         if self._is_folder:
-            with _writable(path):
+            with told_if_not_created(path):
                 path.mkdir(mode=0o700)
         elif max_size or max_duration:
             raise UsageError(f"{path} is one file; name a folder, without .mcap, for files of limited size or duration")
@@ -80,7 +79,7 @@ class BagWriter:
         metadata = self._metadata()
         self._files[-1].close(_text(metadata["rosbag2_bagfile_information"]))
         if self._is_folder:
-            with _created(self.path / "metadata.yaml") as file:
+            with create_file(self.path / "metadata.yaml") as file:
                 file.write(_text(metadata).encode())
 
     def __enter__(self) -> Self:
@@ -96,7 +95,7 @@ class BagWriter:
         return is_long or 0 < self._max_size <= file.size
 
     def _next_file(self, number: int) -> McapWriter:
-        file = _created(self.path / f"{self.path.name}_{number}.mcap" if self._is_folder else self.path)
+        file = create_file(self.path / f"{self.path.name}_{number}.mcap" if self._is_folder else self.path)
         return McapWriter(file, min(CHUNK, self._max_size // 10 or CHUNK))
 
     def _metadata(self) -> dict[str, Any]:
@@ -111,7 +110,7 @@ class BagWriter:
                         "name": topic.name,
                         "type": topic.ros_type,
                         "serialization_format": "cdr",
-                        "offered_qos_profiles": yaml.safe_load(topic.qos or "[]"),
+                        "offered_qos_profiles": _profiles(topic.qos),
                         "type_description_hash": topic.type_hash,
                     },
                     "message_count": count,
@@ -138,20 +137,12 @@ def _span(files: Sequence[McapWriter]) -> dict[str, Any]:
     }
 
 
+def _profiles(qos: str) -> Any:
+    try:
+        return yaml.safe_load(qos or "[]")
+    except (yaml.YAMLError, RecursionError):  # of another program
+        return []
+
+
 def _text(metadata: dict[str, Any]) -> str:
     return yaml.safe_dump(metadata, sort_keys=False)
-
-
-def _created(path: Path) -> IO[bytes]:
-    with _writable(path):
-        return open(path, "xb", opener=lambda name, flags: os.open(name, flags, 0o600))
-
-
-@contextmanager
-def _writable(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except FileExistsError:
-        raise UsageError(f"{path} exists already; delete it, or choose another name") from None
-    except OSError as exc:
-        raise UsageError(f"{path} cannot be written: {exc.strerror}") from exc

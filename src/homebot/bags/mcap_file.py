@@ -28,7 +28,7 @@ CHUNK: Final = 256 * 1024
 _LARGEST: Final = 1024**3
 """Bytes of a record that a reader believes."""
 
-_BROKEN: Final = (McapError, ZstdError, struct.error, ValueError, KeyError, MemoryError)
+_BROKEN: Final = (McapError, ZstdError, struct.error, ValueError, KeyError, OverflowError, MemoryError)
 
 
 class DamagedFileError(UsageError):
@@ -154,7 +154,9 @@ class McapFile:
 def _topic(schema: Schema | None, channel: Channel) -> BagTopic:
     if schema is None or channel.message_encoding != "cdr" or schema.encoding != "ros2msg":
         encoding = f"{channel.message_encoding} of {schema.encoding if schema else 'no schema'}"
-        raise UsageError(f"{channel.topic} is {encoding[:100]}; homebot reads cdr of ros2msg, as ROS 2 records it")
+        raise UsageError(
+            f"{channel.topic[:100]!r} is {encoding[:100]!r}; homebot reads cdr of ros2msg, as ROS 2 records it"
+        )
     return BagTopic(
         channel.topic,
         schema.name,

@@ -13,6 +13,7 @@ from typing import IO, Annotated, Final, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from homebot.errors import UsageError
+from homebot.support.new_file import create_file
 
 __all__ = ["ArchivedFile", "Manifest", "extract_archive", "write_archive"]
 
@@ -66,16 +67,9 @@ def write_archive(target: Path, manifest: Manifest, files: Mapping[str, Path]) -
     """
     sums = {name: file.model_copy(update=_facts_of(files[name])) for name, file in manifest.files.items()}
     text = manifest.model_copy(update={"files": sums}).model_dump_json(indent=2).encode()
+    created = create_file(target)
     try:
-        descriptor = os.open(target, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-    except OSError as exc:
-        hint = "; give another name" if isinstance(exc, FileExistsError) else ""
-        raise UsageError(f"{target} cannot be written: {exc.strerror}{hint}") from exc
-    try:
-        with (
-            os.fdopen(descriptor, "wb") as file,
-            tarfile.open(fileobj=file, mode="w") as tar,
-        ):
+        with created as file, tarfile.open(fileobj=file, mode="w") as tar:
             _add(tar, _MANIFEST, len(text), io.BytesIO(text))
             for name, path in files.items():
                 with path.open("rb") as content:
@@ -149,7 +143,7 @@ def _extract(source: Path, tar: tarfile.TarFile, member: tarfile.TarInfo, into: 
     target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     content = tar.extractfile(member)
     assert content is not None  # noqa: S101 - it is a regular file
-    with os.fdopen(os.open(target, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
+    with create_file(target) as file:
         while block := content.read(_BLOCK):
             digest.update(block)
             file.write(block)

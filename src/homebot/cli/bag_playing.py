@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Iterable
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
@@ -18,6 +19,7 @@ from homebot.errors import PeerError
 from homebot.messages.cdr import message_from_cdr
 from homebot.messages.json import message_to_json
 from homebot.support.name_patterns import fits_any
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.bags.bag_topic import BagMessage, BagTopic
@@ -50,9 +52,9 @@ def play(door: DoorClient, options: argparse.Namespace) -> int:
             pass
         player.publish(message)
     door.settle()
-    print(f"{player.count:,} messages were played; topics: {', '.join(sorted(one.name for one in player.types))}")
+    print(f"{player.count:,} messages were played; topics: {_names(player.types)}")
     for reason, topics in player.left_out.items():
-        print(f"left out, {reason}: {', '.join(sorted(topics))}")
+        print(f"left out, {reason}: {_names(topics)}")
     return 0
 
 
@@ -69,7 +71,7 @@ class _Player:
     def __init__(self, door: DoorClient, options: argparse.Namespace) -> None:
         self.count = 0
         self.types: dict[BagTopic, type[Message]] = {}
-        self.left_out: dict[str, set[str]] = {}
+        self.left_out: dict[str, set[BagTopic]] = {}
         self._door, self._patterns, self._commands = door, options.topics, options.commands
 
     def plays(self, topic: BagTopic) -> bool:
@@ -85,7 +87,7 @@ class _Player:
         elif not is_command and not self._patterns and _is_own(topic):
             reason = "as they are homebot's own (--topics plays them)"
         if reason:
-            self.left_out.setdefault(reason, set()).add(topic.name)
+            self.left_out.setdefault(reason, set()).add(topic)
         return not reason
 
     def publish(self, message: BagMessage) -> None:
@@ -104,6 +106,10 @@ class _Player:
             self._door.ask(DEFINE_TYPE, {"type": topic.ros_type, "definition": topic.definition})
         self._door.advertise(topic.name, topic.ros_type, latch=topic.is_latched)
         return topic.message_type()
+
+
+def _names(topics: Iterable[BagTopic]) -> str:
+    return ", ".join(sorted(printable(one.name) for one in topics))
 
 
 def _is_own(topic: BagTopic) -> bool:

@@ -46,7 +46,7 @@ def record(door: DoorClient, options: argparse.Namespace) -> int:
         except LinkError as exc:
             problem = exc
     dropped = recorder.lost + bag.dropped
-    lost = f"; {dropped:,} messages were lost: they came too fast" if dropped else ""
+    lost = f"; {dropped:,} messages were lost" if dropped else ""
     print(f"{path}: {writer.count:,} messages; topics: {len(recorder.topics):,}{lost}")
     if (problem := problem or bag.error) is not None:
         raise problem

@@ -1,21 +1,19 @@
 """The file of a recording, and the interface for writing its lines."""
 
 import gzip
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, Final, Protocol, Self, cast, final
 
 from anyio import to_thread
 
-from homebot.errors import UsageError
 from homebot.recording.lines import LostLines, RecordingEnd, RecordingLine, line_text
+from homebot.support.new_file import create_file, told_if_not_created
 
 __all__ = ["DEFAULT_MEGABYTES", "FileSink", "LineSink", "RecordingFile"]
 
 DEFAULT_MEGABYTES: Final = 500.0
 
-_FOR_ITS_OWNER: Final = 0o600
 _END_BYTES: Final = 1024
 """Space reserved for the lines that say that the file is full."""
 
@@ -119,15 +117,10 @@ class FileSink:
 
 
 def _created(path: Path, *, force: bool) -> IO[bytes]:
-    try:
-        if force:
+    if force:
+        with told_if_not_created(path):
             path.unlink(missing_ok=True)  # a new file: the old one may be readable by others, or be a link
-        descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _FOR_ITS_OWNER)
-    except FileExistsError:
-        raise UsageError(f"{path} exists already; delete it, or choose another name") from None
-    except OSError as exc:
-        raise UsageError(f"{path} cannot be written: {exc.strerror}") from exc
-    file = os.fdopen(descriptor, "wb")
+    file = create_file(path)
     if path.suffix != ".gz":
         return file
     return cast("IO[bytes]", _OwningGzip(file))
