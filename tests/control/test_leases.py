@@ -12,6 +12,7 @@ from tests.control.conftest import Home, OpenHome, hold_request, ignore, obey_af
 from tests.sizes import examples
 
 from homebot.control.leases import MOST_HOLDERS, MOST_OF_ISSUER, Lease, LeaseHolder, Leases
+from homebot.devices import GatewayNames, RawCommand
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Closure, DoorLock, Thermostat
@@ -250,6 +251,20 @@ async def test_a_hand_outranks_the_holder_and_is_then_handed_back(open_home: Ope
         assert [one.kind for one in await steps(home)] == ["held", "outranked", "handed_back"]
         assert [one.value.plain() for one in home.commands] == ["open", "open"]
         assert held.succeeded
+
+
+@pytest.mark.parametrize("payload", ["closed", '{"state": "CLOSE"}'])
+async def test_a_raw_command_of_another_program_is_a_hand(open_home: OpenHome, payload: str) -> None:
+    async with a_door(open_home) as (home, door), door.hold("open", by="robot") as held:
+        await anyio.sleep(20)
+        home.behaviours["door"] = ignore
+        out = home.app.create_publisher(RawCommand, GatewayNames("memory").out)
+        out.publish(RawCommand(address=door.device.endpoints[0].command_address, payload=payload))
+        await anyio.sleep(1)
+        await home.report("door", "movement", "closed")
+        await anyio.sleep(4)  # until it is renewed
+        assert isinstance(held.outcome, Contradicted)
+        assert told(await steps(home))[1:] == [("outranked", "", "movement is closed")]
 
 
 async def test_after_a_hand_nothing_is_commanded_for_a_holder_that_left(open_home: OpenHome) -> None:

@@ -184,6 +184,38 @@ async def test_a_raw_command_explains_what_the_device_reports(home: Home) -> Non
     assert published.command == reported.command != ""
 
 
+async def test_a_raw_command_that_is_known_after_its_effect_explains_it_all_the_same(home: Home) -> None:
+    lamp = (await home.lamp("on_off", before={"on_off": False})).device
+    await anyio.sleep(1)
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(1)
+    await home.report("lamp", "on_off", False)
+    await anyio.sleep(0.1)
+    await publish(home, lamp, "off")
+    assert [one.settings[0].value.plain() for one in await changes(home)] == [True]
+
+
+@pytest.mark.parametrize(("text", "explained"), [('{"state": "ON"}', ["left", "right"]), ("on", ["left"])])
+async def test_a_raw_command_explains_its_part_or_the_whole_device_if_it_is_not_understood(
+    home: Home, text: str, explained: list[str]
+) -> None:
+    relay = simple_part("switch", settable=("on_off",))
+    relays = tuple(relay.model_copy(update={"id": one, "writes": (f"strip/{one}",)}) for one in ("left", "right"))
+    home.gateway.devices.put(GatewayDevice("strip", "Strip", relays), "the test says so")
+    for one in relays:
+        await home.gateway.devices.report("strip", {"on_off": False}, one.id)
+    await anyio.sleep(1)
+    out = home.app.create_publisher(RawCommand, GatewayNames("memory").out)
+    out.publish(RawCommand(address="strip/left", payload=text))
+    for one in relays:
+        await anyio.sleep(4)
+        await home.gateway.devices.report("strip", {"on_off": True}, one.id)
+    await anyio.sleep(1)
+    found = (await home.read()).entries
+    assert sorted(one.part for one in found if one.kind == "reported") == explained
+    assert [one.cause for one in found if one.kind == "changed"] == ["person"] * (2 - len(explained))
+
+
 async def test_a_raw_command_explains_what_undoes_another_command(home: Home) -> None:
     lamp = await home.lamp("on_off", before={"on_off": False})
     await anyio.sleep(1)
@@ -193,8 +225,8 @@ async def test_a_raw_command_explains_what_undoes_another_command(home: Home) ->
     await home.report("lamp", "on_off", False)
     assert await changes(home) == []
     found = await home.read()
-    assert kinds(found)[-3:] == ["published", "reverted", "reported"]
-    assert found.entries[-1].command == found.entries[-3].command
+    assert kinds(found)[-3:] == ["outcome", "published", "reported"]
+    assert found.entries[-1].command == found.entries[-2].command
 
 
 async def test_what_is_reported_in_the_moment_of_the_command_is_explained(open_home: OpenHome) -> None:

@@ -58,7 +58,7 @@ class ControlLayer:
     ) -> None:
         settings = _with_approvals(settings, approves_all=approves_all)
         store = store or _store(node, settings, journal_file)
-        self.journal = CommandJournal(node, store, lookup, settings.settle)
+        self.journal = CommandJournal(node, store, lookup)
         self.learnt = LearntPersistence(node, store)
         profiles = Profiles(self.learnt.saver(PROFILE))
         self.learnt.add(PROFILE, profiles.restore)

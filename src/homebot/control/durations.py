@@ -14,6 +14,9 @@ SENT_AT_ONCE: Final = 0.01
 ACKNOWLEDGED_TOO: Final = 1.0
 """A gateway that is about to return has this long after the outcome; what it still does then is cancelled."""
 
+OVERTAKEN: Final = 0.2
+"""A raw command of another program may be known this much later than its effect if the event loop is busy."""
+
 FAST: Final = 0.1
 """A report this soon after a sending may be a bridge's echo: radios take longer.
 
@@ -34,6 +37,9 @@ CAME_ALONG: Final = 3.0
 
 The lamps of a Zigbee group report up to 2 s later (Koenkk/zigbee2mqtt#764).
 """
+
+UNREAD: Final = 10.0
+"""A raw text of unknown meaning explains what its device reports for so long: as a command settles by default."""
 
 TAKEN_BACK: Final = 3.0
 """A bridge retracts its echo within this time if the device refused or another value is read back.

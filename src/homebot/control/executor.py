@@ -30,7 +30,7 @@ from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.control.timelines import Timelines
 from homebot.control.witnesses import Witness, Witnesses
-from homebot.devices import Device, DevicePart
+from homebot.devices import Device, DevicePart, RawCommand
 from homebot.devices.always_ask import why_device_asks
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.command_messages import (
@@ -205,13 +205,27 @@ class CommandExecutor:
         timeline = self.timelines.of(command.device, command.part)
         if self._sending.rehearsal is not None and (assumed := self._sending.rehearse(command, timeline)) is not None:
             return assumed
-        now, order = self._clock.monotonic(), order_of(command)
+        await self._record_text(command, order_of(command), self._clock.monotonic())
+        return await self._sending.send_text(command, text, is_code=is_code)
+
+    async def record_raw(self, name: str, device: Device, gateway: str, raw: RawCommand) -> None:
+        """Record that another program had *gateway* send a text to *device*; *name* is the new id of the command."""
+        part, read = read_text(device, TextTarget(raw.payload, gateway, raw.address))
+        rights, settings = self._policies.rights(raw.issuer), {read.capability: read.value.plain()}
+        command = IssuedCommand(name, device, part, settings, raw.issuer, rights, raw.trigger, self._clock.now())
+        order = replace(order_of(command), is_foreign=True)
+        await self._record_text(command, order, self._clock.monotonic() - durations.OVERTAKEN)
+
+    async def _record_text(self, command: IssuedCommand, order: Order, at: float) -> None:
+        """Record that *command* is sent as a text, which is for all parts of its device if it is not understood."""
+        device = command.device
         if command.place in self.leases.parts:
-            self.leases.record_stop(command, now)
-        timeline.command(order, now, is_raw=True)
+            self.leases.record_stop(command, at)
+        is_for_all = UNREAD in command.settings and device.parts
+        for part in device.parts if is_for_all else (command.part,):
+            self.timelines.of(device, part).command(order, at, is_raw=True)
         if command.part.part.members:
             await self._record_members(command, order)
-        return await self._sending.send_text(command, text, is_code=is_code)
 
     async def _record_members(self, command: IssuedCommand, order: Order) -> None:
         """Record a command to a group for the parts that its source lists as its members."""

@@ -18,7 +18,6 @@ from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
     from homebot.control.control_layer import ControlLayer
-    from homebot.control.journal.journal import RawWindow
     from homebot.control.timeline.cause import Attribution
 
 __all__ = ["HouseWatch"]
@@ -42,14 +41,12 @@ def _is_change(change: ChangedSetting) -> bool:
     return not (isinstance(value, float) and value and before and is_soon)
 
 
-def _explained(raw: RawWindow, found: Attribution | None, *, was_absent: bool) -> tuple[str, str]:
+def _explained(found: Attribution | None, *, was_absent: bool) -> tuple[str, str]:
     """Return the id of the command behind a change, empty for none, and its cause."""
-    if raw.id and (found is None or found.command != raw.id):
-        return raw.id, "command"
-    if found is None or found.cause.may_be_person:
-        cause = "person" if found is None else found.cause.value
-        return "", "unknown" if was_absent else cause
-    return found.command, found.cause.value
+    if found is not None and found.command:
+        return found.command, "command" if found.cause.may_be_person else found.cause.value
+    cause = "person" if found is None else found.cause.value
+    return "", "unknown" if was_absent and cause == "person" else cause
 
 
 @final
@@ -96,10 +93,9 @@ class HouseWatch:
             if not layer.timelines.has(place) and (device := await self._device(change.device)) is not None:
                 layer.timelines.begin(device, change)
             value, at = change.value.plain(), change.told_at.to_seconds()
-            raw = layer.journal.raw_command(change.device, value, at)
             found = layer.timelines.cause(place, change.capability, value, at)
-            if found is None or found.role is None or (raw.id and raw.means(value)):
-                command, cause = _explained(raw, found, was_absent=change.was_absent)
+            if found is None or found.role is None:
+                command, cause = _explained(found, was_absent=change.was_absent)
                 setting = Setting(capability=change.capability, value=change.value)
                 layer.journal.reported(place, setting, at, cause, command)  # else the entries of a command record it
                 if not command:
@@ -113,6 +109,11 @@ class HouseWatch:
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:
         # Control's own commands do not come here; an id that another program gives would let it hide the command.
         now, command = self._clock.now(), command.model_copy(update={"command_id": ""})
-        device = await self._lookup.device_at(gateway, command.address)
-        if device:
-            self._layer().journal.published(device, command, now, is_sent=not self._is_dry_run)
+        device_id = await self._lookup.device_at(gateway, command.address)
+        if not device_id:
+            return
+        layer = self._layer()
+        name = layer.journal.published(device_id, command, now, is_sent=not self._is_dry_run)
+        if self._is_dry_run or (device := await self._device(device_id)) is None:
+            return
+        await layer.executor.record_raw(name, device, gateway, command)

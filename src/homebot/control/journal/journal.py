@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from collections import deque
 from collections.abc import Mapping
 from itertools import count
-from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias, final
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias, final
 
 from homebot.control.journal.command_log import CommandChain, CommandLog
 from homebot.control.journal.given_codes import CODE_GIVEN, MOST_NOTED, is_for_code, public_text
@@ -35,7 +34,6 @@ from homebot.graph import Node
 from homebot.journal.command_folding import CommandFolding
 from homebot.journal.store import JournalNote, with_newer
 from homebot.messages import Time
-from homebot.support.bounded_map import BoundedMap
 from homebot.support.counters import Severity
 
 if TYPE_CHECKING:
@@ -51,36 +49,7 @@ __all__ = ["CommandJournal", "LeaseStep"]
 LeaseStep: TypeAlias = Literal["held", "released", "ended", "expired", "outranked", "handed_back"]
 
 _DEPTH = 1000
-_SHORTEST_SETTLE = 2.0
-"""The least time in seconds: the directory publishes a change a little later than the gateway."""
-
 _MOST_NAMES = 500
-_MOST_DEVICES: Final = 100_000
-_MOST_RAW: Final = 10
-_DELAY: Final = 0.2
-"""Seconds by which the journal may receive a raw command later than the gateway if the event loop is busy."""
-
-
-class RawWindow(NamedTuple):
-    """The time during which a raw command explains changes of its device, in seconds since the Unix epoch.
-
-    Attributes:
-        id: The id of the command; empty for none.
-    """
-
-    id: str = ""
-    began: float = 0.0
-    until: float = 0.0
-    text: str = ""
-
-    def means(self, value: PlainValue) -> bool:
-        """Return whether the command is the usual text for *value*."""
-        if isinstance(value, bool):
-            return self.text == ("on" if value else "off")
-        return isinstance(value, str) and self.text == value.casefold()
-
-
-_NO_RAW: Final = RawWindow()
 _ENDS: Final = frozenset({"published", "outcome"})
 """Kinds of entries that end a command."""
 
@@ -92,20 +61,15 @@ _MOST_OPEN: Final = 10_000
 
 @final
 class CommandJournal:
-    """Publishes and stores the entries; it remembers the last ten raw commands of each of 100,000 devices.
+    """Publishes and stores the entries.
 
     An entry is published, and can be read, at once. Those of a command are filed in the store together, at its outcome
     or when homebot stops. A command that has no outcome within half a minute is filed as far as it is known, so a crash
     may lose its later entries, but not that it was given.
-
-    Args:
-        settle: Seconds after a raw command in which it explains a change of the device.
     """
 
-    def __init__(self, node: Node, store: JournalStore, lookup: DeviceLookup, settle: float) -> None:
+    def __init__(self, node: Node, store: JournalStore, lookup: DeviceLookup) -> None:
         self._clock = node.graph.clock
-        self._raw: BoundedMap[str, deque[RawWindow]] = BoundedMap(_MOST_DEVICES)
-        self._settle = max(settle, _SHORTEST_SETTLE)
         self._ids = map(f"{round(self._clock.now()):x}-{{}}".format, count(1))
         self._store = store
         self._folding = CommandFolding()
@@ -219,8 +183,8 @@ class CommandJournal:
 
     def published(
         self, device: str, command: RawCommand, at: float, *, is_sent: bool = True, is_code: bool = False
-    ) -> None:
-        """Record a raw command to a device at *at*, in seconds since the Unix epoch.
+    ) -> str:
+        """Record a raw command to a device at *at*, in seconds since the Unix epoch; return its id.
 
         Args:
             is_sent: Whether the gateway sends it.
@@ -234,17 +198,9 @@ class CommandJournal:
         self._add(
             JournalNote("published", at, device, "", name, issuer=command.issuer, trigger=command.trigger, text=text)
         )
-        if is_sent:
-            known = self._raw[device] = self._raw.get(device) or deque(maxlen=_MOST_RAW)
-            known.append(RawWindow(name, at - _DELAY, at + self._settle, command.payload.strip().casefold()))
-        else:
+        if not is_sent:
             self._add(JournalNote("would", at, device, "", name, issuer=command.issuer))
-
-    def raw_command(self, device: str, value: PlainValue, at: float) -> RawWindow:
-        """Return the newest raw command that may explain a report of *value*; an empty one if there is none."""
-        raw = [one for one in self._raw.get(device, ()) if one.began <= at <= one.until]
-        meant = [one for one in raw if one.means(value)] or raw
-        return max(meant, key=lambda one: one.began, default=_NO_RAW)
+        return name
 
     def denied(self, refused: AccessRefused, device: str, count: int) -> None:
         """Record that the door refused *count* requests such as this one, to *device* if it is known."""

@@ -79,6 +79,7 @@ def cause_of(fact: Reported, commands: Iterable[CommandProgress]) -> Attribution
         role = command.roles.get(fact.number)
         cause = None if role is None else _cause(role, fact, command)
         if cause is not None:
+            cause = Cause.PERSON if command.order.is_foreign else cause
             return Attribution(cause, command.order.id, None if command.is_raw else role)
         if role is ReportRole.OTHERWISE and fact.at <= command.ended_at:
             answered = Attribution(Cause.PERSON, command.order.id, role)
@@ -112,7 +113,8 @@ def _cause(role: ReportRole, fact: Reported, command: CommandProgress) -> Cause 
         return cause_of_undoing(command, fact.capability)
     if role is ReportRole.ASTRAY:
         return Cause.UNKNOWN
-    if role is ReportRole.AGREES and (command.is_open or fact.at - _last_sign(command) <= durations.CAME_ALONG):
+    limit = durations.UNREAD if command.is_raw and not command.wanted else durations.CAME_ALONG
+    if role is ReportRole.AGREES and (command.is_open or fact.at - _last_sign(command) <= limit):
         return Cause.COMMAND
     if role is ReportRole.ASIDE and _rests_where_sent(fact, command):
         return Cause.COMMAND

@@ -59,6 +59,7 @@ class Order:
         opens_further: Whether it opens a part that is already open, but not fully.
         turns_on: Whether it turns on a part that reports "off", without a setting that says so.
         has_ramp: Whether the part has a level that can be set.
+        is_foreign: Whether another program gave it past homebot: it counts as a person's action.
     """
 
     id: str
@@ -70,6 +71,7 @@ class Order:
     opens_further: bool = False
     turns_on: bool = False
     has_ramp: bool = False
+    is_foreign: bool = False
     echoed: frozenset[str] = frozenset()
     place: PartRef = ("", "")
     issuer: str = ""

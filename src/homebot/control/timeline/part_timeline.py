@@ -107,11 +107,16 @@ class PartTimeline:
         progress = CommandProgress(order, at, known, last, self.profile, answers=answers, is_raw=is_raw)
         self.commands.append(progress)
         if is_raw:
-            self.append(Sent(order.id, order.settings, at))
+            sent = Sent(order.id, order.settings, at)
+            progress.apply(sent, self._settle)
+            self.sent.extend(() if order.is_foreign else (sent,))
             progress.apply(Decided(order.id, at, NoAnswer(0.0, command_id=order.id)), self._settle)
         self.nearby.device.append(progress)
         self.nearby.room.append(progress)
         self._active.append(progress)
+        for fact in self.reports if is_raw else ():
+            if fact.at >= at:  # the text is known a little later than its effect
+                self._report(progress, fact)
         if len(self.commands) > MOST_REPORTS or self.commands[0].ended_at < at - durations.REMEMBERED:
             self._drop_commands(at - durations.REMEMBERED)
         return progress
@@ -153,8 +158,7 @@ class PartTimeline:
         fact = Reported(at, stamp, self._number, capability, value, previous, since, is_first, before < lost_at)
         self._append(fact)
         for one in active:
-            one.report(fact)
-            self._learn(one, at)
+            self._report(one, fact)
         if is_same:
             self.profile.learn_repetition()
         else:
@@ -279,6 +283,10 @@ class PartTimeline:
                 is_effect = wanted.met_at is not None and fact.since <= wanted.met_at
                 return max(fact.since, sendings.sent_at) if is_effect or fact.since < sendings.sent_at else None
         return None
+
+    def _report(self, progress: CommandProgress, fact: Reported) -> None:
+        progress.report(fact)
+        self._learn(progress, fact.at)
 
     def _learn(self, progress: CommandProgress, now: float) -> None:
         settling = progress.settling
