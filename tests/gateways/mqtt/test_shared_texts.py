@@ -46,6 +46,7 @@ async def member_on(url: str) -> AsyncIterator[Member]:
         anyio.create_task_group() as tasks,
     ):
         gateway = MqttGateway(node, settings)
+        assert gateway.observes_because == "it shares the group attic; a homebot without share sends commands"
         await tasks.start(gateway.serve)
         asking = watcher.create_client(SubscribeToTopic, gateway.names.subscribe)
         answer = await asking.call(SubscribeToTopicRequest(topic=SENSOR, listener=watcher.full_name))

@@ -68,6 +68,8 @@ class MqttGateway(Gateway):
         make_client = (hosted and hosted.make_client) or client_maker(settings.client or "aiomqtt")
         computer = (hosted and hosted.computer) or platform.node()
         self.acts = bool(settings.act)
+        if settings.share:
+            self.observes_because = f"it shares the group {settings.share}; a homebot without share sends commands"
         self._settings = settings
         # Unlike the client id this name is stable, or each run would leave one more retained topic on the broker.
         status_topic = f"homebot/{_topic_level(computer)}/{node.name}/status"
