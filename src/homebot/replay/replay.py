@@ -5,6 +5,7 @@ house and its clock, and not on the network, files, chance, or the time of the c
 """
 
 import tomllib
+from collections import deque
 from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from random import Random
@@ -48,21 +49,29 @@ class Replayed:
         issuers: The full names of the apps that ran.
         crashes: The crashes of apps, by name.
         devices: The devices in the directory at the end.
+        changes: The journal's entries of changes that no command explains, at most 100,000.
     """
 
     commands: tuple[TimedCommand, ...]
     issuers: tuple[str, ...]
     crashes: Mapping[str, str]
     devices: tuple[Device, ...] = ()
+    changes: tuple[JournalEntry, ...] = ()
 
 
-def replay_config(recording: Recording, apps: Sequence[str] = (), given: Config | None = None) -> Config:
+def replay_config(
+    recording: Recording,
+    apps: Sequence[str] = (),
+    given: Config | None = None,
+    tables: Mapping[str, Table] | None = None,
+) -> Config:
     """Return the configuration of a replay of *recording*.
 
     Args:
         apps: The apps to run, as for :func:`homebot.replay.replay_apps.app_tables`; by default the recorded ones.
         given: A configuration: its tables ``[home]``, ``[control]`` and ``[places]``, if present, and ``[discovery]``
         replace those of the recording, and its app tables replace the recorded settings.
+        tables: The tables of the only apps to run, instead of *apps*.
 
     Raises:
         UsageError: An app cannot be found, or the recording is damaged.
@@ -74,7 +83,7 @@ def replay_config(recording: Recording, apps: Sequence[str] = (), given: Config 
         {
             "home": recorded_table(header.home_table, "table [home]") | given_home | {"name": header.home or UNNAMED},
             "gateways": {name: {"class": _GATEWAY} for name in recording.gateways},
-            "apps": app_tables(header.apps, apps, dict(base.apps)),
+            "apps": app_tables(header.apps, apps, dict(base.apps)) if tables is None else dict(tables),
             "control": base.control or recorded_table(header.control, "table [control]"),
             "places": base.places or _places(header.places),
             "discovery": {key: value for key, value in base.discovery.items() if key != "prefer"},  # nothing is sent
@@ -120,7 +129,7 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
             devices = (await node.create_client(FindDevices, FIND_DEVICES).call(FindDevicesRequest())).devices
     issuers = tuple(f"/{name}" for name in config.apps)
     crashes = {name: one.last for name, one in runtime.supervisor.crashes.items()}
-    return Replayed(journal.commands_of(issuers), issuers, crashes, devices)
+    return Replayed(journal.commands_of(issuers), issuers, crashes, devices, tuple(journal.changes))
 
 
 @final
@@ -130,8 +139,11 @@ class _ReplayJournal:
         self._news = CommandNews()
         self._given: list[TimedCommand] = []
         self._results: dict[str, CommandResult] = {}
+        self.changes: deque[JournalEntry] = deque(maxlen=100_000)
 
     def on_entry(self, entry: JournalEntry) -> None:
+        if entry.kind == "changed":
+            self.changes.append(entry)
         match self._news.of(entry):
             case RecordedCommand() as command:
                 self._given.append(TimedCommand(entry.at.to_seconds() - self._began, command))

@@ -27,7 +27,7 @@ from homebot.support.virtual_time import VirtualTimeLoop
 if TYPE_CHECKING:
     from homebot.recording.lines import RecordedCommand
 
-__all__ = ["add_arguments", "difference_text"]
+__all__ = ["add_arguments", "command_text", "difference_text"]
 
 _TROUBLE: Final = 2
 
@@ -69,7 +69,24 @@ def difference_text(one: DifferentCommand, start: float, names: Mapping[str, str
     """Return a difference as a line that begins with ``+`` or ``-``."""
     where = "in the replay" if one.kind == "gone" else "in the recording"
     refused = f"; refused {where} by {printable(one.refused)}" if one.refused else ""
-    return f"{_SIGNS[one.kind]} {_command_text(replace(one.given, result=None), start, names)}{refused}"
+    return f"{_SIGNS[one.kind]} {command_text(replace(one.given, result=None), start, names)}{refused}"
+
+
+def command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -> str:
+    """Return a command as a line: time, device, setting, issuer and cause.
+
+    Args:
+        start: When the recording began, in seconds since the Unix epoch.
+        names: As returned by :func:`homebot.devices.device.part_names`.
+    """
+    command = cast("RecordedCommand", JsonMessage(message_to_json(given.command)))
+    local = datetime.fromtimestamp(start + given.at, UTC).astimezone()
+    what = printable(command.text) or settings_text(command.settings)
+    cause = trigger_text(command.trigger, names)
+    because = f", because {cause}" if cause else ""
+    outcome = f" ({printable(given.result.text)})" if given.result is not None else ""
+    stamp = f"{local:%Y-%m-%d %H:%M:%S}"
+    return f"{stamp}  {_name(given, names)}  {what}  {issuer_text(command.issuer)}{because}{outcome}"
 
 
 def _replay(options: argparse.Namespace) -> int:
@@ -92,7 +109,7 @@ def _replay(options: argparse.Namespace) -> int:
         if not replayed.commands:
             print("homebot: no app gave a command; --app names another", file=sys.stderr)
         for one in replayed.commands:
-            print(json.dumps(_command_json(one, start, names)) if options.json else _command_text(one, start, names))
+            print(json.dumps(_command_json(one, start, names)) if options.json else command_text(one, start, names))
         return 0
     diff = command_diff(recording.commands, replayed.commands, replayed.issuers, recording.ends_at)
     _print_diff(diff, start, names, as_json=options.json)
@@ -115,23 +132,6 @@ def _print_diff(diff: CommandDiff, start: float, names: Mapping[str, str], *, as
         print(json.dumps(_difference_json(one, start, names)) if as_json else difference_text(one, start, names))
     if not as_json:
         print(_summary_text(diff))
-
-
-def _command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -> str:
-    """Return a command as a line: time, device, setting, issuer and cause.
-
-    Args:
-        start: When the recording began, in seconds since the Unix epoch.
-        names: As returned by :func:`homebot.devices.device.part_names`.
-    """
-    command = cast("RecordedCommand", JsonMessage(message_to_json(given.command)))
-    local = datetime.fromtimestamp(start + given.at, UTC).astimezone()
-    what = printable(command.text) or settings_text(command.settings)
-    cause = trigger_text(command.trigger, names)
-    because = f", because {cause}" if cause else ""
-    outcome = f" ({printable(given.result.text)})" if given.result is not None else ""
-    stamp = f"{local:%Y-%m-%d %H:%M:%S}"
-    return f"{stamp}  {_name(given, names)}  {what}  {issuer_text(command.issuer)}{because}{outcome}"
 
 
 def _summary_text(diff: CommandDiff) -> str:

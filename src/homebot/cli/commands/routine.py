@@ -6,7 +6,7 @@ import argparse
 from functools import partial
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.arguments import add_verb, add_verbs
+from homebot.cli.arguments import add_verb, add_verbs, set_command
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient, set_door_command
@@ -31,9 +31,10 @@ _EXAMPLES = """\
   homebot routine run 'Hall light'         start it now, whatever its conditions
   homebot routine disable 'Hall light'     do not let it start any more, also after a restart
   homebot routine enable 'Hall light'
+  homebot routine try new.toml --on day.jsonl.gz    what the routines of a file would have done on a recorded day
 
-Routines are the tables [[routines]] of homebot.toml; `homebot app reload hall_light` reads one again. All but `list`
-and `show` need the right `manage`.
+Routines are the tables [[routines]] of homebot.toml; `homebot app reload hall_light` reads one again. `run`, `enable`
+and `disable` need the right `manage`.
 """
 
 _CHANGES = {
@@ -51,10 +52,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     command = add_verb(verbs, "show", "show a routine, and what happened the last times")
     set_door_command(command, _show, _EXAMPLES)
     command.add_argument("name", metavar="NAME", help="its name")
+    command = add_verb(verbs, "try", "print what the routines of a file would have done on recorded days")
+    set_command(command, _try, _EXAMPLES)
+    command.add_argument("file", metavar="FILE", help="configuration with the routines")
+    command.add_argument("--on", metavar="RECORDING", nargs="+", required=True, help="recording of `homebot record`")
     for change, summary in _CHANGES.items():
         command = add_verb(verbs, change, summary)
         set_door_command(command, partial(_change, change), _EXAMPLES)
         command.add_argument("name", metavar="NAME", help="its name")
+
+
+def _try(options: argparse.Namespace) -> int:
+    from homebot.cli.routine_trial import try_routines  # noqa: PLC0415 - a replay needs the whole runtime
+
+    return try_routines(options)
 
 
 def _routines(door: DoorClient) -> RoutinesResponse:
