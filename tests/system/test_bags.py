@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from tests.bags.bags import bag_of
 from tests.patience import PATIENCE
 from tests.shell import Homebot, environment, homebot_in
 
@@ -79,6 +80,15 @@ def test_topics_are_recorded_and_played(tmp_path: Path) -> None:
         assert commands(shell) == 1
         ok(shell, f"{PLAY} --rate 1000 --topics /gateway/mqtt/out --commands")
         assert commands(shell) == 2
+
+
+@pytest.mark.slow
+def test_a_bag_is_played_as_fast_as_the_door_reads(tmp_path: Path) -> None:
+    """It was sent at once, and the last call waited too long for its answer."""
+    bag_of(tmp_path / "day", 1000)
+    (tmp_path / "homebot.toml").write_text("[gateways.mqtt]\n[door]\nmax_frames_per_second = 100\n")
+    with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
+        assert ok(shell, f"{PLAY} --rate 1000") == "1,000 messages were played; topics: /chat\n"
 
 
 def test_one_file_has_the_topics_that_were_named(tmp_path: Path) -> None:
