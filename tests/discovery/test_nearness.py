@@ -21,7 +21,7 @@ from homebot.devices.house_view import HouseView
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest, ReadJournalResponse
 from homebot.devices.names import JOURNAL_ENTRIES, LIST_DEVICES, READ_JOURNAL, ROBOT_POSES, WHERE_IS_ROBOT, GatewayNames
 from homebot.devices.query.parse import parse_query
-from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.term_messages import QueryTerm, query_terms
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.services import ListDevices, QueryDevicesResponse
 from homebot.discovery import Directory, DirectorySettings
@@ -214,6 +214,20 @@ async def test_a_list_for_agents_has_the_nearest_first_and_says_why_there_is_non
         assert ([one.id for one in answer.devices], answer.total) == (["kitchen_lamp"], 2)
         await house.robot_at(4.5, 1.5, counts=False)
         assert (await client.call(request)).message == "robi's pose is 0 s old (limit 2 s)"
+
+
+@pytest.mark.parametrize("words", ["lamp near robi", "lamp"])
+async def test_a_query_in_words_is_the_one_that_they_say(words: str) -> None:
+    """ROS 2 nodes have no other way to send text."""
+    async with golden() as house:
+        await house.robot_at(4.5, 1.5, room="Kitchen")
+        request = FindDevices.Request(query=(QueryTerm(kind="words", text=words),))
+        same = FindDevices.Request(query=query_terms(parse_query(words)))
+        client = house.app.create_client(FindDevices, FIND_DEVICES)
+        assert await client.call(request) == await client.call(same)
+        wrong = QueryDevices.Request(query=(QueryTerm(kind="words", text="(lamp"),))
+        answer = await house.app.create_client(QueryDevices, QUERY_DEVICES).call(wrong)
+        assert answer.is_mistake
 
 
 async def test_from_the_kitchen_the_other_lamp_is_the_nearest_and_the_answer_says_how_old_the_pose_is() -> None:

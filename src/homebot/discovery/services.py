@@ -89,7 +89,7 @@ class DirectoryServices:
     def _find_devices(
         self, request: messages.FindDevicesRequest
     ) -> messages.FindDevicesResponse | Awaitable[messages.FindDevicesResponse]:
-        if self._index.is_behind or "near" in map(_KIND, request.query):
+        if self._index.is_behind or not {"near", "words"}.isdisjoint(map(_KIND, request.query)):
             return self._find_later(request)
         return self._found(request)
 

@@ -45,7 +45,7 @@ MAX_DEPTH = 50
 _TextQuery: TypeAlias = AreaIs | InArea | NameIs | HasText | FreshnessIs | ReachableIs | GatewayIs
 _TextKind: TypeAlias = Literal["area", "in_area", "name", "text", "freshness", "reachable", "gateway"]
 TermKind: TypeAlias = Literal[
-    _TextKind, "and", "or", "not", "type", "can", "state", "fact", "near", "disputed", "unapproved"
+    _TextKind, "and", "or", "not", "type", "can", "state", "fact", "near", "disputed", "unapproved", "words"
 ]
 
 _TEXT_KINDS: dict[type[_TextQuery], _TextKind] = {
@@ -67,7 +67,8 @@ class QueryTerm(Message):
     Attributes:
         operands: For ``and``, ``or`` and ``not``: the number of following terms, with their operands, that it joins.
         name: The capability of ``can`` and ``state``, the name of ``fact``, the requested word of ``type``.
-        text: The value of ``fact``, the robot of ``near``, and the text of every kind with one text.
+        text: The value of ``fact``, the robot of ``near``, the text of every kind with one text, and a whole query as
+            people write it for ``words``.
         operator: For ``state``: ``=``, ``!=``, ``<``, ``<=``, ``>`` or ``>=``.
         value: For ``state``: the value to compare with; for ``near``: the longest way in metres, unknown for any.
         types: For ``type`` and ``state``: the device types.
@@ -174,6 +175,12 @@ def _read_text(term: QueryTerm, _number: int) -> Query:
     return _TEXT_TERMS[term.kind](term.text)
 
 
+def _read_words(term: QueryTerm, _number: int) -> Query:
+    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - ROS 2 nodes alone send text to the graph
+
+    return parse_query(term.text)
+
+
 _JOINS: Mapping[str, Callable[[tuple[Query, ...]], Query]] = {
     "and": And,
     "or": Or,
@@ -199,6 +206,7 @@ _READERS: Mapping[str, Callable[[QueryTerm, int], Query]] = {
     "near": _read_near,
     "disputed": lambda _term, _: IsDisputed(),
     "unapproved": lambda _term, _: IsUnapproved(),
+    "words": _read_words,
     **dict.fromkeys(_TEXT_TERMS, _read_text),
 }
 """Readers for each kind of message, given its number."""
