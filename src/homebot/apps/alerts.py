@@ -60,6 +60,12 @@ class Incident(NamedTuple):
     over_at: float = 0.0
     times: int = 0
 
+    def lasting(self, alert: Alert, now: float) -> "Incident":
+        """Return it with its present *alert*; one that was over unnoticed begins anew."""
+        is_new = not self.since or (self.over_at and not self.is_told)
+        since = min(alert.since or now, now) if is_new else self.since
+        return self._replace(since=since, over_at=0.0, end_text=f"{alert.name} no longer {alert.kind.words}")
+
     def due(self, told_after: float) -> float:
         """Return when people are to be told that it began or, if they were, that it is over."""
         if self.is_told == (not self.over_at):
@@ -77,10 +83,7 @@ def update_incidents(
     }
     found = {key: one for key, one in known_now.items() if _is_remembered(one, now)}
     for key, alert in list(alerts.items())[:MOST_INCIDENTS]:
-        known = found.pop(key, Incident(0.0))
-        is_new = not known.since or (known.over_at and not known.is_told)
-        since = min(alert.since or now, now) if is_new else known.since
-        found[key] = known._replace(since=since, over_at=0.0, end_text=f"{alert.name} no longer {alert.kind.words}")
+        found[key] = found.pop(key, Incident(0.0)).lasting(alert, now)
     return dict(list(found.items())[-2 * MOST_INCIDENTS :])
 
 
@@ -144,15 +147,19 @@ class Alerts(App[AlertsSettings]):
             return _AGAIN
         self._incidents = update_incidents(self._incidents, alerts, ended, now)
         self._findings.publish(Findings(findings=findings_of(one for one in alerts.values() if one.is_shown(now))))
-        due = [key for key in self._incidents if self._due(key) <= now]
-        began = [key for key in due if not self._incidents[key].is_told]
-        is_told = await self._tell("Alert", began, [alerts[key].text for key in began])
-        ended_texts = {key: self._incidents[key].end_text for key in due if key not in began}
-        is_told = await self._tell("Over", ended_texts, [*ended_texts.values()]) and is_told
+        is_told = await self._publish_news(alerts, now)
         self.store["incidents"] = self._incidents
         self._pause = _AGAIN / 2 if is_told else min(2 * self._pause, _LONGEST_PAUSE)
         wait = min(map(self._due, self._incidents), default=math.inf) - now
         return max(0.0, min(wait, _AGAIN if alerts else math.inf)) if is_told else self._pause
+
+    async def _publish_news(self, alerts: Mapping[str, Alert], now: float) -> bool:
+        """Tell people what began and what ended; return False if some of that failed."""
+        due = [key for key in self._incidents if self._due(key) <= now]
+        began = [key for key in due if not self._incidents[key].is_told]
+        is_told = await self._tell("Alert", began, [alerts[key].text for key in began])
+        ended = {key: self._incidents[key].end_text for key in due if key not in began}
+        return await self._tell("Over", ended, [*ended.values()]) and is_told
 
     async def _alerts(self, now: float) -> dict[str, Alert]:
         """Return the present alerts by cause, the worst first."""

@@ -60,11 +60,7 @@ class RichTerminal:
             [_text(cell, _style(cell) if name == in_colour else "") for name, cell in zip(head, row, strict=True)]
             for row in rows
         ]
-        widths = _widths(head, shown)
-        kept = _fitting(head, widths, if_room, self._console.width)
-        narrow = {place: min(widths[place], _NARROW) for place in kept}
-        if set(if_room).isdisjoint(head[place] for place in kept):
-            kept = _fitting(head, narrow, if_wide, self._console.width)
+        kept = self._kept(head, _widths(head, shown), if_room, if_wide)
         table = Table(box=None, pad_edge=False, padding=(0, _GAP, 0, 0), header_style="bold")
         for place in kept:
             table.add_column(head[place], overflow="fold")
@@ -75,6 +71,16 @@ class RichTerminal:
         if left_out:
             hidden = f"columns hidden, as the terminal is too narrow: {', '.join(left_out)}"
             self._console.print(_text(hidden, "dim"))
+
+    def _kept(
+        self, head: Sequence[str], widths: Mapping[int, int], if_room: Sequence[str], if_wide: Sequence[str]
+    ) -> list[int]:
+        """Return the places of the columns that are shown."""
+        kept = _fitting(head, widths, if_room, self._console.width)
+        if not set(if_room).isdisjoint(head[place] for place in kept):
+            return kept
+        narrow = {place: min(widths[place], _NARROW) for place in kept}
+        return _fitting(head, narrow, if_wide, self._console.width)
 
     def print_rows(self, rows: Sequence[Sequence[str]], title: str) -> None:
         """Print *rows*, which may be of different lengths, in columns below the *title*."""

@@ -84,10 +84,10 @@ class TrackedRobot:
             values.update(has_position=True, x=at.x, y=at.y, yaw=at.yaw)
         before, pose = self._poses.get(source), RobotPose.model_validate(values)
         self._poses[source] = pose
-        if source.endswith(_AMCL) or any(
-            one.source.endswith(_AMCL) and _is_apart(one, pose) for one in self._poses.values()
-        ):
-            self._is_parked = source.endswith(_AMCL)
+        if source.endswith(_AMCL):
+            self._is_parked = True
+        elif self._is_apart_from_amcl(pose):
+            self._is_parked = False
         if before is not None and (jump := _jump(before, pose)):
             self.doubt(f"{source} jumped by {jump:.1f} m")
         elif self.unsure_because and pose.has_position:
@@ -96,6 +96,9 @@ class TrackedRobot:
             self.add_life(age)
         else:
             self._on_change()
+
+    def _is_apart_from_amcl(self, pose: RobotPose) -> bool:
+        return any(one.source.endswith(_AMCL) and _is_apart(one, pose) for one in self._poses.values())
 
     def _regain_trust(self) -> None:
         self._consistent += 1

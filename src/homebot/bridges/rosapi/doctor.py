@@ -116,11 +116,7 @@ class _Doctor:
         states = await _ask_all(self._state, self._gateways())
         findings = [one for name, state in states.items() for one in gateway_finding(name, state)]
         if not request.gateways_only:
-            for service, health in (await self._all_health()).items():
-                name = service.removesuffix("/health").strip("/")
-                before = self._looks[0].get(service)
-                counted = () if before is None else before.counts
-                findings += health_findings(name, health, now, counted, everything=request.counts)
+            findings += await self._health_findings(now, everything=request.counts)
             lost = [name for name, state in states.items() if state is None or state.state != "active"]
             findings += await self._device_findings(now, lost)
         findings.sort(key=lambda one: _RANKS[one.code])
@@ -129,6 +125,16 @@ class _Doctor:
             for name, one in states.items()
         )
         return ExamineResponse(gateways=gateways, devices=total, unconfirmed=unconfirmed, findings=tuple(findings))
+
+    async def _health_findings(self, now: float, *, everything: bool) -> list[Finding]:
+        """Return what the nodes say of their health, with what they counted since the last look."""
+        findings: list[Finding] = []
+        for service, health in (await self._all_health()).items():
+            before = self._looks[0].get(service)
+            counted = () if before is None else before.counts
+            name = service.removesuffix("/health").strip("/")
+            findings += health_findings(name, health, now, counted, everything=everything)
+        return findings
 
     def _gateways(self) -> list[str]:
         publishers = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER)

@@ -5,7 +5,7 @@ and delays no other client.
 """
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Literal
 
@@ -87,11 +87,8 @@ class Subscriptions:
         early = [key for key in self._early.get(full_name, ()) if key[0] == op.topic]
         if not early and feed is None:
             raise PeerError(f"topic {op.topic} was not subscribed to by this client")
-        for key in early:
-            if op.id in {None, key[1]}:
-                del self._early[full_name][key]
-        if early and not self._early[full_name]:
-            self._forget_early(full_name)
+        if early:
+            self._drop_early(full_name, [key for key in early if op.id in {None, key[1]}])
         if feed is not None:
             feed.requests.pop(op.id, None)
             if op.id is None or not feed.requests:
@@ -114,6 +111,12 @@ class Subscriptions:
             feed = Feed(self._node, op.topic, message_type, self._depth, self._backlog, self._outbox)
             self._feeds[op.topic] = feed
         feed.add(op)
+
+    def _drop_early(self, full_name: str, keys: Iterable[tuple[str, Identifier]]) -> None:
+        for key in keys:
+            del self._early[full_name][key]
+        if not self._early[full_name]:
+            self._forget_early(full_name)
 
     def _forget_early(self, full_name: str) -> None:
         del self._early[full_name]

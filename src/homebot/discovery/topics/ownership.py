@@ -159,7 +159,7 @@ class TopicOwnership:
                 continue
             node.users = (*node.users, use)
             touched[node] = None
-            if node.children and (use.asks or use.rank(topic)):
+            if node.children and use.counts_below(topic):
                 touched.update(dict.fromkeys(_used_below(node, MAX_BELOW)))
 
     def _leave(self, use: TopicUse, touched: dict[TopicNode, None]) -> None:
@@ -174,7 +174,7 @@ class TopicOwnership:
             node.bases = _without(node.bases, use)
             node.speakers = _without(node.speakers, use)
             touched[node] = None
-            if node.children and (is_owner or (is_user and (use.asks or use.rank(topic)))):
+            if node.children and (is_owner or (is_user and use.counts_below(topic))):
                 touched.update(dict.fromkeys(_used_below(node, None if is_owner else MAX_BELOW)))
 
     def _judge(self, touched: Iterable[TopicNode], device: str) -> frozenset[str]:
@@ -332,14 +332,19 @@ def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[Topic
     winners = {one.key for one in _winners(best)}
     found: dict[SourceKey, str] = {}
     for use, rank in ranks:
-        stronger = [one for one, held in holders if held > (rank + _TIE if use.asks else rank)]
-        if owner := _other_device(use, stronger):
+        if owner := _stronger_device(use, rank, holders):
             found[use.key] = owner
         elif rank == top and use.key not in winners:
             found[use.key] = _other_device(use, best) or use.device
         elif rank < top and not _goes_with_own(use, best):
             found[use.key] = best[0].device
     return found
+
+
+def _stronger_device(use: TopicUse, rank: int, holders: list[tuple[TopicUse, float]]) -> str:
+    """Return the other device that holds the topic with a higher rank than *use*; empty for none."""
+    own = rank + _TIE if use.asks else rank
+    return _other_device(use, [one for one, held in holders if held > own])
 
 
 def _other_device(use: TopicUse, others: Iterable[TopicUse]) -> str:

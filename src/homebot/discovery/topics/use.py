@@ -157,6 +157,10 @@ class TopicUse(NamedTuple):
         """Return whether *topic* belongs to the device."""
         return any(topic == prefix or topic.startswith(f"{prefix}/") for prefix in self.owns)
 
+    def counts_below(self, topic: str) -> bool:
+        """Return whether commands on *topic* matter to the uses of topics below it."""
+        return self.asks or self.rank(topic) > 0
+
     def rank(self, topic: str) -> int:
         """Return how many words and levels of *topic* occur in its place: the more, the better its claim."""
         place = place_of(self.announced_on)

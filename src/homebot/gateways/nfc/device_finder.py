@@ -118,24 +118,32 @@ class RoomTagger:
 
 def _tests(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
     """Yield the tests of a device, the most reliable first."""
-    if pointer.id:
-        yield lambda device: device.id == pointer.id
-    if pointer.thing is not None:
-        own = frozenset(pointer.thing.identifiers)
-        yield lambda device: not own.isdisjoint(device.identifiers)
-    yield from (lambda device, code=code: code.fits(_facts(device)) for code in pointer.codes)
-    if pointer.address:
-        yield lambda device: any(_is_at(pointer.address, one.address) for one in device.endpoints)
-    if pointer.urls:
-        urls = frozenset(pointer.urls)
-        yield lambda device: any(one.value in urls for one in device.metadata)
-        yield lambda device: _has_host_of(device, pointer.urls)
+    yield from _tests_of_codes(pointer)
+    yield from _tests_of_addresses(pointer)
     if pointer.words:
         words, declared = frozenset(pointer.words), frozenset(identifiers(pointer.words))
         folded = frozenset(fold(one) for one in words)
         yield lambda device: device.id in words
         yield lambda device: not declared.isdisjoint(device.identifiers) or not words.isdisjoint(device.identifiers)
         yield lambda device: not folded.isdisjoint(fold(one) for one in (device.name, *device.names))
+
+
+def _tests_of_codes(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
+    if pointer.id:
+        yield lambda device: device.id == pointer.id
+    if pointer.thing is not None:
+        own = frozenset(pointer.thing.identifiers)
+        yield lambda device: not own.isdisjoint(device.identifiers)
+    yield from (lambda device, code=code: code.fits(_facts(device)) for code in pointer.codes)
+
+
+def _tests_of_addresses(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
+    if pointer.address:
+        yield lambda device: any(_is_at(pointer.address, one.address) for one in device.endpoints)
+    if pointer.urls:
+        urls = frozenset(pointer.urls)
+        yield lambda device: any(one.value in urls for one in device.metadata)
+        yield lambda device: _has_host_of(device, pointer.urls)
 
 
 def _facts(device: Device) -> dict[str, str]:

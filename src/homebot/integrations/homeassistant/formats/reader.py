@@ -64,11 +64,7 @@ class HomeAssistantReader:
         broken: WireError | None = None
         for config in announced.components:
             try:
-                part = self._part(config)
-                if "group" in config.values:
-                    part = _with_members(part, config)
-                if config_topic.component == DEVICE:
-                    part = part._replace(availability=cached_availability(config))
+                part = self._part(config, is_one_of_device=config_topic.component == DEVICE)
             except WireError as error:
                 if config_topic.component != DEVICE:
                     raise
@@ -85,11 +81,14 @@ class HomeAssistantReader:
             raise broken
         return parts
 
-    def _part(self, config: DiscoveryConfig) -> DescribedPart:
+    def _part(self, config: DiscoveryConfig, *, is_one_of_device: bool) -> DescribedPart:
         if self._is_fahrenheit and config.component in _HEATING and not config.has("temperature_unit"):
             config.values = {**config.values, "temperature_unit": "F"}
         build = builder_of(config.component)
-        return self._shapes.part(config, build) if config.component in SHAPED else build(config)
+        part = self._shapes.part(config, build) if config.component in SHAPED else build(config)
+        if "group" in config.values:
+            part = _with_members(part, config)
+        return part._replace(availability=cached_availability(config)) if is_one_of_device else part
 
 
 _Builder: TypeAlias = Callable[[DiscoveryConfig], DescribedPart]

@@ -153,6 +153,9 @@ class SimulatedHueBridge(WebDevice):
         if self.busy:
             self.busy -= 1
             return _answered(429, error="too many requests")
+        return self._answer_resource(request)
+
+    def _answer_resource(self, request: WebRequest) -> WebReply:
         kind, _, rid = request.path.removeprefix(_RESOURCES).strip("/").partition("/")
         match request.method:
             case "GET":
