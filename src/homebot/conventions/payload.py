@@ -102,16 +102,21 @@ def parse_json(
     return _parse_slowly(payload, unique=unique, lenient=lenient)
 
 
+def _decode(text: str, decoder: json.JSONDecoder, *, lenient: bool) -> object:
+    start = len(text) - len(text.lstrip(_SPACES))
+    if lenient and text.startswith(("{", "["), start):
+        text = _NO_NUMBER.sub(lambda found: "null" if found[1] else found[0], text)
+    value, end = decoder.raw_decode(text, start)
+    if rest := text[end:].lstrip(_SPACES):
+        raise json.JSONDecodeError("Extra data", text, len(text) - len(rest))
+    return value
+
+
 def _parse_slowly(payload: bytes | str, *, unique: bool, lenient: bool) -> object:
     """Return the JSON value of *payload*, or raise the reason; records duplicate keys by a call for each object."""
     try:
         text = payload.decode() if isinstance(payload, bytes) else payload
-        start = len(text) - len(text.lstrip(_SPACES))
-        if lenient and text.startswith(("{", "["), start):
-            text = _NO_NUMBER.sub(lambda found: "null" if found[1] else found[0], text)
-        value, end = (_UNIQUE if unique else _RECORDING_DECODER).raw_decode(text, start)
-        if rest := text[end:].lstrip(_SPACES):
-            raise json.JSONDecodeError("Extra data", text, len(text) - len(rest))
+        value = _decode(text, _UNIQUE if unique else _RECORDING_DECODER, lenient=lenient)
     except RecursionError:
         raise WireError(f"JSON is nested deeper than {MAX_DEPTH} levels") from None
     except ValueError as error:

@@ -56,15 +56,20 @@ def unreadable(value: object, expects: str | Collection[str | bytes], *, is_temp
         return NO_READINGS
     begin = value[:_MOST_CHECKED] if isinstance(value, (str, bytes)) else value
     text = begin.decode(errors="replace") if isinstance(begin, bytes) else begin
-    if is_template or not (text is None or (isinstance(text, str) and _is_no_value(text))):
+    if is_template or not _is_no_value(text):
         words = expects if isinstance(expects, str) else _choice(expects)
-        is_secret = isinstance(text, str) and names_secret(text)
-        FOUND.append(Unreadable("" if is_template else "a secret" if is_secret else shown(text), words))
+        FOUND.append(Unreadable("" if is_template else _shown_or_secret(text), words))
     return NO_READINGS
 
 
-def _is_no_value(text: str) -> bool:
-    return text.strip().lower() in _NO_VALUES or means_unknown(text)
+def _shown_or_secret(value: object) -> str:
+    return "a secret" if isinstance(value, str) and names_secret(value) else shown(value)
+
+
+def _is_no_value(value: object) -> bool:
+    if not isinstance(value, str):
+        return value is None
+    return value.strip().lower() in _NO_VALUES or means_unknown(value)
 
 
 def _choice(words: Collection[str | bytes]) -> str:

@@ -100,21 +100,31 @@ WATCHED: Final = frozenset(term.capability for kind in ALERTS for term in _terms
 
 def alerts_of(kind: AlertKind, device: Device, now: float, lost: Iterable[str] = ()) -> Iterator[Alert]:
     """Yield the alerts of one kind about *device*: one for each part with a value that fits, else one."""
-    query, is_silent = kind.query(lost), kind.finding is FindingKind.STALE
+    query = kind.query(lost)
     if not fits(query, facets_of(device)):
         return
     if not _terms(kind):
-        detail = f", last seen {ago(device.last_seen, now)}" if is_silent else f": {device.reachable.why}"
-        begin = device.expires if is_silent else device.reachable.since
-        yield Alert(kind, device.id, device.name, begin.to_seconds(), detail)
+        yield _alert_of_device(kind, device, now)
         return
     parts = [one for one in device.parts if fits(query, PartFacets(device, one))]
     for part in parts:
-        states = [one for term, one in _values(kind, device, part.id) if compares(term, one.value.plain())]
-        since = max(one.since.to_seconds() for one in states)
         name = device.name if len(parts) == 1 else f"{device.name} {part.part.name or part.id}"
         if kind.key != "door" or _is_door(device, part):
-            yield Alert(kind, target_of(device.id, part.id), name, since, _detail(device, states, since, now))
+            yield _alert_of_part(kind, device, part.id, name, now)
+
+
+def _alert_of_device(kind: AlertKind, device: Device, now: float) -> Alert:
+    if kind.finding is FindingKind.STALE:
+        begin, detail = device.expires, f", last seen {ago(device.last_seen, now)}"
+    else:
+        begin, detail = device.reachable.since, f": {device.reachable.why}"
+    return Alert(kind, device.id, device.name, begin.to_seconds(), detail)
+
+
+def _alert_of_part(kind: AlertKind, device: Device, part_id: str, name: str, now: float) -> Alert:
+    states = [one for term, one in _values(kind, device, part_id) if compares(term, one.value.plain())]
+    since = max(one.since.to_seconds() for one in states)
+    return Alert(kind, target_of(device.id, part_id), name, since, _detail(device, states, since, now))
 
 
 def is_over(key: str, device: Device) -> bool:

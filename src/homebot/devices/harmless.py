@@ -48,16 +48,19 @@ def why_not_harmless(device: Device, part: DevicePart, settings: Mapping[str, Pl
     if kind in _LOADS:
         return _said(device, part, _LOADS[kind]) or _why_out_of_range(settings or {})
     if kind == "window_covering":
-        is_covering = _said(device, part, words.COVERING) or words.matching_words(part.part.advertised, words.COVERING)
-        return (
-            _said(device, part, words.WINDOW)
-            if is_covering
-            else "nothing says that it is a blind, a curtain or an awning"
-        )
-    if kind not in {"plug", "switch"}:
-        return f"it is {spoken_type(kind)}"
+        return _why_no_blind(device, part)
+    return _why_no_lamp(device, part) if kind in {"plug", "switch"} else f"it is {spoken_type(kind)}"
+
+
+def _why_no_blind(device: Device, part: DevicePart) -> str:
+    if _said(device, part, words.COVERING) or words.matching_words(part.part.advertised, words.COVERING):
+        return _said(device, part, words.WINDOW)
+    return "nothing says that it is a blind, a curtain or an awning"
+
+
+def _why_no_lamp(device: Device, part: DevicePart) -> str:
     is_lamp = any(words.matching_words(one, words.LAMP, anywhere=True) for one in (part.part.tag, *models_of(device)))
-    return "" if is_lamp else f"nothing but its name says what this {kind} turns on"
+    return "" if is_lamp else f"nothing but its name says what this {part.part.service_type} turns on"
 
 
 def _is_owners_word(device: Device, part: DevicePart) -> bool:

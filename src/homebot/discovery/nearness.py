@@ -203,8 +203,7 @@ class Nearness:
         if device is None:
             return
         position = position_of(device.facts)
-        is_in_room = device.area and fold(device.area) not in map(fold, (plan.plan.home, *plan.plan.floors))
-        room = device.area if is_in_room else ""
+        room = self._room_of(device)
         place = None if position is None else plan.place_of(position, room)
         if room and (place is None or place.point is None):
             place = self._in_room(room)
@@ -218,6 +217,11 @@ class Nearness:
             self._finder.put(device_id, place)
         if position is not None and position.error:
             self._errors[device_id] = CostTerm(position.error, reason)
+
+    def _room_of(self, device: Device) -> str:
+        """Return its room; empty if only its floor or the home is known."""
+        plan = self._floor_plan.plan
+        return "" if fold(device.area) in map(fold, (plan.home, *plan.floors)) else device.area
 
     def _toll(self, name: str) -> float:
         """Return the cost of a door in metres, computed again if its lock or contact has changed."""

@@ -110,10 +110,10 @@ class HistoryService:
         """Correct the numbers in *request*, and log it, as nothing else changes what is stored."""
         if self.collector is None:
             return CorrectHistoryResponse(success=False, message=self._store.kept.problem or _NOT_YET)
-        since, until = (round(one.to_seconds() * 1000) for one in (request.since, request.until))
-        places = {place: one for place, one in self.collector.series.items() if place[0] == request.device}
-        meant = [one for place, one in places.items() if _is_meant(place, request)]
-        if problem := _problem(request, [name for _, _, name in places], meant, is_span=since < until):
+        since, until = _milliseconds(request.since), _milliseconds(request.until)
+        series = [one for one in self.collector.series.values() if one.place[0] == request.device]
+        meant = [one for one in series if _is_meant(one.place, request)]
+        if problem := _problem(request, series, meant, is_span=since < until):
             return CorrectHistoryResponse(success=False, message=problem)
         value = None if request.drops else request.value
         try:
@@ -151,17 +151,22 @@ class HistoryService:
         return _FoundSeries(_main_first(series, devices), {key: one.name for key, one in devices.items()})
 
 
+def _milliseconds(time: Time) -> int:
+    return round(time.to_seconds() * 1000)
+
+
 def _is_meant(place: tuple[str, str, str], request: CorrectHistoryRequest) -> bool:
     _, part, name = place
     return name == request.capability and request.part in {"", part}
 
 
 def _problem(
-    request: CorrectHistoryRequest, names: Collection[str], meant: Collection[Series], *, is_span: bool
+    request: CorrectHistoryRequest, series: Collection[Series], meant: Collection[Series], *, is_span: bool
 ) -> str:
     """Return why *request* is not carried out, in words; empty if it is."""
     if not is_span:
         return "the start must be before the end"
+    names = [one.place[2] for one in series]
     if not names:
         return f"there is no history of {request.device!r}; `homebot devices` lists the ids"
     if not meant:

@@ -174,12 +174,17 @@ def _known_fields(message_type: type[Message], value: Any) -> Any:
     }
 
 
+def _numbers_from_json(field: FieldDefinition, value: list[object]) -> list[object]:
+    """Return *value* with NaN for null, if its numbers are real."""
+    has_null = field.ros_type in _REAL and None in value
+    return [math.nan if item is None else item for item in value] if has_null else value
+
+
 def _value_from_json(field: FieldDefinition, value: object) -> object:
     if field.is_bytes or (field.is_numeric and isinstance(value, str)):
         return _bytes_from_json(value)
     if field.is_numeric and isinstance(value, list):
-        has_null = field.ros_type in _REAL and None in value
-        return [math.nan if item is None else item for item in value] if has_null else value
+        return _numbers_from_json(field, value)
     if field.is_array and isinstance(value, list):
         return tuple(_element_from_json(field, item) for item in value)
     return _element_from_json(field, value)

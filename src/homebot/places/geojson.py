@@ -65,13 +65,18 @@ class _File:
                 raise ConfigError(source, "homebot.bearing", f"must be degrees from north, got {bearing!r}")
             self._bearing = math.radians(bearing)
 
+    def _name(self, key: str, given: Mapping[str, object]) -> str:
+        name = given.get("name")
+        if name and isinstance(name, str):
+            return name
+        problem = f"must be a text, got {name!r:.40}" if name else "is missing: the name of the room"
+        raise ConfigError(self._source, f"{key}.properties.name", problem)
+
     def rooms(self) -> dict[str, _Table]:
         found: dict[str, _Table] = {}
         corners: list[Point] = []
         for key, given, kind, coordinates in self._of("Polygon", "MultiPolygon"):
-            if not (name := given.get("name")) or not isinstance(name, str):
-                problem = f"must be a text, got {name!r:.40}" if name else "is missing: the name of the room"
-                raise ConfigError(self._source, f"{key}.properties.name", problem)
+            name = self._name(key, given)
             several = coordinates if kind == "MultiPolygon" else [coordinates]
             areas = [[self._points(ring, key) for ring in _list(one)] for one in _list(several)]
             room = found.setdefault(name, {"floor": _floor(given), "polygon": []})

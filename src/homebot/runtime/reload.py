@@ -19,6 +19,7 @@ from homebot.control.settings import PolicySettings
 from homebot.devices.app_messages import ChangeAppResponse
 from homebot.devices.client_rights import ALL_ROBOTS, read_scope
 from homebot.discovery import Directory
+from homebot.discovery.house_rooms import HouseRooms
 from homebot.errors import ConfigError, UsageError
 from homebot.runtime.grants import ACT
 from homebot.runtime.plan import Plan
@@ -158,6 +159,19 @@ def _cut_tokens(before: Mapping[str, SecretStr], after: Mapping[str, SecretStr])
             yield f"the end of the token {name}"
 
 
+async def _apply(new: Plan, plan: Plan, parts: RunningParts, rooms: HouseRooms | None) -> None:
+    if (server := parts.door()) is not None:
+        server.update_tokens(new.door)
+    plan.grants.clear()  # in place: other components refer to it
+    plan.grants.update(new.grants)
+    needs_approval = parts.control is None or parts.control.update_policies(new.control)
+    if parts.directory is not None and rooms is not None:
+        parts.directory.index.postings.needs_approval = needs_approval
+        parts.directory.index.table.limits = new.limits
+        if new.places != plan.places:
+            await parts.directory.reconfigure(new.places, rooms)
+
+
 async def reload_configuration(
     running: Config,
     plan: Plan,
@@ -184,16 +198,7 @@ async def reload_configuration(
     except UsageError as exc:
         _log.error(RELOADED, message=f"nothing was reloaded: {exc}")
         return plan, ChangeAppResponse(success=False, message=str(exc))
-    if (server := parts.door()) is not None:
-        server.update_tokens(new.door)
-    plan.grants.clear()  # in place: other components refer to it
-    plan.grants.update(new.grants)
-    needs_approval = parts.control is None or parts.control.update_policies(new.control)
-    if parts.directory is not None and rooms is not None:
-        parts.directory.index.postings.needs_approval = needs_approval
-        parts.directory.index.table.limits = new.limits
-        if new.places != plan.places:
-            await parts.directory.reconfigure(new.places, rooms)
+    await _apply(new, plan, parts, rooms)
     waiting = ", ".join(keys_for_restart(running, config))
     rest = f"; restart homebot for the changes of {waiting}" if waiting else ""
     message = f"tokens, rights, policies and places were reloaded{rest}"

@@ -200,17 +200,7 @@ class DoorConnection(ServerConnection):
         if self._begun is not None:
             data, self._begun = self._begun + data, None
             if data[:1].isupper():
-                end = _END_OF_HEAD.search(data)
-                head = data[: end and end.end()]
-                if end is None and len(data) < _MOST_OF_HEAD:
-                    self._begun = data
-                    return
-                if not data.startswith(_GET) or _BODY.search(head):
-                    from homebot.bridges.rosbridge.posted_request import PostedRequest  # noqa: PLC0415 - few clients
-
-                    self.posted = PostedRequest()
-                elif not _UPGRADE.search(head):
-                    data, self._has_head = head, True
+                data = self._begin(data)
         elif self._has_head:
             return
         if self.posted is not None:
@@ -219,6 +209,22 @@ class DoorConnection(ServerConnection):
             self._sizes[-1] += len(data)
             self.hold(len(data))
             super().data_received(data)
+
+    def _begin(self, data: bytes) -> bytes:
+        """Return what is passed on of the begin of a request; nothing until its head is complete."""
+        end = _END_OF_HEAD.search(data)
+        head = data[: end and end.end()]
+        if end is None and len(data) < _MOST_OF_HEAD:
+            self._begun = data
+            return b""
+        if not data.startswith(_GET) or _BODY.search(head):
+            from homebot.bridges.rosbridge.posted_request import PostedRequest  # noqa: PLC0415 - few clients
+
+            self.posted = PostedRequest()
+        elif not _UPGRADE.search(head):
+            self._has_head = True
+            return head
+        return data
 
     def _head(self, posted: PostedRequest, data: bytes) -> bytes:
         try:

@@ -161,7 +161,8 @@ def _parts(ros_type: str) -> tuple[str, str]:
     return package, rest.removeprefix("msg/").removeprefix("srv/").removeprefix("action/")
 
 
-_ROS2_NAMES = {"secs": "sec", "nsecs": "nanosec"}
+_TIME_NAMES = {"secs": "sec", "nsecs": "nanosec"}
+_ROS2_NAMES: dict[type[Message], dict[str, str]] = {Time: _TIME_NAMES, Duration: _TIME_NAMES}
 _HEADER = "std_msgs/msg/Header"
 _ROS1_COUNTER = "seq"
 _NOW = "now"
@@ -221,21 +222,26 @@ def _in_ros2(
     Headers without a stamp, and times that are ``now``, get *stamp*, unless that is None.
     """
     fields = fields_by_name(message_type)
-    names = _ROS2_NAMES if message_type in {Time, Duration} else {}
+    names = _ROS2_NAMES.get(message_type, {})
     whole = {names.get(name, name): item for name, item in value.items()}
     if message_type.ros_type == _HEADER and _ROS1_COUNTER not in fields:
-        whole.pop(_ROS1_COUNTER, None)
-        if stamp is not None:
-            whole.setdefault("stamp", stamp)
+        _complete_header(whole, stamp)
     for name, field in fields.items():
         if name in whole:
             whole[name] = _element(field, whole[name], missing, f"{path}{name}.", stamp)
         elif missing is not None and message_type.model_fields[name].is_required() and field.choices is None:
-            is_header = field.ros_type == _HEADER and not path
-            whole[name] = _zero(field, stamp if is_header else None)
-            if not is_header:
+            if field.ros_type == _HEADER and not path:
+                whole[name] = _zero(field, stamp)
+            else:
+                whole[name] = _zero(field, None)
                 missing[f"{path}{name}"] = None
     return whole
+
+
+def _complete_header(whole: dict[str, object], stamp: object) -> None:
+    whole.pop(_ROS1_COUNTER, None)
+    if stamp is not None:
+        whole.setdefault("stamp", stamp)
 
 
 def _zero(field: FieldDefinition, stamp: object) -> object:

@@ -185,20 +185,28 @@ def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError
     return (*found, *config_errors(rest, path)) if len(rest) < len(tables) else found
 
 
-def run_configured(options: argparse.Namespace) -> int:
-    """Run with *options*, and raise the first UsageError; return the same as :func:`run`."""
+def _complete(options: argparse.Namespace) -> None:
+    """Add the file of the configuration, and check what is installed."""
     if not options.config and DEFAULT_CONFIG.exists():
         options.config = str(DEFAULT_CONFIG)  # if it is missing at a reload, that is a mistake, not a simulated house
     if options.reload:
         check_extra("--reload", "watchfiles", "watchfiles")
+
+
+def _print_slow_start(options: argparse.Namespace) -> None:
+    if _is_simulated(options) and house_name(options) != THESIS:
+        print("homebot · a simulated house is starting …", flush=True)
+
+
+def run_configured(options: argparse.Namespace) -> int:
+    """Run with *options*, and raise the first UsageError; return the same as :func:`run`."""
+    _complete(options)
     is_watched = _is_watched(options)
-    if is_watched and _is_simulated(options) and house_name(options) != THESIS:
-        print("homebot · a simulated house is starting …", flush=True)  # before anything slow
+    if is_watched:
+        _print_slow_start(options)
     with gc_paused():
         config, house = configuration(options)
-    view = None
-    if is_watched and house is not None and not house.time.is_real:
-        view = partial(_watched, house)
+    view = partial(_watched, house) if is_watched and house is not None and not house.time.is_real else None
     with (
         queued_output() as lost_lines,
         _recording(options.record) as record_into,
@@ -208,16 +216,16 @@ def run_configured(options: argparse.Namespace) -> int:
         with gc_paused():
             from homebot.runtime import Runtime, index_place  # noqa: PLC0415 - most of the start, after the first line
 
-        # A simulated house always starts as described, so there is nothing to remember.
-        is_kept = house is None and not options.ephemeral
         index = index_place(config) if house is None or options.config else None
+        # A simulated house always starts as described, so there is nothing to remember.
+        index_file = None if house is not None or options.ephemeral else index
         read = partial(_config, options)
         make_runtime = partial(
             Runtime,
             config,
             house=house,
             robot=ROBOT_OF_THE_SIMULATED_HOUSE,
-            index_file=index if is_kept else None,
+            index_file=index_file,
             owner_file=index and index.parents[2] / OWNER_FILE,
             lost_lines=lost_lines,
             record_into=record_into,

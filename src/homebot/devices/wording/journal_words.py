@@ -223,22 +223,29 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
     last, first = chain[-1], chain[0]
     if first.kind == "changed":
         return _BY_ITSELF if first.cause == "device" else _UNEXPLAINED
-    issuer = issuer_text(first.issuer)
     if last.kind == "reverted":
-        wanted = settings_text(first.settings)
-        return f"it changed back, by a hand or by itself, after {issuer} had asked for {wanted}"
-    reported = [(one.device, one.part) for one in chain if one.kind == "reported"]
-    is_along = first.kind == "requested" and bool(reported) and (first.device, first.part) not in reported
-    verb = f"asked {name_text(first.device, names, first.part)} for" if is_along else "asked for"
-    asked = f"{issuer} {'published' if first.kind == 'published' else verb} {_commanded(first)}"
-    cause = trigger_text(first.trigger, names)
-    reason = f"{asked}, because {cause}" if cause else asked
-    if is_along:
-        return f"{reason}; it changed along with that"
+        asked = f"{issuer_text(first.issuer)} had asked for {settings_text(first.settings)}"
+        return f"it changed back, by a hand or by itself, after {asked}"
+    if _changed_along(chain):
+        asked_part = f"asked {name_text(first.device, names, first.part)} for"
+        return f"{_request_reason(first, names, asked_part)}; it changed along with that"
+    reason = _request_reason(first, names, "published" if first.kind == "published" else "asked for")
     if last.kind == "reported" and any(one.kind == "outcome" for one in chain):
         return f"{reason}; it answered late, or somebody did it by hand"
     doubt = _doubt(chain)
     return f"{reason}; it reported that, but {doubt}" if doubt else reason
+
+
+def _request_reason(first: JournalEntry, names: Mapping[str, str], verb: str) -> str:
+    asked = f"{issuer_text(first.issuer)} {verb} {_commanded(first)}"
+    cause = trigger_text(first.trigger, names)
+    return f"{asked}, because {cause}" if cause else asked
+
+
+def _changed_along(chain: Chain) -> bool:
+    """Return whether only other parts than the one that was asked reported a change."""
+    reported = [(one.device, one.part) for one in chain if one.kind == "reported"]
+    return chain[0].kind == "requested" and bool(reported) and (chain[0].device, chain[0].part) not in reported
 
 
 def finding_text(found: ExplainDeviceResponse, names: Mapping[str, str], now: float) -> str:

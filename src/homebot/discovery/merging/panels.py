@@ -28,6 +28,10 @@ def find_panel(table: DeviceTable, entry: Entry) -> None:
     if not new or len(table.panels) >= _MOST:
         return
     table.panels |= new
+    _hang_others(table, entry, new)
+
+
+def _hang_others(table: DeviceTable, entry: Entry, new: Container[str]) -> None:
     for other in table.entries.values():
         if other is not entry and (panel := _panel_of(other, new)):
             other.invalidate_description()

@@ -176,11 +176,15 @@ class Agreement:
         else:
             known.by_trusted = True
             agreeing = waiting & known.by_claimed
-        for one in agreeing:
-            count, last = self._counts.get(one, (0, -WINDOW + known.at))
-            if now - last >= WINDOW:
-                self._counts[one] = count + 1, now
-        return frozenset([one for one in agreeing if self._counts[one][0] >= CHANGES_NEEDED])
+        return frozenset([one for one in agreeing if self._count(one, known.at, now) >= CHANGES_NEEDED])
+
+    def _count(self, endpoint: EndpointKey, begun: float, now: float) -> int:
+        """Count an agreement on a change, unless one was counted shortly before; return how many there are."""
+        count, last = self._counts.get(endpoint, (0, begun - WINDOW))
+        if now - last >= WINDOW:
+            count += 1
+            self._counts[endpoint] = count, now
+        return count
 
     def _begin(self, change: Change, now: float, waiting: frozenset[EndpointKey]) -> _Reported:
         reported = self._lately[change] = _Reported(now, waiting)

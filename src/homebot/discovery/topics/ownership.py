@@ -327,8 +327,7 @@ def _verdicts_among(users: tuple[TopicUse, ...], node: TopicNode) -> dict[Source
 def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[TopicUse, float]]) -> dict[SourceKey, str]:
     holders.sort(key=lambda held: -held[1])
     ranks = [(one, one.rank(topic)) for one in users]
-    top = max(rank for _, rank in ranks)
-    best = [one for one, rank in ranks if rank == top]
+    top, best = _best(ranks)
     winners = {one.key for one in _winners(best)}
     found: dict[SourceKey, str] = {}
     for use, rank in ranks:
@@ -339,6 +338,11 @@ def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[Topic
         elif rank < top and not _goes_with_own(use, best):
             found[use.key] = best[0].device
     return found
+
+
+def _best(ranks: list[tuple[TopicUse, int]]) -> tuple[int, list[TopicUse]]:
+    top = max(rank for _, rank in ranks)
+    return top, [one for one, rank in ranks if rank == top]
 
 
 def _stronger_device(use: TopicUse, rank: int, holders: list[tuple[TopicUse, float]]) -> str:

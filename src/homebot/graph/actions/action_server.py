@@ -4,7 +4,7 @@ Source: ROS 2, rclpy ``action/server.py``, rcl_action ``action_server.c``.
 """
 
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import AbstractAsyncContextManager, nullcontext
 from enum import StrEnum
 from functools import partial
@@ -155,9 +155,8 @@ class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         goal_id, at = request.goal_info.goal_id.uuid, _time_of(request.goal_info)
         named = self._goals.get(goal_id)
         is_one = goal_id != _NO_ID and at == _NO_TIME
-        until = [one for one in self._goals.values() if at == _NO_TIME or _time_of(one.info) <= at or one is named]
-        selected = [named] if is_one else until
-        found = [one for one in selected if one is not None and one.state.can_become(GoalState.CANCELING)]
+        meant = self._named_or_until(named, at, is_one=is_one)
+        found = [one for one in meant if one.state.can_become(GoalState.CANCELING)]
         canceling = tuple(one.info for one in found if self._cancel_goal(one))
         code = CancelGoalResponse.ERROR_NONE
         if found and not canceling:
@@ -165,6 +164,14 @@ class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         elif is_one and not found:
             code = CancelGoalResponse.ERROR_GOAL_TERMINATED if named else CancelGoalResponse.ERROR_UNKNOWN_GOAL_ID
         return CancelGoalResponse(return_code=code, goals_canceling=canceling)
+
+    def _named_or_until(
+        self, named: ServerGoal[GoalT, ResultT, FeedbackT] | None, at: tuple[int, int], *, is_one: bool
+    ) -> Iterator[ServerGoal[GoalT, ResultT, FeedbackT]]:
+        """Yield the *named* goal and, unless that *is_one* alone, those accepted until *at*, which may be any time."""
+        for one in self._goals.values():
+            if one is named or (not is_one and (at == _NO_TIME or _time_of(one.info) <= at)):
+                yield one
 
     def _cancel_goal(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> bool:
         """Cancel *goal* if its server agrees; return whether it does."""

@@ -75,6 +75,10 @@ class _Sensor:
         self.moments: set[str] = set()
         self.last: Advertisement | None = None
 
+    def expiries(self) -> dict[str, tuple[AutoExpiry, ...]]:
+        moments = [one for one in self.parts.values() if one.id in self.moments]
+        return {one.id: (AutoExpiry(one.capabilities[0].name, MOMENT),) for one in moments}
+
 
 class SensorLibraryParser(BroadcastParser):
     """Reads the broadcasts that any installed library of this family supports.
@@ -118,11 +122,7 @@ class SensorLibraryParser(BroadcastParser):
             name=update.title or _name_of(update) or advertisement.name,
             parts=tuple(sensor.parts.values()),
             values=values if is_new else (),
-            expiries={
-                one.id: (AutoExpiry(one.capabilities[0].name, MOMENT),)
-                for one in sensor.parts.values()
-                if one.id in sensor.moments
-            },
+            expiries=sensor.expiries(),
             metadata=_metadata(update),
             silence=ON_BATTERY if any("battery" in one for one in sensor.parts) else 0.0,
             problem=_problem(sensor.reader),
@@ -219,17 +219,19 @@ def _read_update(sensor: _Sensor, update: SensorUpdate) -> Iterator[BroadcastVal
         if device_class not in _OWN_CLASSES and id(measured) not in before:
             yield from _measured(parts, _part_id(key), description, device_class, measured.native_value)
     for key, one in update.binary_entity_values.items():
-        if id(one) in before:
-            continue
-        described = update.binary_entity_descriptions[key].device_class
-        device_class = str(getattr(described, "value", "") or "")
-        is_button = device_class == "occupancy" and _package_of(type(sensor.reader)) in _OCCUPANCY_IS_A_BUTTON
-        service_type, capability = condition_of("" if is_button else device_class)
-        part = sensor_part("button" if is_button else _part_id(key), capability, service_type=service_type)
-        if _has(parts, part):
-            yield BroadcastValue(part.id, capability, None if one.native_value is None else bool(one.native_value))
+        if id(one) not in before:
+            yield from _condition(sensor, key, update.binary_entity_descriptions[key].device_class, one.native_value)
     for key, event in update.events.items():
         yield from _happened(sensor, _part_id(key), event)
+
+
+def _condition(sensor: _Sensor, key: DeviceKey, described: object, value: object) -> Iterator[BroadcastValue]:
+    device_class = str(getattr(described, "value", "") or "")
+    is_button = device_class == "occupancy" and _package_of(type(sensor.reader)) in _OCCUPANCY_IS_A_BUTTON
+    service_type, capability = condition_of("" if is_button else device_class)
+    part = sensor_part("button" if is_button else _part_id(key), capability, service_type=service_type)
+    if _has(sensor.parts, part):
+        yield BroadcastValue(part.id, capability, None if value is None else bool(value))
 
 
 def _happened(sensor: _Sensor, part_id: str, event: Event) -> Iterator[BroadcastValue]:

@@ -172,14 +172,18 @@ def _constant(parts: re.Match[str]) -> object:
     return _parse_value(parts["base"], parts["value"])
 
 
+def _parse_values(ros_type: str, text: str) -> tuple[Any, ...]:
+    if not (text.startswith("[") and text.endswith("]")):
+        raise ValueError("the default of an array is [VALUE, …]")
+    return tuple(_parse_value(ros_type, item) for item in _ITEM.findall(text[1:-1]))
+
+
 def _parse_default(of: FieldDefinition, text: str) -> object:
     if of.ros_type not in _PRIMITIVES:
         raise ValueError("only a primitive has a default")
     if not of.is_array:
         return _parse_value(of.ros_type, text)
-    if not (text.startswith("[") and text.endswith("]")):
-        raise ValueError("the default of an array is [VALUE, …]")
-    values = tuple(_parse_value(of.ros_type, item) for item in _ITEM.findall(text[1:-1]))
+    values = _parse_values(of.ros_type, text)
     count = len(values)
     if count != (of.size or count) or count > (of.bound or count):
         raise ValueError(f"there are {count} values")

@@ -105,15 +105,16 @@ class BrokerMessage:
             return self.encoded
         parts = None if self._more is None else self._more.get(key)
         if parts is None:
-            properties = b""
-            if is_v5:
-                properties = encode_properties(self.properties_for(identifiers, now), PacketType.PUBLISH)
-            parts = encode_publish_parts(self.topic, self.payload, qos, retain, properties)
-            if not qos:
-                parts = (b"".join(parts), b"")
+            properties = self.properties_for(identifiers, now) if is_v5 else None
+            parts = self._encode(qos, retain, properties)
             if not retain and (self.size < BULKY or not self.holders):
                 self._store(key, parts)
         return parts
+
+    def _encode(self, qos: int, retain: bool, properties: Properties | None) -> tuple[bytes, bytes]:  # noqa: FBT001 - as above
+        encoded = b"" if properties is None else encode_properties(properties, PacketType.PUBLISH)
+        parts = encode_publish_parts(self.topic, self.payload, qos, retain, encoded)
+        return parts if qos else (b"".join(parts), b"")
 
     def hold(self, count: Callable[[int], None]) -> None:
         """Add places in queues; a message in several queues counts once."""

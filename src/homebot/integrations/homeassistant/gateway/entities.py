@@ -81,18 +81,21 @@ class HomeAssistantEntities:
         gone = [] if is_new else as_fields(as_fields(change).get("-")).get("a", [])
         if not isinstance(change, dict) or not isinstance(gone, list) or not (fields or gone):
             raise WireError(f"the state of {entity_id[:100]} is {shown(change)}")
-        entity = self._entities.get(entity_id)
+        entity = self._known_or_new(entity_id) if is_new else self._entities.get(entity_id)
         if entity is None:
-            if not is_new:
-                return None
-            if len(self._entities) >= self._max_entities:
-                self.left_out += 1
-                return None
-            entry = self.registries.entity(entity_id)
-            entity = self._entities[entity_id] = HomeAssistantEntity(entity_id, entry, celsius=self.celsius)
+            return None
         is_described_anew = entity.put(fields, is_new=is_new)
         entity.forget(gone)
         return entity, is_described_anew
+
+    def _known_or_new(self, entity_id: str) -> HomeAssistantEntity | None:
+        entity = self._entities.get(entity_id)
+        if entity is None and len(self._entities) >= self._max_entities:
+            self.left_out += 1
+        elif entity is None:
+            entry = self.registries.entity(entity_id)
+            entity = self._entities[entity_id] = HomeAssistantEntity(entity_id, entry, celsius=self.celsius)
+        return entity
 
     def lose(self, entity_id: str) -> HomeAssistantEntity | None:
         """Record that an entity has lost its state: it is being reloaded, or was removed, as its registry tells."""

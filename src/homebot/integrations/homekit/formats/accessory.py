@@ -147,20 +147,27 @@ def _parse_service(data: object) -> HapService | None:
     return service
 
 
+def _bounds(least: float | None, most: float | None) -> tuple[float, ...]:
+    return (least, most) if least is not None and most is not None and least < most else ()
+
+
+def _whole_numbers(values: object) -> tuple[int, ...]:
+    return tuple(int(one) for one in values if finite_number(one) is not None) if isinstance(values, list) else ()
+
+
 def _parse_characteristic(data: object) -> HapCharacteristic | None:
     fields = as_fields(data)
     iid, kind, perms = whole_number(fields.get("iid")), short_type(fields.get("type")), fields.get("perms")
     if iid is None or not kind or not isinstance(perms, list):
         return None
     least, most = finite_number(fields.get("minValue")), finite_number(fields.get("maxValue"))
-    values = [least] if least is not None and least == most else fields.get("valid-values")
     return HapCharacteristic(
         iid,
         kind,
         str(fields.get("format"))[:10],
         frozenset(one for one in perms if isinstance(one, str)),
         fields.get("value"),
-        (least, most) if least is not None and most is not None and least < most else (),
-        tuple(int(one) for one in values if finite_number(one) is not None) if isinstance(values, list) else (),
+        _bounds(least, most),
+        (int(least),) if least is not None and least == most else _whole_numbers(fields.get("valid-values")),
         step if (step := finite_number(fields.get("minStep")) or 0.0) >= _FINEST else 0.0,
     )

@@ -51,22 +51,32 @@ def describe(
     known = accessory or Accessory(_FIRST)
     key, information, is_first = key_of(found.id, known.aid), known.information, known.aid == _FIRST
     parts = {one.part.id: one for one in parts_of(known)}
-    facts = {fact: information.text(kind) for fact, kind in _FACTS.items()}
-    facts["model"] = facts["model"] or found.model
-    facts["via_device"] = "" if is_first else found.id
+    facts = _facts_of(found, known)
     own = "pairing" if is_first else f"aid {known.aid}"
-    serial = information.text(_SERIAL)
-    serials = [one.information.text(_SERIAL) for one in all_of]
-    is_own = len(serial.lstrip("0")) >= _SHORTEST and any(map(str.isdigit, serial)) and serial != facts["model"]
     device = GatewayDevice(
         key,
         information.text(_NAME) or found.name,
         tuple(one.part for one in parts.values()),
-        {fact: text for fact, text in facts.items() if text},
-        identifiers([f"homekit {found.id.upper()} {own}"] + [serial] * (is_own and serials.count(serial) == 1)),
+        facts,
+        identifiers([f"homekit {found.id.upper()} {own}", *_serial_number(known, facts.get("model", ""), all_of)]),
         authenticated=accessory is not None,  # it has proved the key of its pairing
         service_type="" if parts else found.service_type,
         raw_address=f"homekit/{key}",
         sleeps=known.sleeps,
     )
     return AccessoryDevice(known.aid, device, parts)
+
+
+def _facts_of(found: FoundAccessory, accessory: Accessory) -> dict[str, str]:
+    facts = {fact: accessory.information.text(kind) for fact, kind in _FACTS.items()}
+    facts["model"] = facts["model"] or found.model
+    facts["via_device"] = "" if accessory.aid == _FIRST else found.id
+    return {fact: text for fact, text in facts.items() if text}
+
+
+def _serial_number(accessory: Accessory, model: str, all_of: Iterable[Accessory]) -> list[str]:
+    """Return its serial number, if no other accessory has it and it may be unique."""
+    serial = accessory.information.text(_SERIAL)
+    may_be_unique = len(serial.lstrip("0")) >= _SHORTEST and any(map(str.isdigit, serial)) and serial != model
+    serials = [one.information.text(_SERIAL) for one in all_of]
+    return [serial] if may_be_unique and serials.count(serial) == 1 else []

@@ -4,7 +4,7 @@ The mDNS gateway finds the accessories; this one follows its sightings on the gr
 that are paired with homebot. The keys are kept in a file; the setup codes are forgotten.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
@@ -138,12 +138,15 @@ class HomekitGateway(Gateway):
             await link.unpair()
         await self._keep({one: keys for one, keys in self._pairings.items() if one != key})
         self._stop(key)
-        for device in (key,) if runner is None else runner.keys:
+        self._publish_unpaired(key, (key,) if runner is None else runner.keys, is_paired=link is None)
+        return key if runner is None else runner.name
+
+    def _publish_unpaired(self, key: str, devices: Iterable[str], *, is_paired: bool) -> None:
+        for device in devices:
             self.devices.remove(device, "it is not paired any more")
         if found := self._found.get(key):
-            self._found[key] = replace(found, is_paired=link is None)  # until it announces that itself
+            self._found[key] = replace(found, is_paired=is_paired)  # until it announces that itself
             self.devices.put(describe(found).device, "it is announced")
-        return key if runner is None else runner.name
 
     async def _keep(self, pairings: dict[str, Pairing]) -> None:
         await self._file.keep(pairings)

@@ -217,20 +217,25 @@ _OTHER_LOCKS = frozenset({"auto", "child", "keypad", "keys", "panel"})
 
 
 def _roles_by_form(node: HomieNode, kind: str) -> tuple[Role, ...]:
-    found: dict[str, str] = {}
     own = node.properties
     if kind == "lock":
         own = tuple(prop for prop in own if tokens_in(prop.id, prop.name).isdisjoint(_OTHER_LOCKS))
-    if kind:
-        declared = {KINDS[kind].condition, *KINDS[kind].roles.values()} - {""}
-        roles_by_id = (_declared_role(node, prop, kind) for prop in own)
-        found = {one.prop.id: one.name for one in roles_by_id if one.name in declared}
+    found = _roles_by_id(node, kind, own)
     for form in (one for one in _FORMS if kind in one.kinds):
         fitting = [prop for prop in own if form.holds(prop)]
         if len(fitting) == 1 and form.role not in found.values():
             found.setdefault(fitting[0].id, form.role)
     roles = (Role(found[one.id], one) if one.id in found else _read_only_role(node, one) for one in node.properties)
     return _singled(node, roles)
+
+
+def _roles_by_id(node: HomieNode, kind: str, own: Iterable[HomieProperty]) -> dict[str, str]:
+    """Return the roles of properties whose ids are those that the type *kind* declares; none without a type."""
+    if not kind:
+        return {}
+    declared = {KINDS[kind].condition, *KINDS[kind].roles.values()} - {""}
+    roles = (_declared_role(node, prop, kind) for prop in own)
+    return {one.prop.id: one.name for one in roles if one.name in declared}
 
 
 def as_settings(node: NodeRoles, without: tuple[HomieProperty, ...]) -> NodeRoles:
