@@ -59,8 +59,7 @@ def run(
     options.app = [app if isinstance(app, str) else _plugin_name(app) for app in apps]
     options.config, options.house = config, house
     options.mqtt, options.root, options.act = mqtt, root, act
-    options.ephemeral, options.seconds = ephemeral, seconds
-    options.plain = True
+    options.ephemeral, options.seconds, options.plain = ephemeral, seconds, True
     if structlog.is_configured():
         options.log_format = None
     return run_configured(options)

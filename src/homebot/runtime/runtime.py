@@ -136,11 +136,7 @@ class Runtime:
     watches_apps: bool = False
 
     def __post_init__(self) -> None:
-        self._house: HouseOfRun | None = None
-        if self.house is not None:
-            from homebot.runtime.simulated_house import HouseOfRun  # noqa: PLC0415 - a real house needs no simulated one
-
-            self._house = HouseOfRun(self.house, self.config.gateways, self.robot)
+        self._house = None if self.house is None else self._house_of_run(self.house)
         self._gateway_node: Callable[[Graph, str], Node] = partial(Node, namespace="/gateway")
         self._plan = self._make_plan(self.config)
         self._needed = tuple(
@@ -150,12 +146,8 @@ class Runtime:
         self._local_rights = SIMULATED_HOUSE_RIGHTS if is_all_simulated else LOCAL_RIGHTS
         self._approves_all = self.trusts_apps or is_all_simulated
         self.trusts_apps = self.trusts_apps or self.house is not None
-        self._machines: MachinesOnWire | None = None
+        self._machines = None if self._plan.link is None else self._machines_on_wire()
         self._link: LinkStarter | None = None
-        if self._plan.link is not None:
-            from homebot.bridges.machines.on_wire import MachinesOnWire  # noqa: PLC0415 - few houses have a link
-
-            self._machines = MachinesOnWire(self._plan.home, self._plan.own_gateways)
         self._installation = Installation(self._beside_index(INSTALLATION_FILE), self.random)
         self._context = GatewayContext.of(
             self._installation,
@@ -185,6 +177,16 @@ class Runtime:
         self._read = self.read_config or (lambda: self.config)
         self._reloading = anyio.Lock()
         self._reloaded = ChangeAppResponse()
+
+    def _house_of_run(self, world: World) -> HouseOfRun:
+        from homebot.runtime.simulated_house import HouseOfRun  # noqa: PLC0415 - a real house needs no simulated one
+
+        return HouseOfRun(world, self.config.gateways, self.robot)
+
+    def _machines_on_wire(self) -> MachinesOnWire:
+        from homebot.bridges.machines.on_wire import MachinesOnWire  # noqa: PLC0415 - few houses have a link
+
+        return MachinesOnWire(self._plan.home, self._plan.own_gateways)
 
     def _planner(self) -> AppPlanner:
         return AppPlanner(self._read, self._plan.grants, self.apps)

@@ -11,7 +11,7 @@ Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, section 3.2.3; for
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
@@ -224,8 +224,8 @@ def _in_ros2(
     fields = fields_by_name(message_type)
     names = _ROS2_NAMES.get(message_type, {})
     whole = {names.get(name, name): item for name, item in value.items()}
-    if message_type.ros_type == _HEADER and _ROS1_COUNTER not in fields:
-        _complete_header(whole, stamp)
+    if message_type.ros_type == _HEADER:
+        _complete_header(whole, fields, stamp)
     for name, field in fields.items():
         if name in whole:
             whole[name] = _element(field, whole[name], missing, f"{path}{name}.", stamp)
@@ -238,7 +238,9 @@ def _in_ros2(
     return whole
 
 
-def _complete_header(whole: dict[str, object], stamp: object) -> None:
+def _complete_header(whole: dict[str, object], fields: Container[str], stamp: object) -> None:
+    if _ROS1_COUNTER in fields:
+        return
     whole.pop(_ROS1_COUNTER, None)
     if stamp is not None:
         whole.setdefault("stamp", stamp)

@@ -271,14 +271,14 @@ class DeviceMerger:
             entry.silence_allowed = 0.0
             entry.is_denied = bool(table.lost or any(map(_REACH, sources))) and is_denied(sources)
         else:
-            entry.is_shared = entry.is_shared or new.key[0] != next(iter(entry.sources))[0]
+            entry.is_shared |= new.key[0] != next(iter(entry.sources))[0]
         concerned: set[str] = set()
         may_be_panel = False
         for source in sources:
             entry.silence_allowed = max(entry.silence_allowed, source.lasts)
             use = topic_use(source, entry.id)
             concerned |= table.topics.put(use)
-            may_be_panel = may_be_panel or use.asks
+            may_be_panel |= use.asks
         if concerned:
             self._refresh_conflicts(concerned)
         if may_be_panel or table.panels:

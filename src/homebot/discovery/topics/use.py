@@ -183,6 +183,10 @@ class TopicUse(NamedTuple):
         return place.levels | place.leads
 
 
+def _owned_below(base: str, sighting: Sighting) -> tuple[str, ...]:
+    return tuple([f"{base}/{one}" for one in (sighting.name, *_addresses_of(sighting.identifiers))])
+
+
 def topic_use(source: SourceRecord, device: str) -> TopicUse:
     """Return the topics that the announcement *source* of *device* uses."""
     sighting = source.sighting
@@ -202,7 +206,7 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
     bridge, owns = bridge_of(sighting), sighting.owns
     base = _base_of(sighting, owns or writes) if bridge.startswith(ALIASING_BRIDGE) and _asks(sighting) else ""
     if base and not owns:  # a bridge that is known only by its announcements to Home Assistant
-        owns = tuple([f"{base}/{one}" for one in (sighting.name, *_addresses_of(sighting.identifiers))])
+        owns = _owned_below(base, sighting)
     return TopicUse(
         source.key,
         device,

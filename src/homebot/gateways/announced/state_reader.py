@@ -122,8 +122,8 @@ class StateReader:
             described = part.described
             try:
                 values = described.codec.read(address, payload, retained=retained)
-                if FOUND and not is_shared:
-                    self._unreadable.record(address, part, retained=retained)
+                if FOUND:
+                    self._unreadable.record(address, part, retained=retained, is_shared=is_shared)
                 if not values:
                     continue
                 found = part.readings(values)
@@ -142,9 +142,9 @@ class StateReader:
                 self._record_lazy(part, values, retained)
                 continue
             has_events |= not EVENTS.isdisjoint(values)
-            text = self._as_text(part, values, retained=retained)
-            if is_listened and text is not None:
-                texts.append(text)
+            made = self._texts_of(part, values, retained=retained)
+            if is_listened:
+                texts += made
         if stored is not None:
             self._report(stored, readings, address, retained=retained, has_events=has_events)
         yield from texts
@@ -194,8 +194,7 @@ class StateReader:
         if is_brief and not self._listeners.by_address.get(part.address):
             self._record_lazy(part, values, retained)
             return
-        text = self._as_text(part, values, retained=retained)
-        if text is not None:
+        for text in self._texts_of(part, values, retained=retained):
             await self._listeners.deliver(text, wait_if_full=True)
 
     async def _read_availability(
@@ -307,14 +306,15 @@ class StateReader:
         late = stored.gateway, stored.key, part.address, names, tuple(values.values()), reporter.stamp, retained
         part.record_lazy(_new(_LateText, late), reporter.now)
 
-    def _as_text(
+    def _texts_of(
         self, announced_part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool
-    ) -> RawMessage | None:
+    ) -> tuple[RawMessage, ...]:
+        """Record *values* as the text of a part, and return it; none if they have no text."""
         if retained:
             values = {name: value for name, value in values.items() if name not in EVENTS}
         text = encode_state(values)
         if text is None:
-            return None
+            return ()
         raw = RawMessage.of_checked(
             gateway=announced_part.stored.gateway,
             key=announced_part.stored.key,
@@ -324,7 +324,7 @@ class StateReader:
             received_at=self._reporter.stamp,
         )
         announced_part.record(raw, self._reporter.now, is_event=not EVENTS.isdisjoint(values))
-        return raw
+        return (raw,)
 
     def _schedule_expiry(
         self, announced_part: AnnouncedPart, expiry: AutoExpiry, values: Mapping[str, PlainValue]
@@ -346,8 +346,7 @@ class StateReader:
         self._reporter.refresh_time()
         reading = Reading(part=part, capability=capability, value=Value.of(expiry.value))
         self._reporter.publish_report(announced_part.stored, (reading,), "", retained=False)
-        raw = self._as_text(announced_part, {capability: expiry.value}, retained=False)
-        if raw is not None:
+        for raw in self._texts_of(announced_part, {capability: expiry.value}, retained=False):
             for listener in tuple(self._listeners.by_address.get(announced_part.address, ())):
                 listener.publish(raw)
 

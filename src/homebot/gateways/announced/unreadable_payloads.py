@@ -36,8 +36,11 @@ class UnreadablePayloads:
         self._log = log
         self._hourly = LogLimit(clock, _HOUR)
 
-    def record(self, address: str, part: AnnouncedPart, *, retained: bool) -> None:
-        """Record what *part* could not read in a message on *address*, and empty :data:`FOUND`."""
+    def record(self, address: str, part: AnnouncedPart, *, retained: bool, is_shared: bool = False) -> None:
+        """Record what *part* could not read in a message on *address*, unless it is for others too; empty ``FOUND``."""
+        if is_shared:
+            FOUND.clear()
+            return
         described, key = part.described.part, part.stored.key
         is_coded = any(one.name in _CODED for one in described.capabilities)
         found = [one._replace(value=_DIGITS.sub("#", one.value)) if is_coded else one for one in FOUND]

@@ -107,7 +107,7 @@ class BrokerMessage:
         if parts is None:
             properties = self.properties_for(identifiers, now) if is_v5 else None
             parts = self._encode(qos, retain, properties)
-            if not retain and (self.size < BULKY or not self.holders):
+            if not retain:
                 self._store(key, parts)
         return parts
 
@@ -144,6 +144,8 @@ class BrokerMessage:
         return self.expires_at is not None and self.expires_at <= now
 
     def _store(self, key: object, parts: tuple[bytes, bytes]) -> None:
+        if self.size >= BULKY and self.holders:
+            return
         if self.kind < 0 and isinstance(key, int):
             self.kind = key
             self.encoded = parts
