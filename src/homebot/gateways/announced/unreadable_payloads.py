@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Final, final
 
 from homebot.clock import Clock
-from homebot.conventions.unreadable import FOUND
+from homebot.conventions.unreadable import FOUND, Unreadable
 from homebot.devices import KeyValue
 from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.counters import GatewayCounters
@@ -43,8 +43,7 @@ class UnreadablePayloads:
             return
         described, key = part.described.part, part.stored.key
         is_coded = any(one.name in _CODED for one in described.capabilities)
-        found = [one._replace(value=_DIGITS.sub("#", one.value)) if is_coded else one for one in FOUND]
-        why = "; ".join(dict.fromkeys(one.why for one in found))
+        why = "; ".join(dict.fromkeys(map(_why_without_digits, FOUND) if is_coded else (one.why for one in FOUND)))
         FOUND.clear()
         count, before = part.unreadable
         if retained and before == why:
@@ -58,3 +57,7 @@ class UnreadablePayloads:
         if self._hourly.allows(f"{key} {described.id}") is not None:
             words = f"{key} sends what its announcement does not explain: {text}"
             self._log(UNREADABLE, words, f"{key} {described.id}")
+
+
+def _why_without_digits(found: Unreadable) -> str:
+    return found._replace(value=_DIGITS.sub("#", found.value)).why
