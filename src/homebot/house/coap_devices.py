@@ -6,7 +6,6 @@ A *lamp* has a Thing Description; any other kind has OCF resources and none. The
 import json
 import socket
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 from typing import Any
 
 import aiocoap
@@ -26,13 +25,11 @@ __all__ = ["CoapDevice"]
 TEXT, LINK_FORMAT, JSON, TD = 0, 40, 50, 432
 _LIFETIME = 60
 
-_SENSORS: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        "lux": ("oic.r.sensor.illuminance", "illuminance"),
-        "motion": ("oic.r.sensor.motion", "value"),
-        "thermostat": ("oic.r.temperature", "temperature"),
-    }
-)
+_SENSORS: Mapping[str, tuple[str, str]] = {
+    "lux": ("oic.r.sensor.illuminance", "illuminance"),
+    "motion": ("oic.r.sensor.motion", "value"),
+    "thermostat": ("oic.r.temperature", "temperature"),
+}
 
 
 class CoapDevice(ServedDevice):

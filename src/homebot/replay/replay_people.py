@@ -2,7 +2,6 @@
 
 from collections import defaultdict
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any, Final, final
 
 import anyio
@@ -46,20 +45,18 @@ __all__ = ["OWNER_SERVICES", "ReplayPeople"]
 _LONGEST: Final = 900.0
 _RENEWED_AFTER: Final = LONGEST_TTL / 3
 
-OWNER_SERVICES: Final[Mapping[str, ServiceType[Any, Any]]] = MappingProxyType(
-    {
-        names.PLACE_DEVICE: PlaceDevice,
-        names.ALIAS_DEVICE: AliasDevice,
-        names.TAG_DEVICE: TagDevice,
-        names.APPROVE_DEVICE: ApproveDevice,
-        names.TEACH_PLACE: TeachPlace,
-        names.CHANGE_ROOM: ChangeRoom,
-        names.IMPORT_PLACES: ImportPlaces,
-        names.FORGET_DEVICE: ForgetDevice,
-        names.SPLIT_DEVICE: SplitDevice,
-        names.MERGE_DEVICES: MergeDevices,
-    }
-)
+OWNER_SERVICES: Final[Mapping[str, ServiceType[Any, Any]]] = {
+    names.PLACE_DEVICE: PlaceDevice,
+    names.ALIAS_DEVICE: AliasDevice,
+    names.TAG_DEVICE: TagDevice,
+    names.APPROVE_DEVICE: ApproveDevice,
+    names.TEACH_PLACE: TeachPlace,
+    names.CHANGE_ROOM: ChangeRoom,
+    names.IMPORT_PLACES: ImportPlaces,
+    names.FORGET_DEVICE: ForgetDevice,
+    names.SPLIT_DEVICE: SplitDevice,
+    names.MERGE_DEVICES: MergeDevices,
+}
 """The services of the directory for statements of the owner about devices and rooms, by name."""
 
 

@@ -7,7 +7,6 @@ Source: Zigbee2MQTT 2.14, guide "MQTT topics and messages".
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
 
 from homebot.house.dialect import Bridge, DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.wire import (
@@ -44,58 +43,56 @@ _COVER: tuple[dict[str, object], ...] = (
     _expose("enum", "moving", PUBLISHED, values=["UP", "STOP", "DOWN"]),
 )
 
-EXPOSES: Mapping[str, tuple[dict[str, object], ...]] = MappingProxyType(
-    {
-        "lamp": (
-            {
-                "type": "light",
-                "features": [
-                    _expose("binary", "state", FULL, value_on="ON", value_off="OFF"),
-                    _expose("numeric", "brightness", FULL, value_min=0, value_max=254),
-                    _expose("numeric", "color_temp", FULL, unit="mired", value_min=112, value_max=666),
-                ],
-            },
-        ),
-        "window": _COVER,
-        "cover": _COVER,
-        "lock": (
-            {
-                "type": "lock",
-                "features": [
-                    _expose("binary", "state", FULL, value_on="LOCK", value_off="UNLOCK"),
-                    _expose("enum", "lock_state", PUBLISHED, values=["not_fully_locked", "locked", "unlocked"]),
-                ],
-            },
-        ),
-        "contact": (_expose("binary", "contact", PUBLISHED, value_on=False, value_off=True),),
-        "motion": (_expose("binary", "occupancy", PUBLISHED, value_on=True, value_off=False),),
-        "presence": (_expose("binary", "presence", PUBLISHED, value_on=True, value_off=False),),
-        "lux": (_expose("numeric", "illuminance", PUBLISHED, unit="lx"),),
-        "power_meter": (
-            _expose("numeric", "power", PUBLISHED, unit="W"),
-            _expose("numeric", "energy", PUBLISHED, unit="kWh"),
-        ),
-        "thermostat": (
-            {
-                "type": "climate",
-                "features": [
-                    _expose(
-                        "numeric",
-                        "occupied_heating_setpoint",
-                        FULL,
-                        unit="°C",
-                        value_min=5,
-                        value_max=30,
-                        value_step=0.5,
-                    ),
-                    _expose("numeric", "local_temperature", PUBLISHED | GETTABLE, unit="°C"),
-                    _expose("enum", "system_mode", FULL, values=["heat"]),
-                    _expose("enum", "running_state", PUBLISHED | GETTABLE, values=["idle", "heat"]),
-                ],
-            },
-        ),
-    }
-)
+EXPOSES: Mapping[str, tuple[dict[str, object], ...]] = {
+    "lamp": (
+        {
+            "type": "light",
+            "features": [
+                _expose("binary", "state", FULL, value_on="ON", value_off="OFF"),
+                _expose("numeric", "brightness", FULL, value_min=0, value_max=254),
+                _expose("numeric", "color_temp", FULL, unit="mired", value_min=112, value_max=666),
+            ],
+        },
+    ),
+    "window": _COVER,
+    "cover": _COVER,
+    "lock": (
+        {
+            "type": "lock",
+            "features": [
+                _expose("binary", "state", FULL, value_on="LOCK", value_off="UNLOCK"),
+                _expose("enum", "lock_state", PUBLISHED, values=["not_fully_locked", "locked", "unlocked"]),
+            ],
+        },
+    ),
+    "contact": (_expose("binary", "contact", PUBLISHED, value_on=False, value_off=True),),
+    "motion": (_expose("binary", "occupancy", PUBLISHED, value_on=True, value_off=False),),
+    "presence": (_expose("binary", "presence", PUBLISHED, value_on=True, value_off=False),),
+    "lux": (_expose("numeric", "illuminance", PUBLISHED, unit="lx"),),
+    "power_meter": (
+        _expose("numeric", "power", PUBLISHED, unit="W"),
+        _expose("numeric", "energy", PUBLISHED, unit="kWh"),
+    ),
+    "thermostat": (
+        {
+            "type": "climate",
+            "features": [
+                _expose(
+                    "numeric",
+                    "occupied_heating_setpoint",
+                    FULL,
+                    unit="°C",
+                    value_min=5,
+                    value_max=30,
+                    value_step=0.5,
+                ),
+                _expose("numeric", "local_temperature", PUBLISHED | GETTABLE, unit="°C"),
+                _expose("enum", "system_mode", FULL, values=["heat"]),
+                _expose("enum", "running_state", PUBLISHED | GETTABLE, values=["idle", "heat"]),
+            ],
+        },
+    ),
+}
 """By kind."""
 
 
@@ -215,20 +212,18 @@ def _thermostat_state(thermostat: DeviceState) -> dict[str, object]:
     }
 
 
-_STATES: Mapping[str, Callable[[DeviceState], dict[str, object]]] = MappingProxyType(
-    {
-        "lamp": _lamp_state,
-        "window": _cover_state,
-        "cover": _cover_state,
-        "lock": _lock_state,
-        "contact": lambda door: {"contact": door.text != "open"},
-        "motion": lambda room: {"occupancy": room.text == "motion"},
-        "presence": lambda room: {"presence": room.text == "motion"},
-        "lux": lambda lux: {"illuminance": lux.value},
-        "power_meter": lambda meter: {"power": meter.value, "energy": round(meter.kilowatt_hours, 3)},
-        "thermostat": _thermostat_state,
-    }
-)
+_STATES: Mapping[str, Callable[[DeviceState], dict[str, object]]] = {
+    "lamp": _lamp_state,
+    "window": _cover_state,
+    "cover": _cover_state,
+    "lock": _lock_state,
+    "contact": lambda door: {"contact": door.text != "open"},
+    "motion": lambda room: {"occupancy": room.text == "motion"},
+    "presence": lambda room: {"presence": room.text == "motion"},
+    "lux": lambda lux: {"illuminance": lux.value},
+    "power_meter": lambda meter: {"power": meter.value, "energy": round(meter.kilowatt_hours, 3)},
+    "thermostat": _thermostat_state,
+}
 
 
 def _parsed(kind: str, wanted: Mapping[str, object]) -> tuple[str, ...]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from homebot.house.dialect import DeviceState
@@ -78,50 +77,48 @@ _LOCK_STATES = {"locked": 1, "unlocked": 2, "jammed": 3, "locking": 4, "unlockin
 _HEAT = 3
 _MEASURES_AND_ACTS = 1 | 32
 
-ENTITIES: Mapping[str, EntityTemplate] = MappingProxyType(
-    {
-        "lamp": EntityTemplate(
-            "Light",
-            {"supported_color_modes": [_COLOR_TEMPERATURE], "min_mireds": 25.0, "max_mireds": 666.0},
-            _lamp_state,
-            _lamp_commands,
-        ),
-        "window": _motor("window"),
-        "cover": _motor("shutter"),
-        "lock": EntityTemplate(
-            "Lock",
-            {},
-            lambda lock: {"state": _LOCK_STATES.get(lock.text, 0)},
-            lambda fields: ({0: "unlock", 1: "lock"}.get(fields["command"], ""),),
-        ),
-        "switch": EntityTemplate(
-            "Switch",
-            {"device_class": "outlet"},
-            lambda switch: {"state": switch.text == "on"},
-            lambda fields: ("on" if fields["state"] else "off",),
-        ),
-        "contact": _binary_sensor("door", "open"),
-        "motion": _binary_sensor("motion", "motion"),
-        "lux": _sensor("illuminance", "lx"),
-        "power_meter": _sensor("power", "W"),
-        "thermostat": EntityTemplate(
-            "Climate",
-            {
-                "feature_flags": _MEASURES_AND_ACTS,
-                "supports_current_temperature": True,
-                "supports_action": True,
-                "supported_modes": [_HEAT],
-                "visual_min_temperature": 5.0,
-                "visual_max_temperature": 30.0,
-            },
-            lambda one: {
-                "mode": _HEAT,
-                "action": _HEAT if one.heats else 4,
-                "current_temperature": round(one.celsius, 1),
-                "target_temperature": one.target,
-            },
-            lambda fields: (number_text(fields["target_temperature"]),) if fields["has_target_temperature"] else (),
-        ),
-    }
-)
+ENTITIES: Mapping[str, EntityTemplate] = {
+    "lamp": EntityTemplate(
+        "Light",
+        {"supported_color_modes": [_COLOR_TEMPERATURE], "min_mireds": 25.0, "max_mireds": 666.0},
+        _lamp_state,
+        _lamp_commands,
+    ),
+    "window": _motor("window"),
+    "cover": _motor("shutter"),
+    "lock": EntityTemplate(
+        "Lock",
+        {},
+        lambda lock: {"state": _LOCK_STATES.get(lock.text, 0)},
+        lambda fields: ({0: "unlock", 1: "lock"}.get(fields["command"], ""),),
+    ),
+    "switch": EntityTemplate(
+        "Switch",
+        {"device_class": "outlet"},
+        lambda switch: {"state": switch.text == "on"},
+        lambda fields: ("on" if fields["state"] else "off",),
+    ),
+    "contact": _binary_sensor("door", "open"),
+    "motion": _binary_sensor("motion", "motion"),
+    "lux": _sensor("illuminance", "lx"),
+    "power_meter": _sensor("power", "W"),
+    "thermostat": EntityTemplate(
+        "Climate",
+        {
+            "feature_flags": _MEASURES_AND_ACTS,
+            "supports_current_temperature": True,
+            "supports_action": True,
+            "supported_modes": [_HEAT],
+            "visual_min_temperature": 5.0,
+            "visual_max_temperature": 30.0,
+        },
+        lambda one: {
+            "mode": _HEAT,
+            "action": _HEAT if one.heats else 4,
+            "current_temperature": round(one.celsius, 1),
+            "target_temperature": one.target,
+        },
+        lambda fields: (number_text(fields["target_temperature"]),) if fields["has_target_temperature"] else (),
+    ),
+}
 """By kind; a switch is no kind of the simulated house, but of tests."""

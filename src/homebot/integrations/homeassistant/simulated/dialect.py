@@ -9,7 +9,6 @@ Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import ClassVar, TypeAlias
 
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
@@ -125,20 +124,18 @@ _CLIMATE = {
     "temperature_unit": "C",
 }
 
-COMPONENTS: Mapping[str, ComponentTemplate] = MappingProxyType(
-    {
-        "lamp": ComponentTemplate("light", _LIGHT, _light_state, ("set",)),
-        "window": _cover("window"),
-        "cover": _cover("shutter"),
-        "lock": ComponentTemplate("lock", _LOCK, lambda lock: {"state": lock.text.upper()}, ("set",)),
-        "contact": _binary_sensor("door", "open"),
-        "motion": _binary_sensor("motion", "motion"),
-        "presence": _binary_sensor("presence", "motion"),
-        "lux": _sensor("illuminance", "lx"),
-        "power_meter": _sensor("power", "W"),
-        "thermostat": ComponentTemplate("climate", _CLIMATE, _climate_state, ("set_temperature",)),
-    }
-)
+COMPONENTS: Mapping[str, ComponentTemplate] = {
+    "lamp": ComponentTemplate("light", _LIGHT, _light_state, ("set",)),
+    "window": _cover("window"),
+    "cover": _cover("shutter"),
+    "lock": ComponentTemplate("lock", _LOCK, lambda lock: {"state": lock.text.upper()}, ("set",)),
+    "contact": _binary_sensor("door", "open"),
+    "motion": _binary_sensor("motion", "motion"),
+    "presence": _binary_sensor("presence", "motion"),
+    "lux": _sensor("illuminance", "lx"),
+    "power_meter": _sensor("power", "W"),
+    "thermostat": ComponentTemplate("climate", _CLIMATE, _climate_state, ("set_temperature",)),
+}
 """By kind."""
 
 

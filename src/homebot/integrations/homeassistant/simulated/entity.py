@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final
 
 import anyio
@@ -76,19 +75,17 @@ _LIGHT: Final = {
 }
 _CLIMATE: Final = {"hvac_modes": ["heat"], "min_temp": 5, "max_temp": 30, "supported_features": 1}
 
-TEMPLATES: Final[Mapping[str, ServedEntityKind]] = MappingProxyType(
-    {
-        "lamp": ServedEntityKind("light", _lamp, _LIGHT),
-        "window": _cover("window"),
-        "cover": _cover("shutter"),
-        "lock": ServedEntityKind("lock", lambda lock: (lock.text, {}), {"supported_features": 0}),
-        "contact": _binary("door", "open"),
-        "motion": _binary("motion", "motion"),
-        "lux": _sensor("illuminance", "lx"),
-        "power_meter": _sensor("power", "W"),
-        "thermostat": ServedEntityKind("climate", _thermostat, _CLIMATE),
-    }
-)
+TEMPLATES: Final[Mapping[str, ServedEntityKind]] = {
+    "lamp": ServedEntityKind("light", _lamp, _LIGHT),
+    "window": _cover("window"),
+    "cover": _cover("shutter"),
+    "lock": ServedEntityKind("lock", lambda lock: (lock.text, {}), {"supported_features": 0}),
+    "contact": _binary("door", "open"),
+    "motion": _binary("motion", "motion"),
+    "lux": _sensor("illuminance", "lx"),
+    "power_meter": _sensor("power", "W"),
+    "thermostat": ServedEntityKind("climate", _thermostat, _CLIMATE),
+}
 """By kind."""
 
 _ACTIONS: Final[Mapping[str, str]] = {

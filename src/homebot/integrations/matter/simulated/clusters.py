@@ -5,7 +5,6 @@ Source: Matter 1.4 Application Clusters and Device Library.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
 from typing import Final, TypeAlias
 
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
@@ -26,20 +25,18 @@ __all__ = [
 Attributes: TypeAlias = dict[str, object]
 """Values by cluster and attribute (``6/0``), or by path (``1/6/0``)."""
 
-DEVICE_TYPES: Final[Mapping[str, int]] = MappingProxyType(
-    {
-        "lamp": 0x010C,
-        "plug": 0x010A,
-        "window": 0x0202,
-        "cover": 0x0202,
-        "lock": 0x000A,
-        "contact": 0x0015,
-        "motion": 0x0107,
-        "lux": 0x0106,
-        "power_meter": 0x0510,
-        "thermostat": 0x0301,
-    }
-)
+DEVICE_TYPES: Final[Mapping[str, int]] = {
+    "lamp": 0x010C,
+    "plug": 0x010A,
+    "window": 0x0202,
+    "cover": 0x0202,
+    "lock": 0x000A,
+    "contact": 0x0015,
+    "motion": 0x0107,
+    "lux": 0x0106,
+    "power_meter": 0x0510,
+    "thermostat": 0x0301,
+}
 """By kind: those of the house, and ``plug``, at which there is a lamp."""
 
 BRIDGED_NODE: Final = 0x0013
@@ -185,17 +182,15 @@ _FIXED: Final[Mapping[str, Attributes]] = {
     "thermostat": {"513/3": 500, "513/4": 3000, "513/28": 4, "513/65532": 1},
 }
 
-_STATES: Final[Mapping[str, Callable[[DeviceState], Attributes]]] = MappingProxyType(
-    {
-        "lamp": _lamp,
-        "plug": lambda lamp: {"6/0": lamp.is_on},
-        "window": _motor,
-        "cover": _motor,
-        "lock": lambda lock: {"257/0": {"locked": 1, "unlocked": 2}.get(lock.text, 0)},
-        "contact": lambda door: {"69/0": door.text != "open"},
-        "motion": lambda room: {"1030/0": 1 if room.text == "motion" else 0},
-        "lux": _lux,
-        "power_meter": lambda meter: {"144/8": round(meter.value * 1000)},
-        "thermostat": _thermostat,
-    }
-)
+_STATES: Final[Mapping[str, Callable[[DeviceState], Attributes]]] = {
+    "lamp": _lamp,
+    "plug": lambda lamp: {"6/0": lamp.is_on},
+    "window": _motor,
+    "cover": _motor,
+    "lock": lambda lock: {"257/0": {"locked": 1, "unlocked": 2}.get(lock.text, 0)},
+    "contact": lambda door: {"69/0": door.text != "open"},
+    "motion": lambda room: {"1030/0": 1 if room.text == "motion" else 0},
+    "lux": _lux,
+    "power_meter": lambda meter: {"144/8": round(meter.value * 1000)},
+    "thermostat": _thermostat,
+}

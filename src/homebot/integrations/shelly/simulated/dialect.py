@@ -8,7 +8,6 @@ Source: Shelly API documentation, Gen1, "MQTT".
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.simulated_device import number_text
@@ -31,15 +30,13 @@ class _Model:
 
 
 _ROLLER = _Model("shellyswitch25", "SHSW-25", "roller", ("roller/0/command", "roller/0/command/pos"))
-_MODELS: Mapping[str, _Model] = MappingProxyType(
-    {
-        "lamp": _Model("ShellyBulbDuo", "SHBDUO-1", command_topics=("light/0/command", "light/0/set")),
-        "window": _ROLLER,
-        "cover": _ROLLER,
-        "contact": _Model("shellydw2", "SHDW-2"),
-        "power_meter": _Model("shellyem", "SHEM"),
-    }
-)
+_MODELS: Mapping[str, _Model] = {
+    "lamp": _Model("ShellyBulbDuo", "SHBDUO-1", command_topics=("light/0/command", "light/0/set")),
+    "window": _ROLLER,
+    "cover": _ROLLER,
+    "contact": _Model("shellydw2", "SHDW-2"),
+    "power_meter": _Model("shellyem", "SHEM"),
+}
 
 
 class ShellyDialect(Dialect):

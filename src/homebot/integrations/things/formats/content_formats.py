@@ -20,19 +20,17 @@ __all__ = ["TD_FORMAT", "coap_formats", "content_format_of", "content_type_of", 
 
 TD_FORMAT: Final = 432
 
-_TYPES: Mapping[int, str] = MappingProxyType(
-    {
-        0: "text/plain",
-        LINK_FORMAT: "application/link-format",
-        42: "application/octet-stream",
-        50: "application/json",
-        60: "application/cbor",
-        110: "application/senml+json",
-        112: "application/senml+cbor",
-        TD_FORMAT: "application/td+json",
-        10000: "application/vnd.ocf+cbor",
-    }
-)
+_TYPES: Mapping[int, str] = {
+    0: "text/plain",
+    LINK_FORMAT: "application/link-format",
+    42: "application/octet-stream",
+    50: "application/json",
+    60: "application/cbor",
+    110: "application/senml+json",
+    112: "application/senml+cbor",
+    TD_FORMAT: "application/td+json",
+    10000: "application/vnd.ocf+cbor",
+}
 _NUMBERS = {name: number for number, name in _TYPES.items()}
 _CBOR = re.compile(r"application/([a-z0-9.+-]+\+)?cbor")
 _UNKNOWN = "application/x-coap-format-"

@@ -5,7 +5,7 @@ Web Things are read too.
 """
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import Final, get_args
 from urllib.parse import unquote, urlsplit
@@ -109,7 +109,8 @@ def _security(fields: Fields) -> tuple[dict[str, SecurityScheme], tuple[str, ...
     required = fields.texts("security")
     if not required:
         raise fields.problem("security", "is missing; give the name of a security definition")
-    _check_known(fields, required, schemes)
+    if unknown := [name for name in required if name not in schemes]:
+        raise fields.problem("security", f"{unknown[0][:60]!a} is not in securityDefinitions")
     return schemes, required
 
 
@@ -117,12 +118,6 @@ def _security_scheme(fields: Fields) -> SecurityScheme:
     scheme = fields.text("scheme", required=True)
     where, name = (fields.text(one) if isinstance(fields.plain(one), str) else "" for one in ("in", "name"))
     return SecurityScheme("bearer" if scheme == "oauth2" else scheme, where, name)  # its token is sent as one: RFC 6750
-
-
-def _check_known(fields: Fields, required: tuple[str, ...], schemes: Collection[str]) -> None:
-    for name in required:
-        if name not in schemes:
-            raise fields.problem("security", f"{name[:60]!a} is not in securityDefinitions")
 
 
 def _affordances(group: Fields, kind: AffordanceKind, base: str, security: tuple[str, ...]) -> Iterator[Affordance]:
@@ -280,12 +275,8 @@ def _alternative(fields: Fields) -> DataSchema | None:
     if len(numbers) != 1:
         return None
     number = numbers[0]
-    words = _words(one for one in schemas if one is not number)
+    words = tuple(text for one in schemas if one is not number for text in one.enum if isinstance(text, str))
     return replace(number, unit=number.unit or fields.text("unit"), words=words)
-
-
-def _words(schemas: Iterable[DataSchema]) -> tuple[str, ...]:
-    return tuple(text for one in schemas for text in one.enum if isinstance(text, str))
 
 
 def _members(fields: Fields, members: Fields) -> Iterator[tuple[str, DataSchema]]:

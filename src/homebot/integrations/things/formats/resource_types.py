@@ -46,64 +46,60 @@ class _Known:
     unit_member: str = ""
 
 
-_OCF: Mapping[str, _Known] = MappingProxyType(
-    {
-        "oic.r.switch.binary": _Known("on", "boolean", member="value", settable=True, semantic="OnOffProperty"),
-        "oic.r.light.dimming": _Known("brightness", "integer", "%", (0, 100), "dimmingSetting", settable=True),
-        "oic.r.light.brightness": _Known("brightness", "integer", "%", (0, 100), "brightness", settable=True),
-        "oic.r.colour.colourtemperature": _Known("color_temperature", "integer", "mired", member="ct", settable=True),
-        "oic.r.openlevel": _Known("position", "integer", "%", (0, 100), "openLevel", settable=True),
-        "oic.r.lock.status": _Known(
-            "lock", "string", member="lockState", settable=True, semantic="LockedProperty", enum=("Unlocked", "Locked")
-        ),
-        "oic.r.temperature": _Known("temperature", "number", "celsius", member="temperature", unit_member="units"),
-        "oic.r.humidity": _Known("humidity", "number", "%", member="humidity"),
-        "oic.r.sensor.illuminance": _Known("illuminance", "number", "lux", member="illuminance"),
-        "oic.r.sensor.atmosphericpressure": _Known("pressure", "number", "hPa", member="atmosphericPressure"),
-        "oic.r.sensor.motion": _Known("motion", "boolean", member="value"),
-        "oic.r.sensor.presence": _Known("motion", "boolean", member="value"),
-        "oic.r.sensor.water": _Known("water_leak", "boolean", member="value"),
-        "oic.r.sensor.smoke": _Known("smoke", "boolean", member="value"),
-        "oic.r.sensor.carbonmonoxide": _Known("carbon_monoxide_alarm", "boolean", member="value"),
-        "oic.r.energy.battery": _Known("battery", "integer", "%", member="charge"),
-    }
-)
+_OCF: Mapping[str, _Known] = {
+    "oic.r.switch.binary": _Known("on", "boolean", member="value", settable=True, semantic="OnOffProperty"),
+    "oic.r.light.dimming": _Known("brightness", "integer", "%", (0, 100), "dimmingSetting", settable=True),
+    "oic.r.light.brightness": _Known("brightness", "integer", "%", (0, 100), "brightness", settable=True),
+    "oic.r.colour.colourtemperature": _Known("color_temperature", "integer", "mired", member="ct", settable=True),
+    "oic.r.openlevel": _Known("position", "integer", "%", (0, 100), "openLevel", settable=True),
+    "oic.r.lock.status": _Known(
+        "lock", "string", member="lockState", settable=True, semantic="LockedProperty", enum=("Unlocked", "Locked")
+    ),
+    "oic.r.temperature": _Known("temperature", "number", "celsius", member="temperature", unit_member="units"),
+    "oic.r.humidity": _Known("humidity", "number", "%", member="humidity"),
+    "oic.r.sensor.illuminance": _Known("illuminance", "number", "lux", member="illuminance"),
+    "oic.r.sensor.atmosphericpressure": _Known("pressure", "number", "hPa", member="atmosphericPressure"),
+    "oic.r.sensor.motion": _Known("motion", "boolean", member="value"),
+    "oic.r.sensor.presence": _Known("motion", "boolean", member="value"),
+    "oic.r.sensor.water": _Known("water_leak", "boolean", member="value"),
+    "oic.r.sensor.smoke": _Known("smoke", "boolean", member="value"),
+    "oic.r.sensor.carbonmonoxide": _Known("carbon_monoxide_alarm", "boolean", member="value"),
+    "oic.r.energy.battery": _Known("battery", "integer", "%", member="charge"),
+}
 
 _TARGET_TEMPERATURE = replace(_OCF["oic.r.temperature"], name="target_temperature", settable=True)
 """A temperature of OCF that can be set: a thermostat's measurement has the same type."""
 
 _ONE_OR_ZERO = ("0", "1")
-_IPSO: Mapping[tuple[int, int], _Known] = MappingProxyType(
-    {
-        (3200, 5500): _Known("state", "string", enum=_ONE_OR_ZERO),
-        (3201, 5550): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
-        (3300, 5700): _Known("measurement", "number"),
-        (3301, 5700): _Known("illuminance", "number", "lux"),
-        (3302, 5500): _Known("motion", "string", enum=_ONE_OR_ZERO),
-        (3303, 5700): _Known("temperature", "number", "celsius"),
-        (3304, 5700): _Known("humidity", "number", "%"),
-        (3305, 5800): _Known("power", "number", "W"),
-        (3306, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
-        (3308, 5900): _Known("set_point", "number", settable=True),
-        (3311, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
-        (3311, 5851): _Known("brightness", "integer", "%", (0, 100), settable=True),
-        (3312, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
-        (3315, 5700): _Known("barometer", "number"),
-        (3316, 5700): _Known("voltage", "number", "V"),
-        (3317, 5700): _Known("current", "number", "A"),
-        (3318, 5700): _Known("frequency", "number", "Hz"),
-        (3320, 5700): _Known("percentage", "number", "%"),
-        (3323, 5700): _Known("gauge", "number"),
-        (3325, 5700): _Known("concentration", "number"),
-        (3328, 5700): _Known("power", "number", "W"),
-        (3330, 5700): _Known("distance", "number"),
-        (3331, 5805): _Known("energy", "number", "Wh"),
-        (3337, 5536): _Known("positioner", "number", "%", (0, 100), settable=True),
-        (3342, 5500): _Known("on", "string", enum=_ONE_OR_ZERO),
-        (3343, 5548): _Known("brightness", "number", "%", (0, 100), settable=True),
-        (3347, 5500): _Known("state", "string", enum=_ONE_OR_ZERO),
-    }
-)
+_IPSO: Mapping[tuple[int, int], _Known] = {
+    (3200, 5500): _Known("state", "string", enum=_ONE_OR_ZERO),
+    (3201, 5550): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+    (3300, 5700): _Known("measurement", "number"),
+    (3301, 5700): _Known("illuminance", "number", "lux"),
+    (3302, 5500): _Known("motion", "string", enum=_ONE_OR_ZERO),
+    (3303, 5700): _Known("temperature", "number", "celsius"),
+    (3304, 5700): _Known("humidity", "number", "%"),
+    (3305, 5800): _Known("power", "number", "W"),
+    (3306, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+    (3308, 5900): _Known("set_point", "number", settable=True),
+    (3311, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+    (3311, 5851): _Known("brightness", "integer", "%", (0, 100), settable=True),
+    (3312, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+    (3315, 5700): _Known("barometer", "number"),
+    (3316, 5700): _Known("voltage", "number", "V"),
+    (3317, 5700): _Known("current", "number", "A"),
+    (3318, 5700): _Known("frequency", "number", "Hz"),
+    (3320, 5700): _Known("percentage", "number", "%"),
+    (3323, 5700): _Known("gauge", "number"),
+    (3325, 5700): _Known("concentration", "number"),
+    (3328, 5700): _Known("power", "number", "W"),
+    (3330, 5700): _Known("distance", "number"),
+    (3331, 5805): _Known("energy", "number", "Wh"),
+    (3337, 5536): _Known("positioner", "number", "%", (0, 100), settable=True),
+    (3342, 5500): _Known("on", "string", enum=_ONE_OR_ZERO),
+    (3343, 5548): _Known("brightness", "number", "%", (0, 100), settable=True),
+    (3347, 5500): _Known("state", "string", enum=_ONE_OR_ZERO),
+}
 """By object and resource; of a quantity with its unit in another resource, the number alone is known."""
 
 _IPSO_INSTANCE = re.compile(r"(?:.*/)?(3[23]\d\d)/\d{1,5}")
@@ -112,16 +108,14 @@ _LIGHT, _OCF_LIGHT = "3311", "oic.r.light."
 _OF_INSTANCE: Mapping[str, str] = MappingProxyType({"on": "on_off", "brightness": "level"})
 """The capabilities that belong to one instance of an IPSO object, by the names of properties."""
 
-_THING_TYPES: Mapping[str, str] = MappingProxyType(
-    {
-        "oic.d.light": "Light",
-        "oic.d.smartplug": "SmartPlug",
-        "oic.d.switch": "OnOffSwitch",
-        "oic.d.smartlock": "Lock",
-        "oic.d.blind": "WindowCovering",
-        "oic.d.thermostat": "Thermostat",
-    }
-)
+_THING_TYPES: Mapping[str, str] = {
+    "oic.d.light": "Light",
+    "oic.d.smartplug": "SmartPlug",
+    "oic.d.switch": "OnOffSwitch",
+    "oic.d.smartlock": "Lock",
+    "oic.d.blind": "WindowCovering",
+    "oic.d.thermostat": "Thermostat",
+}
 _READ_ONLY = frozenset({"oic.if.s", "oic.if.r", "core.s", "core.rp", "core.lb", "sensor"})
 _OCF_ACTUATORS = frozenset({"oic.if.a", "oic.if.rw"})
 _ACTUATORS = _OCF_ACTUATORS | {"core.a", "core.p", "actuator"}

@@ -4,7 +4,6 @@ Source: the schemas of WebThings, https://webthings.io/schemas, used by most Thi
 """
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Final
 
 __all__ = [
@@ -21,37 +20,38 @@ __all__ = [
 
 WEBTHINGS: Final = "https://webthings.io/schemas"
 
-THING_TYPES: Mapping[str, str] = {
-    "Light": "light",
-    "ColorControl": "light",
-    "LightSwitch": "light",
-    "SmartPlug": "plug",
-    "Lock": "door_lock",
-    "Thermostat": "thermostat",
-    "DoorSensor": "contact_sensor",
-    "MotionSensor": "occupancy_sensor",
-    "TemperatureSensor": "temperature_sensor",
-    "HumiditySensor": "humidity_sensor",
-    "BarometricPressureSensor": "pressure_sensor",
-    "AirQualitySensor": "air_quality_sensor",
-    "LeakSensor": "water_leak_detector",
-    "SmokeSensor": "smoke_co_alarm",
-    "EnergyMonitor": "electrical_meter",
-    "PushButton": "generic_switch",
-    "Alarm": "siren",
-    "Camera": "camera",
-    "VideoCamera": "camera",
-    "WindowCovering": "window_covering",
-    "OnOffSwitch": "switch",
-    "MultiLevelSwitch": "switch",
-    "BinarySwitch": "switch",
-}
+
+def _by_word(table: Mapping[str, str]) -> dict[str, str]:
+    """Return the key of each word in the values of *table*, in their order."""
+    return {word: key for key, words in table.items() for word in words.split()}
+
+
+THING_TYPES: Mapping[str, str] = _by_word(
+    {
+        "light": "Light ColorControl LightSwitch",
+        "plug": "SmartPlug",
+        "door_lock": "Lock",
+        "thermostat": "Thermostat",
+        "contact_sensor": "DoorSensor",
+        "occupancy_sensor": "MotionSensor",
+        "temperature_sensor": "TemperatureSensor",
+        "humidity_sensor": "HumiditySensor",
+        "pressure_sensor": "BarometricPressureSensor",
+        "air_quality_sensor": "AirQualitySensor",
+        "water_leak_detector": "LeakSensor",
+        "smoke_co_alarm": "SmokeSensor",
+        "electrical_meter": "EnergyMonitor",
+        "generic_switch": "PushButton",
+        "siren": "Alarm",
+        "camera": "Camera VideoCamera",
+        "window_covering": "WindowCovering",
+        "switch": "OnOffSwitch MultiLevelSwitch BinarySwitch",
+    }
+)
 """The device types by semantic type of a thing; of several the first in this order counts."""
 
-DEVICE_TYPE_NAMES: Mapping[str, str] = MappingProxyType(
-    {device: name for name, device in reversed(tuple(THING_TYPES.items()))}
-    | {"switch": "OnOffSwitch", "light": "Light"}
-)
+DEVICE_TYPE_NAMES: Mapping[str, str] = {device: name for name, device in reversed(tuple(THING_TYPES.items()))}
+"""The first semantic type of each device type."""
 
 CAPABILITY_TYPES: Mapping[str, str] = {
     "on_off": "OnOffProperty",
@@ -82,27 +82,22 @@ LOCK_ACTIONS: Mapping[str, str] = {"LockAction": "locked", "UnlockAction": "unlo
 """The state of a lock set by each semantic type of an action, as the property is read-only."""
 
 OWNED: Mapping[str, frozenset[str]] = {
-    "light": frozenset({"on_off", "level", "color", "color_temperature", "effect"}),
-    "plug": frozenset({"on_off", "level"}),
-    "switch": frozenset({"on_off", "level"}),
-    "door_lock": frozenset({"lock"}),
-    "window_covering": frozenset({"position", "tilt", "movement"}),
-    "closure": frozenset({"position", "movement"}),
-    "thermostat": frozenset(
-        {
-            "local_temperature",
-            "heating_setpoint",
-            "cooling_setpoint",
-            "thermostat_mode",
-            "thermostat_action",
-            "preset_mode",
-        }
-    ),
-    "fan": frozenset({"on_off", "fan_speed", "fan_mode", "oscillation", "direction"}),
-    "siren": frozenset({"on_off", "volume", "siren_tone"}),
-    "electrical_meter": frozenset({"power", "energy", "voltage", "current", "frequency"}),
-    "robotic_vacuum_cleaner": frozenset({"vacuum", "fan_speed"}),
-    "water_valve": frozenset({"valve", "position"}),
+    kind: frozenset(capabilities.split())
+    for kind, capabilities in {
+        "light": "on_off level color color_temperature effect",
+        "plug": "on_off level",
+        "switch": "on_off level",
+        "door_lock": "lock",
+        "window_covering": "position tilt movement",
+        "closure": "position movement",
+        "thermostat": "local_temperature heating_setpoint cooling_setpoint thermostat_mode "
+        "thermostat_action preset_mode",
+        "fan": "on_off fan_speed fan_mode oscillation direction",
+        "siren": "on_off volume siren_tone",
+        "electrical_meter": "power energy voltage current frequency",
+        "robotic_vacuum_cleaner": "vacuum fan_speed",
+        "water_valve": "valve position",
+    }.items()
 }
 """Capabilities that make up one part of a type; any other is a part by itself."""
 
@@ -125,64 +120,48 @@ LONE_TYPES: Mapping[str, str] = {
 }
 """Types of a part that has this capability and no other sign of its type; sensors have that of their capability."""
 
-NAMES: Mapping[str, str] = {
-    "on": "on_off",
-    "onoff": "on_off",
-    "power_state": "on_off",
-    "switch": "on_off",
-    "brightness": "level",
-    "dimmer": "level",
-    "dimmer_level": "level",
-    "colour": "color",
-    "colour_temperature": "color_temperature",
-    "ct": "color_temperature",
-    "motion": "occupancy",
-    "open": "contact",
-    "locked": "lock",
-    "leak": "water_leak",
-    "co2": "carbon_dioxide",
-    "target_temperature": "heating_setpoint",
-    "target_position": "position",
-    "illumination": "illuminance",
-    "lux": "illuminance",
-    "instantaneous_power": "power",
-    "battery_level": "battery",
-}
+NAMES: Mapping[str, str] = _by_word(
+    {
+        "on_off": "on onoff power_state switch",
+        "level": "brightness dimmer dimmer_level",
+        "color": "colour",
+        "color_temperature": "colour_temperature ct",
+        "occupancy": "motion",
+        "contact": "open",
+        "lock": "locked",
+        "water_leak": "leak",
+        "carbon_dioxide": "co2",
+        "heating_setpoint": "target_temperature",
+        "position": "target_position",
+        "illuminance": "illumination lux",
+        "power": "instantaneous_power",
+        "battery": "battery_level",
+    }
+)
 """Names of properties that mean a capability of another name."""
 
-UNITS: Mapping[str, str] = {
-    "percent": "%",
-    "percentage": "%",
-    "celsius": "°C",
-    "degreecelsius": "°C",
-    "degc": "°C",
-    "cel": "°C",
-    "c": "°C",
-    "fahrenheit": "°F",
-    "degreefahrenheit": "°F",
-    "degf": "°F",
-    "f": "°F",
-    "kelvin": "K",
-    "mired": "mired",
-    "watt": "W",
-    "kilowatt": "kW",
-    "kilow": "kW",
-    "milliwatt": "mW",
-    "volt": "V",
-    "millivolt": "mV",
-    "ampere": "A",
-    "milliampere": "mA",
-    "hertz": "Hz",
-    "lux": "lx",
-    "hectopascal": "hPa",
-    "hectopa": "hPa",
-    "pascal": "Pa",
-    "kilopascal": "kPa",
-    "kilopa": "kPa",
-    "watthour": "Wh",
-    "whr": "Wh",
-    "kilowatthour": "kWh",
-    "kilowhr": "kWh",
-}
+UNITS: Mapping[str, str] = _by_word(
+    {
+        "%": "percent percentage",
+        "°C": "celsius degreecelsius degc cel c",
+        "°F": "fahrenheit degreefahrenheit degf f",
+        "K": "kelvin",
+        "mired": "mired",
+        "W": "watt",
+        "kW": "kilowatt kilow",
+        "mW": "milliwatt",
+        "V": "volt",
+        "mV": "millivolt",
+        "A": "ampere",
+        "mA": "milliampere",
+        "Hz": "hertz",
+        "lx": "lux",
+        "hPa": "hectopascal hectopa",
+        "Pa": "pascal",
+        "kPa": "kilopascal kilopa",
+        "Wh": "watthour whr",
+        "kWh": "kilowatthour kilowhr",
+    }
+)
 """Units that are spelt out, as words or in the names of QUDT and of the Ontology of units of Measure, without spaces,
 hyphens and underscores."""
