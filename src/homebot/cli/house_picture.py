@@ -227,8 +227,7 @@ class PlanPicture(NamedTuple):
         cells = self._walls_with_doors(boxes.values(), scale)
         for name, box in boxes.items():
             cells |= box.label(f"{name} {signs.get(name, '')}", _LIT if name in lit else _DARK)
-        rows = ([cells.get((column, line), _EMPTY) for column in range(width)] for line in range(scale.lines))
-        return [_joined(row) for row in rows]
+        return [_joined([cells.get((column, line), _EMPTY) for column in range(width)]) for line in range(scale.lines)]
 
     def _scale(self, width: int, height: int) -> _Scale:
         wests, souths, easts, norths = zip(*self.rooms.values(), strict=True)

@@ -7,8 +7,7 @@ As pytest loads it wherever homebot is installed, it imports homebot only when a
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import pytest
@@ -34,7 +33,6 @@ _FORGOTTEN_COMMANDS = (
     f"error:coroutine '({_KINDS})[.].* was never awaited:RuntimeWarning",
     f"error:Exception ignored in. <coroutine object ({_KINDS})[.]:pytest.PytestUnraisableExceptionWarning",
 )
-_shown = pytest.StashKey[bool]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -66,35 +64,10 @@ def mqtt_broker_thread(request: pytest.FixtureRequest, _mqtt_brokers: FixtureBro
 
 
 @pytest.fixture(scope="session")
-def _mqtt_brokers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[FixtureBrokers]:
+def _mqtt_brokers(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> Iterator[FixtureBrokers]:
     """The factory of all brokers of the session, which run in its thread."""
-    from homebot.testing.mqtt.fixture_brokers import FixtureBrokers  # noqa: PLC0415 - on first use
+    from homebot.testing.mqtt import fixture_brokers  # noqa: PLC0415 - on first use
 
-    with FixtureBrokers.running(lambda: tmp_path_factory.mktemp("mqtt_broker_tls")) as brokers:
+    pytestconfig.pluginmanager.register(fixture_brokers)  # its hooks
+    with fixture_brokers.FixtureBrokers.running(lambda: tmp_path_factory.mktemp("mqtt_broker_tls")) as brokers:
         yield brokers
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
-    """Fail the test after its fixtures if its client violated the protocol."""
-    try:
-        yield
-    finally:
-        if "homebot.testing.mqtt" in sys.modules:
-            from homebot.testing.mqtt.fixture_brokers import check_protocol  # noqa: PLC0415 - as above
-
-            check_protocol(item)
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Show the packets of brokers and their clients when a test fails."""
-    report = yield
-    is_due = report.failed and report.when != "setup" and _shown not in item.stash
-    if is_due and "homebot.testing.mqtt" in sys.modules:
-        from homebot.testing.mqtt.fixture_brokers import packet_logs  # noqa: PLC0415 - as above
-
-        item.stash[_shown] = True
-        for name, text in packet_logs(item):
-            report.sections.append((f"MQTT packets of {name}", text))
-    return report

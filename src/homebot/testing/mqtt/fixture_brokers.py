@@ -1,6 +1,9 @@
-"""The brokers of the fixtures: their settings from marks, and their records of a test."""
+"""The brokers of the fixtures: their settings from marks, and their records of a test.
 
-from collections.abc import Callable, Iterator
+A plug-in of pytest, registered with the first of them.
+"""
+
+from collections.abc import Callable, Generator, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from datetime import UTC, datetime
 from functools import cached_property
@@ -14,10 +17,11 @@ from homebot.testing.mqtt.broker import BlockingTestBroker, BrokerT, TestBroker,
 from homebot.testing.mqtt.settings import BrokerSettings, TestTls
 from homebot.testing.mqtt.thread import BrokerThread, broker_thread
 
-__all__ = ["FixtureBrokers", "check_protocol", "packet_logs"]
+__all__ = ["FixtureBrokers"]
 
 _MARK: Final = "mqtt_broker"
 _MAX_PACKETS_SHOWN: Final = 100
+_SHOWN = pytest.StashKey[bool]()
 
 
 @final
@@ -56,16 +60,27 @@ class FixtureBrokers:
         return TestTls.make(self._make_folder(), datetime.now(UTC))
 
 
-def packet_logs(test: pytest.Item) -> Iterator[tuple[str, str]]:
-    """Yield the name of each broker of *test* and its newest packets."""
-    for name, broker in _brokers(test):
-        text = broker.packet_log.text(_MAX_PACKETS_SHOWN)
-        if text:
-            yield name, text
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
+    """Fail the test after its fixtures if its client violated the protocol."""
+    try:
+        yield
+    finally:
+        _check_protocol(item)
 
 
-def check_protocol(test: pytest.Item) -> None:
-    """Fail *test* if a client of its brokers violated the protocol."""
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Show the packets of brokers and their clients when a test fails."""
+    report = yield
+    if report.failed and report.when != "setup" and _SHOWN not in item.stash:
+        item.stash[_SHOWN] = True
+        logs = ((name, broker.packet_log.text(_MAX_PACKETS_SHOWN)) for name, broker in _brokers(item))
+        report.sections += [(f"MQTT packets of {name}", text) for name, text in logs if text]
+    return report
+
+
+def _check_protocol(test: pytest.Item) -> None:
     problems = []
     for name, broker in _brokers(test):
         problems += [f"{name}: {each}" for each in broker.protocol_errors]

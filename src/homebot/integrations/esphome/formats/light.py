@@ -107,9 +107,10 @@ def _read_color(info: Fields, state: Fields) -> PlainValue:
         return None
     letters, whites = _CHANNELS[mode]
     found = [number_of(state, name) for name in ("color_brightness", "red", "green", "blue", *whites)]
-    strength, *channels = [one for one in found if one is not None and 0 <= one <= 1] or [0.0]
-    if len(channels) < len(found) - 1:
+    shares = [one for one in found if one is not None and 0 <= one <= 1]
+    if len(shares) < len(found):
         return None
+    strength, *channels = shares
     rgb = [one * (strength if whites else 1.0) for one in channels[:3]]
     return to_hue_saturation(letters, tuple(round(255 * one) for one in (*rgb, *channels[3:])), _kelvins(info))
 

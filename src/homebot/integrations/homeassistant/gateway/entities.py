@@ -164,15 +164,14 @@ class HomeAssistantEntities:
         entities = self.of(key)
         ids = [one.entity_id for one in entities]
         device = self.registries.device(key) or DeviceInfo((), "", "", {})
-        own = entities[0].name or ids[0].partition(".")[2].replace("_", " ") if entities else key
-        name = device.name or own
+        name = device.name or (_own_name(entities[0]) if entities else key)
         sole = [one for one in entities if not one.entry.category]
-        area, floor = self.registries.place(key, [one.entity_id for one in sole] or ids)
+        area, floor = self.registries.place(key, [one.entity_id for one in sole or entities])
         parts = [self._part(one) for one in entities] + list(self.triggers.get(key, ()))
         self._devices[key] = described = GatewayDevice(
             key,
             name,
-            tuple(part.model_copy(update={"name": ""}) if part.name == name else part for part in parts),
+            tuple(_without_name(part, name) for part in parts),
             self._facts(key, name, ids, sole, {**device.facts, "floor": floor}),
             device.identifiers,
             authenticated=True,  # our token proved that it is the owner's Home Assistant
@@ -224,3 +223,12 @@ def _order(one: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, bool, str]:
     """Return the sort key of an entity: settings last, then as :data:`DOMAINS` are sorted, a whole before its parts."""
     entity_id, entity = one
     return bool(entity.entry.category), _ORDER[entity.domain], not entity.is_group, entity_id
+
+
+def _own_name(entity: HomeAssistantEntity) -> str:
+    return entity.name or entity.entity_id.partition(".")[2].replace("_", " ")
+
+
+def _without_name(part: Part, name: str) -> Part:
+    """Return *part* without the *name* of its device."""
+    return part.model_copy(update={"name": ""}) if part.name == name else part

@@ -5,7 +5,7 @@ Web Things are read too.
 """
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Final, get_args
 from urllib.parse import unquote, urlsplit
@@ -275,8 +275,12 @@ def _alternative(fields: Fields) -> DataSchema | None:
     if len(numbers) != 1:
         return None
     number = numbers[0]
-    words = tuple(text for one in schemas if one is not number for text in one.enum if isinstance(text, str))
+    words = _words(one for one in schemas if one is not number)
     return replace(number, unit=number.unit or fields.text("unit"), words=words)
+
+
+def _words(schemas: Iterable[DataSchema]) -> tuple[str, ...]:
+    return tuple(text for one in schemas for text in one.enum if isinstance(text, str))
 
 
 def _members(fields: Fields, members: Fields) -> Iterator[tuple[str, DataSchema]]:
