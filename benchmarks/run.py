@@ -41,6 +41,7 @@ BENCHMARKS = (
     "command_cost",
     "outcomes",
     "outcomes_networks",
+    "machines",
     "discovery",
     "left_on",
     "page",

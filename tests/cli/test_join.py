@@ -52,6 +52,25 @@ def test_both_machines_get_their_tables_and_the_same_secret(
     assert [stat.S_IMODE(one.stat().st_mode) for one in secrets] == [0o600, 0o600]
 
 
+def test_a_machine_gets_the_certificate_of_the_house_that_listens_with_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Text
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["router", "--certificate", "villa.lan"]) == 0
+    with_key = 'listen = "tls/0.0.0.0:7447"\ncert_file = "router.crt"\nkey_file = "router.key"\n'
+    Path("homebot.toml").write_text(f'[home]\nname = "villa"\n[ros]\n{with_key}')
+    assert main(["join", "--new", "attic"]) == 0
+    code = capsys.readouterr().out.split()[-1]
+    (tmp_path / "second").mkdir()
+    monkeypatch.chdir(tmp_path / "second")
+    monkeypatch.setattr("sys.stdin", io.StringIO(code))
+    assert main(["join", "tls/villa.lan:7447"]) == 0
+    link = make_plan(load_config(Path("homebot.toml"))).link
+    assert link is not None
+    assert link.ca is not None
+    assert link.ca.read_bytes() == (tmp_path / "router.crt").read_bytes()
+
+
 @pytest.mark.parametrize(
     ("before", "code", "why"),
     [

@@ -293,6 +293,7 @@ def _config(settings: RosSettings, rights: WireRights, users: str) -> dict[str, 
         "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": False}},
         "timestamping": {"enabled": True},
         "transport": {
+            "shared_memory": {"enabled": False},  # 20 MB for each program on this computer that sends long messages
             "link": {"tls": {key: file and str(file) for key, file in files.items()}},
             "auth": {"usrpwd": {"dictionary_file": users} if listens else login},
         },
