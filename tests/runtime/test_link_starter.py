@@ -2,6 +2,7 @@
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import anyio
@@ -14,8 +15,12 @@ from tests.patience import PATIENCE
 from tests.ports import reserve_port
 from tests.robots_on_wire import log_in, write_tokens
 
+from homebot.bridges.machines.on_wire import MachinesOnWire
 from homebot.config import Config, parse_config
+from homebot.graph import Graph
 from homebot.runtime import Runtime
+from homebot.runtime.link_starter import LinkStarter
+from homebot.runtime.plan import make_plan
 from homebot.support.toml_file import parse_toml
 
 ROBOTS = '{rosie = ["/rosie/**"], bob = ["/bob/**"]}'
@@ -113,3 +118,22 @@ async def test_a_link_that_cannot_be_opened_again_is_told_and_comes_back_with_a_
         assert any("router.crt: No such file" in str(line.get("message")) for line in lines)
         await runtime.reload(lambda: house.config("rosie", "bob"))
         await house.node_seen_by("rosie")
+
+
+async def test_a_robot_is_shut_out_when_its_token_ends(house: House) -> None:
+    plan, graph = make_plan(house.config("rosie", "bob")), Graph()
+    ending = plan.door.tokens["rosie"].model_copy(update={"until": graph.clock.now() + 1.5})
+    door = plan.door.model_copy(update={"tokens": {**plan.door.tokens, "rosie": ending}})
+    plan = replace(plan, door=door)
+    async with anyio.create_task_group() as tasks:
+        starter = LinkStarter(graph, MachinesOnWire("villa"), lambda: plan, nobody)
+        await tasks.start(starter.serve)
+        before = await house.node_seen_by("rosie")
+        await house.has_begun_again(before)
+        with pytest.raises(zenoh.ZError, match="Unable to connect"):
+            await to_thread.run_sync(log_in, house.address, "rosie")
+        tasks.cancel_scope.cancel()
+
+
+async def nobody() -> None:
+    """There is no token of an owner."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple, Self, final
+from math import inf
+from typing import TYPE_CHECKING, Final, NamedTuple, Self, final
 
 import anyio
 from anyio import to_thread
@@ -24,6 +25,7 @@ from homebot.support.logger import get_logger
 
 if TYPE_CHECKING:
     from homebot.bridges.machines.on_wire import MachinesOnWire
+    from homebot.bridges.rosbridge import ClientToken
     from homebot.messages.interfaces.settings import RosSettings
     from homebot.runtime.plan import Plan
     from homebot.support.owner_token import OwnerToken
@@ -31,6 +33,9 @@ if TYPE_CHECKING:
 __all__ = ["LinkStarter", "read_rights"]
 
 NOT_LINKED = "ros2.not_linked"
+
+_AGAIN: Final = 30.0
+"""Seconds after which a link that could not be opened again is tried anew."""
 
 _log = get_logger(node="/homebot")
 
@@ -53,6 +58,7 @@ class LinkStarter:
     ) -> None:
         self._graph, self._machines, self._plan, self._owner = graph, machines, plan, owner
         self._facts: _Facts | None = None
+        self._is_first = True
         self._changed = anyio.Event()
 
     def reload(self) -> None:
@@ -61,28 +67,33 @@ class LinkStarter:
             self._changed.set()
 
     async def serve(self, *, task_status: TaskStatus[None]) -> None:
-        """Run until cancelled; a mistake in a later plan is logged, and leaves no link until the next one.
+        """Run until cancelled; a mistake in a later plan is logged, and leaves no link until it is mended.
 
         Raises:
             UsageError: The link cannot be started as configured.
         """
-        is_first = True
+        is_started = False
         while True:
             self._changed, plan = anyio.Event(), self._plan()
             self._facts = _Facts.of(plan)
-            settings = plan.link if is_first else self._facts.settings
+            settings = plan.link if self._is_first else self._facts.settings
+            longest = self._facts.seconds_to_an_end(self._graph.clock.now())
             async with anyio.create_task_group() as tasks:
                 try:
                     if settings is not None:
                         await tasks.start(self._run, plan, settings)
                 except UsageError as exc:
-                    if is_first:
+                    if self._is_first:
                         raise
-                    _log.error(NOT_LINKED, message=f"there is no link to robots until the next reload: {exc}")
-                task_status.started()
-                await self._changed.wait()
+                    _log.error(NOT_LINKED, message=f"there is no link to robots: {exc}; trying again")
+                    longest = _AGAIN
+                self._is_first = False
+                if not is_started:
+                    task_status.started()
+                    is_started = True
+                with anyio.move_on_after(longest):
+                    await self._changed.wait()
                 tasks.cancel_scope.cancel()
-            is_first = False
 
     async def _run(self, plan: Plan, settings: RosSettings, *, task_status: TaskStatus[None]) -> None:
         now, owner = self._graph.clock.now, await self._owner()
@@ -101,20 +112,26 @@ class _Facts(NamedTuple):
 
     Attributes:
         settings: The settings without robots whose tokens were revoked; None for no link.
-        tokens: The tokens of the robots, and that of the owner.
+        owner: The token of the owner in the configuration.
+        tokens: The tokens of the robots.
     """
 
     settings: RosSettings | None
-    tokens: tuple[object, ...]
+    owner: SecretStr | None = None
+    tokens: tuple[ClientToken, ...] = ()
 
     @classmethod
     def of(cls, plan: Plan) -> Self:
         if plan.link is None:
-            return cls(None, ())
+            return cls(None)
         names = {robot: token_of(robot, plan.door) for robot in plan.link.imports}
         known = {robot: plan.link.imports[robot] for robot, name in names.items() if name is not None}
-        tokens = (plan.door.token, *(plan.door.tokens.get(name or "") for name in names.values()))
-        return cls(plan.link.model_copy(update={"imports": known}), tokens)
+        tokens = tuple(plan.door.tokens[name] for name in names.values() if name is not None)
+        return cls(plan.link.model_copy(update={"imports": known}), plan.door.token, tokens)
+
+    def seconds_to_an_end(self, now: float) -> float:
+        """Return the seconds until one of the tokens ends."""
+        return min((one.until for one in self.tokens if one.until > now), default=inf) - now
 
 
 def read_rights(plan: Plan, settings: RosSettings, now: float, owner: SecretStr | None) -> WireRights:

@@ -249,3 +249,9 @@ def test_a_token_that_has_ended_or_may_not_read_has_less() -> None:
     assert list(rights.passwords) == ["rosie"]
     assert not any("/map/" in key for rule in rights.rules for key in rule.keys)
     assert "secret" not in repr(rights)
+
+
+def test_a_machine_with_the_name_of_a_token_is_refused() -> None:
+    settings = RosSettings.model_validate({"import": {"rosie": ()}})
+    with pytest.raises(UsageError, match="a machine and a token are both called rosie"):
+        house_rights(settings, "rosie")

@@ -81,6 +81,9 @@ class WireRights:
 
         A robot whose token is missing, or has ended at *now*, may not log in. Other machines of the house, with their
         secrets by name, have what is below ``/HOME/MACHINE``.
+
+        Raises:
+            UsageError: A machine has the name of a token.
         """
         passwords = {name: one for name, one in door.all_tokens(owner).items() if name == OWNER_CLIENT}
         rules = [WireRule(name, _FROM + _TO, _GIVE + _TAKE, _EVERYTHING) for name in passwords]
@@ -89,6 +92,8 @@ class WireRights:
             rules.append(WireRule(name, _FROM + _TO, _GIVE + _TAKE, (*_keys(settings.domain, (_below(home, name),)),)))
         for robot in settings.imports:
             token = token_of(robot, door)
+            if token in machines:
+                raise UsageError(f"a machine and a token are both called {token}; give one of them another name")
             if token is not None and now < door.tokens[token].until:
                 passwords[token] = door.tokens[token].token
                 rules += _rules_of(token, robot, settings, reads=read_scope(door.tokens[token].scope).has(Right.READ))

@@ -30,7 +30,7 @@ _EXAMPLES = """\
 """
 
 _REACH_WITHIN = 5.0
-_SECRET_FILES = ("token_file", "password_file")
+_SECRET_FILES = ("token_file", "password_file", "key_file")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
