@@ -17,7 +17,7 @@ from homebot.house import World
 from homebot.house.description import load_world
 from homebot.testing import virtual_house_of
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("zigbee2mqtt")]
 
 DOCS = Path(__file__).parents[2] / "docs"
 FIRST_APP, YOUR_HOUSE, TROUBLESHOOT = (

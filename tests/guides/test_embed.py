@@ -33,6 +33,7 @@ def test_every_program_of_the_guide_is_run_here() -> None:
     assert GUIDE.count("```python") == 2
 
 
+@pytest.mark.rooms("thesis")
 def test_an_app_given_directly_and_the_program_itself_command_devices(tmp_path: Path) -> None:
     """The program turns a lamp on, the app both off, and nothing is left behind."""
     with running(tmp_path, "timer.py") as program:

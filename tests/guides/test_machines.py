@@ -15,7 +15,7 @@ GUIDE = (Path(__file__).parents[2] / "docs" / "machines.md").read_text("utf-8")
 TABLES = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
 INVITE, RUN_FIRST, JOIN, RUN_SECOND = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("machines")]
 
 
 def shell(command: str, folder: Path, typed: str = "") -> str:

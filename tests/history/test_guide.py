@@ -31,6 +31,7 @@ def door(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         yield homebot.door
 
 
+@pytest.mark.rooms("homeassistant")
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_command_of_the_guide_runs(door: str, command: str) -> None:
     """A young history may have little; a command waits for its begin."""
@@ -39,6 +40,7 @@ def test_a_command_of_the_guide_runs(door: str, command: str) -> None:
     assert done.stdout
 
 
+@pytest.mark.rooms("homeassistant")
 def test_a_young_history_has_more_than_one_row(door: str) -> None:
     """Rows were cut for the whole time asked for: of the first evening there was one, with the mean."""
     done = run("homebot history Washer --since 30d", door=door)

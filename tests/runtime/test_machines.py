@@ -21,6 +21,8 @@ from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime import Runtime
 
+pytestmark = pytest.mark.rooms("machines")
+
 LAMP = "lights/philips165"
 
 
