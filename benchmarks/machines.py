@@ -64,7 +64,8 @@ def _reported(machines: Sequence[Worker], seconds: float) -> float:
     before = sum(done(one, "use")["cpu"] for one in machines)
     sent = done(machines[-1], "report", seconds=seconds, rate=RATE)["sent"]
     spent: float = sum(done(one, "use")["cpu"] for one in machines) - before
-    return spent / sent * RATE
+    rate: float = spent / sent * RATE
+    return rate
 
 
 def _compared(case: str, samples: Samples, show: Any, aim: Aim | None = None) -> Comparison:

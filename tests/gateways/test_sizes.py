@@ -7,7 +7,7 @@ import pytest
 from tests.source_trees import SOURCE
 
 MOST_LINES = 1450
-OWN_LIMITS = {"homebot.gateways.mqtt": 2600}
+OWN_LIMITS = {"homebot.gateways.mqtt": 2650}
 """Decision 28 has the reason."""
 
 PYPROJECT = Path(__file__).parents[2] / "pyproject.toml"
