@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Mapping
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from functools import partial
 from pathlib import Path
 
 import anyio
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import SecretStr
+from tests.patience import PATIENCE
 from tests.ports import reserve_port
 from tests.robots_on_wire import house_rights, robot_rights
 
 from homebot.bridges.machines.exports import serve_gateways
+from homebot.bridges.machines.messages import GetGateways, GetGatewaysRequest, machine_name
 from homebot.bridges.machines.on_wire import MachinesOnWire
 from homebot.bridges.machines.wire import MachineWire
-from homebot.bridges.ros2.session import open_session
+from homebot.bridges.ros2.session import ZenohSession, open_session
+from homebot.errors import LinkError
 from homebot.gateways import GatewayContext
 from homebot.gateways.memory import MemoryGateway
 from homebot.graph import Graph, Node
@@ -97,5 +100,18 @@ async def far_machine() -> AsyncIterator[FarMachine]:
         link.session = session
         machine = FarMachine(gateway, link, router, tasks)
         await machine.mend_link()
+        await _reached(session)
         yield machine
         tasks.cancel_scope.cancel()
+
+
+async def _reached(session: ZenohSession) -> None:
+    """Wait until the machine answers: the router hears of its services a moment after they are offered."""
+    async with Node(Graph(), "probe") as node:
+        wire = MachineWire(node, session, SecretStr(SECRET))
+        with anyio.fail_after(PATIENCE):
+            while True:
+                with suppress(LinkError):
+                    await wire.ask(machine_name("villa", "attic", "gateways"), GetGateways, GetGatewaysRequest(), 1.0)
+                    break
+        wire.close()
