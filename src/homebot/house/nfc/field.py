@@ -60,8 +60,7 @@ class TagField:
     async def served(self) -> AsyncIterator[None]:
         """Serve the reader inside the block."""
         stopped = Event()
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as server:
-            server.bind(("127.0.0.1", self.port))
+        with _bound(self.port) as server:
             server.settimeout(0.05)
             self.port = server.getsockname()[1]
             async with anyio.create_task_group() as tasks:
@@ -105,6 +104,16 @@ class TagField:
         if kind & 0xF6 == 0xB2:  # not acknowledged: repeat the last block, or test for presence
             return self._last if self._last[:1] == bytes([kind & 1 | 2]) else bytes([0xA2 | kind & 1])
         return block[:1] if kind & 0xF7 == 0xC2 else b""  # deselected
+
+
+def _bound(port: int) -> socket.socket:
+    """Return a socket at it; any port that is free has no name in the list of services, for nfcpy reads a number."""
+    server = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    server.bind(("127.0.0.1", port))
+    if port == 0 and not socket.getnameinfo(server.getsockname(), socket.NI_NUMERICHOST)[1].isdecimal():
+        with server:
+            return _bound(0)
+    return server
 
 
 def _selected(uid: bytes, command: bytes) -> bytes:
