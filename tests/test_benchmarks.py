@@ -78,6 +78,7 @@ def test_what_is_near_is_asked_in_each_size_of_house() -> None:
         ("hue, lamp of a bridge", "trustme"),
     ],
 )
+@pytest.mark.rooms("homeassistant", "homekit", "hue", "thesis")
 def test_the_worker_of_discovery_tells_when_devices_were_found_and_missed(
     house: str, library: str, tmp_path: Path
 ) -> None:
@@ -119,6 +120,7 @@ def walks() -> dict[str, tuple[int, dict[str, int]]]:
     return {name: (int(calls), listed[name]) for name, calls, _ in table}
 
 
+@pytest.mark.rooms("homeassistant", "homekit", "hue", "thesis")
 def test_walks_counts_every_call_of_every_walk_and_the_same_each_time() -> None:
     """Calls of homebot's own functions, from the client to the client; the broker's are none of them."""
     first = walks()
@@ -135,6 +137,7 @@ MOST = {"text": (161, 53), "announcement": (336, 78), "JSON": (90, 34), "find": 
 """The calls and files of each walk at most."""
 
 
+@pytest.mark.rooms("homeassistant", "homekit", "hue", "thesis")
 def test_no_walk_takes_more_calls_and_files_than_before() -> None:
     """The counts of Python 3.11, with room for a few; a new Python may count fewer."""
     for walk, (calls, files) in MOST.items():
@@ -151,6 +154,7 @@ SECTIONS = {
 """The walk of each section of the page, and the number of its steps."""
 
 
+@pytest.mark.rooms("homeassistant", "homekit", "hue", "thesis")
 def test_the_files_that_a_message_is_said_to_pass_are_on_its_walk() -> None:
     """A page for newcomers that names what is called no more would lead them astray."""
     for section, (walk, count) in SECTIONS.items():

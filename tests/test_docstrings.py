@@ -29,6 +29,7 @@ def test_no_docstring_begins_with_a_question_word() -> None:
 PRONOUN = re.compile(r"\b(who|whom|whose|whoever|what|whatever|nobody|somebody|anybody)\b", re.IGNORECASE)
 
 
+@pytest.mark.rooms("homeassistant")
 def test_docstrings_and_comments_name_things_and_not_whatever_they_are() -> None:
     """At most two question words and indefinite pronouns in 1,000 words."""
     comments = [line.partition("# ")[2] for text in source_texts().values() for line in text.splitlines()]

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from tests.shell import homebot_in
 from tests.sizes import nightly
+from tests.whole_house import WHOLE_HOUSE
 
 from homebot.house import thesis_world
 from homebot.testing import EventLog, virtual_house_of
@@ -72,6 +73,7 @@ def test_the_gateway_runs_as_the_list_says_and_changes_nothing_of_the_example(tm
     assert {path.name for path in folder.iterdir()} - {path.name for path in given} <= {"lamps", "__pycache__"}
 
 
+@WHOLE_HOUSE
 def test_the_robot_turns_on_the_nearest_lamp_by_the_way_through_the_door() -> None:
     """By air the lamp behind the wall is nearer. The program has at most 40 lines."""
     folder = EXAMPLES / "08_robot"
@@ -102,6 +104,7 @@ BARE = tuple(flag for name in ("asyncio", "timeout", "xdist", "cov", "anyio") fo
 
 
 @pytest.mark.virtual_time
+@WHOLE_HOUSE
 async def test_the_app_of_the_readme_commands_nothing_at_a_heartbeat(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each device repeats its state every two seconds; lamps are commanded when the window opens and closes."""
     monkeypatch.syspath_prepend(str(EXAMPLES / "02_window_light"))
@@ -138,6 +141,7 @@ async def test_the_app_of_the_readme_commands_nothing_at_a_heartbeat(monkeypatch
         pytest.param("09_button", (), id="button"),
     ],
 )
+@WHOLE_HOUSE
 def test_the_tests_of_an_example_pass_without_a_warning_whatever_is_installed(
     folder: str, flags: tuple[str, ...]
 ) -> None:

@@ -3,10 +3,13 @@
 import re
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs/how-a-message-travels.md"
 
 
+@pytest.mark.rooms("homeassistant", "thesis")
 def test_every_file_that_the_page_names_is_there_under_the_name_that_it_shows() -> None:
     """Each stands as a link whose text is its path inside the package."""
     links = re.findall(r"\[`([^`]+)`\]\(([^)]+)\)", PAGE.read_text())

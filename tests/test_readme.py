@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from tests.shell import Homebot, homebot_in, run
+from tests.whole_house import WHOLE_HOUSE
 
 pytestmark = pytest.mark.slow
 
@@ -43,6 +44,7 @@ def test_no_command_is_forgotten() -> None:
     assert sorted(COMMANDS) == sorted(IN_A_SECOND_TERMINAL + ON_YOUR_OWN_BROKER + RUN_ELSEWHERE_IN_THIS_FILE)
 
 
+@WHOLE_HOUSE
 def test_make_run_shows_the_house_being_discovered_and_acted_on() -> None:
     """Where there is no terminal it is the log; the view that the README shows is tested with the command line."""
     done = run('make run ARGS="--for 12"')

@@ -13,7 +13,7 @@ from homebot.routines.conditions import read_condition
 from homebot.routines.steps import read_step
 from homebot.routines.triggers import read_trigger
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
 
 GUIDE = (Path(__file__).parents[2] / "docs/routines.md").read_text("utf-8")
 COMMANDS = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)

@@ -18,7 +18,7 @@ from homebot.errors import ConfigError
 from homebot.graph import Node
 from homebot.testing import virtual_house_of
 
-pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
 
 NIGHT_LIGHT: dict[str, object] = {
     "name": "Hall light",

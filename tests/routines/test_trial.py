@@ -11,7 +11,7 @@ from tests.replay.recorded_days import MemorySink
 from homebot.cli.main import main
 from homebot.testing import VirtualTimeLoop, virtual_house_of
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
 
 ROUTINE = """
 [home]

@@ -16,6 +16,7 @@ import pytest
 from tests.ports import reserve_port
 from tests.system.own_time import own_time_until_end
 from tests.turns import slowness
+from tests.whole_house import WHOLE_HOUSE
 
 STOPS_WITHIN = 5.0
 
@@ -241,6 +242,7 @@ def test_a_hangup_that_is_ignored_as_under_nohup_reloads_and_stops_nothing(start
     assert "SIGHUP" not in run.text
 
 
+@WHOLE_HOUSE
 def test_the_json_log_is_json_line_by_line_until_for_ends_the_run(start: Start) -> None:
     run = start("--log-format", "json", "--for", "2")
     assert run.end() == 0
@@ -293,6 +295,7 @@ def test_a_broker_that_takes_the_connection_and_says_nothing_does_not_delay_the_
     assert "Traceback" not in run.text
 
 
+@WHOLE_HOUSE
 def test_a_door_that_is_taken_is_a_clear_error_before_anything_starts(start: Start) -> None:
     """Beside a homebot of the same folder it came after 11 s, in which the gateways connected and waited for files."""
     with socket.create_server(("127.0.0.1", 0)) as taken:
@@ -305,6 +308,7 @@ def test_a_door_that_is_taken_is_a_clear_error_before_anything_starts(start: Sta
     assert run.has_left_nothing()
 
 
+@WHOLE_HOUSE
 def test_a_usual_port_that_is_taken_moves_on_and_says_so(start: Start) -> None:
     """A homebot in this folder did not start, and the tools acted in the house of the one on 9090."""
     with contextlib.ExitStack() as stack:
@@ -318,6 +322,7 @@ def test_a_usual_port_that_is_taken_moves_on_and_says_so(start: Start) -> None:
         assert 9090 < int(port[1]) < 9100
 
 
+@WHOLE_HOUSE
 def test_a_door_for_everybody_needs_a_token_and_takes_it_from_the_environment(start: Start) -> None:
     """The token itself is shown nowhere."""
     address = f"0.0.0.0:{reserve_port()}"
