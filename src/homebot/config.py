@@ -368,7 +368,8 @@ def _array_reason(path: str, field: FieldInfo | None) -> str:
 def _reason(model: type[BaseModel], error: ErrorDetails) -> str:
     """Return the problems of a table of *model*, as text."""
     if error["type"] == "extra_forbidden":
-        known = [name for name in model.model_fields if name not in {"source", "folder"}]
+        fields = model.model_fields.items()
+        known = [one.alias or name for name, one in fields if name not in {"source", "folder"}]
         return unknown_key(str(error["loc"][-1]), known)
     if error["type"] == "missing":
         return "is missing"

@@ -34,7 +34,7 @@ dialect = "homeassistant"
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
     path = tmp_path_factory.mktemp("home")
-    (shown,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
+    shown = "\n".join(re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL))
     (path / "homebot.toml").write_text(f"{shown}\n[gateways.mqtt]\n")
     (path / "house.toml").write_text(HOUSE)
     with homebot_in(path, "--house", "house.toml", until=("found hall_lamp", "good_night")) as homebot:

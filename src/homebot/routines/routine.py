@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any, Final, assert_never, final
 
 from homebot.apps import App
 from homebot.apps.run_modes import HandlerRuns
 from homebot.devices.app_messages import RoutineChange, RoutineInfo, RoutineNote
-from homebot.devices.names import QUERY_DEVICES
+from homebot.devices.command_messages import CommandDevices
+from homebot.devices.names import COMMAND_DEVICES, QUERY_DEVICES
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.services import QueryDevices, QueryDevicesRequest
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.messages import Time
-from homebot.routines.conditions import Condition, Matches, OnDays, SunIs, read_condition
+from homebot.routines.conditions import Condition, Matches, OnDays, SunIs
+from homebot.routines.program import conditions_of, program_of
 from homebot.routines.run import RoutineRun
 from homebot.routines.settings import RoutineSettings
-from homebot.routines.steps import read_step
 from homebot.routines.times import DaysAndTime, SunMoment, TimeSpan
 from homebot.routines.triggers import Becomes, Press, RobotArrival, read_trigger
 from homebot.routines.watches import ArrivalWatch, PressWatch, begun
 
 __all__ = ["Routine"]
 
+DONE: Final = "routine.step_done"
 HELD_BACK: Final = "routine.held_back"
 FAILED: Final = "routine.step_failed"
 
@@ -39,8 +42,11 @@ class Routine(App[RoutineSettings]):
 
     def __init__(self, node: Node, settings: RoutineSettings) -> None:
         super().__init__(node, settings)
-        self._conditions = tuple((text, read_condition(text)) for text in settings.conditions)
-        self._steps = tuple(map(read_step, settings.do))
+        self._conditions = conditions_of(settings.conditions)
+        self._program = program_of(settings.do)
+        self._steps = tuple(map(str, settings.do))
+        self.commands = node.create_client(CommandDevices, COMMAND_DEVICES)
+        self._query = node.create_client(QueryDevices, QUERY_DEVICES)
         self._before: dict[str, list[Any]] = {}
         self._runs = HandlerRuns(node, self.start_task, f"routine {settings.name}", settings.mode)
 
@@ -63,7 +69,7 @@ class Routine(App[RoutineSettings]):
                 case _:
                     assert_never(trigger)
         kept: dict[str, Any] | None = self.store.get("run")
-        if kept is not None:
+        if kept is not None and kept.get("steps") == [*self._steps]:  # else its place is that of another step now
             self._runs.start(partial(self._perform, kept["place"], kept["until"], dict(kept["before"])))
 
     @property
@@ -80,7 +86,7 @@ class Routine(App[RoutineSettings]):
             app=self.node.name,
             when=self.settings.when,
             conditions=self.settings.conditions,
-            steps=self.settings.do,
+            steps=self._steps,
             mode=self.settings.mode,
             enabled=self.is_enabled,
             is_running=self._runs.running_since is not None,
@@ -97,11 +103,17 @@ class Routine(App[RoutineSettings]):
         self.store["enabled"] = change == "enable"
         if change == "disable":
             self._runs.cancel()
+            self.store.pop("run", None)
         return f"{change}d {name}"
 
     def keep(self, place: int, until: float, before: dict[str, list[Any]]) -> None:
         """Store how far the run is, for a restart."""
-        self.store["run"] = {"place": place, "until": until, "before": before}
+        self.store["run"] = {"place": place, "until": until, "before": before, "steps": self._steps}
+
+    def log_done(self, step: str) -> None:
+        """Log that a step that no device's journal knows was done."""
+        self._record(f"done: {step!r}")
+        self.log_limited(DONE, f"{self.settings.name}: {step!r} is done")
 
     def log_failure(self, step: str, problem: str) -> None:
         """Log that a step failed; the next ones follow all the same."""
@@ -120,19 +132,25 @@ class Routine(App[RoutineSettings]):
             self._runs.start(self._run_if, cause)
 
     async def _run_if(self) -> None:
-        for text, condition in self._conditions:
+        if text := await self.unmet(self._conditions):
+            self._record(f"held back: not {text!r}")
+            self.log_limited(HELD_BACK, f"{self.settings.name} did not run: {text!r} does not hold")
+        else:
+            await self._perform()
+
+    async def unmet(self, conditions: Sequence[tuple[str, Condition]]) -> str:
+        """Return the first of *conditions* that does not hold; empty if all do."""
+        for text, condition in conditions:
             if not await self._holds(condition):
-                self._record(f"held back: not {text!r}")
-                self.log_limited(HELD_BACK, f"{self.settings.name} did not run: {text!r} does not hold")
-                return
-        await self._perform()
+                return text
+        return ""
 
     async def _perform(self, first: int = 0, until: float = 0.0, before: dict[str, list[Any]] | None = None) -> None:
-        self._record("ran" if not first else f"went on at {self.settings.do[first]!r}")
+        self._record("ran" if not first else f"went on at {self._program[first].text!r}")
         if before is None and self.settings.mode == "restart":
             before = self._before  # what the run that this one takes the place of would have brought back
         self._before = {} if before is None else before
-        await RoutineRun(self, self._steps, self._before).perform(first, until)
+        await RoutineRun(self, self._program, self._before).perform(first, until)
         self.store.pop("run", None)
 
     async def _holds(self, condition: Condition) -> bool:
@@ -145,7 +163,7 @@ class Routine(App[RoutineSettings]):
                 return condition.contains(self.now())
             case Matches():
                 query = QueryDevicesRequest(query=query_terms(condition.state.query))
-                answer = await self.node.create_client(QueryDevices, QUERY_DEVICES).call(query)
+                answer = await self._query.call(query)
                 return bool(answer.results) is not condition.is_none
             case _:
                 assert_never(condition)

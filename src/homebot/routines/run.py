@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final, Protocol, final
 
 import anyio
 
 from homebot.command_words.settings import SET
 from homebot.devices import Devices, KeyValue
-from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, CommandDevicesResponse
+from homebot.devices.command_messages import CommandDevicesRequest, CommandDevicesResponse
 from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import State, target_of
-from homebot.devices.names import COMMAND_DEVICES
 from homebot.devices.value import PlainValue
-from homebot.errors import ServiceError
-from homebot.graph import Node
-from homebot.routines.steps import Do, Notify, Step, Undo, Wait, WaitUntil
+from homebot.errors import HomebotError, ServiceError
+from homebot.graph import Client, Node
+from homebot.routines.conditions import Condition
+from homebot.routines.program import Branch, Line, Skip
+from homebot.routines.steps import Do, Notify, SendRobot, Undo, Wait, WaitUntil
 from homebot.routines.watches import begun
 
 __all__ = ["RoutineOwner", "RoutineRun"]
@@ -39,12 +40,19 @@ class RoutineOwner(Protocol):
 
     node: Node
     devices: Devices
+    commands: Client[CommandDevicesRequest, CommandDevicesResponse]
 
     def keep(self, place: int, until: float, before: dict[str, list[Any]]) -> None:
         """Store how far the run is, for a restart."""
 
     async def notify(self, message: str, *, title: str = "") -> bool:
         """Send people a message."""
+
+    async def unmet(self, conditions: Sequence[tuple[str, Condition]]) -> str:
+        """Return the first condition that does not hold; empty if all do."""
+
+    def log_done(self, step: str) -> None:
+        """Log that a step that no device's journal knows was done."""
 
     def log_failure(self, step: str, problem: str) -> None:
         """Log that a step failed."""
@@ -55,27 +63,30 @@ class RoutineRun:
     """A run.
 
     Args:
-        steps: All steps of the routine.
+        program: All steps of the routine.
         before: By part and capability, the value before the earlier steps, and when the command was given and ended, in
             seconds since the Unix epoch; it is updated.
     """
 
     def __init__(
-        self, owner: RoutineOwner, steps: tuple[Step, ...], before: dict[str, list[Any]] | None = None
+        self, owner: RoutineOwner, program: tuple[Line, ...], before: dict[str, list[Any]] | None = None
     ) -> None:
         self._owner = owner
-        self._steps = steps
+        self._program = program
         self._clock = owner.node.graph.clock
-        self._command = owner.node.create_client(CommandDevices, COMMAND_DEVICES)
         self._before = {} if before is None else before
-        self._is_undone = any(isinstance(one, Undo) for one in steps)
+        self._is_undone = any(isinstance(one.step, Undo) for one in program)
 
     async def perform(self, first: int = 0, until: float = 0.0) -> None:
-        """Perform the steps from number *first* on; its wait ends at *until*, in seconds since the Unix epoch."""
-        for place, step in enumerate(self._steps[first:], first):
+        """Perform the program from line *first* on; its wait ends at *until*, in seconds since the Unix epoch."""
+        place = first
+        while place < len(self._program):
+            step = self._program[place].step
             match step:
                 case Do():
                     await self._do(step)
+                case SendRobot():
+                    await self._drive(step)
                 case Notify():
                     await self._owner.notify(step.text)
                 case Wait():
@@ -84,7 +95,11 @@ class RoutineRun:
                     await self._wait_until(place, step, until)
                 case Undo():
                     await self._undo()
-            until = 0.0
+                case Branch():
+                    place += step.over if await self._owner.unmet(step.conditions) else 0
+                case Skip():
+                    place += step.over
+            place, until = place + 1, 0.0
 
     async def _do(self, step: Do) -> None:
         values = await self._states() if self._is_undone else {}
@@ -109,12 +124,22 @@ class RoutineRun:
             trigger=current_trigger(),
         )
         try:
-            answer = await self._command.call(request, timeout=_LONGEST)
+            answer = await self._owner.commands.call(request, timeout=_LONGEST)
         except ServiceError as exc:
             answer = CommandDevicesResponse(success=False, message=str(exc))
         if not answer.success:
             self._owner.log_failure(text, answer.message)
         return answer
+
+    async def _drive(self, step: SendRobot) -> None:
+        from homebot.routines.robot_drive import drive  # noqa: PLC0415 - few homes have a robot
+
+        try:
+            await drive(self._owner.node, step)
+        except HomebotError as exc:
+            self._owner.log_failure(step.text, str(exc))
+        else:
+            self._owner.log_done(step.text)
 
     async def _sleep(self, place: int, seconds: float, until: float) -> None:
         until = until or self._clock.now() + seconds

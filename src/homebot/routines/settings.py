@@ -7,36 +7,18 @@ from pydantic import AfterValidator, ConfigDict, Field, model_validator
 from homebot.apps import AppSettings
 from homebot.apps.run_modes import RunMode
 from homebot.config import value_errors
-from homebot.routines.conditions import read_condition
-from homebot.routines.steps import Do, Undo, read_step
+from homebot.routines.program import MOST, ConditionText, StepSetting, Text, program_of
+from homebot.routines.steps import Do, Undo
 from homebot.routines.triggers import Becomes, read_trigger
 from homebot.support.folding import fold
 
 __all__ = ["RoutineSettings"]
-
-_MOST = 50
-_LONGEST = 300
 
 
 def _trigger(text: str) -> str:
     with value_errors():
         read_trigger(text)
     return text
-
-
-def _condition(text: str) -> str:
-    with value_errors():
-        read_condition(text)
-    return text
-
-
-def _step(text: str) -> str:
-    with value_errors():
-        read_step(text)
-    return text
-
-
-_Text = Annotated[str, Field(min_length=1, max_length=_LONGEST)]
 
 
 class RoutineSettings(AppSettings):
@@ -47,7 +29,7 @@ class RoutineSettings(AppSettings):
         when: What starts it, each for itself; see :func:`homebot.routines.triggers.read_trigger`.
         conditions: The key ``if``: what must hold then, all of it; see
             :func:`homebot.routines.conditions.read_condition`.
-        do: Its steps, one after the other; see :func:`homebot.routines.steps.read_step`.
+        do: Its steps, one after the other; see :func:`homebot.routines.steps.read_step`, or choices.
         mode: What happens if it is started while it runs; see :meth:`homebot.apps.App.on`.
         enabled: Whether it may start.
     """
@@ -55,17 +37,15 @@ class RoutineSettings(AppSettings):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, serialize_by_alias=True)
 
     name: Annotated[str, Field(min_length=1, max_length=100)]
-    when: Annotated[tuple[Annotated[_Text, AfterValidator(_trigger)], ...], Field(min_length=1, max_length=_MOST)]
-    conditions: Annotated[
-        tuple[Annotated[_Text, AfterValidator(_condition)], ...], Field(alias="if", max_length=_MOST)
-    ] = ()
-    do: Annotated[tuple[Annotated[_Text, AfterValidator(_step)], ...], Field(min_length=1, max_length=_MOST)]
+    when: Annotated[tuple[Annotated[Text, AfterValidator(_trigger)], ...], Field(min_length=1, max_length=MOST)]
+    conditions: Annotated[tuple[ConditionText, ...], Field(alias="if", max_length=MOST)] = ()
+    do: Annotated[tuple[StepSetting, ...], Field(min_length=1, max_length=MOST)]
     mode: RunMode = "single"
     enabled: bool = True
 
     @model_validator(mode="after")
     def _check_together(self) -> "RoutineSettings":
-        steps = [read_step(one) for one in self.do]
+        steps = [one.step for one in program_of(self.do)]
         if steps[0] == Undo():
             raise ValueError("do: the first step is `undo`, and there is nothing to undo yet")
         triggers = [read_trigger(one) for one in self.when]

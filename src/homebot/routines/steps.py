@@ -15,11 +15,12 @@ from homebot.routines.triggers import Becomes, read_state
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["Do", "Notify", "Step", "Undo", "Wait", "WaitUntil", "read_step"]
+__all__ = ["Do", "Notify", "SendRobot", "Step", "Undo", "Wait", "WaitUntil", "read_step"]
 
 _WAIT_UNTIL: Final = re.compile(r"wait until\s+(?P<state>.+?),?\s+at most\s+(?P<most>.+)", re.IGNORECASE)
 _WAIT: Final = re.compile(r"wait\s+(?P<length>\d.*)", re.IGNORECASE)
 _NOTIFY: Final = re.compile(r"notify:?\s+(?P<text>.+)", re.IGNORECASE)
+_DRIVE: Final = re.compile(r"(?P<robot>\w+)\s+(?:go|goes|drive|drives)\s+to\s+(?:the\s+)?(?P<room>.+)", re.IGNORECASE)
 _NUMBER: Final = re.compile(r"[+-]?\d+(?:\.\d+)?\s*(?P<unit>%|k|°?[cf])?", re.IGNORECASE)
 _UNITS: Final = {"%": "level", "k": "color_temperature"}
 _WORDS: Final = frozenset(
@@ -52,6 +53,20 @@ class Do:
 
 
 @dataclass(frozen=True, slots=True)
+class SendRobot:
+    """A drive of a robot to a room or into its dock; ``robot`` is the only robot."""
+
+    text: str
+    robot: str
+    room: str
+
+    @property
+    def is_to_dock(self) -> bool:
+        """True if it returns to its dock."""
+        return self.room == "dock"
+
+
+@dataclass(frozen=True, slots=True)
 class Notify:
     """A message to people."""
 
@@ -78,7 +93,7 @@ class Undo:
     """The values from before the earlier steps, where nobody has changed them since."""
 
 
-Step: TypeAlias = Do | Notify | Wait | WaitUntil | Undo
+Step: TypeAlias = Do | SendRobot | Notify | Wait | WaitUntil | Undo
 
 
 def read_step(text: str) -> Step:
@@ -98,6 +113,8 @@ def read_step(text: str) -> Step:
         raise UsageError(f"{text!r} may last forever; end it with `, at most 30m`")
     if (pause := _WAIT.fullmatch(plain)) is not None:
         return Wait(read_duration(pause["length"]))
+    if (driven := _DRIVE.fullmatch(plain)) is not None:
+        return SendRobot(plain, driven["robot"].casefold(), driven["room"])
     return _read_do(plain)
 
 
