@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
+from contextlib import closing
 from typing import Any, Final, Protocol, final
 
 import anyio
 
-from homebot.command_words.settings import SET
+from homebot.command_words.earlier_values import EarlierValues, KnownStates, known_states
 from homebot.devices import Devices, KeyValue
-from homebot.devices.command_messages import CommandDevicesRequest, CommandDevicesResponse
+from homebot.devices.command_messages import (
+    CommandDevicesRequest,
+    CommandDevicesResponse,
+    CommandRequest,
+    PerformCommand,
+    Setting,
+)
 from homebot.devices.current_trigger import current_trigger
-from homebot.devices.device import State, target_of
-from homebot.devices.value import PlainValue
+from homebot.devices.device import target_of
+from homebot.devices.names import PERFORM_COMMAND
+from homebot.devices.outcomes import NoAnswer, Outcome
 from homebot.errors import HomebotError, ServiceError
 from homebot.graph import Client, Node
 from homebot.routines.conditions import Condition
@@ -24,15 +32,6 @@ __all__ = ["RoutineOwner", "RoutineRun"]
 
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
-
-_SETTLES: Final = 10.0
-"""Seconds after a command in which further changes are still its own, such as the last steps of a dimmer."""
-
-_RESTORED: Final = (
-    *("on_off", "level", "color", "color_temperature", "fan_speed", "volume"),
-    *("position", "tilt", "movement", "heating_setpoint", "cooling_setpoint"),
-)
-"""What ``undo`` brings back, in this order. It opens nothing that was locked, and arms nothing."""
 
 
 class RoutineOwner(Protocol):
@@ -64,8 +63,7 @@ class RoutineRun:
 
     Args:
         program: All steps of the routine.
-        before: By part and capability, the value before the earlier steps, and when the command was given and ended, in
-            seconds since the Unix epoch; it is updated.
+        before: The values before the earlier steps, as :class:`EarlierValues` has them; it is updated.
     """
 
     def __init__(
@@ -74,7 +72,7 @@ class RoutineRun:
         self._owner = owner
         self._program = program
         self._clock = owner.node.graph.clock
-        self._before = {} if before is None else before
+        self._before = EarlierValues(before)
         self._is_undone = any(isinstance(one.step, Undo) for one in program)
 
     async def perform(self, first: int = 0, until: float = 0.0) -> None:
@@ -102,24 +100,17 @@ class RoutineRun:
             place, until = place + 1, 0.0
 
     async def _do(self, step: Do) -> None:
-        values = await self._states() if self._is_undone else {}
+        states = await self._states() if self._is_undone else {}
         given_at = self._clock.now()
-        answer = await self._give(step.text, step.target, step.command, step.values)
-        for one in answer.results:
-            for capability in _RESTORED:
-                if (state := values.get((one.device, one.part, capability))) is not None:
-                    key = f"{target_of(one.device, one.part)} {capability}"
-                    earlier = self._before.pop(key, None)  # of the run that this one takes the place of
-                    was, since = earlier[:2] if earlier and _is_own(state, earlier) else (state.value.plain(), given_at)
-                    self._before[key] = [was, since, self._clock.now()]
+        answer = await self._give(step)
+        places = ((one.device, one.part) for one in answer.results)
+        self._before.add(states, places, given_at, self._clock.now())
 
-    async def _give(
-        self, text: str, target: str, command: str, values: tuple[tuple[str, str], ...]
-    ) -> CommandDevicesResponse:
+    async def _give(self, step: Do) -> CommandDevicesResponse:
         request = CommandDevicesRequest(
-            target=target,
-            command=command,
-            values=tuple(KeyValue(key=name, value=value) for name, value in values),
+            target=step.target,
+            command=step.command,
+            values=tuple(KeyValue(key=name, value=value) for name, value in step.values),
             issuer=self._owner.node.full_name,
             trigger=current_trigger(),
         )
@@ -128,7 +119,7 @@ class RoutineRun:
         except ServiceError as exc:
             answer = CommandDevicesResponse(success=False, message=str(exc))
         if not answer.success:
-            self._owner.log_failure(text, answer.message)
+            self._owner.log_failure(step.text, answer.message)
         return answer
 
     async def _drive(self, step: SendRobot) -> None:
@@ -143,45 +134,35 @@ class RoutineRun:
 
     async def _sleep(self, place: int, seconds: float, until: float) -> None:
         until = until or self._clock.now() + seconds
-        self._owner.keep(place, until, self._before)
+        self._owner.keep(place, until, self._before.entries)
         await anyio.sleep(max(0.0, until - self._clock.now()))
 
     async def _wait_until(self, place: int, step: WaitUntil, until: float) -> None:
         until = until or self._clock.now() + step.most
-        self._owner.keep(place, until, self._before)
+        self._owner.keep(place, until, self._before.entries)
         with anyio.move_on_after(max(0.0, until - self._clock.now())):
             await anext(begun(self._owner.node, step.state))
 
     async def _undo(self) -> None:
         """Bring back the values from before, of each part at once, where nothing else has changed them since."""
-        states = await self._states()
-        parts: dict[str, dict[str, PlainValue]] = {}
-        for key, entry in self._before.items():
-            target, _, capability = key.rpartition(" ")
-            device, _, part = target.partition("#")
-            now = states.get((device, part, capability))
-            if now is not None and now.value.plain() != entry[0] and _is_own(now, entry):
-                parts.setdefault(target, {})[capability] = entry[0]
-        self._before.clear()
-        async with anyio.create_task_group() as tasks:
-            for target, values in parts.items():
-                command = "off" if values.get("on_off") is False else SET
-                given = () if command == "off" else tuple(_texts(values))
-                tasks.start_soon(self._give, f"undo of {target}", target, command, given)
+        due = self._before.take(await self._states())
+        with closing(self._owner.node.create_client(PerformCommand, PERFORM_COMMAND)) as client:
+            async with anyio.create_task_group() as tasks:
+                for place, settings in due.items():
+                    tasks.start_soon(self._bring_back, client, place, settings)
 
-    async def _states(self) -> Mapping[tuple[str, str, str], State]:
-        """Return the known values of the house."""
-        devices = await self._owner.devices.find()
-        return {(device.id, one.part, one.capability): one for device in devices for one in device.states}
+    async def _bring_back(
+        self, client: Client[CommandRequest, Outcome], place: tuple[str, str], settings: tuple[Setting, ...]
+    ) -> None:
+        device, part = place
+        issuer, trigger = self._owner.node.full_name, current_trigger()
+        request = CommandRequest(device=device, part=part, settings=settings, issuer=issuer, trigger=trigger)
+        try:
+            outcome = await client.call(request, timeout=_LONGEST)
+        except ServiceError as exc:
+            outcome = NoAnswer(0.0, str(exc))
+        if not outcome.succeeded:
+            self._owner.log_failure(f"undo of {target_of(*place)}", outcome.text)
 
-
-def _is_own(state: State, entry: list[Any]) -> bool:
-    """Return whether the command of *entry* brought about the value of *state*."""
-    _, given_at, ended_at = entry
-    return bool(given_at <= state.since.to_seconds() <= ended_at + _SETTLES)
-
-
-def _texts(values: Mapping[str, PlainValue]) -> Iterator[tuple[str, str]]:
-    for name, value in values.items():
-        text = " ".join(map(str, value)) if isinstance(value, tuple) else str(value)
-        yield name, {True: "on", False: "off"}[value] if isinstance(value, bool) else text
+    async def _states(self) -> KnownStates:
+        return known_states(await self._owner.devices.find())

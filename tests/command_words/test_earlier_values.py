@@ -1,0 +1,61 @@
+"""What was before commands comes back, except where something else has changed it since."""
+
+from homebot.command_words.earlier_values import EarlierValues, KnownStates
+from homebot.devices.command_messages import Setting
+from homebot.devices.device import State
+from homebot.devices.value import PlainValue, Value
+from homebot.messages import Time
+
+LAMP = ("lamp", "")
+
+
+def lamp(since: float, **values: PlainValue) -> KnownStates:
+    at = Time.from_seconds(since)
+    return {
+        ("lamp", "", name): State(part="", capability=name, value=Value.of(value), since=at, told_at=at, live=True)
+        for name, value in values.items()
+    }
+
+
+def undone(before: KnownStates, now: KnownStates) -> dict[tuple[str, str], tuple[Setting, ...]]:
+    """Undo a command that was given at 100 and ended at 101."""
+    earlier = EarlierValues()
+    earlier.add(before, [LAMP], 100.0, 101.0)
+    return earlier.take(now)
+
+
+def test_a_value_that_the_command_brought_about_comes_back() -> None:
+    was, now = lamp(1.0, on_off=True, level=20.0), lamp(100.5, on_off=True, level=80.0)
+    assert undone(was, now) == {LAMP: (Setting.of("level", 20.0),)}
+
+
+def test_a_lamp_that_was_off_is_only_turned_off() -> None:
+    """Its level would turn it on again."""
+    was, now = lamp(1.0, on_off=False, level=20.0), lamp(100.5, on_off=True, level=80.0)
+    assert undone(was, now) == {LAMP: (Setting.of("on_off", False),)}
+
+
+def test_what_a_person_changed_later_stays() -> None:
+    assert undone(lamp(1.0, level=20.0), lamp(150.0, level=80.0)) == {}
+
+
+def test_a_lock_stays_as_it_is() -> None:
+    assert undone(lamp(1.0, lock="unlocked"), lamp(100.5, lock="locked")) == {}
+
+
+def test_a_cover_goes_back_to_its_position_without_a_word_for_its_movement() -> None:
+    was, now = lamp(1.0, position=30.0, movement="opening"), lamp(100.5, position=100.0, movement="open")
+    assert undone(was, now) == {LAMP: (Setting.of("position", 30.0),)}
+
+
+def test_a_second_command_keeps_what_was_before_the_first() -> None:
+    earlier = EarlierValues()
+    earlier.add(lamp(1.0, level=20.0), [LAMP], 100.0, 101.0)
+    earlier.add(lamp(100.5, level=80.0), [LAMP], 200.0, 201.0)
+    assert earlier.take(lamp(200.5, level=50.0)) == {LAMP: (Setting.of("level", 20.0),)}
+    assert earlier.take(lamp(200.5, level=50.0)) == {}, "an undo is done once"
+
+
+def test_it_can_be_kept_as_json() -> None:
+    earlier = EarlierValues({"lamp color": [[120.0, 50.0], 100.0, 101.0]})
+    assert earlier.take(lamp(100.5, color=(0.0, 100.0))) == {LAMP: (Setting.of("color", (120.0, 50.0)),)}
