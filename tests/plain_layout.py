@@ -57,7 +57,7 @@ class PlainLayout:
         home, service_type, name, _ = topic.split("/")
         base = f"{home}/{service_type}/{name}"
         known = wanted_types(service_type) & _CAPABILITIES.keys()
-        kind = next(iter(known), "")
+        kind = max(known, default="")  # a window is one with a motor
         part = Part(
             id="",
             service_type=kind,

@@ -59,6 +59,7 @@ def test_make_test_exists() -> None:
     assert "pytest" in run("make -n test").stdout
 
 
+@WHOLE_HOUSE
 @pytest.mark.parametrize("command", IN_A_SECOND_TERMINAL)
 def test_a_second_terminal_sees_the_running_house(command: str, homebot: Homebot, small: Homebot) -> None:
     """Each command prints something and succeeds; but one of the family's lamps lies, which is a problem."""

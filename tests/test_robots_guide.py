@@ -117,6 +117,7 @@ def test_the_lamp_of_the_guide_is_in_the_house_of_make_run() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.rooms("homeassistant")
 def test_the_programs_of_the_guide_run_with_its_token(running: Homebot) -> None:
     host, _, port = running.door.rpartition(":")
     token = (running.folder / "rosie.token").read_text().split()[0]
@@ -131,6 +132,7 @@ def test_the_programs_of_the_guide_run_with_its_token(running: Homebot) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.rooms("homeassistant")
 def test_a_token_may_come_in_the_address(running: Homebot) -> None:
     token = (running.folder / "rosie.token").read_text().split()[0]
     with connect(f"ws://{running.door}/?token={token}") as client:
