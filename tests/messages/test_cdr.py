@@ -135,7 +135,7 @@ def test_a_message_is_read_with_its_enumerations_arrays_and_nested_messages() ->
 @pytest.mark.parametrize(
     ("message_type", "data", "problem"),
     [
-        (String, "", "field 'data': it is cut off: 0 of 1 bytes are left"),
+        (String, "", "field 'data': it is cut off: 0 of 4 bytes are left"),
         (String, "06000000 6865", "field 'data': it is cut off: 2 of 6 bytes are left"),
         (String, "02000000 ff00", "field 'data': byte 0 is not utf-8, got 'ff 00'"),
         (String, "01000000 00 00000000", "4 bytes are left over: the sender has another version of the type"),

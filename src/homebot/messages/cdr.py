@@ -28,6 +28,7 @@ MessageT = TypeVar("MessageT", bound=Message)
 _HEADER = b"\x00\x01\x00\x00"  # CDR_LE, no options
 _WITHOUT_FIELDS = b"\x00"  # IDL has no empty structures, so ROS 2 gives them a member `uint8`
 _LAYOUTS = LAYOUTS | {"bool": "?"}
+_SIZES = {layout: struct.calcsize(f"<{layout}") for layout in _LAYOUTS.values()}
 _PADDED = 3  # DDS fills the end of a message up to four bytes
 
 
@@ -75,7 +76,7 @@ def _write_elements(out: bytearray, field: FieldDefinition, values: Sequence[obj
 def _write_numbers(out: bytearray, layout: str, values: Sequence[Any]) -> None:
     if not values:
         return
-    out += bytes(-(len(out) - len(_HEADER)) % struct.calcsize(f"<{layout}"))
+    out += bytes(-(len(out) - len(_HEADER)) % _SIZES[layout])
     if isinstance(values, NumericArray):
         out += values.to_bytes(layout)
         return
@@ -156,7 +157,7 @@ class _CdrReader:
 
     def _value(self, field: FieldDefinition) -> object:
         if not field.is_array:
-            return self._elements(field, 1)[0]
+            return self._elements(field, 1)[0] if field.ros_type in _LAYOUTS else self._element(field)
         count = self._count() if field.size is None else field.size
         if field.bound is not None and count > field.bound:
             raise _UnreadableError(f"at most {field.bound} elements are allowed", count)
@@ -167,6 +168,8 @@ class _CdrReader:
         return self._elements(field, count)
 
     def _elements(self, field: FieldDefinition, count: int) -> tuple[Any, ...]:
+        if not count:
+            return ()
         if (layout := _LAYOUTS.get(field.ros_type)) is not None:
             packed = self._numbers(layout, count)
             if layout == "?" and (wrong := packed.strip(b"\x00\x01")):
@@ -174,9 +177,10 @@ class _CdrReader:
             return struct.unpack(f"<{count}{layout}", packed)
         if count > len(self._data) - self._at:  # the shortest element has a byte
             raise self._cut_off(count)
-        if field.message is not None:
-            return tuple(self._message(field.message) for _ in range(count))
-        return tuple(self._text(field) for _ in range(count))
+        return tuple([self._element(field) for _ in range(count)])
+
+    def _element(self, field: FieldDefinition) -> object:
+        return self._text(field) if field.message is None else self._message(field.message)
 
     def _text(self, field: FieldDefinition) -> str:
         is_wide = field.ros_type == "wstring"
@@ -189,12 +193,13 @@ class _CdrReader:
         return text if field.choices is None or text not in tuple(field.choices) else field.choices(text)
 
     def _count(self) -> int:
-        return int.from_bytes(self._numbers("I", 1), "little")
+        self._at += -self._at % 4  # the header has four bytes too
+        return int.from_bytes(self._take(4), "little")
 
     def _numbers(self, layout: str, count: int) -> bytes:
         if not count:
             return b""
-        size = struct.calcsize(f"<{layout}")
+        size = _SIZES[layout]
         padding = -(self._at - len(_HEADER)) % size
         return self._take(padding + count * size)[padding:]
 
