@@ -27,7 +27,7 @@ EXPORT = ("/house/**", "/map", "/app", "/app/*", "/parameter_events")
 
 
 @asynccontextmanager
-async def house(*, is_router: bool = True) -> AsyncIterator[tuple[Node, int]]:
+async def house(*, is_router: bool = True, scope: tuple[str, ...] = SCOPE) -> AsyncIterator[tuple[Node, int]]:
     """An app at the house, and the port to which a robot connects: at the house, or at a router of its own."""
     port = reserve_port()
     address = f"tcp/127.0.0.1:{port}"
@@ -35,15 +35,17 @@ async def house(*, is_router: bool = True) -> AsyncIterator[tuple[Node, int]]:
     async with anyio.create_task_group() as tasks, Node(Graph(), "app") as app:
         with nullcontext() if is_router else zenoh.open(zenoh.Config.from_json5(json.dumps(router))):
             link: dict[str, object] = {"listen": address} if is_router else {"connect": (address,)}
-            await tasks.start(partial(_serve, app.graph, link))
+            await tasks.start(partial(_serve, app.graph, link, scope))
             yield app, port
             tasks.cancel_scope.cancel()
 
 
-async def _serve(graph: Graph, link: dict[str, object], *, task_status: anyio.abc.TaskStatus[None]) -> None:
+async def _serve(
+    graph: Graph, link: dict[str, object], scope: tuple[str, ...], *, task_status: anyio.abc.TaskStatus[None]
+) -> None:
     settings = RosSettings.model_validate({**link, "export": EXPORT, "import": {"rosie": ("/rosie/**",)}})
     rights = house_rights(settings) if settings.listen else WireRights.of_routers(settings, HOME, None)
-    access = ClientAccess("rosie", read_scope(SCOPE), RobotOwners({"rosie": ()}))
+    access = ClientAccess("rosie", read_scope(scope), RobotOwners({"rosie": ()}))
     async with open_session(settings, rights) as session, Node(graph, "ros2") as node:
         node.create_task(session.run)
         robots = RobotsOnWire(settings.imports, {"rosie": access})

@@ -230,7 +230,11 @@ async def test_pyzeros_reads_and_sets_the_parameters_of_a_node() -> None:
         together = await called(
             all_srvs.SetParametersAtomically, "/app/set_parameters_atomically", parameters=[faster, wrong]
         )
-        assert not together.result.successful
+        assert "no parameter 'size' is declared" in together.result.reason
+        unset = all_msgs.Parameter("speed", all_msgs.ParameterValue(type=0))
+        each = (await called(all_srvs.SetParameters, "/app/set_parameters", parameters=[unset, faster, wrong])).results
+        assert [one.successful for one in each] == [False, True, False]
+        assert not (await called(all_srvs.GetParameters, "/app/get_parameters", names=["speed", "size"])).values
         assert app.get_parameter("speed").value == 4
         numbers = iter(range(5, 1000))
 
@@ -246,11 +250,25 @@ async def test_pyzeros_reads_and_sets_the_parameters_of_a_node() -> None:
         assert (event.node, event.changed_parameters[0].name) == ("/app", "speed")
 
 
+async def test_a_robot_without_the_right_reads_parameters_and_hears_why_it_sets_none() -> None:
+    faster = all_msgs.Parameter("speed", all_msgs.ParameterValue(type=2, integer_value=4))
+
+    async with house(scope=("read", "act: all", "robot: rosie")) as (app, port), robot(port):
+        app.declare_parameter("speed", 3)
+        assert (await called(all_srvs.ListParameters, "/app/list_parameters")).result.names == ["speed"]
+        each = await called(all_srvs.SetParameters, "/app/set_parameters", parameters=[faster, faster])
+        assert [one.reason.split(";")[0] for one in each.results] == ["the right manage is missing"] * 2
+        together = await called(all_srvs.SetParametersAtomically, "/app/set_parameters_atomically", parameters=[faster])
+        assert together.result.reason.startswith("the right manage is missing; the token rosie has: ")
+        assert app.get_parameter("speed").value == 3
+
+
 async def test_zenoh_ros2_sdk_is_a_neighbour() -> None:
     pytest.importorskip("zenoh_ros2_sdk")  # it cannot log in
     async with house(is_router=False) as (app, port):
         app.create_publisher(String, "/map", qos_profile_latched).publish(String(data="rooms"))
         app.create_service(Trigger, "/house/light", lambda _: Trigger.Response(success=True, message="on"))
+        app.declare_parameter("speed", 3)
         ours = app.create_publisher(Int32, "/house/number")
         words = app.create_subscription(String, "/rosie/words")
         dock = app.create_client(Trigger, "/rosie/dock")
@@ -264,7 +282,7 @@ async def test_zenoh_ros2_sdk_is_a_neighbour() -> None:
                     assert await dock.wait_for_service(PATIENCE)
                     assert (await dock.call(Trigger.Request())).message == "docked"
                     facts = json.loads(await read())
-                assert (facts["map"], facts["light"]) == ("rooms", [True, "on"])
+                assert (facts["map"], facts["light"], facts["types"]) == ("rooms", [True, "on"], [2])
                 assert {"/house/number", "/map", "/rosie/words"} <= {*facts["topics"]}
                 assert {"/house/light", "/rosie/dock"} <= {*facts["services"]}
                 assert await heard(partial(ours.publish, Int32(data=7)), read) == b"7"

@@ -13,6 +13,12 @@ import zenoh_ros2_sdk as sdk
 STRING = ("std_msgs/msg/String", "string data")
 NUMBER = ("std_msgs/msg/Int32", "int32 data")
 TRIGGER = "RIHS01_eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f"
+TYPES = {
+    "srv_type": "rcl_interfaces/srv/GetParameterTypes",
+    "request_definition": "string[] names",
+    "response_definition": "uint8[] types",
+    "type_hash": "RIHS01_da199c878688b3e530bdfe3ca8f74cb9fa0c303101e980a9e8f260e25e1c80ca",
+}
 LATCHED = ":1:,1:,:,:,,"
 
 
@@ -36,12 +42,14 @@ def main(port: int) -> None:
     kept: list[Any] = [sdk.ROS2ServiceServer("/rosie/dock", callback=lambda _: docked(kept[0]), **service)]
     light = sdk.ROS2ServiceClient("/house/light", **service)
     response: Any = light.call(structure_needs_at_least_one_member=0)
+    types: Any = sdk.ROS2ServiceClient("/app/get_parameter_types", **{**service, **TYPES}).call(names=["speed"])
     kept.append(sdk.ROS2Subscriber("/map", STRING[0], got_rooms, STRING[1], qos=LATCHED))
     kept.append(sdk.ROS2Subscriber("/house/number", NUMBER[0], lambda one: tell(str(one.data)), NUMBER[1]))
     has_rooms.wait(30)
     facts = {
         "map": rooms[0],
         "light": [response.success, response.message],
+        "types": [int(one) for one in types.types],
         "topics": sorted(name for name, _ in sdk.get_topic_names_and_types()),
         "services": sorted(name for name, _ in sdk.get_service_names_and_types()),
     }

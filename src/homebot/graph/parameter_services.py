@@ -14,7 +14,7 @@ from homebot.graph.parameters import PARAMETER_SERVICES, ParameterSet, value_of
 from homebot.messages.interfaces import find_message, find_service
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["parameter_service", "set_parameters"]
+__all__ = ["parameter_service", "refusal", "set_parameters"]
 
 _RANGES: Final = {
     2: ("integer_range", "IntegerRange", -(2**63), 2**63 - 1),
@@ -37,6 +37,15 @@ def parameter_service(known: ParameterSet, name: str) -> tuple[ServiceType[Any, 
     }
     service = find_service(PARAMETER_SERVICES[name])
     return service, _handler(service.Response, answers[name])
+
+
+def refusal(request: Any, response: type[Message], reason: str) -> dict[str, object]:
+    """Return the fields of a *response* that sets nothing, for *reason*; empty for the services that only read."""
+    kind: Any = find_message("rcl_interfaces/msg/SetParametersResult")
+    result = kind(successful=False, reason=reason)
+    if "results" in response.model_fields:
+        return {"results": (result,) * len(request.parameters)}  # tools expect one for each
+    return {"result": result} if hasattr(request, "parameters") else {}
 
 
 def set_parameters(parameters: ParameterSet, given: Iterable[Any]) -> Message:

@@ -11,9 +11,10 @@ from tests.patience import PATIENCE
 
 from homebot.errors import ServiceUnavailableError
 from homebot.graph import EntityKind, Graph, Node, Subscription, qos_profile_latched
+from homebot.graph.parameters import Parameter
 from homebot.messages import String
 from homebot.messages.geometry_msgs import PoseStamped
-from homebot.messages.interfaces import Interfaces
+from homebot.messages.interfaces import Interfaces, find_service
 from homebot.messages.message import Message
 from homebot.messages.std_srvs import Trigger
 from homebot.messages.type_hash import type_hash
@@ -91,6 +92,17 @@ async def test_a_robot_calls_a_service_of_the_house_only_with_the_right(scope: t
         response = await nav.create_client(Trigger, "/house/light").call(Trigger.Request())
         assert response.success == (answer == "on")
         assert response.message.startswith(answer)
+
+
+async def test_a_robot_without_the_right_hears_of_each_parameter_why_it_is_not_set() -> None:
+    set_parameters = find_service("rcl_interfaces/srv/SetParameters")
+    async with pair("read", export="/app/*") as both, Node(both.house, "app") as app, Node(both.robot, "nav") as nav:
+        app.declare_parameter("speed", 3)
+        await appears(both.robot, "/app/set_parameters")
+        request = set_parameters.Request(parameters=tuple(Parameter("speed", one).to_message() for one in (4, 5)))
+        response = await nav.create_client(set_parameters, "/app/set_parameters").call(request)
+        assert [one.reason.split(";")[0] for one in response.results] == ["the right manage is missing"] * 2
+        assert app.get_parameter("speed").value == 3
 
 
 async def test_the_nodes_of_a_robot_are_nodes_of_the_graph_while_the_link_is_there() -> None:

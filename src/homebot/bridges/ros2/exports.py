@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Iterable, Iterator
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +14,11 @@ from homebot.bridges.ros2.goals import RobotGoals
 from homebot.bridges.ros2.health import CALL_REFUSED
 from homebot.bridges.ros2.robots import RobotsOnWire
 from homebot.bridges.rosbridge.services import cause_of_call, usual_timeout
-from homebot.errors import HomebotError, ServiceUnavailableError
+from homebot.errors import HomebotError, ServiceUnavailableError, TypeMismatchError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.graph.endpoint import EndpointInfo, EntityKind
+from homebot.graph.parameter_services import refusal
 from homebot.graph.parameters import PARAMETER_SERVICES
 from homebot.graph.subscription import OTHERS
 from homebot.messages.action_msgs import CancelGoalResponse
@@ -155,7 +157,7 @@ class Exports:
             response = await self._response(name, query.payload, caller)
         except HomebotError as exc:
             self._health.refused(CALL_REFUSED, name, str(exc))
-            failed = self._failure(name, str(exc))
+            failed = self._failure(name, query.payload, str(exc))
             if failed is None:
                 query.refuse(str(exc))
                 return
@@ -185,7 +187,7 @@ class Exports:
         response: Message = answer if isinstance(answer, Message) else service_type.Response.of(answer)
         return response
 
-    def _failure(self, name: str, problem: str) -> Message | None:
+    def _failure(self, name: str, payload: bytes, problem: str) -> Message | None:
         """Return the response that says *problem*, or as ROS 2 that nothing was done, if the service has one."""
         service_type = self._node.graph.get_service_type(name)
         if service_type is None:
@@ -193,8 +195,12 @@ class Exports:
         response_type: type[Message] = service_type.Response
         known = fields_by_name(response_type).keys()
         said: dict[str, object] = {"success": False, "message": problem}
-        if "/_action/" in name or service_type.ros_type in _OF_PARAMETERS:
+        if "/_action/" in name:
             said = {"return_code": CancelGoalResponse.ERROR_REJECTED} if "return_code" in known else {}
+        elif service_type.ros_type in _OF_PARAMETERS:
+            said = {}
+            with suppress(TypeMismatchError):
+                said = refusal(message_from_cdr(service_type.Request, payload), response_type, problem)
         if not said.keys() <= known:
             return None
         try:
