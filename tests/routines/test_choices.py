@@ -9,6 +9,7 @@ from homebot.devices.app_messages import ChangeAppRequest, ListRoutines, ReloadA
 from homebot.devices.names import LIST_ROUTINES, RELOAD_APP
 from homebot.errors import ConfigError
 from homebot.graph import Node
+from homebot.routines.text import read_routines
 from homebot.testing import virtual_house_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
@@ -62,6 +63,7 @@ async def test_a_wait_in_the_other_way_goes_on_after_a_restart() -> None:
             "kitchen lamp off",
             "study lamp off",
         )
+        assert read_routines(found.text, "its text")[0].table["do"] == [CHOICE, "study lamp off"]
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
     shown = "\n".join(re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL))
     (path / "homebot.toml").write_text(f"{shown}\n[gateways.mqtt]\n")
     (path / "house.toml").write_text(HOUSE)
+    (path / "evening.toml").write_text('name = "Evening"\nwhen = ["22:00"]\ndo = ["hall lamp off"]\n')
     with homebot_in(path, "--house", "house.toml", until=("found hall_lamp", "good_night")) as homebot:
         yield homebot
 

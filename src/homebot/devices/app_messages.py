@@ -105,7 +105,7 @@ class ChangeAppResponse(Message):
     message: str = ""
 
 
-RoutineChange: TypeAlias = Literal["run", "enable", "disable"]
+RoutineChange: TypeAlias = Literal["run", "enable", "disable", "new", "edit", "remove"]
 
 _Texts: TypeAlias = Annotated[tuple[ShortText, ...], Field(max_length=50)]
 
@@ -122,20 +122,29 @@ class RoutineInfo(Message):
 
     Attributes:
         app: The name of its node, which issues its commands.
+        steps: Its steps; a choice is one text.
         next: When a time starts it next; 0 if none does.
         notes: The last ten notes, oldest first.
+        text: Its table in TOML.
+        is_kept: Whether services may edit and remove it; others are in the configuration.
+        proposed_by: The client that proposed it; it does not start until it is enabled. Empty for the owner's.
+        problem: Why it does not run at all; empty if it does.
     """
 
     name: str
     app: str
     when: _Texts = ()
     conditions: _Texts = ()
-    steps: _Texts = ()
+    steps: Annotated[tuple[str, ...], Field(max_length=50)] = ()
     mode: str = ""
     enabled: bool = True
     is_running: bool = False
     next: Time = _NO_TIME
     notes: tuple[RoutineNote, ...] = ()
+    text: str = ""
+    is_kept: bool = False
+    proposed_by: str = ""
+    problem: str = ""
 
 
 class RoutinesRequest(Message):
@@ -154,14 +163,18 @@ class RoutinesResponse(Message):
 
 
 class ChangeRoutineRequest(Message):
-    """Request to start a routine now, whatever its conditions, or to switch it on or off until the next change.
+    """Request to start a routine now, whatever its conditions, to switch it on or off, or to write it.
 
     Attributes:
-        name: Its name, or that of its node.
+        name: Its name, or that of its node; not used for ``new``.
+        text: For ``new`` and ``edit``: its table ``[[routines]]`` in TOML; for ``new`` it may be several.
+        issuer: Who asks; the door sets it for its clients.
     """
 
-    name: ShortText
+    name: ShortText = ""
     change: RoutineChange
+    text: Annotated[str, Field(max_length=60_000)] = ""
+    issuer: str = ""
 
 
 class ChangeRoutineResponse(Message):

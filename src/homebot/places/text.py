@@ -1,9 +1,5 @@
-"""A places file: rooms and devices as the text of a table ``[places]``. Pure.
+"""A places file: rooms and devices as the text of a table ``[places]``. Pure."""
 
-Source of the syntax: TOML 1.0, https://toml.io/en/v1.0.0.
-"""
-
-import json
 from collections.abc import Collection, Iterable, Iterator
 from itertools import chain
 from typing import get_args
@@ -11,6 +7,7 @@ from typing import get_args
 from homebot.places.facts import FactName, OwnerFact
 from homebot.places.plan import OUTSIDE, WIDTH, HouseDoor, HousePlan, HouseRoom
 from homebot.support.folding import fold
+from homebot.support.toml_text import toml_value
 
 __all__ = ["places_text"]
 
@@ -23,7 +20,7 @@ def places_text(plan: HousePlan, devices: Iterable[tuple[str, tuple[OwnerFact, .
         devices: Id, facts and hardware addresses of each device.
     """
     listed = tuple(devices)
-    lines = [f"# Rooms and devices of {_text(plan.home)[1:-1]}, for `homebot places import` or a homebot.toml."]
+    lines = [f"# Rooms and devices of {toml_value(plan.home)[1:-1]}, for `homebot places import` or a homebot.toml."]
     doors = [door for door in plan.doors if not door.is_plain]
     written = {frozenset(map(fold, door.rooms)) for door in doors}
     for room in _rooms(plan, chain.from_iterable(facts for _, facts, _ in listed)):
@@ -52,7 +49,7 @@ def _room(room: HouseRoom, written: set[frozenset[str]]) -> Iterator[str]:
     while len(polygon) == 1 and isinstance(polygon[0], tuple):
         polygon = polygon[0]
     yield from _table(
-        f"[places.rooms.{_text(room.name)}]", floor=room.floor, doors=tuple(doors.values()), polygon=polygon
+        f"[places.rooms.{toml_value(room.name)}]", floor=room.floor, doors=tuple(doors.values()), polygon=polygon
     )
 
 
@@ -66,7 +63,7 @@ def _door(door: HouseDoor) -> Iterator[str]:
 def _device(device_id: str, facts: Collection[OwnerFact], identifiers: Iterable[str]) -> Iterator[str]:
     values = {name: tuple(fact.value for fact in facts if fact.name == name) for name in get_args(FactName)}
     return _table(
-        f"[places.devices.{_text(device_id)}]",
+        f"[places.devices.{toml_value(device_id)}]",
         room=next(iter(values["area"]), ""),
         at=next(iter(values["position"]), ""),
         aliases=values["name"],
@@ -79,16 +76,4 @@ def _table(head: str, **values: object) -> Iterator[str]:
     """Yield the lines of a table, without values that are None or empty."""
     yield ""
     yield head
-    yield from (f"{key} = {_value(value)}" for key, value in values.items() if value not in {None, "", ()})
-
-
-def _value(value: object) -> str:
-    if isinstance(value, tuple):
-        return f"[{', '.join(map(_value, value))}]"
-    return _text(value) if isinstance(value, str) else repr(value)
-
-
-def _text(value: str) -> str:
-    """Return *value* as a basic string: like JSON, except that TOML does not allow a raw DEL."""
-    text = value.encode(errors="replace").decode()  # a lone surrogate is not text
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
+    yield from (f"{key} = {toml_value(value)}" for key, value in values.items() if value not in {None, "", ()})

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple, TypeAlias
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainSerializer, PlainValidator
 
 from homebot.config import parse_settings, value_errors
 from homebot.errors import ConfigError
@@ -78,7 +78,11 @@ def _step_or_choice(value: object) -> str | Choice:
     raise ValueError(f"must be a text of at most {_LONGEST} characters, or a choice {{ if = [...], do = [...] }}")
 
 
-StepSetting = Annotated[str | Choice, PlainValidator(_step_or_choice)]
+def _written(step: str | Choice) -> object:
+    return step if isinstance(step, str) else step.model_dump(exclude_defaults=True)
+
+
+StepSetting = Annotated[str | Choice, PlainValidator(_step_or_choice), PlainSerializer(_written)]
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,6 +20,7 @@ from homebot.routines.conditions import Condition, Matches, OnDays, SunIs
 from homebot.routines.program import conditions_of, program_of
 from homebot.routines.run import RoutineRun
 from homebot.routines.settings import RoutineSettings
+from homebot.routines.text import routine_text
 from homebot.routines.times import DaysAndTime, SunMoment, TimeSpan
 from homebot.routines.triggers import Becomes, Press, RobotArrival, read_trigger
 from homebot.routines.watches import ArrivalWatch, PressWatch, begun
@@ -92,6 +93,7 @@ class Routine(App[RoutineSettings]):
             is_running=self._runs.running_since is not None,
             next=Time.from_seconds(min(due, default=0.0)),
             notes=tuple(notes),
+            text=routine_text(self.settings.written()),
         )
 
     def change(self, change: RoutineChange) -> str:

@@ -43,6 +43,10 @@ class RoutineSettings(AppSettings):
     mode: RunMode = "single"
     enabled: bool = True
 
+    def written(self) -> dict[str, object]:
+        """Return its table as a person would write it: without what is so by default."""
+        return self.model_dump(exclude_defaults=True)
+
     @model_validator(mode="after")
     def _check_together(self) -> "RoutineSettings":
         steps = [one.step for one in program_of(self.do)]

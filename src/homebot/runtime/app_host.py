@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, final
 
@@ -11,6 +11,7 @@ from anyio.abc import TaskStatus
 
 from homebot.apps import App, AppContext
 from homebot.clock import Clock, LoopClock
+from homebot.config import Config
 from homebot.devices.health import Count
 from homebot.devices.house_view import HouseView
 from homebot.graph import Graph, Node
@@ -23,11 +24,15 @@ if TYPE_CHECKING:
 
     from homebot.apps.notifier import Notifier
     from homebot.apps.stores import AppStores
+    from homebot.runtime.kept_routines import KeptRoutines
 
 __all__ = ["STORE_FILE", "AppHost"]
 
 STORE_FILE = "apps.sqlite"
 """The name of the file of the app stores, beside the index file."""
+
+_KEPT_ROUTINES = "routines"
+"""The name of their store, which no app can have."""
 
 
 @final
@@ -68,6 +73,22 @@ class AppHost:
             self._notifier = Notifier(self._main, self._notify_settings)
         return self._notifier
 
+    @cached_property
+    def kept_routines(self) -> KeptRoutines:
+        """The routines that the owner wrote by a command."""
+        from homebot.runtime.kept_routines import KeptRoutines  # noqa: PLC0415 - many homes have none
+
+        return KeptRoutines(self._app_stores().of(_KEPT_ROUTINES))
+
+    @property
+    def has_kept_routines(self) -> bool:
+        """True if there are any."""
+        return self._stores is not None and bool(self._stores.of(_KEPT_ROUTINES))
+
+    def with_kept_routines(self, config: Config) -> Config:
+        """Return *config* with the kept routines, if there are any."""
+        return self.kept_routines.added_to(config) if self.has_kept_routines else config
+
     async def read_stores(self, main: Node) -> None:
         """Read the stores of earlier runs; *main* runs the task that writes them."""
         self._main = main
@@ -106,6 +127,8 @@ class AppHost:
             yield f"the last notification was not sent: {self._notifier.trouble}"
         if self._stores is not None and self._stores.trouble:
             yield self._stores.trouble
+        if self.has_kept_routines:
+            yield from (f"the routine {app}: {one}" for app, one in self.kept_routines.problems.items())
 
     async def unknown_names(self) -> AsyncIterator[str]:
         """Yield the queries of apps whose names nothing in the house has."""

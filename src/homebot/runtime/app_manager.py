@@ -55,6 +55,7 @@ if TYPE_CHECKING:
 
 __all__ = ["AppManager", "PlannedApp"]
 
+LEFT_OUT = "app.left_out"
 LOADED = "app.loaded"
 UNLOADED = "app.unloaded"
 RELOADED = "app.reloaded"
@@ -123,6 +124,8 @@ class AppManager:
                 for one in planned:
                     if not is_cut():
                         await self._start(one)
+                if not is_cut() and self._host.has_kept_routines:
+                    await self._start_kept_routines()
             except UsageError as exc:
                 mistake = exc
             else:
@@ -221,7 +224,7 @@ class AppManager:
     def _routines(self) -> RoutineServices:
         from homebot.runtime.routine_services import RoutineServices  # noqa: PLC0415 - many homes have none
 
-        return RoutineServices(self._host)
+        return RoutineServices(self._host, self._host.kept_routines, self)
 
     def _list(self, _: AppsRequest) -> AppsResponse:
         running, crashes = self._host.running, self._supervisor.crashes
@@ -231,8 +234,20 @@ class AppManager:
     def _list_routines(self, request: RoutinesRequest) -> RoutinesResponse:
         return self._routines.list(request)
 
-    def _change_routine(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
-        return self._routines.change(request)
+    async def _change_routine(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
+        return await self._routines.change(request)
+
+    async def _start_kept_routines(self) -> None:
+        """Start the routines that the owner wrote by a command; a wrong one stays out."""
+        kept = self._host.kept_routines
+        for app in kept:
+            try:
+                planned, _ = await self._plan(app, is_new=True)
+                kept.check(app)
+                await self._start(planned)
+            except HomebotError as exc:
+                problem = kept.problems.setdefault(app, str(exc))
+                _log.warning(LEFT_OUT, message=f"the routine {app} does not run: {problem}", app=app)
 
     async def _plan(self, name: str, *, is_new: bool) -> tuple[PlannedApp, FreshCode]:
         self._planner = self._planner or self._make_planner()

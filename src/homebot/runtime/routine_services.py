@@ -1,44 +1,143 @@
-"""Services for clients about the routines that run."""
+"""Services for clients about the routines: those that run, and those that the owner keeps by a command."""
 
-from collections.abc import Iterator
-from typing import final
+from collections.abc import Iterator, Sequence
+from typing import Final, Protocol, final
 
 from homebot.clock import zone_name
 from homebot.devices.app_messages import (
     ChangeRoutineRequest,
     ChangeRoutineResponse,
+    RoutineInfo,
     RoutinesRequest,
     RoutinesResponse,
 )
+from homebot.errors import HomebotError, UsageError
 from homebot.routines.routine import Routine
+from homebot.routines.text import WrittenRoutine, read_routines
 from homebot.runtime.app_host import AppHost
+from homebot.runtime.kept_routines import KeptRoutines
 from homebot.support.folding import fold
+from homebot.support.logger import get_logger
 from homebot.support.similar import did_you_mean
 
 __all__ = ["RoutineServices"]
+
+CHANGED: Final = "routine.changed"
+
+_SOURCE: Final = "the text"
+_log = get_logger(node="/homebot")
+
+
+class _Apps(Protocol):
+    """The starts and stops of apps."""
+
+    async def load(self, name: str) -> str:
+        """Start an app."""
+
+    async def unload(self, name: str) -> str:
+        """Stop an app."""
+
+    async def reload(self, name: str) -> str:
+        """Restart an app with its current settings."""
 
 
 @final
 class RoutineServices:
     """Lists and changes the routines of *host*."""
 
-    def __init__(self, host: AppHost) -> None:
+    def __init__(self, host: AppHost, kept: KeptRoutines, apps: _Apps) -> None:
         self._host = host
+        self._kept = kept
+        self._apps = apps
 
     def list(self, _: RoutinesRequest) -> RoutinesResponse:
         """Return all routines."""
-        infos = tuple(one.info() for one in self._routines())
-        return RoutinesResponse(routines=infos, zone=zone_name(self._host.context.zone_name))
+        return RoutinesResponse(routines=tuple(self._infos()), zone=zone_name(self._host.context.zone_name))
 
-    def change(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
-        """Start a routine, or switch it on or off."""
-        known = {one.settings.name: one for one in self._routines()}
-        wanted = fold(request.name)
-        meant = [one for name, one in known.items() if wanted in {fold(name), fold(one.node.name)}]
+    async def change(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
+        """Start a routine, switch it on or off, or write it."""
+        try:
+            message = await self._change(request)
+        except HomebotError as exc:
+            return ChangeRoutineResponse(success=False, message=str(exc))
+        _log.info(CHANGED, message=f"{request.issuer or 'a program'} {message}", client=request.issuer)
+        return ChangeRoutineResponse(message=message)
+
+    async def _change(self, request: ChangeRoutineRequest) -> str:
+        if request.change == "new":
+            return await self._add(read_routines(request.text, _SOURCE))
+        meant = self._named(request.name)
+        match request.change:
+            case "edit":
+                return await self._edit(meant, request.text)
+            case "remove":
+                await self._remove(meant)
+                return f"removed {meant.name}"
+            case "enable":
+                self._kept.approve(meant.app)
+        running = self._host.running.get(meant.app)
+        if not isinstance(running, Routine):
+            raise UsageError(f"{meant.name} does not run: {meant.problem or 'it was unloaded'}")
+        return running.change(request.change)
+
+    async def _add(self, routines: Sequence[WrittenRoutine], proposed_by: str = "") -> str:
+        for one in routines:
+            if one.app in self._host.running or one.app in self._kept:
+                raise UsageError(f"a routine or app {one.app} is there already; choose another name, or edit that one")
+        for one in routines:
+            with self._kept.restored_on_error(one.app):
+                self._kept.put(one, proposed_by)
+                await self._apps.load(one.app)
+        return f"added {', '.join(one.name for one in routines)}"
+
+    async def _edit(self, meant: RoutineInfo, text: str) -> str:
+        self._check_kept(meant)
+        routines = read_routines(text, _SOURCE)
+        if len(routines) != 1:
+            raise UsageError(f"{_SOURCE} has {len(routines)} routines; {meant.name} is edited alone")
+        if routines[0].app != meant.app:
+            await self._add(routines)
+            await self._remove(meant)
+            return f"renamed {meant.name} to {routines[0].name}"
+        with self._kept.restored_on_error(meant.app):
+            self._kept.put(routines[0], meant.proposed_by)
+            await (self._apps.reload if meant.app in self._host.running else self._apps.load)(meant.app)
+        return f"changed {meant.name}"
+
+    async def _remove(self, meant: RoutineInfo) -> None:
+        self._check_kept(meant)
+        if meant.app in self._host.running:
+            await self._apps.unload(meant.app)
+        self._kept.remove(meant.app)
+        self._host.context.store_of(meant.app).clear()
+
+    def _check_kept(self, meant: RoutineInfo) -> None:
+        if not meant.is_kept:
+            raise UsageError(
+                f"{meant.name} is in the configuration; change it there, and then: homebot app reload {meant.app}"
+            )
+
+    def _named(self, name: str) -> RoutineInfo:
+        """Return the routine with the name, or the name of the app, *name*.
+
+        Raises:
+            UsageError: There is none.
+        """
+        known = {one.name: one for one in self._infos()}
+        meant = [one for one in known.values() if fold(name) in {fold(one.name), fold(one.app)}]
         if not meant:
-            hint = did_you_mean(request.name, known, f"routines are {', '.join(known) or 'none'}")
-            return ChangeRoutineResponse(success=False, message=f"there is no routine {request.name!r}; {hint}")
-        return ChangeRoutineResponse(message=meant[0].change(request.change))
+            hint = did_you_mean(name, known, f"routines are {', '.join(known) or 'none'}")
+            raise UsageError(f"there is no routine {name!r}; {hint}")
+        return meant[0]
 
-    def _routines(self) -> Iterator[Routine]:
-        return (one for one in tuple(self._host.running.values()) if isinstance(one, Routine))
+    def _infos(self) -> Iterator[RoutineInfo]:
+        running = {name: one for name, one in tuple(self._host.running.items()) if isinstance(one, Routine)}
+        for app, routine in running.items():
+            more: dict[str, object] = {"proposed_by": self._kept.proposed_by(app)}
+            if app in self._kept:
+                more |= {"is_kept": True, "text": self._kept.text(app)}
+            yield routine.info().model_copy(update=more)
+        for app in self._kept:
+            if app not in running:
+                problem = self._kept.problems.get(app, "it does not run; `homebot app list` says why")
+                yield RoutineInfo(name=app, app=app, is_kept=True, text=self._kept.text(app), problem=problem)

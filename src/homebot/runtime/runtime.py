@@ -189,7 +189,7 @@ class Runtime:
         return MachinesOnWire(self._plan.home, self._plan.own_gateways)
 
     def _planner(self) -> AppPlanner:
-        return AppPlanner(self._read, self._plan.grants, self.apps)
+        return AppPlanner(lambda: self.app_host.with_kept_routines(self._read()), self._plan.grants, self.apps)
 
     def _make_plan(self, config: Config) -> Plan:
         if self._house is not None:
@@ -283,7 +283,7 @@ class Runtime:
         if not self._start_is_cut:
             greeting = self._plan.greeting(None if self.door is None else self.door.page, is_dry_run=self.is_dry_run)
             _log.info(RUNNING, message=greeting, gateways=len(gateways), apps=len(self._plan.apps))
-            text = self.app_manager.running_text(self._plan.apps)
+            text = self.app_manager.running_text(self.app_manager.apps)
             _log.info(APPS, message=text, names=[app.name for app in self._plan.apps])
             # Loaded last: it takes longer than other parts of the start, and clients need a handshake first.
             await stack.enter_async_context(self.supervisor.running("rosapi", self._rosapi, ""))

@@ -12,6 +12,7 @@ from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.local_time import next_text, zone_of
 from homebot.cli.terminal import print_line, print_table
+from homebot.cli.text_editor import edited, read_text
 from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES
 from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.devices.wording.time_format import ago
@@ -31,15 +32,30 @@ _EXAMPLES = """\
   homebot routine run 'Hall light'         start it now, whatever its conditions
   homebot routine disable 'Hall light'     do not let it start any more, also after a restart
   homebot routine enable 'Hall light'
+  homebot routine new evening.toml         add the routines of a file; without one, write one in your editor
+  homebot routine edit 'Hall light'        change it in your editor
+  homebot routine remove 'Hall light'
   homebot routine try new.toml --on day.jsonl.gz    what the routines of a file would have done on a recorded day
 
-Routines are the tables [[routines]] of homebot.toml; `homebot app reload hall_light` reads one again. `run`, `enable`
-and `disable` need the right `manage`.
+Routines are the tables [[routines]] of homebot.toml, which you change there (`homebot app reload hall_light` reads one
+again), and those that `new` adds, which homebot keeps. All but `list`, `show` and `try` need the right `manage`.
 """
+
+_TEMPLATE = """\
+[[routines]]
+name = ""
+when = [""]   # any of: "hall motion occupied", "22:00 on weekdays", "sunset - 30m", "hall button press"
+if = []       # all of: "sun is down", "nobody in study", "after 22:00"
+do = [""]     # "hall lamp on, 20 %", "wait 5m", "wait until hall motion clear for 2m, at most 30m", "undo"
+"""
+
+_LONGEST = 60.0
+"""Seconds: an app may take ten to stop and ten to start, twice if it is rolled back."""
 
 _CHANGES = {
     "run": "start a routine now, whatever its conditions",
     "enable": "let a routine start",
+    "remove": "remove a routine that `new` added",
     "disable": "do not let a routine start any more, and stop it",
 }
 
@@ -56,6 +72,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_command(command, _try, _EXAMPLES)
     command.add_argument("file", metavar="FILE", help="configuration with the routines")
     command.add_argument("--on", metavar="RECORDING", nargs="+", required=True, help="recording of `homebot record`")
+    command = add_verb(verbs, "new", "add routines, which homebot keeps")
+    set_door_command(command, _new, _EXAMPLES)
+    command.add_argument("file", metavar="FILE", nargs="?", help="tables [[routines]]; - for the standard input")
+    command = add_verb(verbs, "edit", "change a routine that `new` added")
+    set_door_command(command, _edit, _EXAMPLES)
+    command.add_argument("name", metavar="NAME", help="its name")
+    command.add_argument("file", metavar="FILE", nargs="?", help="its new text; - for the standard input")
     for change, summary in _CHANGES.items():
         command = add_verb(verbs, change, summary)
         set_door_command(command, partial(_change, change), _EXAMPLES)
@@ -81,24 +104,34 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
         rows = [(printable(one.name), _state(one), next_text(one.next, now, zone)) for one in answer.routines]
         print_table(("ROUTINE", "STATE", "NEXT"), rows, if_any=("NEXT",))
     else:
-        print("there is no routine; write one as a table [[routines]] in homebot.toml")
+        print("there is no routine; write one: homebot routine new")
     return 0
 
 
 def _state(routine: RoutineInfo) -> str:
+    if routine.problem:
+        return f"wrong: {printable(routine.problem, 200)}"
     if not routine.enabled:
-        return "disabled"
+        return f"proposed by {printable(routine.proposed_by)}" if routine.proposed_by else "disabled"
     last = printable(routine.notes[-1].text, 100) if routine.notes else "waiting"
     return "running" if routine.is_running else last
 
 
-def _show(door: DoorClient, options: argparse.Namespace) -> int:
+def _named(door: DoorClient, name: str) -> RoutineInfo:
     routines = {one.name: one for one in _routines(door).routines}
-    wanted = fold(options.name)
-    found = next((one for one in routines.values() if wanted in {fold(one.name), fold(one.app)}), None)
+    found = next((one for one in routines.values() if fold(name) in {fold(one.name), fold(one.app)}), None)
     if found is None:
-        hint = did_you_mean(options.name, routines, f"routines are {', '.join(routines) or 'none'}")
-        raise UsageError(f"there is no routine {options.name!r}; {hint}")
+        hint = did_you_mean(name, routines, f"routines are {', '.join(routines) or 'none'}")
+        raise UsageError(f"there is no routine {name!r}; {hint}")
+    return found
+
+
+def _show(door: DoorClient, options: argparse.Namespace) -> int:
+    found = _named(door, options.name)
+    if found.problem:
+        print_line(f"{printable(found.name)} does not run: {printable(found.problem, 500)}", "yellow")
+        print(printable(found.text, 5000))
+        return 0
     print_line(f"{printable(found.name)}{'' if found.enabled else ', disabled'} ({found.mode})")
     for word, texts in (("when", found.when), ("if", found.conditions), ("do", found.steps)):
         for text in texts:
@@ -109,9 +142,37 @@ def _show(door: DoorClient, options: argparse.Namespace) -> int:
     return 0
 
 
+def _new(door: DoorClient, options: argparse.Namespace) -> int:
+    return _write(door, {"change": "new"}, options.file, _TEMPLATE)
+
+
+def _edit(door: DoorClient, options: argparse.Namespace) -> int:
+    found = _named(door, options.name)
+    if not found.is_kept and options.file is None:
+        raise UsageError(f"{found.name} is in the configuration; change it there: homebot app reload {found.app}")
+    return _write(door, {"change": "edit", "name": found.name}, options.file, found.text)
+
+
+def _write(door: DoorClient, request: dict[str, object], file: str | None, text: str) -> int:
+    """Send the text of *file*, or *text* as it is edited, which is kept if it has a mistake."""
+    if file is not None:
+        return _ask(door, {**request, "text": read_text(file)})
+    text, path = edited(text)
+    try:
+        _ask(door, {**request, "text": text})
+    except PeerError as exc:
+        raise UsageError(f"{exc}; your text is in {path}") from exc
+    path.unlink()
+    return 0
+
+
 def _change(change: str, door: DoorClient, options: argparse.Namespace) -> int:
-    answer = door.call(CHANGE_ROUTINE, {"name": options.name, "change": change})
-    text = printable(str(answer["message"]), 500)
+    return _ask(door, {"name": options.name, "change": change})
+
+
+def _ask(door: DoorClient, request: dict[str, object]) -> int:
+    answer = door.call(CHANGE_ROUTINE, request, timeout=_LONGEST)
+    text = printable(str(answer["message"]), 2000)
     if not answer["success"]:
         raise PeerError(text)
     print(text)

@@ -1,0 +1,71 @@
+"""Routines as text: tables ``[[routines]]``. Pure."""
+
+import re
+from collections.abc import Mapping
+from typing import Final, NamedTuple
+
+from homebot.config import Table, parse_config, parse_settings
+from homebot.errors import ConfigError
+from homebot.routines.settings import RoutineSettings
+from homebot.support.toml_file import parse_toml
+from homebot.support.toml_text import toml_value
+
+__all__ = ["WrittenRoutine", "read_routines", "routine_text"]
+
+_HEAD: Final = re.compile(r"^(?=[ \t]*\[\[\s*routines\s*\]\])", re.MULTILINE)
+_WIDTH: Final = 100
+
+
+class WrittenRoutine(NamedTuple):
+    """A routine as it was written.
+
+    Attributes:
+        app: The name of its node.
+        text: Its table, with the comments in it.
+    """
+
+    app: str
+    name: str
+    table: Table
+    text: str
+
+
+def read_routines(text: str, source: str) -> tuple[WrittenRoutine, ...]:
+    """Return the routines in *text*: tables ``[[routines]]``, or the keys of one.
+
+    Raises:
+        ConfigError: It has none, has other tables, or a mistake; names the first one.
+    """
+    tables = parse_toml(text, source)
+    if "name" in tables:
+        tables, text = {"routines": [tables]}, f"[[routines]]\n{text}"
+    if others := tables.keys() - {"routines"}:
+        raise ConfigError(source, min(others), "is no part of a routine; write [[routines]], name, when, if and do")
+    apps = parse_config(tables, source).apps
+    if not apps:
+        raise ConfigError(source, "", "has no table [[routines]]")
+    head, *rest = _HEAD.split(text)
+    texts = [f"{head}{rest[0]}", *rest[1:]] if rest else [head]
+    if len(texts) != len(apps):
+        raise ConfigError(
+            source, "routines", "must be written as tables with the head [[routines]] in a line of its own"
+        )
+    return tuple(map(_checked, [source] * len(apps), apps, apps.values(), texts))
+
+
+def _checked(source: str, app: str, table: Table, text: str) -> WrittenRoutine:
+    name = parse_settings(RoutineSettings, table, source, f"routines.{app}").name
+    return WrittenRoutine(app, name, table, f"{text.strip()}\n")
+
+
+def routine_text(table: Mapping[str, object]) -> str:
+    """Return *table* as TOML, as a person would write it."""
+    return "".join(("[[routines]]\n", *(f"{key} = {_lines(value)}\n" for key, value in table.items())))
+
+
+def _lines(value: object) -> str:
+    """Return *value* on one line if it is short, else each of its elements on its own."""
+    line = toml_value(value)
+    if not isinstance(value, list | tuple) or len(line) <= _WIDTH:
+        return line
+    return f"[\n{''.join(f'    {toml_value(one)},{chr(10)}' for one in value)}]"

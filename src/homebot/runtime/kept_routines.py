@@ -1,0 +1,109 @@
+"""The routines that people wrote by a command; they are kept with the values of the apps."""
+
+from collections.abc import Iterator, MutableMapping
+from contextlib import contextmanager
+from typing import Any, Final, final
+
+from homebot.config import Config
+from homebot.errors import ConfigError, UsageError
+from homebot.routines.text import WrittenRoutine, read_routines
+
+__all__ = ["KeptRoutines"]
+
+_MOST: Final = 300
+_MOST_PROPOSED: Final = 20
+
+
+@final
+class KeptRoutines:
+    """The kept routines.
+
+    Args:
+        store: By the name of its app, the text of each, and who proposed it; empty for an approved one.
+
+    Attributes:
+        problems: Why a routine does not run, by the name of its app.
+    """
+
+    def __init__(self, store: MutableMapping[str, Any]) -> None:
+        self._store = store
+        self.problems: dict[str, str] = {}
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(tuple(self._store))
+
+    def __contains__(self, app: object) -> bool:
+        return app in self._store
+
+    def text(self, app: str) -> str:
+        """Return the text of a routine."""
+        return str(self._store[app]["text"])
+
+    def proposed_by(self, app: str) -> str:
+        """Return the client that proposed a routine; empty if it is not kept, or a person approved it."""
+        return str(self._store[app]["by"]) if app in self._store else ""
+
+    def put(self, routine: WrittenRoutine, proposed_by: str = "") -> None:
+        """Keep *routine* in place of one of its name.
+
+        Raises:
+            UsageError: There are too many, or too many proposals.
+        """
+        is_new = routine.app not in self
+        if is_new and len(self._store) >= _MOST:
+            raise UsageError(
+                f"{_MOST} routines are kept, which is the limit; remove one, or write it into homebot.toml"
+            )
+        if is_new and proposed_by and sum(bool(self.proposed_by(one)) for one in self) >= _MOST_PROPOSED:
+            raise UsageError(f"{_MOST_PROPOSED} proposals wait for the owner, which is the limit")
+        self._store[routine.app] = {"text": routine.text, "by": proposed_by}
+        self.problems.pop(routine.app, None)
+
+    @contextmanager
+    def restored_on_error(self, app: str) -> Iterator[None]:
+        """Bring back what was kept of *app* if the block fails."""
+        before = self._store.get(app)
+        try:
+            yield
+        except BaseException:
+            self.remove(app)
+            if before is not None:
+                self._store[app] = dict(before)
+            raise
+
+    def approve(self, app: str) -> None:
+        """Make a proposal the owner's."""
+        if self.proposed_by(app):
+            self._store[app] = {"text": self.text(app), "by": ""}
+
+    def check(self, app: str) -> None:
+        """Refuse a routine with a problem.
+
+        Raises:
+            UsageError: It has one.
+        """
+        if app in self.problems:
+            raise UsageError(self.problems[app])
+
+    def remove(self, app: str) -> None:
+        """Remove a routine."""
+        self._store.pop(app, None)
+        self.problems.pop(app, None)
+
+    def added_to(self, config: Config) -> Config:
+        """Return *config* with these routines, but without those that are wrong, or whose names it has itself."""
+        found = {}
+        for app in self:
+            try:
+                found[app] = self._read(app).table
+            except ConfigError as exc:
+                self.problems[app] = str(exc)
+            if app in config.apps:
+                self.problems[app] = f"{config.source} has a routine or app {app} too; rename or remove one of them"
+        return config.model_copy(update={"apps": found | config.apps})
+
+    def _read(self, app: str) -> WrittenRoutine:
+        (routine,) = read_routines(self.text(app), f"the routine {app}")
+        if self.proposed_by(app):
+            return routine._replace(table=routine.table | {"enabled": False})
+        return routine

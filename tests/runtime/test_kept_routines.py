@@ -1,0 +1,147 @@
+"""Routines that the owner writes by a command while homebot runs."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+from structlog.testing import capture_logs
+
+from homebot.config import parse_config
+from homebot.devices.app_messages import (
+    ChangeRoutine,
+    ChangeRoutineRequest,
+    ChangeRoutineResponse,
+    ListRoutines,
+    RoutineChange,
+    RoutineInfo,
+    RoutinesRequest,
+)
+from homebot.devices.health import GetHealth, HealthRequest
+from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES, RUNTIME_HEALTH
+from homebot.graph import Node
+from homebot.runtime import Runtime
+
+pytestmark = pytest.mark.virtual_time
+
+EVENING = '[[routines]]\nname = "Evening"  # when it is late\nwhen = ["22:30"]\ndo = ["all lights off"]\n'
+MORNING = 'name = "Morning"\nwhen = ["7:00"]\ndo = ["all lights on"]\n'
+CONFIGURED = {"name": "Noon", "when": ["12:00"], "do": ["all lights off"]}
+
+
+class Owner:
+    """What a client of the running homebot asks of it."""
+
+    def __init__(self, node: Node) -> None:
+        self._change = node.create_client(ChangeRoutine, CHANGE_ROUTINE)
+        self._list = node.create_client(ListRoutines, LIST_ROUTINES)
+        self._health = node.create_client(GetHealth, RUNTIME_HEALTH)
+
+    async def change(self, change: RoutineChange, name: str = "", text: str = "") -> ChangeRoutineResponse:
+        return await self._change.call(ChangeRoutineRequest(name=name, change=change, text=text))
+
+    async def routines(self) -> dict[str, RoutineInfo]:
+        return {one.name: one for one in (await self._list.call(RoutinesRequest())).routines}
+
+    async def troubles(self) -> str:
+        return "\n".join((await self._health.call(HealthRequest())).troubles)
+
+
+@asynccontextmanager
+async def homebot(folder: Path, **tables: object) -> AsyncIterator[Owner]:
+    config = parse_config({"routines": [CONFIGURED], **tables}, "homebot.toml")
+    async with (
+        Runtime(config, with_door=False, index_file=folder / "index.sqlite") as runtime,
+        Node(runtime.graph, "owner") as node,
+    ):
+        yield Owner(node)
+
+
+async def test_a_new_one_runs_at_once_and_after_a_restart_with_its_comments(tmp_path: Path) -> None:
+    async with homebot(tmp_path) as owner:
+        answer = await owner.change("new", text=EVENING)
+        assert answer.message == "added Evening"
+        assert (await owner.routines())["Evening"].next.sec
+    async with homebot(tmp_path) as owner:
+        found = (await owner.routines())["Evening"]
+        assert (found.text, found.is_kept, found.next.sec > 0) == (EVENING, True, True)
+
+
+async def test_several_are_added_at_once_or_none(tmp_path: Path) -> None:
+    async with homebot(tmp_path) as owner:
+        wrong = await owner.change("new", text=f"{EVENING}[[routines]]\n{MORNING.replace('7:00', '27:00')}")
+        assert "routines.morning.when.0: '27:00' is not a time of day" in wrong.message
+        assert [*await owner.routines()] == ["Noon"]
+        answer = await owner.change("new", text=f"# mine\n{EVENING}\n[[routines]]\n{MORNING}")
+        assert answer.message == "added Evening, Morning"
+        assert (await owner.routines())["Morning"].text == f"[[routines]]\n{MORNING}"
+
+
+async def test_it_is_edited_renamed_and_removed(tmp_path: Path) -> None:
+    async with homebot(tmp_path) as owner:
+        await owner.change("new", text=EVENING)
+        await owner.change("disable", "Evening")
+        assert (await owner.change("edit", "evening", EVENING.replace("22:30", "23:30"))).message == "changed Evening"
+        found = (await owner.routines())["Evening"]
+        assert (found.when, found.enabled) == (("23:30",), False)
+        renamed = await owner.change("edit", "Evening", EVENING.replace("Evening", "Late"))
+        assert renamed.message == "renamed Evening to Late"
+        assert (await owner.change("remove", "Late")).message == "removed Late"
+        assert [*await owner.routines()] == ["Noon"]
+        await owner.change("new", text=EVENING)
+        assert (await owner.routines())["Evening"].enabled
+
+
+async def test_a_wrong_text_leaves_the_old_one(tmp_path: Path) -> None:
+    async with homebot(tmp_path) as owner:
+        await owner.change("new", text=EVENING)
+        answer = await owner.change("edit", "Evening", EVENING.replace("off", "of"))
+        assert not answer.success
+        assert "did you mean off" in answer.message
+        assert (await owner.routines())["Evening"].text == EVENING
+
+
+@pytest.mark.parametrize(
+    ("change", "name", "text", "problem"),
+    [
+        ("new", "", EVENING.replace("Evening", "Noon"), "a routine or app noon is there already"),
+        ("new", "", EVENING.replace("Evening", "Apps"), "is the name of one of homebot's own nodes"),
+        ("new", "", f'{EVENING}act = "lock"\n', "routines.evening.act: unknown key"),
+        ("new", "", f"{EVENING}[door]\n", "the text: door: is no part of a routine"),
+        ("new", "", "", "has no table"),
+        ("new", "", "name = ", "is invalid TOML"),
+        (
+            "new",
+            "",
+            "routines = [{name = 'A', when = ['7:00'], do = ['x on']}, {name = 'B', when = ['8:00'], do = ['x on']}]",
+            "in a line of its own",
+        ),
+        ("edit", "Noon", EVENING, "Noon is in the configuration; change it there"),
+        ("remove", "Noon", "", "Noon is in the configuration; change it there"),
+        ("edit", "Nune", EVENING, "there is no routine 'Nune'; did you mean Noon?"),
+    ],
+)
+async def test_what_is_not_possible_says_why(
+    tmp_path: Path, change: RoutineChange, name: str, text: str, problem: str
+) -> None:
+    async with homebot(tmp_path) as owner:
+        answer = await owner.change(change, name, text)
+        assert (problem in answer.message, answer.success) == (True, False), answer.message
+        assert [*await owner.routines()] == ["Noon"]
+
+
+async def test_one_that_is_wrong_now_stays_out_alone_and_is_told(tmp_path: Path) -> None:
+    """Its name was given to a routine in the configuration afterwards."""
+    async with homebot(tmp_path) as owner:
+        await owner.change("new", text=EVENING)
+        await owner.change("new", text=MORNING)
+    with capture_logs() as lines:
+        async with homebot(tmp_path, routines=[CONFIGURED | {"name": "Evening"}]) as owner:
+            found = await owner.routines()
+            assert [*found] == ["Evening", "Morning"]
+            assert found["Evening"].when == ("12:00",)
+            problem = "homebot.toml has a routine or app evening too; rename or remove one of them"
+            assert f"the routine evening: {problem}" in await owner.troubles()
+            assert [one["message"] for one in lines if one["event"] == "app.left_out"] == [
+                f"the routine evening does not run: {problem}"
+            ]
