@@ -890,7 +890,7 @@ async def test_what_a_gateway_cannot_send_in_time_does_not_happen_later(home: Ho
     assert isinstance(outcome, NoAnswer)
     assert (outcome.waited, outcome.text) == (
         10,
-        "not sent: on_off was not sent to lamp: lamp was not reached within 10 s",
+        "not sent: on_off of lamp: lamp was not reached within 10 s",
     )
     await anyio.sleep(60)
     assert lamp.on is None

@@ -104,9 +104,12 @@ async def test_devices_are_unreachable_while_their_machine_is_away_and_commands_
         async with machines.running_second():
             await becomes(changes, reachable=True)
         lost = await becomes(changes, reachable=False)
-        assert "attic is unavailable: the machine attic" in lost.reachable.why
+        assert "attic is unavailable: its machine does not answer" in lost.reachable.why
         answer = await commanded(tester, "on")
-        assert "was not sent to lights/philips165: the machine attic" in answer.results[0].result.text
+        assert (
+            answer.results[0].result.text == "not sent: on_off of lights/philips165: its machine does not answer; "
+            "is homebot running there, with this name and home, in the same version?"
+        )
         async with machines.running_second():
             await becomes(changes, reachable=True)
 

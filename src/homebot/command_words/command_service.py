@@ -110,7 +110,7 @@ class CommandService:
         else:
             outcome = await self._commands.perform(_part_request(request, device, part, parsed))
         result = CommandResult.of(outcome)
-        if isinstance(outcome, NoAnswer) and (reason := await self._why_unreachable(device)):
+        if isinstance(outcome, NoAnswer) and outcome.was_sent and (reason := await self._why_unreachable(device)):
             result = result.model_copy(update={"text": f"{result.text}; {reason}"})
         return CommandedPart(device=device.id, name=part_name(device, part), part=part.id, result=result), outcome
 

@@ -105,7 +105,7 @@ def _error(capability: str, device: str, failures: Sequence[SendCommandResponse]
         return UnansweredError(f"{capability} was sent to {device}: {silent[-1]}")
     if away := [one for one in failures if one.problem == "unreachable"]:
         lost = [one for one in away if not one.unable] or away[:1]  # a gateway that runs knows more
-        return LinkError(f"{capability} was not sent to {device}: {lost[-1].message}")
+        return LinkError(f"{capability} of {device}: {lost[-1].message}")
     return RefusedError(f"{capability} of {device}", failures[0].message + hint)
 
 

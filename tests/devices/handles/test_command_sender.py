@@ -38,7 +38,7 @@ async def test_a_command_goes_by_the_best_way_that_can_do_it(house: House) -> No
     house.answers["third"] = house.answers["other"]
     assert "on_off of a was refused: no such word" in (await light.turn_on()).text
     house.answers["third"] = SendCommandResponse(success=False, message="no link", problem="unreachable")
-    assert "on_off was not sent to a: no link" in (await light.turn_on()).text
+    assert "on_off of a: no link" in (await light.turn_on()).text
 
 
 async def test_a_command_that_had_no_effect_is_repeated_by_the_next_route(house: House) -> None:

@@ -476,7 +476,7 @@ async def test_a_command_goes_by_the_first_gateway_that_is_there(house: House) -
     """And by the next one when that has no link; never by two."""
     house.has(house.device("a", house.part("plug", "on_off", gateways=["native", "other"])))
     (plug,) = await house.devices.find(Plug)
-    assert "on_off was not sent to a: its gateway native is not running" in (await plug.turn_on()).text
+    assert "on_off of a: its gateway native is not running" in (await plug.turn_on()).text
     house.gateway("other")
     await plug.turn_on()
     native = house.gateway("native")
@@ -484,7 +484,7 @@ async def test_a_command_goes_by_the_first_gateway_that_is_there(house: House) -
     house.answers["native"] = SendCommandResponse(success=False, message="no link", problem="unreachable")
     await plug.turn_on()
     house.answers["other"] = house.answers["native"]
-    assert "on_off was not sent to a: no link" in (await plug.turn_on()).text
+    assert "on_off of a: no link" in (await plug.turn_on()).text
     native.close()
     assert [(one[0], one[3]) for one in house.told] == [("other", True), ("native", False), ("other", True)]
 
@@ -527,7 +527,7 @@ async def test_a_gateway_that_fails_is_a_link_that_is_not_there(house: House) ->
     house.gateway("native")
     house.failing.add("native")
     (plug,) = await house.devices.find(Plug)
-    assert "on_off was not sent to a: service /gateway/native/send_command failed: " in (await plug.turn_on()).text
+    assert "on_off of a: service /gateway/native/send_command failed: " in (await plug.turn_on()).text
     house.gateway("other")
     await plug.turn_on()
     assert [one[0] for one in house.told] == ["other"]

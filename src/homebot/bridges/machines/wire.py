@@ -81,7 +81,7 @@ class MachineWire:
             answer = await self.session.ask(key, data + proof, attachment, longest)
         if answer is None:
             raise LinkError(
-                "it does not answer; is homebot running there, with this name and home, in the same version?"
+                "its machine does not answer; is homebot running there, with this name and home, in the same version?"
             )
         if isinstance(answer, str):
             raise PeerError(answer[:500])

@@ -70,7 +70,7 @@ class MachineGateway(Gateway):
     def __init__(self, node: Node, settings: MachineGatewaySettings, context: GatewayContext | None = None) -> None:
         super().__init__(node, settings, context)
         self._settings, self._may_act = settings, self.acts
-        self._problem = "it was not reached yet"
+        self._problem = "its machine was not reached yet"
         self._machine = settings.machine or node.name
         self._link: MachineLink | None = None
         self._mirror = Mirror(self)
@@ -103,7 +103,7 @@ class MachineGateway(Gateway):
                 try:
                     await self._follow(task_status)
                 except HomebotError as exc:
-                    self._problem = f"the machine {self._machine}: {exc}"
+                    self._problem = str(exc)
                 self.publish_state("unavailable", self._problem)
                 self._mirror.on_link_loss()
                 self.mark_ready(task_status)
@@ -198,7 +198,7 @@ class MachineGateway(Gateway):
         try:
             health = message_from_cdr(HealthResponse, await self._call("health", request))
         except HomebotError as exc:
-            return HealthResponse(counts=own, troubles=(str(exc),))
+            return HealthResponse(counts=own, troubles=() if self._problem else (str(exc),))
         quarantined = tuple(one.model_copy(update={"gateway": self.node.name}) for one in health.quarantined)
         return health.model_copy(update={"counts": (*health.counts, *own), "quarantined": quarantined})
 

@@ -62,9 +62,9 @@ class MachineLink:
             found = (await self._wire.ask(name, GetGateways, GetGatewaysRequest(), _LATE)).names
             if len(found) != 1:
                 has = (
-                    f"it has the gateways {', '.join(found)}; name"
+                    f"its machine has the gateways {', '.join(found)}; name"
                     if found
-                    else "it has no gateways yet; add one, and name"
+                    else "its machine has no gateways yet; add one, and name"
                 )
                 raise UsageError(f'{has} it here, as in gateway = "mqtt", and each in a table of its own')
             self._gateway = found[0]
