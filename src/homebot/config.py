@@ -9,6 +9,7 @@
     url = "mqtt://192.168.1.10"
     [apps.light_service]             # one table per app
     [[routines]]                     # one table per routine: when, if, do
+    [people.Anna]                    # one table per person: the phones that tell who is at home
     [door]                           # where tools reach this homebot
     [discovery]
     [control]                        # how long commands wait for devices to answer
@@ -55,6 +56,7 @@ from homebot.support.similar import did_you_mean, unknown_key
 from homebot.units import DURATION
 
 __all__ = [
+    "PEOPLE",
     "ROUTINE",
     "UNNAMED",
     "AlertKey",
@@ -210,8 +212,8 @@ def load_tables(path: Path, *, may_be_cut: bool = False) -> dict[str, object]:
             raise ConfigError(
                 source,
                 name,
-                "unknown key; known are home, gateways, apps, routines, door, discovery, control, history, notify, "
-                "alerts, places, devices, robots, ros",
+                "unknown key; known are home, gateways, apps, routines, people, door, discovery, control, history, "
+                "notify, alerts, places, devices, robots, ros",
             )
     return tables
 
@@ -229,6 +231,7 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
     for name in _GONE.keys() & tables.keys():
         raise ConfigError(source, name, _GONE[name])
     tables = _with_routines(tables, source) if "routines" in tables else tables
+    tables = _with_people(tables, source) if PEOPLE in tables else tables
     config = parse_settings(Config, {**tables, "source": source, "folder": str(folder)}, source, "")
     for section, names in (("gateways", config.gateways), ("apps", config.apps), ("robots", config.robots)):
         for name in names:
@@ -262,6 +265,21 @@ def _with_routines(tables: Mapping[str, object], source: str) -> dict[str, objec
             raise ConfigError(source, f"routines.{number}.name", f"{name!r} is also the name of another routine or app")
         found[app] = {**table, "class": ROUTINE}
     return {**others, "apps": found}
+
+
+PEOPLE: Final = "people"
+"""The plug-in that the tables ``[people.NAME]`` are the gateway of."""
+
+
+def _with_people(tables: Mapping[str, object], source: str) -> dict[str, object]:
+    """Return *tables* with the people as a gateway of that name."""
+    others = dict(tables)
+    people, gateways = others.pop(PEOPLE), others.get("gateways", {})
+    if not isinstance(gateways, dict):
+        return others  # reported with the other tables
+    if PEOPLE in gateways:
+        raise ConfigError(source, "gateways.people", "is the name of the gateway of [people]; choose another name")
+    return {**others, "gateways": {**gateways, PEOPLE: {"class": PEOPLE, PEOPLE: people}}}
 
 
 def parse_settings(

@@ -65,6 +65,8 @@ _TYPES = (
     DeviceType("video_player", (0x0028,), ("tv", "television")),
     DeviceType("x_scene", (), ("scene",)),
     DeviceType("x_robot", (), ("robot",)),
+    DeviceType("x_person", (), ("person", "people")),
+    DeviceType("x_household", (), ("household", "family")),
     DeviceType("x_tracker", (), ("tracker", "device tracker")),
     DeviceType("x_tag", (), ("tag", "nfc tag", "rfid tag")),
     DeviceType("x_tag_reader", (), ("tag reader", "nfc reader", "rfid reader")),

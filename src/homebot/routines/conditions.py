@@ -4,7 +4,9 @@ import re
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
+from homebot.routines.people import check_known, read_person
 from homebot.routines.times import TimeSpan, read_days_of_week
 from homebot.routines.triggers import Becomes, read_state
 
@@ -61,8 +63,10 @@ def read_condition(text: str) -> Condition:
     if (found := _NOBODY.fullmatch(plain)) is not None:
         seen = _IN_BED if found["sleeps"] else _PRESENCE
         return Matches(read_state(f"{seen} {found['room']}"), found["word"].casefold() == "nobody")
-    none = _NONE.fullmatch(plain)
+    none = None if read_person(plain) else _NONE.fullmatch(plain)
     state = read_state(none["state"] if none else plain)
+    if none is not None:
+        check_known(text, Not(state.query))
     if state.lasting:
         raise UsageError(f"{text!r}: a condition holds now; only `when` and `wait until` can ask for how long")
     return Matches(state, none is not None)

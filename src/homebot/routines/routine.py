@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any, Final, assert_never, final
 
+import anyio
+
 from homebot.apps import App
 from homebot.apps.run_modes import HandlerRuns
 from homebot.devices.app_messages import RoutineChange, RoutineInfo, RoutineNote
@@ -22,8 +24,8 @@ from homebot.routines.run import RoutineRun
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.text import routine_text
 from homebot.routines.times import DaysAndTime, SunMoment, TimeSpan
-from homebot.routines.triggers import Becomes, Press, RobotArrival, read_trigger
-from homebot.routines.watches import ArrivalWatch, PressWatch, begun
+from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
+from homebot.routines.watches import ArrivalWatch, PersonWatch, PressWatch, begun
 
 __all__ = ["Routine"]
 
@@ -65,6 +67,8 @@ class Routine(App[RoutineSettings]):
                     self.start_task(partial(self._follow, trigger, since))
                 case Press():
                     PressWatch(self.node, trigger, self._start)
+                case PersonMoves():
+                    PersonWatch(self.node, trigger, self._start)
                 case RobotArrival():
                     ArrivalWatch(self.node, trigger, self._start)
                 case _:
@@ -72,6 +76,7 @@ class Routine(App[RoutineSettings]):
         kept: dict[str, Any] | None = self.store.get("run")
         if kept is not None and kept.get("steps") == [*self._steps]:  # else its place is that of another step now
             self._runs.start(partial(self._perform, kept["place"], kept["until"], dict(kept["before"])))
+        await anyio.sleep_forever()  # an app ends with its tasks, and presses and arrivals need none
 
     @property
     def is_enabled(self) -> bool:

@@ -7,6 +7,7 @@ from typing import Final, TypeAlias
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import Query, StateIs, leaves, split_near
 from homebot.errors import UsageError
+from homebot.routines.people import AT_HOME, check_known, may_begin, read_move, read_person
 from homebot.routines.times import DaysAndTime, SunMoment, read_duration
 
 __all__ = ["Becomes", "Press", "RobotArrival", "Trigger", "read_state", "read_trigger"]
@@ -57,7 +58,16 @@ class RobotArrival:
     leaves: bool = False
 
 
-Trigger: TypeAlias = Becomes | Press | RobotArrival | DaysAndTime | SunMoment
+@dataclass(frozen=True, slots=True)
+class PersonMoves:
+    """A person, or the first or last of a household, who was known to be elsewhere, comes home or leaves."""
+
+    text: str
+    query: Query
+    is_home: bool
+
+
+Trigger: TypeAlias = Becomes | Press | RobotArrival | PersonMoves | DaysAndTime | SunMoment
 
 
 def read_trigger(text: str) -> Trigger:
@@ -70,11 +80,17 @@ def read_trigger(text: str) -> Trigger:
     moment = DaysAndTime.read(plain) or SunMoment.read(plain)
     if moment is not None:
         return moment
+    person = read_move(plain) or read_person(plain)
+    if person is not None:
+        return PersonMoves(plain, person.who, person.is_home)
     if (found := _ARRIVAL.fullmatch(plain)) is not None:
         return RobotArrival(found["robot"].casefold(), found["room"], leaves=found["word"].casefold() == "leaves")
     if (pressed := _PRESS.fullmatch(plain)) is not None:
         return Press(plain, parse_query(pressed["query"]), (pressed["value"] or "").casefold())
-    return read_state(plain)
+    state = read_state(plain)
+    if AT_HOME in state.capabilities and not (state.lasting and may_begin(state.query)):
+        raise UsageError(f"{text!r} may only have been unknown before; start by 'Anna arrives' or 'everybody has left'")
+    return state
 
 
 def read_state(text: str) -> Becomes:
@@ -85,15 +101,18 @@ def read_state(text: str) -> Becomes:
     """
     lasting = _LASTING.fullmatch(text)
     state, length = (lasting["state"], read_duration(lasting["length"])) if lasting else (text, 0.0)
+    if (person := read_person(state)) is not None:
+        return Becomes(text, person.query, length)
     if (placed := _BY_PLACE.fullmatch(state)) is not None:  # a query has its room last
         state = f"{placed['what']} {placed['limit']} in {placed['area']}"
     query = parse_query(state)
+    check_known(text, query)
     if split_near(query)[0] is not None:
         raise UsageError(f"{text!r}: a distance to a robot starts nothing; write it like 'robot arrives in kitchen'")
     found = Becomes(text, query, length)
     if not found.capabilities:
         raise UsageError(
-            f"{text!r} names no state; write it like 'hall motion occupied', 'front door open for 5m', "
+            f"{text!r} names no state; write it like 'hall motion occupied', 'front door open for 5m', 'Anna arrives', "
             "'temperature in nursery below 18 °C', 'hall button press', '22:00 on weekdays' or 'sunset - 30m'"
         )
     return found

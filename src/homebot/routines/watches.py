@@ -15,17 +15,19 @@ from homebot.devices.query.matching import fits
 from homebot.devices.robot_messages import RobotPose
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.routines.triggers import Becomes, Press, RobotArrival
+from homebot.routines.people import AT_HOME
+from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
 from homebot.support.timer_queue import TimerQueue
 
-__all__ = ["ArrivalWatch", "Begun", "OnStart", "PressWatch", "begun"]
+__all__ = ["ArrivalWatch", "Begun", "OnStart", "PersonWatch", "PressWatch", "begun"]
 
 OnStart: TypeAlias = Callable[[object], None]
 """Called with the cause."""
 
 _MOST_ROBOTS: Final = 100
+_MOST_PEOPLE: Final = 100
 
 
 class Begun(NamedTuple):
@@ -93,6 +95,40 @@ class PressWatch(HouseWatcher):
             return
         if known is not None and change.live and fits(self._press.query, facets_of(known.current())):
             self._on_start(change)
+
+
+@final
+class PersonWatch(HouseWatcher):
+    """Calls a function when a person, or the household, moves: what was unknown in between is no move."""
+
+    def __init__(self, node: Node, move: PersonMoves, on_start: OnStart) -> None:
+        self._move = move
+        self._on_start = on_start
+        self._was_home: BoundedMap[str, bool] = BoundedMap(_MOST_PEOPLE)
+        self._view = HouseView.of(node)
+        self._view.add(self)
+        self._view.names.add(move.query, move.text)
+
+    def on_device(self, change: DeviceChange) -> None:
+        """Record where a person is who appears."""
+        self._record(change.device.id, change)
+
+    def on_values(self, change: StateChange) -> None:
+        """Start the routine if a person was elsewhere before."""
+        if any(one.capability == AT_HOME for one in change.readings):
+            self._record(change.device, change)
+
+    def _record(self, device_id: str, change: DeviceChange | StateChange) -> None:
+        known = self._view.get(device_id)
+        device = None if known is None else known.current()
+        if device is None or not fits(self._move.query, facets_of(device)):
+            return
+        states = [one for one in device.states if one.capability == AT_HOME and one.live]
+        if states and isinstance(is_home := states[0].value.plain(), bool):
+            before = self._was_home.get(device_id)
+            self._was_home[device_id] = is_home
+            if before is not None and before is not is_home and is_home is self._move.is_home:
+                self._on_start(change)
 
 
 @final

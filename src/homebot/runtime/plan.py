@@ -14,7 +14,7 @@ import homebot.control
 import homebot.places
 from homebot.apps import App
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.config import ROUTINE, UNNAMED, Config, HomeSettings, Table, parse_settings
+from homebot.config import PEOPLE, ROUTINE, UNNAMED, Config, HomeSettings, Table, parse_settings
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
@@ -224,7 +224,8 @@ def index_place(config: Config) -> Path:
 
 
 def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gateway]:
-    gateway = _component(Gateway, GATEWAYS, name, table, config, f"gateways.{name}")  # type: ignore[type-abstract]
+    key = "" if table.get("class") == PEOPLE else f"gateways.{name}"
+    gateway = _component(Gateway, GATEWAYS, name, table, config, key)  # type: ignore[type-abstract]
     try:
         gateway.kind.check(gateway.settings)
     except UsageError as exc:

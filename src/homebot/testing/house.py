@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import anyio
 
-from homebot.config import Config, Table, parse_config, parse_settings
+from homebot.config import PEOPLE, Config, Table, parse_config, parse_settings
 from homebot.devices.house_view import HouseView
 from homebot.errors import ClosedError, InvalidNameError, PluginError, UsageError
 from homebot.gateways.mqtt import MqttGateway
@@ -49,8 +49,8 @@ def house_config(
     """Return *given* with *apps*, adapted for a test.
 
     An MQTT gateway without a broker on this computer gets the one at *url*, and acts: a test never touches a real
-    house, and notifications do not reach people. Its root is *root* unless it has one; if there are no gateways, it is
-    added. The door gets a free port, and the home the zone UTC, unless given.
+    house, and notifications do not reach people. Its root is *root* unless it has one; if there are no gateways but
+    that of people, it is added. The door gets a free port, and the home the zone UTC, unless given.
 
     Args:
         apps: Plug-in names or ``module:Class``; added last, unless *given* has a table for them.
@@ -60,7 +60,7 @@ def house_config(
         UsageError: The address of a broker, or a table, is invalid.
     """
     given = given if isinstance(given, Config) else parse_config(given or {}, "config")
-    gateways = given.gateways or {"mqtt": {}}
+    gateways = given.gateways if given.gateways.keys() - {PEOPLE} else {"mqtt": {}, **given.gateways}
     planned = dict(given.apps)
     for app in apps:
         add_app(planned, app)

@@ -345,5 +345,7 @@ _DEVICE_CHECKS = (
     _DeviceCheck(FindingKind.DISPUTED, "disputed", _dispute, MOST_SHOWN),
     _DeviceCheck(FindingKind.UNREADABLE, UNREADABLE, _unread, MOST_SHOWN),
     _DeviceCheck(FindingKind.NAMES, f'"{SEVERAL_NAMES}"=names', _several_names, MOST_SHOWN),
-    _DeviceCheck(FindingKind.NO_ROOM, "without area", lambda one, _now: one.name, _FEW),
+    _DeviceCheck(
+        FindingKind.NO_ROOM, "without area and not (person or household or tracker)", lambda one, _now: one.name, _FEW
+    ),
 )

@@ -1,0 +1,147 @@
+"""The gateway whose devices are the people of ``[people]``, and their household."""
+
+import math
+from collections.abc import Iterator
+from functools import partial
+from typing import ClassVar, Final, final
+
+import anyio
+from anyio.abc import TaskStatus
+from pydantic import BaseModel
+
+from homebot.devices.gateway_messages import Command
+from homebot.devices.house_view import HouseView
+from homebot.errors import RefusedError
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.base import Gateway, GatewayContext
+from homebot.gateways.people.ping import Ping, answers
+from homebot.gateways.people.settings import PeopleSettings, PersonSettings
+from homebot.gateways.people.tracker_watch import TrackerWatch
+from homebot.gateways.people.whereabouts import Sign, where_is
+from homebot.graph import Node
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
+
+__all__ = ["PeopleGateway"]
+
+AT_HOME: Final = "at_home"
+HOUSEHOLD: Final = "household"
+
+_ASKED_EVERY: Final = 30.0
+_HEARD: Final = 100.0
+"""Seconds for which an answer of a phone counts: three that were asked for got lost."""
+
+_SEEN_EVERY: Final = 900.0
+"""Seconds after which the people are published again, so that they do not become stale."""
+
+
+@final
+class PeopleGateway(Gateway):
+    """Tells of each person, and of the household, whether they are at home; see :mod:`.whereabouts`.
+
+    Args:
+        ping: Asks a phone whether it is there.
+    """
+
+    Settings: ClassVar[type[BaseModel]] = PeopleSettings
+
+    def __init__(
+        self, node: Node, settings: PeopleSettings, context: GatewayContext | None = None, ping: Ping = answers
+    ) -> None:
+        super().__init__(node, settings, context)
+        self._people = settings.people
+        self._ping = ping
+        self._heard_at: dict[str, float] = {}
+        self._since: dict[str, tuple[Sign, float]] = {}
+        self._told: dict[str, bool | None] = {}
+        self._trackers = TrackerWatch()
+        self._view: HouseView | None = None
+        self._devices = PublishedDevices(self, self._refuse, settings, find_problems=self._missing)
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Follow the trackers, and ask the phones, until cancelled."""
+        self._publish_devices()
+        self.publish_state("active")
+        task_status.started()
+        view = self._view = HouseView.of(self.node)
+        view.add(self._trackers)
+        async with anyio.create_task_group() as tasks:
+            for name, one in self._people.items():
+                if one.ping:
+                    tasks.start_soon(self._ask, name, one.ping)
+            clock, seen_at = self.node.graph.clock, -math.inf
+            while True:
+                self._trackers.changed = anyio.Event()
+                if clock.monotonic() - seen_at >= _SEEN_EVERY:
+                    seen_at = clock.monotonic()
+                    self._publish_devices()
+                with anyio.move_on_after(await self._look(view, clock.monotonic())):
+                    await self._trackers.changed.wait()
+
+    def _publish_devices(self) -> None:
+        part = partial(simple_part, readable=(AT_HOME,))
+        for name in self._people:
+            self._devices.put(GatewayDevice(_key(name), name, (part("x_person"),)), "[people] names the person")
+        self._devices.put(GatewayDevice(HOUSEHOLD, "Household", (part("x_household"),)), "all of [people]")
+
+    async def _look(self, view: HouseView, now: float) -> float:
+        """Report what has changed; return the seconds until silence may change something."""
+        due = [now + _SEEN_EVERY, *(at + _HEARD for at in self._heard_at.values() if at + _HEARD > now)]
+        found: list[bool | None] = []
+        for name, one in self._people.items():
+            where = where_is([*self._signs(view, name, one, now)], now, one.away_after)
+            due.append(where.due)
+            found.append(where.is_home)
+            await self._report(_key(name), is_home=where.is_home)
+        await self._report(HOUSEHOLD, is_home=True if True in found else None if None in found else False)
+        return min(due) - now
+
+    async def _report(self, key: str, *, is_home: bool | None) -> None:
+        if key not in self._told or self._told[key] is not is_home:
+            self._told[key] = is_home
+            await self._devices.report(key, {AT_HOME: is_home})
+
+    def _signs(self, view: HouseView, name: str, person: PersonSettings, now: float) -> Iterator[tuple[Sign, float]]:
+        for text in person.trackers:
+            for place, told in self._trackers.signs(view, text).items():
+                yield self._timed(f"{name} {place}", told, now)
+        if person.ping:
+            heard_at = self._heard_at.get(name)
+            is_home = heard_at is not None and now - heard_at < _HEARD
+            sign: Sign = "home" if is_home else "unknown" if heard_at is None else "silent"
+            yield self._timed(name, sign, now)
+
+    def _timed(self, key: str, sign: Sign, now: float) -> tuple[Sign, float]:
+        """Return *sign* with the time since which it has been so, by the monotonic clock, which nobody sets."""
+        if (known := self._since.get(key)) is None or known[0] != sign:
+            self._since[key] = (sign, now)
+        return self._since[key]
+
+    async def _ask(self, name: str, address: str) -> None:
+        """Ask a phone again and again; its silence means nothing while homebot itself has no network."""
+        while True:
+            is_there = await self._ping(address)
+            if is_there:
+                self._heard_at[name] = self.node.graph.clock.monotonic()
+            elif is_there is None:
+                self._heard_at.pop(name, None)
+            self._trackers.changed.set()
+            await anyio.sleep(_ASKED_EVERY)
+
+    def _missing(self) -> Iterator[str]:
+        """Yield the problem of each tracker that no device is."""
+        if (view := self._view) is None:
+            return
+        for name, one in self._people.items():
+            for text in one.trackers:
+                if not self._trackers.signs(view, text):
+                    hint = did_you_mean(text, self._trackers.names, "`homebot find trackers` shows them")
+                    yield f"people.{name}: no device with a place is called {text!r}; {hint}"
+
+    async def _refuse(self, command: Command) -> None:
+        raise RefusedError(command.capability, "no command sends people home")
+
+
+def _key(name: str) -> str:
+    return f"person/{fold(name)}"

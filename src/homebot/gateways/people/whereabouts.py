@@ -1,0 +1,55 @@
+"""Whereabouts of a person, by the signs of phones. Pure."""
+
+import math
+from collections.abc import Collection
+from typing import Final, Literal, NamedTuple, TypeAlias
+
+from homebot.devices.device import Device, State
+from homebot.support.folding import fold
+
+__all__ = ["BEACON", "PLACE", "Sign", "Whereabouts", "sign_of", "where_is"]
+
+PLACE: Final = "place"
+"""The capability of trackers."""
+
+BEACON: Final = "beacon"
+"""The kind of trackers that are only heard at home, and never tell that they leave."""
+
+Sign: TypeAlias = Literal["home", "away", "silent", "unknown"]
+"""What one tracker tells; ``silent`` is one that is only heard at home, and is not heard now."""
+
+
+class Whereabouts(NamedTuple):
+    """The answer: whether a person is at home, None if unknown, and when silence alone makes that False."""
+
+    is_home: bool | None
+    due: float = math.inf
+
+
+def where_is(signs: Collection[tuple[Sign, float]], now: float, away_after: float) -> Whereabouts:
+    """Return where the person of *signs* is.
+
+    A tracker at home decides, then one that tells of another place. Silence means away only if all are silent, each for
+    *away_after* seconds.
+
+    Args:
+        signs: Each with the time since which it has been so.
+    """
+    kinds = {kind for kind, _ in signs}
+    if "home" in kinds or "away" in kinds:
+        return Whereabouts("home" in kinds)
+    if kinds != {"silent"}:
+        return Whereabouts(None)
+    due = max(since for _, since in signs) + away_after
+    return Whereabouts(is_home=False) if now >= due else Whereabouts(None, due)
+
+
+def sign_of(device: Device, state: State | None, tag: str) -> Sign:
+    """Return what a tracker of the kind *tag* tells, whose place is *state*; an old one tells nothing."""
+    is_heard = device.freshness == "fresh" and device.reachable.state != "no"
+    if state is None or not state.live or not is_heard or state.part in device.offline_parts:
+        return "unknown"
+    place = state.value.plain()
+    if isinstance(place, str) and fold(place) not in {"", "unknown", "unavailable"}:
+        return "home" if fold(place) == "home" else "away"
+    return "silent" if tag == BEACON else "unknown"

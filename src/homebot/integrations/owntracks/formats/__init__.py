@@ -1,0 +1,5 @@
+"""Phones with OwnTracks."""
+
+from homebot.integrations.owntracks.formats.convention import OwnTracks, OwnTracksSettings
+
+__all__ = ["OwnTracks", "OwnTracksSettings"]
