@@ -20,6 +20,7 @@ from homebot.apps.context import AppContext
 from homebot.apps.reactions import ItemHandler, Reaction
 from homebot.apps.run_modes import HandlerRuns, RunHandler, RunMode, check_handler
 from homebot.devices import Devices
+from homebot.devices.batch import at_once
 from homebot.devices.handles.handle import Handle
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
@@ -318,6 +319,8 @@ class App(ABC, Generic[SettingsT_co]):
     ) -> list[Outcome]:
         """Give a command to all *handles* concurrently: ``await self.each(Light.turn_off, lamps)``.
 
+        One message is sent if the handles are exactly the members of a group that takes the command.
+
         Returns:
             The outcomes, in the order of the handles; ``Refused`` for a command that makes no sense to its device.
 
@@ -336,8 +339,9 @@ class App(ABC, Generic[SettingsT_co]):
                 outcomes[number] = Refused("device", exc.reason)
 
         async with anyio.create_task_group() as tasks:
-            for number, handle in enumerate(handles):
-                tasks.start_soon(give, number, handle)
+            with at_once():
+                for number, handle in enumerate(handles):
+                    tasks.start_soon(give, number, handle)
         return [outcomes[number] for number in sorted(outcomes)]
 
     def start_task(self, function: Callable[[], Coroutine[object, object, object]]) -> None:

@@ -6,9 +6,10 @@ from typing import Final, Protocol, final
 
 import anyio
 
-from homebot.command_words.suitable_parts import ParsedSettings, part_name, settings_by_part
+from homebot.command_words.suitable_parts import part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError, Target
 from homebot.devices import Device, DevicePart
+from homebot.devices.batch import as_batch
 from homebot.devices.command_messages import (
     CommandDevicesRequest,
     CommandDevicesResponse,
@@ -61,20 +62,26 @@ class CommandService:
         except (NoTargetError, ServiceError, UsageError) as exc:
             return CommandDevicesResponse(success=False, message=str(exc))
         commanded: list[tuple[CommandedPart, Outcome]] = []
-        commands = [
-            (device, part, parsed)
-            for device, parts in targets
-            for part, parsed in settings_by_part(request, device, parts)
-        ]
+        parsed = [(device, *one) for device, parts in targets for one in settings_by_part(request, device, parts)]
+        batch = iter(
+            as_batch(
+                [
+                    _part_request(request, device, part, settings)
+                    for device, part, settings in parsed
+                    if not isinstance(settings, RefusedError)
+                ]
+            )
+        )
 
-        async def command(device: Device, part: DevicePart, parsed: ParsedSettings) -> None:
-            commanded.append(await self._command(request, device, part, parsed))
+        async def command(device: Device, part: DevicePart, wanted: CommandRequest | RefusedError) -> None:
+            commanded.append(await self._command(device, part, wanted))
             if on_commanded is not None:
-                on_commanded(commanded[-1][0], len(commands) - len(commanded))
+                on_commanded(commanded[-1][0], len(parsed) - len(commanded))
 
         async with anyio.create_task_group() as tasks:
-            for one in commands:
-                tasks.start_soon(command, *one)
+            for device, part, settings in parsed:
+                wanted = settings if isinstance(settings, RefusedError) else next(batch)
+                tasks.start_soon(command, device, part, wanted)
         commanded.sort(key=lambda one: (one[0].device, one[0].part))
         parts, outcomes = zip(*commanded, strict=True)
         worst_one = parts[outcomes.index(worst(outcomes))]
@@ -99,16 +106,12 @@ class CommandService:
         return targets, request.model_copy(update={"command": "off"}) if True in states else request
 
     async def _command(
-        self,
-        request: CommandDevicesRequest,
-        device: Device,
-        part: DevicePart,
-        parsed: ParsedSettings,
+        self, device: Device, part: DevicePart, wanted: CommandRequest | RefusedError
     ) -> tuple[CommandedPart, Outcome]:
-        if isinstance(parsed, RefusedError):
-            outcome: Outcome = Refused("device", f"{parsed.what}: {parsed.reason}")
+        if isinstance(wanted, RefusedError):
+            outcome: Outcome = Refused("device", f"{wanted.what}: {wanted.reason}")
         else:
-            outcome = await self._commands.perform(_part_request(request, device, part, parsed))
+            outcome = await self._commands.perform(wanted)
         result = CommandResult.of(outcome)
         if isinstance(outcome, NoAnswer) and outcome.was_sent and (reason := await self._why_unreachable(device)):
             result = result.model_copy(update={"text": f"{result.text}; {reason}"})

@@ -28,6 +28,7 @@ from homebot.errors import RefusedError
 
 if TYPE_CHECKING:
     from homebot.clock import Clock
+    from homebot.control.shared_sending import SharedSending
     from homebot.control.timeline.part_timeline import PartTimeline
     from homebot.devices.client_rights import ClientRights
     from homebot.devices.command_sender import TextTarget
@@ -76,6 +77,7 @@ class IssuedCommand:
         values: Their values.
         why_it_asks: Why the part is one that always asks; empty if it is not.
         warnings: By policy, the reasons why it might better not be given; the outcome shows them.
+        shared: The message to a group that may take the place of its first sending; None for none.
     """
 
     id: str
@@ -97,6 +99,7 @@ class IssuedCommand:
     values: dict[str, PlainValue] = field(init=False)
     why_it_asks: str = field(init=False)
     warnings: dict[str, str] = field(init=False, default_factory=dict)
+    shared: SharedSending | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         self.place = self.device.id, self.part.id

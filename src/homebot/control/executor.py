@@ -29,6 +29,7 @@ from homebot.control.timeline.facts import Answered, Decided, Order, Reported, R
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.control.timelines import Timelines
+from homebot.control.together import Together
 from homebot.control.witnesses import Witness, Witnesses
 from homebot.devices import Device, DevicePart, RawCommand
 from homebot.devices.always_ask import why_device_asks
@@ -96,6 +97,7 @@ class CommandExecutor:
         self._feed = feed
         self._learnt = learnt
         self._sending = Sending(node, settings, policies, journal, leases, feed, rehearsal)
+        self._together = Together(node, lookup, policies, leases, timelines)
         self._events = node.create_publisher(CommandEvent, COMMAND_EVENTS, 1000)
         self._limits = TimeLimits()
         self._open: dict[str, OpenCommand] = {}
@@ -122,6 +124,8 @@ class CommandExecutor:
             outcome = no_such_part(request.device, request.part, device, name)
         else:
             command = self._issued(name, request, device, part, asked_at)
+            if request.batch_size > 1:
+                await self._together.join(command, request)
             agreed: IssuedCommand | Outcome = command
             if request.ask_first or command.is_client:
                 agreed = await self._agreed(command, ask_first=request.ask_first)
@@ -129,6 +133,8 @@ class CommandExecutor:
                 outcome = agreed
             else:
                 outcome = self._with_warnings(agreed, await self._carry_out(agreed))
+            if command.shared is not None:
+                command.shared.leave(outcome)
         self._journal.decided(request.issuer, place, outcome)
         return outcome
 

@@ -2,7 +2,9 @@
 
 import asyncio
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import ClassVar, Final, Protocol, final
 
 import anyio
@@ -14,6 +16,7 @@ from homebot.control.journal.journal import CommandJournal
 from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.settings import ControlSettings
+from homebot.control.shared_sending import SharedSending
 from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
 from homebot.control.timeline.facts import LinkLost, Reported, ReportRole, SendingEnded, Sent, Withheld
 from homebot.control.timeline.part_timeline import PartTimeline
@@ -174,7 +177,8 @@ class Sending:
     def _plan(self, sent: OpenCommand) -> SendingPlan:
         command, order, profile = sent.command, sent.progress.order, sent.timeline.profile
         timeout = self._settings.timeout
-        tries = 1 if order.is_told_once or profile.is_told_once else 1 + self._settings.retries
+        tries = 1 + self._settings.retries + (command.shared is not None)  # that is no try to reach this part alone
+        tries = 1 if order.is_told_once or profile.is_told_once else tries
         limit, longest = profile.answer_time(command.settings, timeout)
         interval = max((limit + command.transition) / tries, longest + command.transition + durations.BETWEEN_SENDINGS)
         if order.moves and command.device.reachable.state != "no":
@@ -192,29 +196,35 @@ class Sending:
         profile, is_repeated = sent.timeline.profile, sendings.attempts > 0
         ineffective = profile.ineffective if profile.failures else ()
         began = clock.monotonic()
-        self._journal.record("sent", command, "again" if is_repeated else "")
+        shared = None if is_repeated or command.shared is None or not command.shared.is_possible else command.shared
+        by_group = "" if shared is None else f"group {shared.device.name}"
+        self._journal.record("sent", command, "again" if is_repeated else by_group)
         sent.timeline.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
         if command.place in self._leases.parts:
             self._leases.record_stop(command, began)
         routes, is_unacknowledged = [], False
+        order_of = partial(
+            Command,
+            key="",
+            part="",
+            transition=command.transition,
+            code=command.code,
+            expires_after=plan.end(sendings) - began if is_repeated else plan.lasts,
+            id=command.id,
+            kept_for=plan.keeps_for if sendings.attempts + 1 < plan.tries else 0.0,
+            repeated=is_repeated,
+        )
         try:
+            if shared is not None:
+                if await _share(sent, shared, order_of):
+                    return None
+                self._journal.record("sent", command)
             for capability, value in command.settings.items():
                 if command.place in self._leases.parts:  # a lease that began since the check or the previous setting
                     refused = self._leases.refuse(command, clock.monotonic())
                     if refused is not None:
                         return refused
-                order = Command(
-                    key="",
-                    part="",
-                    capability=capability,
-                    value=Value.of(value),
-                    transition=command.transition,
-                    code=command.code,
-                    expires_after=plan.end(sendings) - began if is_repeated else plan.lasts,
-                    id=command.id,
-                    kept_for=plan.keeps_for if sendings.attempts + 1 < plan.tries else 0.0,
-                    repeated=is_repeated,
-                )
+                order = order_of(capability=capability, value=Value.of(value))
                 with anyio.CancelScope() as scope:
                     sent.acknowledging = scope
                     route = await self._sender.send(command.device, command.part, order, ineffective)
@@ -231,3 +241,22 @@ class Sending:
             sent.acknowledging = None
             sent.timeline.append(SendingEnded(command.id, clock.monotonic(), tuple(routes), is_unacknowledged))
         return None
+
+
+async def _share(sent: OpenCommand, shared: SharedSending, order_of: Callable[..., Command]) -> bool:
+    """Wait until *shared* was sent in place of a first sending; return False if that has to be sent by itself.
+
+    Raises:
+        UnansweredError: It was sent, but not acknowledged.
+    """
+    sendings = sent.progress.transmission
+    sendings.echoed = shared.echoed
+    is_carried = False
+    with anyio.CancelScope() as scope:
+        sent.acknowledging = scope
+        settings = sent.command.settings
+        is_carried = await shared.carry([order_of(capability=one, value=Value.of(settings[one])) for one in settings])
+    if scope.cancelled_caught or is_carried:
+        return True
+    sendings.echoed = frozenset()
+    return False

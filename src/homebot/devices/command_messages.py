@@ -94,6 +94,9 @@ class CommandRequest(Message):
             if it has no token. The door sets it, overwriting the client's. It is ignored for a node: the rights of apps
             are in the configuration.
         ask_first: Whether a person must agree first, as to commands of clients with the right ``ask``.
+        batch: A name that the issuer gives to the commands that it gives at once, of which those to exactly the members
+            of a group may share one message; empty for a command by itself. See :func:`homebot.devices.batch.as_batch`.
+        batch_size: The number of commands in the batch.
         cause: The id of its cause, such as a report; empty for a person's command.
         trigger: The cause with its facts, as far as the issuer knows them.
     """
@@ -108,6 +111,8 @@ class CommandRequest(Message):
     issuer: str
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
     ask_first: bool = False
+    batch: ShortText = ""
+    batch_size: int = 0
     cause: ShortText = ""
     trigger: Trigger = NO_TRIGGER
 

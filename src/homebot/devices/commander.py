@@ -8,6 +8,7 @@ from contextlib import AbstractAsyncContextManager, contextmanager
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
+from homebot.devices.batch import CURRENT_BATCH, in_batch
 from homebot.devices.command_messages import (
     MOST_SETTINGS,
     CommandRequest,
@@ -145,6 +146,8 @@ class Commander:
             cause=trigger.id,
             trigger=trigger,
         )
+        if CURRENT_BATCH.get() is not None:
+            request = await in_batch(request)
         try:
             outcome = await self._control.call(request, timeout=_LONGEST)
         except ServiceUnavailableError:

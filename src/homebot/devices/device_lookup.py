@@ -14,7 +14,7 @@ from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.support.folding import fold
 
-__all__ = ["DeviceLookup", "ask_which"]
+__all__ = ["DeviceLookup", "ask_which", "references"]
 
 _READ_AGAIN_AFTER: Final = 1.0
 """Seconds after which an unknown address causes all devices to be read again."""
@@ -62,7 +62,7 @@ class DeviceLookup:
         return [
             (one, other)
             for one, other in found
-            if (one.id, other.id) != (device.id, part.id) and not wanted.isdisjoint(_references(one, other, gateways))
+            if (one.id, other.id) != (device.id, part.id) and not wanted.isdisjoint(references(one, other, gateways))
         ]
 
     async def device_at(self, gateway: str, address: str) -> str:
@@ -95,7 +95,7 @@ def _request_for(device_id: str) -> FindDevicesRequest:
     return FindDevicesRequest(ids=(device_id,), service_type="", query=())
 
 
-def _references(device: Device, part: DevicePart, gateways: Collection[str]) -> Iterator[str]:
+def references(device: Device, part: DevicePart, gateways: Collection[str]) -> Iterator[str]:
     """Yield what a group in one of *gateways* may call a part; see :attr:`homebot.devices.part.Part.members`."""
     yield from device.identifiers
     for route in part.routes:

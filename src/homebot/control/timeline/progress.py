@@ -107,6 +107,7 @@ class CommandProgress:
             self.usual_returns = {one: end for one in self.wanted if (end := profile.usual_return(one)) is not None}
         self.has_echo = bool(order.echoed or self.suspected)
         self._profile = profile
+        self._told_of_group: dict[str, float] = {}  # when a bridge repeated the message to a group, by capability
         self._opposed = _NONE  # other capabilities whose new value contradicts the command
 
     @property
@@ -260,6 +261,8 @@ class CommandProgress:
     def _wanted_role(self, wanted: WantedValue, fact: Reported) -> ReportRole:
         if not wanted.shows_obedience(fact.value):
             return self._not_met(wanted, fact)
+        if self.transmission.echoed and self._is_of_group(fact):
+            return ReportRole.ECHO  # without a trace in *wanted*: the part itself is still to be heard
         if not (self.has_echo and self._is_echo(wanted, fact)):
             wanted.meet(fact, self.transmission.sent_at)
             return ReportRole.EFFECT
@@ -284,6 +287,7 @@ class CommandProgress:
             wanted.is_overruled = wanted.is_step or is_new
             wanted.is_step = False
         was_echoed = wanted.echoed_at is not None and wanted.echoed_at >= self.transmission.sent_at
+        was_echoed = was_echoed or capability in self._told_of_group
         if was_met or (was_echoed and not is_repeated):
             return ReportRole.UNDONE
         return ReportRole.REPEAT if is_repeated else ReportRole.OTHERWISE
@@ -312,6 +316,13 @@ class CommandProgress:
         ):
             return False
         return abs(value - goal) > abs(before - goal)
+
+    def _is_of_group(self, fact: Reported) -> bool:
+        """Return whether a report of the wanted value repeats the message to its group."""
+        if self.transmission.count != 1 or fact.capability not in self.transmission.echoed:
+            return False
+        told_at = self._told_of_group.setdefault(fact.capability, fact.at)
+        return fact.at - told_at <= durations.SAME_MESSAGE
 
     def _is_echo(self, wanted: WantedValue, fact: Reported) -> bool:
         """Return whether a report of the wanted value is the bridge's echo; each sending has one."""

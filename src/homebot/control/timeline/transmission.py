@@ -24,6 +24,8 @@ class Transmission:
         accepted: When the device or its network first accepted each setting.
         refusal: The reason why the device refuses the command; empty if it does not.
         routes: The routes that accepted settings, in order, if the part has several.
+        echoed: The capabilities that a bridge reports once without having heard from the part, because a message to a
+            group took the place of the first sending.
     """
 
     def __init__(self, given_at: float) -> None:
@@ -34,6 +36,7 @@ class Transmission:
         self.accepted: dict[str, float] = {}
         self.refusal = ""
         self.routes: tuple[str, ...] = ()
+        self.echoed: frozenset[str] = frozenset()
 
     def apply(self, fact: CommandFact) -> None:
         """Add the next fact."""

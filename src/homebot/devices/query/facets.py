@@ -124,6 +124,8 @@ def _sets_of(device: Device) -> _Sets:
     for each in device.parts:
         if each.part.category:
             sets.categories.add(each.part.category)
+        elif each.part.members and each.part.is_group:
+            sets.categories.add("group")
         for capability in each.part.capabilities:
             sets.capabilities.add(capability.name)
             if capability.settable:

@@ -137,8 +137,9 @@ class PartFacets:
 
     @property
     def categories(self) -> frozenset[str]:
-        """Its category, if it has one."""
-        return frozenset((self.part.part.category,)) if self.part.part.category else frozenset()
+        """Its category, if it has one; ``group`` for a group."""
+        own = self.part.part.category or "group" * self.part.part.is_group
+        return frozenset((own,)) if own else frozenset()
 
     @property
     def facts(self) -> Mapping[str, tuple[str, ...]]:

@@ -160,12 +160,19 @@ def _wanted(entry: JournalEntry) -> str:
     return settings_text(entry.settings)
 
 
+def _way(text: str) -> str:
+    """Return how a command was sent: ``again``, or ``group NAME``, with others in one message."""
+    if text in {"", "again"}:
+        return f" {text}".rstrip()
+    return f" in one message to the {printable(text, 100)}"
+
+
 _TEXTS: Mapping[str, Callable[[JournalEntry, str], str]] = {
     "requested": lambda entry, name: f"{issuer_text(entry.issuer)} asked {name} for {_wanted(entry)}",
     "would": lambda _entry, _: "not sent: this is a dry run",
     "published": lambda entry, name: f"{issuer_text(entry.issuer)} published {printable(entry.text)!r} for {name}",
     "judged": _verdict_text,
-    "sent": lambda entry, _: "handed to the gateway again" if entry.text else "handed to the gateway",
+    "sent": lambda entry, _: f"handed to the gateway{_way(entry.text)}",
     "acknowledged": lambda entry, _: f"{printable(entry.text) or 'the network'} accepted it",
     "reported": lambda entry, name: f"{name} reported {_wanted(entry)}",
     "denied": lambda entry, _: f"{issuer_text(entry.issuer)} was refused {_request_text(entry)}: {denial_text(entry)}",

@@ -1,0 +1,109 @@
+"""One message to a group in place of one to each of its members."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, final
+
+import anyio
+
+from homebot.devices.outcomes import AlreadySo, Outcome
+from homebot.errors import HomebotError, LinkError, RefusedError, UnansweredError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from homebot.devices import Device, DevicePart
+    from homebot.devices.command_sender import CommandSender
+    from homebot.devices.gateway_messages import Command
+    from homebot.graph import Node
+
+__all__ = ["SharedSending"]
+
+_PATIENCE: Final = 0.5
+"""Seconds for which a command waits until the others are about to be sent too."""
+
+
+@final
+class SharedSending:
+    """One message to a group in place of the first sending of the commands to its members.
+
+    It is sent when each of these is about to be sent, or need not be, because its part is already so. If one is held
+    back, or the group cannot be reached, each is sent by itself.
+
+    Attributes:
+        device: The group.
+        part: Its part.
+        echoed: The capabilities that its bridge reports for the members without having heard from them.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        sender: CommandSender,
+        group: tuple[Device, DevicePart],
+        awaited: int,
+        may_send: Callable[[], bool],
+    ) -> None:
+        self.device, self.part = group
+        self.echoed = frozenset([one.name for one in self.part.part.capabilities if one.echoed])
+        self._node, self._sender, self._may_send = node, sender, may_send
+        self._awaited = awaited
+        self._orders: list[Sequence[Command]] = []
+        self._decided, self._ended = anyio.Event(), anyio.Event()
+        self._problem: HomebotError | None = LinkError("it was not sent")
+
+    @property
+    def is_possible(self) -> bool:
+        """True until it was sent or given up."""
+        return not self._decided.is_set()
+
+    async def carry(self, orders: Sequence[Command]) -> bool:
+        """Wait for the other commands, have one message sent for all of them, and return whether it was.
+
+        Args:
+            orders: The same for each of the commands, except for their times.
+
+        Raises:
+            UnansweredError: It was sent, but its network has not acknowledged it.
+        """
+        self._orders.append(orders)
+        self._send_if_complete()
+        with anyio.move_on_after(_PATIENCE):
+            await self._decided.wait()
+        if self.is_possible:
+            self._give_up()
+        await self._ended.wait()
+        if isinstance(self._problem, UnansweredError):
+            raise self._problem
+        return self._problem is None
+
+    def leave(self, outcome: Outcome) -> None:
+        """Wait no longer for a command that has an *outcome*."""
+        if self.is_possible and isinstance(outcome, AlreadySo):
+            self._awaited -= 1
+            self._send_if_complete()
+        elif self.is_possible:
+            self._give_up()
+
+    def _send_if_complete(self) -> None:
+        if not self.is_possible or len(self._orders) < self._awaited:
+            return
+        if len(self._orders) < 2 or not self._may_send():
+            self._give_up()
+            return
+        self._decided.set()
+        self._node.create_task(self._send)
+
+    def _give_up(self) -> None:
+        self._decided.set()
+        self._ended.set()
+
+    async def _send(self) -> None:
+        try:
+            for one in self._orders[0]:
+                await self._sender.send(self.device, self.part, one.model_copy(update={"id": ""}))
+            self._problem = None
+        except (LinkError, RefusedError, UnansweredError) as exc:
+            self._problem = exc
+        finally:
+            self._ended.set()

@@ -1,0 +1,152 @@
+"""Commands given at once to exactly the members of a group, which one message to the group reaches."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import TYPE_CHECKING, Final, final
+
+import anyio
+
+from homebot.control.command import IssuedCommand, order_of
+from homebot.control.policies.rights import must_ask
+from homebot.control.shared_sending import SharedSending
+from homebot.devices.client_rights import ALL_RIGHTS
+from homebot.devices.command_sender import CommandSender
+from homebot.devices.device import is_commanded
+from homebot.devices.device_lookup import references
+from homebot.devices.part import check_setting
+from homebot.devices.query.terms import FactIs
+from homebot.errors import RefusedError, ServiceError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from homebot.control.leases import Leases
+    from homebot.control.policy_engine import PolicyEngine
+    from homebot.control.timelines import Timelines
+    from homebot.devices import Device, DevicePart
+    from homebot.devices.command_messages import CommandRequest
+    from homebot.devices.device_lookup import DeviceLookup
+    from homebot.devices.value import PlainValue
+    from homebot.graph import Node
+
+__all__ = ["Together"]
+
+_PATIENCE: Final = 0.5
+"""Seconds for which a command waits for the others that were given with it."""
+
+
+@dataclass(slots=True, eq=False)
+class _Batch:
+    commands: list[IssuedCommand] = field(default_factory=list)
+    is_complete: anyio.Event = field(default_factory=anyio.Event)
+
+
+@final
+class Together:
+    """Finds a group for commands that one issuer gave at once."""
+
+    def __init__(
+        self, node: Node, lookup: DeviceLookup, policies: PolicyEngine, leases: Leases, timelines: Timelines
+    ) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._lookup = lookup
+        self._policies = policies
+        self._leases = leases
+        self._timelines = timelines
+        self._sender = CommandSender(node)
+        self._batches: dict[tuple[str, str], _Batch] = {}
+
+    async def join(self, command: IssuedCommand, request: CommandRequest) -> None:
+        """Wait for the other commands of the batch of *request*, and let those that one group reaches share a sending.
+
+        A command that a person must agree to does not wait, so the batch stays incomplete.
+        """
+        if request.ask_first or must_ask(command):
+            return
+        key = command.issuer, request.batch
+        batch = self._batches.setdefault(key, _Batch())
+        batch.commands.append(command)
+        if len(batch.commands) == request.batch_size:
+            del self._batches[key]
+            try:
+                await self._share(batch.commands)
+            finally:
+                batch.is_complete.set()
+            return
+        with anyio.move_on_after(_PATIENCE):
+            await batch.is_complete.wait()
+        if self._batches.get(key) is batch:
+            del self._batches[key]
+
+    async def _share(self, commands: Sequence[IssuedCommand]) -> None:
+        alike: defaultdict[object, list[IssuedCommand]] = defaultdict(list)
+        for one in commands:
+            if not (one.code or one.why_it_asks or one.part.part.members):
+                alike[tuple(one.settings.items()), one.transition].append(one)
+        found = [one for one in alike.values() if len(one) > 1]
+        if not found:
+            return
+        try:
+            groups = await self._lookup.devices(FactIs("category", "group"))
+        except ServiceError:
+            return
+        for members in found:
+            group = next((one for one in _parts_of(groups) if self._may_carry(*one, members)), None)
+            if group is None:
+                continue
+            may_send = partial(self._begin, members, group)
+            shared = SharedSending(self._node, self._sender, group, len(members), may_send)
+            for one in members:
+                one.shared = shared
+
+    def _may_carry(self, device: Device, part: DevicePart, members: Sequence[IssuedCommand]) -> bool:
+        """Return whether a message to a group reaches exactly *members*, may be sent, and makes sense."""
+        first = members[0]
+        if device.reachable.state == "no" or not reaches_exactly(part, members):
+            return False
+        try:
+            for capability, value in first.settings.items():
+                check_setting(device.id, part.part, capability, value)
+        except RefusedError:
+            return False
+        # Who may command all members may do so by their group.
+        command = replace(first, device=device, part=part, rights=ALL_RIGHTS)
+        return not self._is_held(command) and self._policies.check(command, is_recorded=False) is None
+
+    def _begin(self, members: Sequence[IssuedCommand], group: tuple[Device, DevicePart]) -> bool:
+        """Record that the group is commanded, unless a lease has begun meanwhile; return whether it is."""
+        if any(map(self._is_held, members)):
+            return False
+        self._timelines.command_members(order_of(members[0]), [group])
+        return True
+
+    def _is_held(self, command: IssuedCommand) -> bool:
+        is_leased = command.place in self._leases.parts
+        return is_leased and self._leases.refuse(command, self._clock.monotonic()) is not None
+
+
+def _parts_of(devices: Sequence[Device]) -> Sequence[tuple[Device, DevicePart]]:
+    return [(device, part) for device in devices for part in device.parts if part.part.is_group]
+
+
+def reaches_exactly(group: DevicePart, commands: Sequence[IssuedCommand]) -> bool:
+    """Return whether the members of *group* that take the settings are exactly the parts of *commands*."""
+    gateways, wanted = {one.gateway for one in group.routes}, set(group.part.members)
+    places, named, reached = {one.place for one in commands}, set[str](), set[tuple[str, str]]()
+    for device in {one.device.id: one.device for one in commands}.values():
+        for part in device.parts:
+            if (names := wanted.intersection(references(device, part, gateways))) and _takes(
+                part, commands[0].settings
+            ):
+                named |= names
+                reached.add((device.id, part.id))
+    return named == wanted and reached == places
+
+
+def _takes(part: DevicePart, settings: Mapping[str, PlainValue]) -> bool:
+    settable = {one.name for one in part.part.capabilities if one.settable}
+    return is_commanded(part.part) and settings.keys() <= settable

@@ -1,0 +1,333 @@
+"""Commands given at once to the members of a group: one message, and a proof of each; in virtual time."""
+
+from collections.abc import Mapping
+
+import anyio
+import pytest
+from tests.control.conftest import Behaviour, Home, OpenHome, hold_request, ignore
+from tests.control.test_explanations import explain
+
+from homebot.apps import App
+from homebot.apps.base import NoSettings
+from homebot.devices.batch import perform_all
+from homebot.devices.command_messages import (
+    CommandDevices,
+    CommandDevicesRequest,
+    CommandRequest,
+    PerformCommand,
+    Setting,
+)
+from homebot.devices.gateway_messages import Command
+from homebot.devices.handles import Light
+from homebot.devices.names import COMMAND_DEVICES, PERFORM_COMMAND
+from homebot.devices.outcomes import AlreadySo, Confirmed, NoAnswer, Outcome, Refused
+from homebot.devices.value import PlainValue
+from homebot.devices.wording.journal_words import entry_text
+from homebot.errors import LinkError
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+
+pytestmark = pytest.mark.virtual_time
+
+LAMPS = ("one", "two", "three")
+ON = {"on_off": True}
+
+
+async def put_lamps(
+    home: Home,
+    *members: str,
+    settable: tuple[str, ...] = ("on_off", "level"),
+    echoed: bool = False,
+    **before: PlainValue,
+) -> None:
+    """Put three lamps that are off, and a group of *members*, by default all, whose lamps report after 0.2 s."""
+    for name in LAMPS:
+        _put(home, name, ("on_off", "level"))
+    _put(home, "group", settable, *(f"id:{one}" for one in members or LAMPS), echoed=echoed)
+    for name in LAMPS:
+        await home.report(name, "on_off", before.get(name, False))
+    await anyio.sleep(1.0)
+    home.behaviours["group"] = tell_members
+
+
+def _put(home: Home, key: str, settable: tuple[str, ...], *members: str, echoed: bool = False) -> None:
+    part = simple_part("light", settable=settable).model_copy(update={"members": members})
+    part = part.model_copy(
+        update={"capabilities": tuple(one.model_copy(update={"echoed": echoed}) for one in part.capabilities)}
+    )
+    home.gateway.devices.put(GatewayDevice(key, key.title(), (part,), identifiers=(f"id:{key}",)), "it was found")
+
+
+async def tell_members(home: Home, command: Command) -> None:
+    """Let all lamps do what their group is told."""
+    for name in ("group", *LAMPS):
+        home.later(0.2, name, command.capability, command.value.plain())
+
+
+def lose(*deaf: str) -> Behaviour:
+    """Return a group whose message does not reach some lamps."""
+
+    async def tell(home: Home, command: Command) -> None:
+        for name in set(LAMPS) - set(deaf):
+            home.later(0.2, name, command.capability, command.value.plain())
+
+    return tell
+
+
+async def command(home: Home, settings: Mapping[str, PlainValue] = ON, *names: str, **more: object) -> list[Outcome]:
+    """Command the lamps at once."""
+    wanted = tuple(Setting.of(name, value) for name, value in settings.items())
+    client = home.app.create_client(PerformCommand, PERFORM_COMMAND)
+    requests = [
+        CommandRequest.model_validate({"device": one, "settings": wanted, "issuer": "/app", **more})
+        for one in names or LAMPS
+    ]
+
+    async def perform(request: CommandRequest) -> Outcome:
+        return await client.call(request, timeout=900)
+
+    return await perform_all(perform, requests)
+
+
+def keys(home: Home) -> list[str]:
+    return [one.key for one in home.commands]
+
+
+async def causes(home: Home) -> dict[str, list[str]]:
+    """Return the causes of all changes that the journal tells, by device."""
+    await anyio.sleep(20)
+    found: dict[str, list[str]] = {}
+    for one in (await home.read()).entries:
+        if one.kind in {"changed", "reported"}:
+            found.setdefault(one.device, []).append(one.cause)
+    return found
+
+
+async def test_the_members_of_a_group_are_told_by_one_message_and_each_proves_it(home: Home) -> None:
+    await put_lamps(home)
+    outcomes = await command(home)
+    assert keys(home) == ["group"]
+    assert [(type(one), one.reported) for one in outcomes] == [(Confirmed, {"on_off": True})] * 3
+    assert await causes(home) == {name: ["command"] for name in LAMPS}
+
+
+async def test_why_says_that_a_command_went_to_the_group(home: Home) -> None:
+    await put_lamps(home)
+    await command(home)
+    sent = [one for one in (await explain(home, "two")).entries if one.kind == "sent"]
+    assert [entry_text(one, {}) for one in sent] == ["handed to the gateway in one message to the group Group"]
+
+
+async def test_a_lamp_that_missed_the_message_is_told_by_itself(home: Home) -> None:
+    await put_lamps(home)
+    home.behaviours["group"] = lose("two")
+    outcomes = await command(home)
+    assert keys(home) == ["group", "two"]
+    assert [type(one) for one in outcomes] == [Confirmed] * 3
+
+
+async def test_a_lamp_that_is_dead_is_the_only_one_without_an_answer(home: Home) -> None:
+    await put_lamps(home)
+    home.behaviours["group"], home.behaviours["two"] = lose("two"), ignore
+    assert [type(one) for one in await command(home)] == [Confirmed, NoAnswer, Confirmed]
+
+
+async def test_what_a_bridge_says_of_its_group_is_no_proof_that_a_lamp_obeyed(home: Home) -> None:
+    await put_lamps(home, echoed=True)
+
+    async def repeat(home: Home, command: Command) -> None:
+        for name in ("group", *LAMPS):
+            home.later(0.01, name, command.capability, command.value.plain())
+        await lose("two")(home, command)
+
+    home.behaviours["group"] = repeat
+    outcomes = await command(home)
+    assert keys(home) == ["group", "two"]
+    assert [type(one) for one in outcomes] == [Confirmed] * 3
+    assert "person" not in {each for one in (await causes(home)).values() for each in one}
+
+
+async def test_a_dead_lamp_of_a_group_whose_bridge_speaks_for_it_gave_no_answer(home: Home) -> None:
+    await put_lamps(home, echoed=True)
+
+    async def repeat(home: Home, command: Command) -> None:
+        for name in LAMPS:
+            home.later(0.01, name, command.capability, command.value.plain())
+
+    home.behaviours["group"] = repeat
+    home.behaviours["two"] = ignore
+    outcomes = await command(home)
+    assert (keys(home)[0], sorted(keys(home)[1:])) == ("group", ["one", "three", "two", "two", "two"])
+    assert [type(one) for one in outcomes] == [Confirmed, NoAnswer, Confirmed]
+
+
+async def test_the_read_back_value_of_a_lamp_that_missed_it_has_it_told_by_itself(home: Home) -> None:
+    await put_lamps(home, echoed=True)
+
+    async def repeat(home: Home, command: Command) -> None:
+        for name in LAMPS:
+            home.later(0.01, name, command.capability, command.value.plain())
+            home.later(0.4, name, command.capability, name != "two")
+
+    home.behaviours["group"] = repeat
+    assert [type(one) for one in await command(home)] == [Confirmed] * 3
+    assert keys(home) == ["group", "two"]
+    assert "person" not in {each for one in (await causes(home)).values() for each in one}
+
+
+async def test_what_is_so_already_needs_no_message_but_lets_the_others_share_one(home: Home) -> None:
+    await put_lamps(home, one=True)
+    assert [type(one) for one in await command(home)] == [AlreadySo, Confirmed, Confirmed]
+    assert keys(home) == ["group"]
+
+
+async def test_the_only_lamp_that_is_not_so_is_told_by_itself(home: Home) -> None:
+    await put_lamps(home, one=True, two=True)
+    await command(home)
+    assert keys(home) == ["three"]
+
+
+@pytest.mark.parametrize(
+    ("members", "named", "settings", "settable"),
+    [
+        (LAMPS[:2], LAMPS, ON, ("on_off",)),
+        (LAMPS, LAMPS[:2], ON, ("on_off",)),
+        ((*LAMPS, "unknown"), LAMPS, ON, ("on_off",)),
+        (LAMPS, LAMPS, {"on_off": True, "level": 40.0}, ("on_off",)),
+        (LAMPS, LAMPS, ON, ("level",)),
+    ],
+)
+async def test_only_exactly_the_members_of_a_group_that_takes_the_values_share_a_message(
+    home: Home,
+    members: tuple[str, ...],
+    named: tuple[str, ...],
+    settings: Mapping[str, PlainValue],
+    settable: tuple[str, ...],
+) -> None:
+    await put_lamps(home, *members, settable=settable)
+    assert [type(one) for one in await command(home, settings, *named)] == [Confirmed] * len(named)
+    assert sorted(set(keys(home))) == sorted(named)
+
+
+async def test_several_settings_and_a_transition_go_to_the_group_in_their_order(home: Home) -> None:
+    await put_lamps(home)
+    await command(home, {"on_off": True, "level": 40.0}, transition=2.0)
+    assert [(one.key, one.capability, one.transition) for one in home.commands] == [
+        ("group", "on_off", 2.0),
+        ("group", "level", 2.0),
+    ]
+
+
+async def test_a_command_by_itself_never_goes_to_a_group(home: Home) -> None:
+    await put_lamps(home, "one")
+    await (await home.handle(Light, "one")).turn_on()
+    assert keys(home) == ["one"]
+
+
+async def test_a_group_that_refuses_or_cannot_be_reached_leaves_each_to_itself_at_once(home: Home) -> None:
+    await put_lamps(home)
+
+    async def fail(_home: Home, _command: Command) -> None:
+        raise LinkError("the bridge is away")
+
+    home.behaviours["group"] = fail
+    began = home.graph.clock.monotonic()
+    assert [type(one) for one in await command(home)] == [Confirmed] * 3
+    assert (keys(home)[0], *sorted(keys(home)[1:])) == ("group", *sorted(LAMPS))
+    assert home.graph.clock.monotonic() - began < 0.1
+
+
+async def test_a_held_member_is_kept_out_and_no_message_goes_to_the_group(home: Home) -> None:
+    await put_lamps(home)
+    await home.hold(hold_request("two", "on_off", False))
+    home.commands.clear()
+    outcomes = await command(home)
+    assert [type(one) for one in outcomes] == [Confirmed, Refused, Confirmed]
+    assert sorted(keys(home)) == ["one", "three"]
+
+
+async def test_a_held_group_is_not_told_what_its_members_are(home: Home) -> None:
+    await put_lamps(home)
+    await home.hold(hold_request("group", "on_off", False))
+    home.commands.clear()
+    await command(home)
+    assert "group" not in keys(home)
+
+
+async def test_an_app_that_may_not_command_a_member_tells_the_others_by_themselves(open_home: OpenHome) -> None:
+    async with open_home({"/app": ("act: id=one", "act: id=three")}) as home:
+        await put_lamps(home)
+        outcomes = await command(home)
+        assert [type(one) for one in outcomes] == [Confirmed, Refused, Confirmed]
+        assert sorted(keys(home)) == ["one", "three"]
+
+
+async def test_an_app_that_may_command_all_members_needs_no_right_for_their_group(open_home: OpenHome) -> None:
+    async with open_home({"/app": tuple(f"act: id={one}" for one in LAMPS)}) as home:
+        await put_lamps(home)
+        assert [type(one) for one in await command(home)] == [Confirmed] * 3
+        assert keys(home) == ["group"]
+
+
+async def test_a_client_that_must_ask_for_one_member_tells_the_others_by_themselves(home: Home) -> None:
+    await put_lamps(home)
+    scope = ("act: id=one", "ask: id=two", "act: id=three")
+    outcomes = await command(home, issuer="client:agent", scope=scope)
+    assert [type(one) for one in outcomes] == [Confirmed, Refused, Confirmed]
+    assert sorted(keys(home)) == ["one", "three"]
+
+
+async def test_a_device_that_is_gone_leaves_the_others_to_themselves(home: Home) -> None:
+    await put_lamps(home)
+    outcomes = await command(home, ON, *LAMPS, "nothing")
+    assert [one.succeeded for one in outcomes] == [True, True, True, False]
+    assert sorted(keys(home)) == sorted(LAMPS)
+
+
+async def test_the_lamps_of_a_query_are_told_by_one_message_and_the_group_is_no_target(home: Home) -> None:
+    await put_lamps(home)
+    words = home.app.create_client(CommandDevices, COMMAND_DEVICES)
+    answer = await words.call(CommandDevicesRequest(target="lights", command="on"), timeout=60)
+    assert keys(home) == ["group"]
+    assert [one.device for one in answer.results] == sorted(LAMPS)
+    assert answer.success
+
+
+async def test_the_commands_of_an_app_to_each_of_its_lamps_share_one_message(home: Home) -> None:
+    await put_lamps(home)
+    found = [one for one in await home.devices.find(Light) if one.name != "Group"]
+    outcomes: list[Outcome] = []
+
+    class Evening(App):
+        async def run(self) -> None:
+            outcomes.extend(await self.each(Light.turn_on, found))
+
+    async with anyio.create_task_group() as tasks:
+        await tasks.start(Evening(home.app, NoSettings()).serve)
+        await anyio.sleep(1)
+        tasks.cancel_scope.cancel()
+    assert keys(home) == ["group"]
+    assert [type(one) for one in outcomes] == [Confirmed] * 3
+
+
+async def test_two_batches_at_once_do_not_mix(home: Home) -> None:
+    await put_lamps(home)
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(command, home)
+        tasks.start_soon(command, home, {"level": 40.0})
+    assert sorted((one.key, one.capability) for one in home.commands) == [("group", "level"), ("group", "on_off")]
+
+
+async def test_a_batch_with_different_commands_shares_a_message_for_those_that_are_alike(home: Home) -> None:
+    await put_lamps(home)
+    _put(home, "four", ("on_off",))
+    client = home.app.create_client(PerformCommand, PERFORM_COMMAND)
+    requests = [
+        CommandRequest(device=one, settings=(Setting.of("on_off", one != "four"),), issuer="/app")
+        for one in (*LAMPS, "four")
+    ]
+
+    async def perform(request: CommandRequest) -> Outcome:
+        return await client.call(request, timeout=60)
+
+    await perform_all(perform, requests)
+    assert sorted(keys(home)) == ["four", "group"]
