@@ -106,6 +106,8 @@ async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting) -> None
             "waits": False,
             "states": [{"part": "l", "capability": "on_off", "value": True}],
             "position": [6.0, 1.5],
+            "settable": ["on_off", "level"],
+            "tags": [],
         }
         first = await ask.call(services.ListDevices.Request(limit=1000))
         rest = await ask.call(services.ListDevices.Request(offset=200))

@@ -1,8 +1,8 @@
 """Debian's Chromium, driven by selenium, with the page of a running homebot in it."""
 
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from typing import Any
 
 import pytest
@@ -11,8 +11,12 @@ from tests.patience import PATIENCE
 from tests.peers.network import missing_programs
 
 from homebot.bridges.rosbridge import Door
+from homebot.config import parse_config
+from homebot.house import World, thesis_world
+from homebot.mqtt.clients import HostedBroker
+from homebot.runtime import Runtime
 
-__all__ = ["NAME", "Page", "chromium"]
+__all__ = ["NAME", "Page", "chromium", "opened_page"]
 
 NAME = "house.example"
 """A name of this computer, for the browser alone."""
@@ -92,6 +96,17 @@ class Page:
     async def write(self, selector: str, text: str) -> None:
         await to_thread.run_sync(lambda: self.browser.find_element("css selector", selector).send_keys(text))
 
+    def tabbed(self, selector: str) -> None:
+        """Press what *selector* finds with the keyboard alone, in the thread of the caller."""
+        wanted = self._until(lambda: self.browser.find_elements("css selector", selector))[0]
+        for _ in range(100):
+            active = self.browser.switch_to.active_element
+            if active == wanted:
+                active.send_keys(" ")
+                return
+            active.send_keys("\ue004")  # Tab
+        pytest.fail(f"{selector} is not reached with the tab key")
+
     def resize(self, width: int, height: int) -> None:
         """Let the window be so large, a phone's if it is narrow."""
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
@@ -164,3 +179,24 @@ class Page:
     def _until(self, seen: Callable[[], Any]) -> Any:
         support: Any = pytest.importorskip("selenium.webdriver.support.ui")
         return support.WebDriverWait(self.browser, PATIENCE, 0.05).until(lambda _: seen())
+
+
+@asynccontextmanager
+async def opened_page(
+    browser: Any,
+    world: World | None = None,
+    tables: dict[str, object] | None = None,
+    services: tuple[HostedBroker, ...] = (),
+    **door: object,
+) -> AsyncIterator[Page]:
+    """Run homebot in a simulated house inside the block, and yield its page."""
+    gateways = {"gateways": {"mqtt": {"root": "home425"}}}
+    home = {"home": {"name": "villa"}, "door": {"port": 0, **door}, **gateways, **(tables or {})}
+    config = await to_thread.run_sync(parse_config, home, "test")
+    async with Runtime(config, house=world or thesis_world(), robot="robot", services=services) as runtime:
+        assert runtime.door is not None
+        try:
+            yield Page(browser, runtime.door)
+        finally:
+            browser.execute_script("sessionStorage.clear()")
+            browser.get("about:blank")

@@ -3,8 +3,8 @@
 import json
 import shutil
 import subprocess
-from collections.abc import AsyncIterator, Callable, Iterator
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractAsyncContextManager
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -14,19 +14,17 @@ import anyio
 import pytest
 from anyio import to_thread
 from anyio.abc import SocketAttribute, SocketStream
-from tests.peers.chromium import Page, chromium
+from tests.peers.chromium import Page, chromium, opened_page
 from tests.peers.node_package import node_folder
 
 from homebot.apps import App
-from homebot.config import parse_config
-from homebot.house import SimulatedLamp, World, thesis_world
+from homebot.house import SimulatedLamp, World
 from homebot.house.description import load_world
 from homebot.house.devices import SimulatedDoorLock
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
-from homebot.runtime import Runtime
 
 SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
 BUILT = SOURCE.parent / "page"
@@ -117,6 +115,14 @@ socket.onmessage = (event) => socket.close() || done(JSON.parse(event.data).valu
 """
 
 
+BARE_BROWSER = """
+globalThis.localStorage = { getItem: () => null };
+globalThis.document = { documentElement: {} };
+Object.defineProperty(globalThis, "navigator", { value: { languages: ["en-GB"] } });
+"""
+"""What the words of the page need of a browser."""
+
+
 class Nightly(App):
     """Is called at ten."""
 
@@ -142,26 +148,7 @@ def axe() -> str:
 @pytest.fixture
 def page(browser: Any) -> OpenPage:
     """Return the function that opens the page of a simulated house."""
-
-    @asynccontextmanager
-    async def opened(
-        world: World | None = None,
-        tables: dict[str, object] | None = None,
-        services: tuple[HostedBroker, ...] = (),
-        **door: object,
-    ) -> AsyncIterator[Page]:
-        gateways = {"gateways": {"mqtt": {"root": "home425"}}}
-        home = {"home": {"name": "villa"}, "door": {"port": 0, **door}, **gateways, **(tables or {})}
-        config = await to_thread.run_sync(parse_config, home, "test")
-        async with Runtime(config, house=world or thesis_world(), robot="robot", services=services) as runtime:
-            assert runtime.door is not None
-            try:
-                yield Page(browser, runtime.door)
-            finally:
-                browser.execute_script("sessionStorage.clear()")
-                browser.get("about:blank")
-
-    return opened
+    return partial(opened_page, browser)
 
 
 @pytest.fixture
@@ -426,9 +413,9 @@ async def test_a_lock_has_a_field_for_a_code_that_is_used_once(page: OpenPage) -
         await own.open("#/device/locks%2Ffront_door", shows="code, if it needs one")
         await own.write("input[name=code]", "4321")
         await own.click("div[aria-label=lock] button")
-        await own.shows("front_door:", "[role=alert]")
+        await own.shows("Front door:", "[role=alert]")
         assert own.browser.find_element("css selector", "input[name=code]").get_attribute("value") == ""
-        assert "4321" not in await own.open("#/journal", shows="front_door")
+        assert "4321" not in await own.open("#/journal", shows="Front door")
 
 
 async def test_a_kept_value_is_explained_once_and_a_panel_has_a_field_for_its_code(page: OpenPage) -> None:
@@ -460,7 +447,7 @@ async def test_a_field_has_the_value_in_the_steps_of_its_device(page: OpenPage, 
         await own.shows("40 %")
         await own.open("#/house", shows="lamp")
         await own.open("#/device/lamp", shows="Commands")
-        field = own.browser.find_element("css selector", "form input[type=number]")
+        field = own.browser.find_element("css selector", "input[type=range]")
         assert field.get_attribute("value") == "40"
 
 
@@ -476,7 +463,8 @@ async def test_a_summary_has_no_measurement_without_a_name_beside_a_known_one() 
     home = node_folder(SOURCE)
     shutil.copytree(SOURCE, home, dirs_exist_ok=True)
     readings = [{"capability": name, "value": value} for name, value in (("measurement", 1850), ("power", 1840))]
-    script = f"""import {{ summary, valueText }} from "./words.js";
+    script = f"""{BARE_BROWSER}
+        const {{ summary, valueText }} = await import("./words.js");
         const states = (all) => ({{ states: new Map(all.entries()) }});
         console.log(summary(states({readings})), "|", summary(states({readings[:1]})), "|",
             valueText("level", 40.157, "%", 100 / 254), valueText("fan_speed", 33.5, "%", 0.5));"""

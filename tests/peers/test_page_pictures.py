@@ -46,19 +46,19 @@ globalThis.Date = class extends Date {{
 SCREEN, PHONE = (1200, 900), (390, 844)
 HEAT = "#/device/kitchen_heat"
 HOUR = "button[aria-pressed=false]"
-LOCK = "button[aria-label='show what approving front_lock allows']"
+LOCK = "button[aria-label='show what approving Front lock allows']"
 
 VIEWS = (
-    ("house", (1200, 1000), "light", "", "kitchen_lamp", ""),
+    ("house", (1200, 1000), "light", "", "Kitchen lamp", ""),
     ("device", (1200, 820), "light", HEAT, "Why", HOUR),
-    ("plan", SCREEN, "light", "#/plan", "kitchen_lamp", ""),
+    ("plan", SCREEN, "light", "#/plan", "Kitchen lamp", ""),
     ("approval", (1200, 480), "light", "#/system", "Waiting for your approval", LOCK),
     ("", SCREEN, "light", "#/device/lamp_meter", "Energy by day", ""),
     ("", SCREEN, "light", "#/journal", "confirmed after", ""),
     ("", SCREEN, "light", "#/graph", "/discovery/states", ""),
-    ("phone", PHONE, "dark", "", "kitchen_lamp", ""),
+    ("phone", PHONE, "dark", "", "Kitchen lamp", ""),
     ("", PHONE, "dark", HEAT, "Why", HOUR),
-    ("", PHONE, "dark", "#/plan", "kitchen_lamp", ""),
+    ("", PHONE, "dark", "#/plan", "Kitchen lamp", ""),
     ("", PHONE, "dark", "#/system", "Waiting for your approval", LOCK),
     ("", PHONE, "dark", "#/journal", "confirmed after", ""),
     ("", PHONE, "dark", "#/graph", "/discovery/states", ""),
@@ -117,8 +117,8 @@ def look(page: Page) -> None:
     page.browser.execute_cdp_cmd("Emulation.setTimezoneOverride", {"timezoneId": "UTC"})
     page.prefer("light")
     page.resize(*SCREEN)
-    page.opened(f"#token={TOKEN}", "kitchen_lamp")
-    approve(page, "kitchen_window")
+    page.opened(f"#token={TOKEN}", "Kitchen lamp")
+    approve(page, "Kitchen window")
     for picture, (width, height), scheme, view, shows, clicked in VIEWS:
         page.prefer(scheme)
         page.resize(width, height)

@@ -30,7 +30,7 @@ __all__ = [
 
 
 MOST_LISTED = 200
-"""The limit of devices in one answer of :data:`ListDevices`, about 30 kB of JSON."""
+"""The limit of devices in one answer of :data:`ListDevices`, about 40 kB of JSON."""
 
 NEVER = Time(sec=2**31 - 1, nanosec=0)
 
@@ -166,7 +166,7 @@ class ListDevicesRequest(Message):
 
 
 class ListedDevice(Message):
-    """A device in short form: about 150 bytes of JSON.
+    """A device in short form: about 200 bytes of JSON.
 
     Attributes:
         type: Its main type of the vocabulary, for example ``light``.
@@ -175,6 +175,8 @@ class ListedDevice(Message):
         waits: Whether its commands wait for the owner's approval.
         states: The latest value of each capability that people use.
         position: Its x and y on the plan of the home, in metres; empty if unknown.
+        settable: The names of those capabilities that can be set.
+        tags: The words with which the owner tagged it.
     """
 
     id: str
@@ -186,6 +188,8 @@ class ListedDevice(Message):
     waits: bool
     states: tuple[Reading, ...]
     position: tuple[float, ...] = ()
+    settable: tuple[str, ...] = ()
+    tags: tuple[str, ...] = ()
 
 
 class ListDevicesResponse(ServiceAnswer):

@@ -262,7 +262,8 @@ def _reason(exc: RefusedError | UsageError) -> str:
 def _listed(device: Device, *, needs_approval: bool) -> messages.ListedDevice:
     """Return *device* in short form, as screens and agents list it, without the values of settings and diagnostics."""
     position = position_of(device.facts)
-    used = {one.id for one in device.parts if not one.part.category}
+    used = {one.id: one.part for one in device.parts if not one.part.category}
+    settable = (one.name for part in used.values() for one in part.capabilities if one.settable)
     return messages.ListedDevice(
         id=device.id,
         name=device.name,
@@ -277,6 +278,8 @@ def _listed(device: Device, *, needs_approval: bool) -> messages.ListedDevice:
             if one.part in used
         ),
         position=() if position is None else (position.x, position.y),
+        settable=tuple(dict.fromkeys(settable)),
+        tags=device.tags,
     )
 
 

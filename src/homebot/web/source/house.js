@@ -1,6 +1,7 @@
 // The devices of the house, live: one signal a device, so that a change renders one row.
 import { batch, computed, signal } from "@preact/signals";
 import { call, onOpen, subscribe } from "./door.js";
+import { spoken } from "./words.js";
 
 const SLICE = 200; // devices in one answer
 const GATHER = 200; // ms for which changed devices are gathered before they are asked for
@@ -80,7 +81,7 @@ function put(device, sequence) {
   const states = new Map(device.states.map((one) => [key(one), one]));
   const known = devices.get(device.id);
   if (known && known.peek().sequence > sequence) return;
-  const now = { ...device, states, sequence, changedAt: known?.peek().changedAt ?? 0 };
+  const now = { ...device, given: device.name, name: spoken(device.name), states, sequence, changedAt: known?.peek().changedAt ?? 0 };
   if (known) known.value = now;
   else devices.set(device.id, signal(now));
 }

@@ -8,7 +8,7 @@ import { html } from "./html.js";
 import { Questions } from "./questions.js";
 import { Device } from "./views/device.js";
 import { Graph } from "./views/graph.js";
-import { House } from "./views/house.js";
+import { House, Room } from "./views/house.js";
 import { Journal } from "./views/journal.js";
 import { Plan } from "./views/plan.js";
 import { Rates } from "./views/rates.js";
@@ -23,6 +23,9 @@ const VIEWS = {
   graph: ["Graph", Graph],
   rates: ["Rates", Rates],
 };
+
+/** Views of one thing, which the address names; they belong to the first view. */
+const OF_ONE = { device: Device, room: Room };
 
 const place = signal(placeNow());
 const isLoggingIn = signal(false);
@@ -40,12 +43,12 @@ function Page() {
   const { view, id } = place.value;
   const { state, reason, home } = connection.value;
   const mustLogIn = state === "refused";
-  const View = VIEWS[view]?.[1];
+  const [View, key] = OF_ONE[view] ? [OF_ONE[view], id] : [VIEWS[view]?.[1], view];
   return html`
     <header>
       <h1>${home || "homebot"}</h1>
       <nav aria-label="views">
-        ${Object.entries(VIEWS).map(([name, [title]]) => html`<a key=${name} href=${`#/${name}`} aria-current=${name === view || (name === "house" && view === "device") ? "page" : undefined}>${title}</a>`)}
+        ${Object.entries(VIEWS).map(([name, [title]]) => html`<a key=${name} href=${`#/${name}`} aria-current=${name === view || (name === "house" && OF_ONE[view]) ? "page" : undefined}>${title}</a>`)}
       </nav>
       <p role="status" class=${state === "open" ? "" : "bad"}>
         ${state === "open" ? `${count.value} devices` : mustLogIn ? "not logged in" : reason || "connecting …"}
@@ -56,7 +59,7 @@ function Page() {
     </header>
     ${(mustLogIn || isLoggingIn.value || missing.value) && html`<${LogIn} reason=${mustLogIn ? reason : missing.value} />`}
     <${Questions} />
-    <main class=${state === "open" ? "" : "old"}>${view === "device" ? html`<${Device} key=${id} id=${id} />` : View ? html`<${View} />` : html`<p class="empty">There is no such view.</p>`}</main>
+    <main class=${state === "open" ? "" : "old"}>${View ? html`<${View} key=${key} id=${id} />` : html`<p class="empty">There is no such view.</p>`}</main>
     <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>
       ${outcome.value?.text} ${outcome.value && !outcome.value.isGood && html`<button type="button" onClick=${() => (outcome.value = null)}>close</button>`}
     </p>`;

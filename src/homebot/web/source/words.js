@@ -1,5 +1,6 @@
 // Values, times and causes as people read them.
 import { signal } from "@preact/signals";
+import { language, numberText, say } from "./language.js";
 
 /** Of capabilities: units, words for no and yes, and texts that only report; and the outcomes that are failures. */
 export const vocabulary = signal({ units: {}, failures: [], flags: {}, passing: {} });
@@ -9,13 +10,18 @@ export async function loadVocabulary() {
   if (answer.ok) vocabulary.value = await answer.json();
 }
 
+/** A name as people say it: kitchen_lamp, which is a name for programs, is "Kitchen lamp"; others are as they are. */
+export const spoken = (name) => (/^[a-z]+(_[a-z0-9]+)+$/.test(name) ? name[0].toUpperCase() + name.slice(1).replaceAll("_", " ") : name);
+
+/** Capabilities with texts of the vocabulary. */
+const SPOKEN = new Set(["alarm", "direction", "lock", "mower", "movement", "place", "playback", "thermostat_action", "thermostat_mode", "vacuum", "valve"]);
 /** Capabilities whose value needs no name beside it. */
 const PLAIN = new Set(["alarm", "movement", "lock", "valve", "vacuum", "mower", "thermostat_action", "place", "value", "state", "scan", "press"]);
 /** Those of the summary too, as the unit tells the capability. */
 const BY_UNIT = new Set(["level", "position", "temperature", "local_temperature", "illuminance", "power", "energy", "voltage", "current"]);
 /** Values of a device that its summary leaves out, if it has the other one. */
 const TOLD_BY = { thermostat_mode: "thermostat_action", temperature: "local_temperature" };
-const SHORT = { heating_setpoint: "set to ", cooling_setpoint: "cooled to ", humidity_setpoint: "set to " };
+const SHORT = { heating_setpoint: "set to {value}", cooling_setpoint: "cooled to {value}", humidity_setpoint: "set to {value}" };
 
 /** A number as people say it, in the steps of its device where they are known: 40.16 % is 40 %. */
 export function roundedTo(value, unit, step = 0) {
@@ -27,21 +33,21 @@ export function roundedTo(value, unit, step = 0) {
 
 /** A value of a capability, with its unit, in steps of that number. */
 export function valueText(capability, value, unit = "", step = 0) {
-  if (value === null || value === undefined) return "unknown";
-  if (typeof value === "boolean") return (wordsOf(capability) ?? ["no", "yes"])[Number(value)];
+  if (value === null || value === undefined) return say("unknown");
+  if (typeof value === "boolean") return say((wordsOf(capability) ?? ["no", "yes"])[Number(value)]);
   if (typeof value === "number") {
     const own = unit || vocabulary.value.units[capability] || "";
-    const text = roundedTo(value, own, step);
-    return own ? `${text}\u00a0${own}` : String(text);
+    const text = numberText(roundedTo(value, own, step));
+    return own ? `${text}\u00a0${own}` : text;
   }
   return Array.isArray(value) ? value.map((one) => Math.round(one)).join(", ") : textOf(capability, String(value));
 }
 
 /** The name of a capability, a type or a count, as text. */
-export const label = (name) => (name === "on_off" ? "on/off" : name.replace(/^x_/, "").replaceAll("_", " "));
+export const label = (name) => say(name === "on_off" ? "on/off" : name.replace(/^x_/, "").replaceAll("_", " "));
 
 /** A text of a capability, as people write it; a device's own texts are left as they are. */
-export const textOf = (capability, text) => (capability === "alarm" || capability === "place" ? text.replaceAll("_", " ") : text);
+export const textOf = (capability, text) => (SPOKEN.has(capability) ? say(text.replaceAll("_", " ")) : text);
 
 /** The unit of a capability: of the device, else of the vocabulary. */
 export const unitOf = (capability) => capability.unit || vocabulary.value.units[capability.name] || "";
@@ -49,9 +55,9 @@ export const unitOf = (capability) => capability.unit || vocabulary.value.units[
 /** The words of a capability for 0 and 1; undefined if it has none. */
 export const wordsOf = (capability) => vocabulary.value.flags[capability];
 
-/** The values of a device in one line, the most telling first. */
-export function summary(device) {
-  const found = [...device.states.values()].filter((one) => one.value !== null);
+/** The values of a device in one line, the most telling first, without one that is shown elsewhere. */
+export function summary(device, shown) {
+  const found = [...device.states.values()].filter((one) => one.value !== null && one !== shown);
   const has = (name, value) => found.some((one) => one.capability === name && (value === undefined || one.value === value));
   const isTold = ({ capability, value }) =>
     capability.startsWith("color") ||
@@ -65,7 +71,7 @@ export function summary(device) {
     .filter((one) => !isTold(one))
     .sort((a, b) => isFirst(a) - isFirst(b))
     .slice(0, 4)
-    .map((one) => (BY_UNIT.has(one.capability) || SHORT[one.capability] ? (SHORT[one.capability] ?? "") + valueText(one.capability, one.value) : readingText(one)))
+    .map((one) => (BY_UNIT.has(one.capability) || SHORT[one.capability] ? say(SHORT[one.capability] ?? "{value}", { value: valueText(one.capability, one.value) }) : readingText(one)))
     .join(" · ");
 }
 

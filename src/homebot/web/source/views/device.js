@@ -1,28 +1,20 @@
 // One device: its values, commands, history, what is known of it and from where, and why it is as it is.
 import { signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import { Switch, command } from "../acting.js";
+import { Controls } from "../controls.js";
 import { call, connection, subscribe } from "../door.js";
 import { deviceOf } from "../house.js";
 import { html } from "../html.js";
-import { durationText, label, roundedTo, seconds, textOf, timeText, unitOf, valueText, vocabulary } from "../words.js";
+import { say } from "../language.js";
+import { Owner } from "../owner.js";
+import { Quick } from "../quick.js";
+import { durationText, label, seconds, timeText, valueText } from "../words.js";
 import { History } from "./history.js";
 import { LastKnown, Marks } from "./house.js";
 import { Entry } from "./journal.js";
 
-const WORDS = {
-  on_off: ["on", "off"],
-  movement: ["open", "stop", "close"],
-  lock: ["lock", "unlock"],
-  valve: ["open", "close"],
-  push: ["press"],
-};
-
 /** Capabilities that only the name of their part tells. */
 const UNNAMED = new Set(["measurement", "number", "option", "state", "text", "value"]);
-
-/** Those that may need a code. */
-const CODED = new Set(["alarm", "lock"]);
 
 const wanted = signal(0); // grows when the device is to be asked for again
 
@@ -55,13 +47,17 @@ export function Device({ id }) {
     <div class="title">
       <h2>${short.name} <small>${label(short.type)}${short.room && ` in ${short.room}`}</small></h2>
       <${Marks} device=${short} />
-      <${Switch} device=${short} />
+      <${Quick} device=${short} />
     </div>
     <${LastKnown} device=${short} />
     <div class="pair">
       <div>
         <${Values} short=${short} full=${full} />
         ${full && html`<${Commands} short=${short} device=${full} />`}
+        <section>
+          <h3>${say("Name, room and tags")}</h3>
+          <${Owner} device=${short} />
+        </section>
       </div>
       <div>
         <${History} key=${id} device=${short} />
@@ -98,61 +94,11 @@ function Values({ short, full }) {
 }
 
 function Commands({ short, device }) {
-  const found = device.parts
-    .filter(({ part }) => !part.category)
-    .flatMap(({ id, part }) => part.capabilities.filter((one) => one.settable).map((capability) => ({ id, part, capability })));
-  const rows = found.map(({ id, part, capability }) => {
-    const isTwice = found.filter((one) => one.capability.name === capability.name).length > 1;
-    const name = `${isTwice && id ? `${part.name || id} ` : ""}${label(capability.name)}`;
-    const now = short.states.get(`${id} ${capability.name}`)?.value;
-    return html`<${Command} key=${`${id} ${capability.name}`} target=${id ? `${device.id}#${id}` : device.id} name=${name} of=${device} capability=${capability} now=${now} />`;
-  });
-  if (!rows.length) return null;
+  if (!device.parts.some(({ part }) => !part.category && part.capabilities.some((one) => one.settable))) return null;
   return html`<section>
-    <h3>Commands</h3>
-    <div class="commands">${rows}</div>
+    <h3>${say("Commands")}</h3>
+    <${Controls} short=${short} device=${device} />
   </section>`;
-}
-
-function Command({ target, name, of, capability, now }) {
-  const device = { id: target, name: of.name };
-  const words = WORDS[capability.name];
-  if (words)
-    return html`<div role="group" aria-label=${name}>
-      <span>${name}</span>
-      ${words.map((word) => html`<button key=${word} type="button" onClick=${(event) => command(device, word, [], codeBeside(event.currentTarget))}>${word}</button>`)}
-      ${CODED.has(capability.name) && CODE}
-    </div>`;
-  const submit = (event) => {
-    event.preventDefault();
-    command(device, "set", [{ key: capability.name, value: new FormData(event.target).get("value") }], codeBeside(event.target));
-  };
-  const unit = unitOf(capability);
-  const [least, most] = capability.bounds.length || unit !== "%" ? capability.bounds : [0, 100];
-  const settable = capability.options.filter((one) => !vocabulary.value.passing[capability.name]?.includes(one));
-  const field = capability.options.length
-    ? html`<select name="value">
-        ${settable.map((one) => html`<option key=${one} value=${one} selected=${one === now}>${textOf(capability.name, one)}</option>`)}
-      </select>`
-    : typeof now === "number" || most !== undefined
-      ? html`<input name="value" type="number" required step="any" min=${least} max=${most} defaultValue=${typeof now === "number" ? roundedTo(now, unit, capability.grid[1]) : ""} />`
-      : html`<input name="value" required />`;
-  return html`<form onSubmit=${submit}>
-    <label><span>${name}</span> ${field}</label>
-    ${CODED.has(capability.name) && CODE}
-    <button>set</button>
-    <small>${most === undefined ? unit : `${least} to ${most} ${unit}`}</small>
-  </form>`;
-}
-
-const CODE = html`<label>code, if it needs one <input name="code" type="password" inputmode="numeric" autocomplete="off" maxlength="255" /></label>`;
-
-/** The code beside a button or in a form, which is used once. */
-function codeBeside(element) {
-  const field = element.closest("form, [role=group]").querySelector("[name=code]");
-  const code = field?.value ?? "";
-  if (field) field.value = "";
-  return code;
 }
 
 const FINDINGS = {

@@ -1,0 +1,50 @@
+// What the owner says of a device: its name, room and tags, and whether the page hides it.
+import { useEffect, useState } from "preact/hooks";
+import { call } from "./door.js";
+import { html } from "./html.js";
+import { rooms } from "./house.js";
+import { say } from "./language.js";
+
+export const HIDDEN = "hidden"; // the tag of a device that the House view leaves out
+
+const wordsIn = (text) => text.split(",").map((one) => one.trim()).filter(Boolean);
+
+export function Owner({ device }) {
+  const [places, setPlaces] = useState([]);
+  const [told, setTold] = useState(null);
+  const [isDoubtful, setIsDoubtful] = useState(false);
+  useEffect(() => {
+    call("/discovery/places").then((answer) => setPlaces(answer.rooms.map((one) => one.name)), () => {});
+  }, []);
+  const known = [...new Set([...places, ...rooms.value.map(([name]) => name)])].filter(Boolean);
+  const list = `rooms of ${device.id}`;
+  const submit = async (event) => {
+    event.preventDefault();
+    const given = new FormData(event.target);
+    const [name, room] = [given.get("name").trim(), given.get("room").trim()];
+    const tags = [...wordsIn(given.get("tags")), ...(given.get("hidden") ? [HIDDEN] : [])];
+    const calls = [
+      ...(name === device.given ? [] : [["alias", name ? { alias: name } : { alias: device.given, remove: true }]]),
+      ...(room === device.room ? [] : [["place", { room, is_new: given.get("new") === "on" }]]),
+      ...tags.filter((one) => !device.tags.includes(one)).map((tag) => ["tag", { tag }]),
+      ...device.tags.filter((one) => !tags.includes(one)).map((tag) => ["tag", { tag, remove: true }]),
+    ];
+    const problems = [];
+    for (const [what, args] of calls) {
+      const { success, message } = await call(`/discovery/${what}`, { device: device.id, ...args }).catch((error) => ({ success: false, message: error.message }));
+      if (message) problems.push(message);
+      if (what === "place") setIsDoubtful(!success);
+    }
+    setTold(problems);
+  };
+  return html`<form class="owner" onSubmit=${submit}>
+    <label><span>${say("Name")}</span> <input name="name" maxlength="200" defaultValue=${device.given} /></label>
+    <label><span>${say("Room")}</span> <input name="room" maxlength="200" list=${list} defaultValue=${device.room} /></label>
+    <datalist id=${list}>${known.map((one) => html`<option key=${one} value=${one} />`)}</datalist>
+    ${isDoubtful && html`<label><input type="checkbox" name="new" /> ${say("a new room")}</label>`}
+    <label><span>${say("Tags")}</span> <input name="tags" defaultValue=${device.tags.filter((one) => one !== HIDDEN).join(", ")} /></label>
+    <label><input type="checkbox" name="hidden" defaultChecked=${device.tags.includes(HIDDEN)} /> ${say("hide it in the house")}</label>
+    <p class="buttons"><button>${say("save")}</button></p>
+    <p role="status" class=${told?.length ? "bad" : "quiet"}>${told && (told.join("; ") || say("saved"))}</p>
+  </form>`;
+}

@@ -1,0 +1,103 @@
+"""The page as a panel at a wall: what is worked on the House view itself, by mouse, touch and keyboard."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from anyio import to_thread
+from tests.peers.chromium import Page, chromium, opened_page
+
+from homebot.house import World
+from homebot.house.description import load_world
+
+HOUSE = """
+[house]
+dialect = "zigbee2mqtt"
+[rooms.living_room]
+[devices.big_cover]
+kind = "cover"
+is_open = true
+travel_time = 1.0
+room = "living_room"
+[devices.heating]
+kind = "thermostat"
+room = "living_room"
+[devices.front_lock]
+kind = "lock"
+room = "living_room"
+[devices.lamp]
+kind = "lamp"
+room = "living_room"
+"""
+COVER = "[role=group][aria-label='Big cover'] button[aria-label={}]"
+WARMER = "[role=group][aria-label='heating: heating setpoint'] button[aria-label=more]"
+HANDS = ("mouse", "touch", "keyboard")
+OWNER = "hunter2-and-some-more"
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as driver:
+        yield driver
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> World:
+    (tmp_path / "house.toml").write_text(HOUSE)
+    return load_world(tmp_path / "house.toml")
+
+
+async def work(page: Page, hand: str, selector: str) -> None:
+    """Work what *selector* finds by mouse, by touch, or by the keyboard alone."""
+    match hand:
+        case "mouse":
+            await page.click(selector)
+        case "touch":
+            await page.tap(selector)
+        case _:
+            await to_thread.run_sync(page.tabbed, selector)
+
+
+@pytest.mark.parametrize("hand", HANDS)
+async def test_a_cover_is_closed_on_the_house_view(browser: Any, world: World, hand: str) -> None:
+    async with opened_page(browser, world) as own:
+        await own.open(shows="Big cover")
+        await own.shows("open", ".devices")
+        await work(own, hand, COVER.format("close"))
+        await own.shows("Big cover: confirmed after", "[role=alert]")
+        await own.shows("closed", ".devices")
+        assert own.problems() == []
+
+
+@pytest.mark.parametrize("hand", HANDS)
+async def test_a_thermostat_is_made_warmer_on_the_house_view(browser: Any, world: World, hand: str) -> None:
+    """Of several presses the last number is sent."""
+    async with opened_page(browser, world) as own:
+        await own.open(shows="20 °C")
+        for _ in range(3):
+            await work(own, hand, WARMER)
+        await own.shows("heating: confirmed after", "[role=alert]")
+        await own.shows("21.5 °C", ".stepper output")
+        await own.open("#/journal", shows="heating setpoint 21.5 °C")
+        await own.hides("heating setpoint 20.5 °C")
+
+
+async def test_a_row_opens_to_a_slider_and_a_code_without_leaving_the_house(browser: Any, world: World) -> None:
+    async with opened_page(browser, world, {"control": {"always_ask": False}}) as own:
+        await own.open(shows="Front lock")
+        await own.click("button[aria-label='more of Front lock']")
+        await own.shows("code, if it needs one", ".devices")
+        await own.write("input[name=code]", "4321")
+        await own.click("div[aria-label=lock] button:nth-of-type(2)")
+        await own.shows("Front lock: refused (gateway): 'lock' was refused: it takes no code", "[role=alert]")
+        await own.click("div[aria-label=lock] button:nth-of-type(2)")
+        await own.shows("unlocked", ".devices")
+        assert own.browser.find_element("css selector", "input[name=code]").get_attribute("value") == ""
+        await own.click("button[aria-label='more of Front lock']")
+        await own.click("button[aria-label='more of lamp']")
+        await own.shows("level", ".commands")
+        await own.write("input[type=range]", "\ue011\ue014\ue014")  # Home, and the right arrow twice
+        await own.shows("lamp: confirmed after", "[role=alert]")
+        await own.shows("on · 2 %", ".devices")
+        assert own.problems() == []
