@@ -28,6 +28,7 @@ COMMANDS: Final = {
     "new": "create a folder with an app, or a package for devices, with tests and configuration",
     "app": "list, load, unload and reload apps of a running homebot",
     "routine": "list and show routines, start them, switch them on and off",
+    "scene": "save, apply, undo and change scenes: values of several devices under one name",
     "config": "check the configuration",
     "devices": "list the devices in the house",
     "find": "find devices by type, capability, state, room or name",

@@ -19,7 +19,7 @@ from homebot.devices.command_messages import (
     Setting,
 )
 from homebot.devices.device_lookup import DeviceLookup
-from homebot.devices.outcomes import NoAnswer, Outcome, Refused, worst
+from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
@@ -82,16 +82,7 @@ class CommandService:
             for device, part, settings in parsed:
                 wanted = settings if isinstance(settings, RefusedError) else next(batch)
                 tasks.start_soon(command, device, part, wanted)
-        commanded.sort(key=lambda one: (one[0].device, one[0].part))
-        parts, outcomes = zip(*commanded, strict=True)
-        worst_one = parts[outcomes.index(worst(outcomes))]
-        is_done = all(one.succeeded for one in outcomes)
-        return CommandDevicesResponse(
-            success=is_done,
-            message="" if is_done else f"{worst_one.name}: {worst_one.result.text}",
-            outcome=worst_one.result.outcome,
-            results=parts,
-        )
+        return CommandDevicesResponse.of(commanded)
 
     async def _found(self, request: CommandDevicesRequest) -> tuple[list[Target], CommandDevicesRequest]:
         """Return the targets, and *request* with ``off`` or ``on`` for ``toggle``: off if any of them is on."""

@@ -12,6 +12,8 @@ from homebot.devices.value import PlainValue, ShortText, Value
 from homebot.messages.message import LocalServiceType, Message, ServiceAnswer, ServiceType, UInt8
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from homebot.devices.outcomes import Outcome
 
 __all__ = [
@@ -254,6 +256,21 @@ class CommandDevicesResponse(ServiceAnswer):
 
     outcome: _WorstKind = ""
     results: tuple[CommandedPart, ...] = ()
+
+    @classmethod
+    def of(cls, commanded: "Iterable[tuple[CommandedPart, Outcome]]") -> "CommandDevicesResponse":
+        """Return the response for these parts, at least one, with their outcomes."""
+        from homebot.devices.outcomes import worst  # noqa: PLC0415 - a start without a command needs none
+
+        parts, outcomes = zip(*sorted(commanded, key=lambda one: (one[0].device, one[0].part)), strict=True)
+        worst_one = parts[outcomes.index(worst(outcomes))]
+        is_done = all(one.succeeded for one in outcomes)
+        return cls(
+            success=is_done,
+            message="" if is_done else f"{worst_one.name}: {worst_one.result.text}",
+            outcome=worst_one.result.outcome,
+            results=parts,
+        )
 
 
 CommandDevices = ServiceType("homebot/srv/CommandDevices", CommandDevicesRequest, CommandDevicesResponse)

@@ -25,6 +25,7 @@ class Trigger(Message):
         text: The raw message, the change of the device, the period of the timer, the holder of the part or the call, as
                 text.
         at: The time of the cause; 0 if unknown.
+        scene: The name of the scene that was applied because of it; empty for none.
     """
 
     kind: Literal["", "lease", "report", "device", "message", "timer", "client"] = ""
@@ -33,6 +34,7 @@ class Trigger(Message):
     readings: Annotated[tuple[Reading, ...], Field(max_length=MOST_READINGS)] = ()
     text: ShortText = ""
     at: Time = Time(sec=0, nanosec=0)
+    scene: ShortText = ""
 
 
 NO_TRIGGER = Trigger()

@@ -153,6 +153,17 @@ class Directory:
     def _publish_approvals(self) -> None:
         self._approved.publish(ApprovedCommands(digests=self.index.owner.approvals.digests))
 
+    @property
+    def scenes(self) -> str:
+        """The scenes of the owner, as :meth:`keep_scenes` kept them; empty for none."""
+        return self._persistence.scenes.text
+
+    async def keep_scenes(self, record: str, *, at_once: bool) -> str:
+        """Keep the scenes of the owner; return why they could not be saved at once, in words, empty if they were."""
+        scenes = self._persistence.scenes
+        scenes.text, scenes.is_unsaved = record, True
+        return await self._persistence.keep() if at_once else ""
+
     async def reconfigure(self, places: Places, rooms: HouseRooms) -> None:
         """Replace the statements of the configuration on rooms and devices."""
         await TimeSlice(self._clock).do(self.index.places_exchange.reconfigure(places, rooms, self._clock.now()))

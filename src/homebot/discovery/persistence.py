@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
@@ -48,7 +49,8 @@ RETRY_AFTER = 5.0
 
 DECISIONS = "merging"
 PLACES = "places"
-"""The owner's records: which announcements are one device, and statements about devices."""
+SCENES = "scenes"
+"""The owner's records: which announcements are one device, statements about devices, and scenes."""
 
 _EMBEDDED = "embedded"
 """The folder of homebot's own broker, which moves nowhere."""
@@ -59,6 +61,22 @@ _BATCH = 200
 _LAST_CHANCE = 5.0
 
 
+@dataclass(slots=True)
+class OwnerText:
+    """A record of the owner whose content is for another part of homebot."""
+
+    text: str = ""
+    is_unsaved: bool = False
+
+    def record(self) -> str:
+        """Return the text."""
+        return self.text
+
+    def restore(self, record: str) -> None:
+        """Set the text."""
+        self.text = record
+
+
 class IndexPersistence:
     """Keeps the index file.
 
@@ -67,6 +85,7 @@ class IndexPersistence:
 
     Attributes:
         file: The path of the file; empty for none.
+        scenes: The scenes.
     """
 
     def __init__(self, node: Node, index: DeviceIndex, path: Path | None, known: Sequence[IndexRow] = ()) -> None:
@@ -78,7 +97,12 @@ class IndexPersistence:
         self._rejected = 0
         self.file = str(path or "")
         self._kept = None if path is None else self._kept_file(path)
-        self._owner: dict[str, MergeDecisions | OwnerFacts] = {DECISIONS: index.decisions, PLACES: index.owner}
+        self.scenes = OwnerText()
+        self._owner: dict[str, MergeDecisions | OwnerFacts | OwnerText] = {
+            DECISIONS: index.decisions,
+            PLACES: index.owner,
+            SCENES: self.scenes,
+        }
         index.table.is_saved = path is not None
 
     @property
@@ -111,7 +135,7 @@ class IndexPersistence:
     async def export(self) -> tuple[IndexRow, ...]:
         """Return the content that the file would have now, whether or not there is one."""
         records = await self._records(self._index.ids)
-        owner = tuple((name, one.record()) for name, one in self._owner.items())
+        owner = tuple((name, record) for name, one in self._owner.items() if (record := one.record()))
         tables: tuple[tuple[IndexTable, tuple[tuple[str, str], ...]], ...] = (
             ("devices", records.devices),
             ("tombstones", records.tombstones),

@@ -31,7 +31,7 @@ from homebot.devices.app_messages import ChangeAppResponse, Reload
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.devices.health import GetHealth
-from homebot.devices.names import COPY_FILES, LIST_TOKENS, RELOAD, START_RECORDER
+from homebot.devices.names import COPY_FILES, LIST_TOKENS, RELOAD, SCENE_SERVICES, START_RECORDER
 from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import UsageError
 from homebot.gateways import Gateway, GatewayContext
@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.link_starter import LinkStarter
     from homebot.runtime.simulated_house import HouseOfRun
+    from homebot.scenes.scene_services import SceneServices
 
 __all__ = ["Runtime"]
 
@@ -160,6 +161,7 @@ class Runtime:
         self._owner: OwnerFacts
         self._controller: Control | None = None
         self._index: Directory | None = None
+        self._scenes: SceneServices | None = None
         self._stack = AsyncExitStack()
         self._clock = self.clock or LoopClock()
         self.graph = Graph(self._clock)
@@ -267,6 +269,8 @@ class Runtime:
         main.offer_service("std_srvs/srv/Trigger", START_RECORDER, partial(self._serve_recorder, main))
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
         main.create_service(Reload, RELOAD, lambda asked: self.reload(self._read, may_lose=asked.allow_removal))
+        for name, kind in SCENE_SERVICES.items() if not self._plan.is_other_machine else ():
+            main.offer_service(kind, name, partial(self._serve_scenes, main, name))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
         gateways = tuple(
@@ -391,6 +395,12 @@ class Runtime:
         from homebot.runtime.run_recording import RecorderStarter  # noqa: PLC0415 - few runs are recorded
 
         RecorderStarter(main, self._facts)
+
+    def _serve_scenes(self, main: Node, name: str) -> None:
+        from homebot.scenes.scene_services import SceneServices  # noqa: PLC0415 - many homes have none
+
+        self._scenes = self._scenes or SceneServices(main, lambda: self._index)
+        self._scenes.serve(name)
 
     async def _facts(self) -> RecordingHeader:
         from homebot.runtime.run_recording import facts_of_run  # noqa: PLC0415 - few runs are recorded

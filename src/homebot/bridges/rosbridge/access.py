@@ -45,6 +45,7 @@ _READING: Final = frozenset(
         names.LIST_APPS,
         names.LIST_DEVICES,
         names.LIST_ROUTINES,
+        names.LIST_SCENES,
         names.QUERY_DEVICES,
         names.READ_ENERGY,
         names.READ_HISTORY,
@@ -56,6 +57,7 @@ _READING: Final = frozenset(
 _ACTING: Final = frozenset(
     {
         names.ANSWER_QUESTION,
+        names.APPLY_SCENE,
         names.COMMAND_DEVICES,
         names.DEFINE_TYPE,
         names.HOLD_DEVICE,

@@ -20,7 +20,7 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices.command_messages import CommandDevicesResponse
 
-__all__ = ["add_arguments"]
+__all__ = ["add_arguments", "print_outcomes"]
 
 _EXAMPLES = """\
   homebot do 'Kitchen lamp' on
@@ -77,7 +77,7 @@ def _do(options: argparse.Namespace) -> int:
         elif not answer.results:
             raise PeerError(answer.message)
         else:
-            _print(answer, printable(door.home))
+            print_outcomes(answer, printable(door.home))
         return 0 if answer.success else 1
 
     return with_client(options, run)
@@ -102,7 +102,8 @@ def _request(options: argparse.Namespace) -> dict[str, object]:
     }
 
 
-def _print(answer: CommandDevicesResponse, home: str) -> None:
+def print_outcomes(answer: CommandDevicesResponse, home: str) -> None:
+    """Print each outcome of a command in *home*, and last the worst of several."""
     count = len(answer.results)
     where = f" in {home}"
     for one in answer.results:

@@ -93,6 +93,13 @@ def denial_text(entry: JournalEntry) -> str:
 
 def trigger_text(trigger: Trigger, names: Mapping[str, str]) -> str:
     """Return the cause of a command as a clause; empty if unknown."""
+    cause = _cause_text(trigger, names)
+    if not trigger.scene:
+        return cause
+    return f"the scene {printable(trigger.scene, 100)} was applied{f' when {cause}' if cause else ''}"
+
+
+def _cause_text(trigger: Trigger, names: Mapping[str, str]) -> str:
     name = name_text(trigger.device, names, next((one.part for one in trigger.readings), ""))
     match trigger.kind:
         case "lease":

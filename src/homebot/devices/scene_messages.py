@@ -1,0 +1,158 @@
+"""Services for scenes: a name, and a value for each of a set of parts."""
+
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import Field
+
+from homebot.devices.command_messages import MOST_SETTINGS, CommandDevicesResponse, Setting
+from homebot.devices.device import KeyValue
+from homebot.devices.trigger import NO_TRIGGER, Trigger
+from homebot.devices.value import ShortText
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.message import Message, ServiceAnswer, ServiceType
+
+__all__ = [
+    "MOST_PARTS",
+    "ApplyScene",
+    "ApplySceneRequest",
+    "ChangeScene",
+    "ChangeSceneRequest",
+    "ChangeSceneResponse",
+    "ListScenes",
+    "SceneChange",
+    "SceneInfo",
+    "ScenePart",
+    "ScenesRequest",
+    "ScenesResponse",
+]
+
+MOST_PARTS = 500
+"""The limit of parts of one scene."""
+
+_NO_TIME = Time(sec=0, nanosec=0)
+
+
+class ScenePart(Message):
+    """One part in a scene.
+
+    Attributes:
+        name: Its name for people; its id if it is not in the house.
+        area: The room of its device; empty if unknown.
+        settings: Its values; empty if only the source of a native scene knows them.
+        text: The values in the words of ``homebot do``, such as ``on, level 20 %``.
+        asks: Why it always asks; empty if it does not, or if the values only make the house safer.
+        is_known: Whether it is in the house now.
+    """
+
+    device: ShortText
+    part: ShortText = ""
+    name: str = ""
+    area: str = ""
+    settings: Annotated[tuple[Setting, ...], Field(max_length=MOST_SETTINGS)] = ()
+    text: str = ""
+    asks: str = ""
+    is_known: bool = True
+
+
+class SceneInfo(Message):
+    """A scene of the owner, or a native one, which a bridge or device keeps and one message recalls.
+
+    Attributes:
+        name: Its name; that of a native one may occur in several rooms.
+        id: What names it alone in a request: its name, or the id of the part that recalls it.
+        is_native: Whether a bridge or device keeps it.
+        area: The room of a native one; empty if unknown.
+        parts: The parts that it sets; empty if a native one does not tell them.
+        can_undo: Whether it was applied, and not undone since.
+        applied_at: When it was last applied by homebot; 0 if it was not.
+    """
+
+    name: str
+    id: str
+    is_native: bool = False
+    area: str = ""
+    parts: tuple[ScenePart, ...] = ()
+    can_undo: bool = False
+    applied_at: Time = _NO_TIME
+
+
+class ScenesRequest(Message):
+    """Request for the scenes.
+
+    Attributes:
+        name: The name or id of one; empty for all.
+    """
+
+    name: ShortText = ""
+
+
+class ScenesResponse(ServiceAnswer):
+    """The scenes, those of the owner first; fails if the named one is unknown."""
+
+    scenes: tuple[SceneInfo, ...] = ()
+
+
+SceneChange: TypeAlias = Literal["save", "edit", "rename", "remove"]
+
+
+class ChangeSceneRequest(Message):
+    """Request to change a scene of the owner; homebot remembers it across restarts.
+
+    Attributes:
+        name: Its name.
+        change: ``save`` takes the present values of *target*, in place of an older scene of the name; ``edit`` sets
+            *values*; ``rename`` gives it the name *target*; ``remove`` forgets it.
+        target: The id or name of a device, or a query such as ``lights in living``; to save a known scene, empty for
+            the same parts as before.
+        values: The devices or queries, each with its values in the words of ``homebot do``, such as ``on, 20 %``;
+            without a word it is left out of the scene.
+        replaces: Whether the scene has only *values* then.
+    """
+
+    name: ShortText
+    change: SceneChange
+    target: ShortText = ""
+    values: Annotated[tuple[KeyValue, ...], Field(max_length=MOST_PARTS)] = ()
+    replaces: bool = False
+
+
+class ChangeSceneResponse(ServiceAnswer):
+    """The result.
+
+    Attributes:
+        scenes: The scene as it is now; empty if it was removed.
+        left_out: The parts that were not saved, each with the reason.
+    """
+
+    scenes: tuple[SceneInfo, ...] = ()
+    left_out: tuple[KeyValue, ...] = ()
+
+
+class ApplySceneRequest(Message):
+    """Request to apply a scene, or to bring back what was before it.
+
+    Attributes:
+        name: Its name or id.
+        transition: Seconds that the changes take, where a device supports that.
+        undo: Whether to bring back what was before it was applied last, where nothing else has changed it since.
+        agreed: Whether the person who applies it has agreed to the values of parts that always ask; otherwise somebody
+            is asked. An app cannot agree.
+        issuer: The issuer of the commands; the door sets it for its clients.
+        scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
+        ask_first: Whether a person must agree to each command first.
+        trigger: What led to it; only homebot's own nodes can say so.
+    """
+
+    name: ShortText
+    transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
+    undo: bool = False
+    agreed: bool = False
+    issuer: str = ""
+    scope: Annotated[tuple[str, ...], Field(max_length=100)] = ()
+    ask_first: bool = False
+    trigger: Trigger = NO_TRIGGER
+
+
+ListScenes = ServiceType("homebot/srv/ListScenes", ScenesRequest, ScenesResponse)
+ChangeScene = ServiceType("homebot/srv/ChangeScene", ChangeSceneRequest, ChangeSceneResponse)
+ApplyScene = ServiceType("homebot/srv/ApplyScene", ApplySceneRequest, CommandDevicesResponse)

@@ -1,0 +1,166 @@
+"""The scenes of a house: those of the owner, and those that a bridge or device keeps. Pure."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final, TypeAlias, final
+
+from homebot.command_words.suitable_parts import part_name
+from homebot.control.policies.rights import is_safe
+from homebot.devices import Device, DevicePart
+from homebot.devices.always_ask import why_it_asks
+from homebot.devices.command_messages import Setting
+from homebot.devices.device import is_commanded, target_of
+from homebot.devices.scene_messages import SceneInfo, ScenePart
+from homebot.devices.value import PlainValue
+from homebot.errors import UsageError
+from homebot.messages import Time
+from homebot.scenes.scene_book import SceneBook
+from homebot.scenes.scene_words import values_text
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
+
+__all__ = ["HouseScenes", "Place", "Scene", "place_of", "why_asked"]
+
+Place: TypeAlias = tuple[str, str]
+"""The ids of a device and of its part."""
+
+_RECALL: Final = "scene"
+_MOST_NAMED: Final = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A scene.
+
+    Attributes:
+        id: Its name, or for a native scene the id of the part that recalls it.
+        parts: The values by capability of each part; empty values if only the source of a native scene knows them.
+        recalled_by: The part that recalls it; None for a scene of the owner.
+    """
+
+    name: str
+    id: str
+    parts: Mapping[Place, Mapping[str, PlainValue]]
+    recalled_by: tuple[Device, DevicePart] | None = None
+    area: str = ""
+
+
+@dataclass(slots=True)
+class _MembersByName:
+    """The commanded parts of the house, by what groups and scenes call them."""
+
+    named: defaultdict[str, list[Place]] = field(default_factory=lambda: defaultdict(list))
+
+    def add(self, device: Device) -> None:
+        for part in device.parts:
+            if is_commanded(part.part) and not part.part.members:
+                names = dict.fromkeys(device.identifiers)
+                for route in part.routes:
+                    names |= dict.fromkeys(f"{one}#{route.part}" for one in device.identifiers)
+                    names[f"{route.gateway} #{route.part}"] = None
+                for name in names:
+                    self.named[name].append((device.id, part.id))
+
+    def of(self, part: DevicePart) -> dict[Place, Mapping[str, PlainValue]]:
+        gateways = {one.gateway for one in part.routes}
+        names = [one for name in part.part.members for one in (name, *(f"{gateway} {name}" for gateway in gateways))]
+        return {place: {} for name in names for place in self.named.get(name, ())}
+
+
+@final
+class HouseScenes:
+    """The scenes of a house with *devices*."""
+
+    def __init__(self, devices: Sequence[Device], book: SceneBook) -> None:
+        self.devices = {one.id: one for one in devices}
+        self._book = book
+
+    def find(self, name: str) -> Scene:
+        """Return the scene with this name or id: that of the owner, or else the only native one.
+
+        Raises:
+            UsageError: There is none, or there are several; the message names them.
+        """
+        own = self._book.scenes.get(fold(name))
+        if own is not None:
+            return Scene(own.name, own.name, {place_of(target): values for target, values in own.parts.items()})
+        native = list(self.native())
+        found = [one for one in native if one.id == name] or [one for one in native if fold(one.name) == fold(name)]
+        if len(found) > 1:
+            ids = ", ".join(one.id for one in found[:_MOST_NAMED])
+            raise UsageError(f"{len(found)} scenes are called {name!r}; give the id of one: {ids}")
+        if not found:
+            known = [*(one.name for one in self._book.scenes.values()), *(one.name for one in native)]
+            hint = did_you_mean(name, known, "`homebot scene list` shows them")
+            raise UsageError(f"there is no scene {name!r}; {hint}")
+        return found[0]
+
+    def all(self) -> Iterator[Scene]:
+        """Yield all scenes: those of the owner, and then the native ones by room."""
+        for name in sorted(self._book.scenes):
+            yield self.find(name)
+        yield from sorted(self.native(), key=lambda one: (fold(one.area), fold(one.name), one.id))
+
+    def native(self) -> Iterator[Scene]:
+        """Yield the scenes that a bridge or device keeps."""
+        members = _MembersByName()
+        for device in self.devices.values():
+            members.add(device)
+        for device in self.devices.values():
+            for part in device.parts:
+                if any(one.name == _RECALL and one.settable for one in part.part.capabilities):
+                    name, scene_id = part.part.name or device.name, target_of(device.id, part.id)
+                    yield Scene(name, scene_id, members.of(part), (device, part), device.area)
+
+    def info(self, scene: Scene) -> SceneInfo:
+        """Return *scene* for clients."""
+        applied = self._book.applied.get(scene.id)
+        return SceneInfo(
+            name=scene.name,
+            id=scene.id,
+            is_native=scene.recalled_by is not None,
+            area=scene.area,
+            parts=tuple([self._part(place, values) for place, values in scene.parts.items()]),
+            can_undo=applied is not None and bool(applied.before),
+            applied_at=Time.from_seconds(applied.at if applied is not None else 0.0),
+        )
+
+    def place(self, place: Place) -> tuple[Device, DevicePart] | None:
+        """Return a part of the house; None if it is not there now."""
+        device = self.devices.get(place[0])
+        part = None if device is None else device.part(place[1])
+        return None if device is None or part is None else (device, part)
+
+    def name(self, place: Place) -> str:
+        """Return the name of a part for people; its id if it is not in the house."""
+        found = self.place(place)
+        return target_of(*place) if found is None else part_name(*found)
+
+    def _part(self, place: Place, values: Mapping[str, PlainValue]) -> ScenePart:
+        found, settings = self.place(place), tuple(map(Setting.of, values, values.values()))
+        return ScenePart(
+            device=place[0],
+            part=place[1],
+            name=self.name(place),
+            area="" if found is None else found[0].area,
+            settings=settings,
+            text=values_text(settings),
+            asks="" if found is None else why_asked(*found, values),
+            is_known=found is not None,
+        )
+
+
+def place_of(target: str) -> Place:
+    """Return the ids of the device and the part of which *target* was made."""
+    device, _, part = target.partition("#")
+    return device, part
+
+
+def why_asked(device: Device, part: DevicePart, values: Mapping[str, PlainValue]) -> str:
+    """Return why a person must agree to *values*; empty if none must. To lock, or to shut off water, is safe."""
+    reason = why_it_asks(device, part)
+    is_harmless = bool(values) and "alarm" not in values and is_safe(device, part, values)
+    return "" if is_harmless else reason

@@ -1,0 +1,130 @@
+"""Applying a scene, and bringing back what was before it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final, final
+
+from homebot.command_words.command_service import UNNAMED_CLIENT
+from homebot.command_words.earlier_values import known_states
+from homebot.devices import DevicePart
+from homebot.devices.batch import perform_all
+from homebot.devices.client_rights import CLIENT
+from homebot.devices.command_messages import (
+    CommandDevicesResponse,
+    CommandedPart,
+    CommandRequest,
+    CommandResult,
+    PerformCommand,
+    Setting,
+)
+from homebot.devices.device import target_of
+from homebot.devices.names import PERFORM_COMMAND
+from homebot.devices.outcomes import NoAnswer, Outcome, Refused
+from homebot.devices.part import check_setting
+from homebot.devices.scene_messages import ApplySceneRequest
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, ServiceError
+from homebot.graph import Node
+from homebot.scenes.scene import HouseScenes, Place, Scene, place_of, why_asked
+from homebot.scenes.scene_book import SceneBook
+
+__all__ = ["SceneApplying"]
+
+_LONGEST: Final = 900.0
+"""Seconds after which the control layer has answered: it limits its own waiting."""
+
+
+@final
+class SceneApplying:
+    """Gives each part of a scene its command, by the control layer, as every other command."""
+
+    def __init__(self, node: Node) -> None:
+        self._clock = node.graph.clock
+        self._perform = node.create_client(PerformCommand, PERFORM_COMMAND)
+
+    async def apply(
+        self, request: ApplySceneRequest, scene: Scene, house: HouseScenes, book: SceneBook
+    ) -> CommandDevicesResponse:
+        """Apply *scene*, and note what was before it."""
+        before, given_at = known_states(house.devices.values()), self._clock.now()
+        wanted: Mapping[Place, Mapping[str, PlainValue]] = scene.parts
+        if scene.recalled_by is not None:
+            wanted = {place_of(scene.id): {"scene": True}}
+        answer = await self._command(request, scene, house, wanted)
+        changed = [(one.device, one.part) for one in answer.results if one.result.outcome != "refused"]
+        if changed:
+            ended_at, parts = self._clock.now(), changed if scene.recalled_by is None else scene.parts
+            book.begin(scene.id, given_at).add(before, parts, given_at, ended_at)
+        return answer
+
+    async def undo(
+        self, request: ApplySceneRequest, scene: Scene, house: HouseScenes, book: SceneBook
+    ) -> CommandDevicesResponse:
+        """Bring back what was before *scene*, where nothing else has changed it since."""
+        applied = book.applied.get(scene.id)
+        if applied is None or not applied.before:
+            problem = f"there is nothing to undo: {scene.name} was not applied, or was undone since"
+            return CommandDevicesResponse(success=False, message=problem)
+        due = book.begin(scene.id, applied.at).take(known_states(house.devices.values()))
+        if not due:
+            return CommandDevicesResponse(
+                success=True, message=f"nothing that {scene.name} changed is left to bring back"
+            )
+        wanted = {place: {one.capability: one.value.plain() for one in settings} for place, settings in due.items()}
+        return await self._command(request, scene, house, wanted)
+
+    async def _command(
+        self,
+        request: ApplySceneRequest,
+        scene: Scene,
+        house: HouseScenes,
+        values_of: Mapping[Place, Mapping[str, PlainValue]],
+    ) -> CommandDevicesResponse:
+        outcomes: dict[Place, Outcome] = {}
+        requests: dict[Place, CommandRequest] = {}
+        for place, values in values_of.items():
+            found = house.place(place)
+            if found is not None and (refused := _refusal(found[1], place, values)) is not None:
+                outcomes[place] = refused
+                continue
+            agreed = request.agreed and request.issuer.startswith(CLIENT)
+            asks = found is not None and not agreed and bool(why_asked(*found, values))
+            requests[place] = _request(request, scene, place, values, asks=asks)
+        outcomes |= zip(requests, await perform_all(self._outcome, tuple(requests.values())), strict=True)
+        return CommandDevicesResponse.of(
+            (CommandedPart(device=one[0], name=house.name(one), part=one[1], result=CommandResult.of(outcome)), outcome)
+            for one, outcome in outcomes.items()
+        )
+
+    async def _outcome(self, request: CommandRequest) -> Outcome:
+        try:
+            return await self._perform.call(request, timeout=_LONGEST)
+        except ServiceError as exc:
+            return NoAnswer(0.0, str(exc))
+
+
+def _refusal(part: DevicePart, place: Place, values: Mapping[str, PlainValue]) -> Refused | None:
+    """Return the refusal of values that the part does not take any more."""
+    try:
+        for capability, value in values.items():
+            check_setting(target_of(*place), part.part, capability, value)
+    except RefusedError as exc:
+        return Refused("device", f"{exc.what}: {exc.reason}")
+    return None
+
+
+def _request(
+    request: ApplySceneRequest, scene: Scene, place: Place, values: Mapping[str, PlainValue], *, asks: bool
+) -> CommandRequest:
+    return CommandRequest(
+        device=place[0],
+        part=place[1],
+        settings=tuple(map(Setting.of, values, values.values())),
+        transition=request.transition,
+        issuer=request.issuer or UNNAMED_CLIENT,
+        scope=request.scope,
+        ask_first=request.ask_first or asks,
+        cause=request.trigger.id,
+        trigger=request.trigger.model_copy(update={"scene": scene.name}),
+    )

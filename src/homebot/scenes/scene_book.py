@@ -1,0 +1,103 @@
+"""The scenes of the owner, and what was before each scene that was applied. Pure."""
+
+from collections.abc import Mapping
+from typing import Any, Final, final
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from homebot.command_words.earlier_values import EarlierValues
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, UsageError, WireError
+from homebot.support.folding import fold
+from homebot.support.printable import printable
+
+__all__ = ["AppliedScene", "KeptScene", "SceneBook"]
+
+_MOST_SCENES: Final = 300
+_MOST_APPLIED: Final = 100
+_LONGEST: Final = 100
+
+
+class KeptScene(BaseModel):
+    """A scene of the owner.
+
+    Attributes:
+        parts: Its values by capability, by the id of a device, with ``#`` and that of a part if it has one.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="ignore", defer_build=True)
+
+    name: str
+    parts: Mapping[str, Mapping[str, PlainValue]]
+
+
+class AppliedScene(BaseModel):
+    """The facts for an undo of a scene.
+
+    Attributes:
+        at: When it was applied, in seconds since the Unix epoch.
+        before: See :class:`homebot.command_words.earlier_values.EarlierValues`; empty after an undo.
+    """
+
+    model_config = ConfigDict(extra="ignore", defer_build=True)
+
+    at: float
+    before: dict[str, list[Any]] = {}
+
+
+class _BookRecord(BaseModel):
+    model_config = ConfigDict(extra="ignore", defer_build=True)
+
+    scenes: tuple[KeptScene, ...] = ()
+    applied: dict[str, AppliedScene] = {}
+
+
+@final
+class SceneBook:
+    """The scenes of the owner by folded name, and the applied ones by id.
+
+    Args:
+        record: What :meth:`record` returned; empty for none.
+
+    Raises:
+        WireError: It cannot be read.
+    """
+
+    def __init__(self, record: str = "") -> None:
+        try:
+            read = _BookRecord.model_validate_json(record) if record else _BookRecord()
+        except ValidationError as exc:
+            raise WireError(f"no scenes: {exc.errors()[0]['msg']}", record[:100].encode(errors="replace")) from exc
+        self.scenes = {fold(one.name): one for one in read.scenes}
+        self.applied = read.applied
+
+    def record(self) -> str:
+        """Return everything as text."""
+        return _BookRecord(scenes=tuple(self.scenes.values()), applied=self.applied).model_dump_json()
+
+    def put(self, scene: KeptScene) -> None:
+        """Add a scene, in place of one of the same name.
+
+        Raises:
+            UsageError: Its name cannot be one.
+            RefusedError: There are too many.
+        """
+        name = scene.name
+        if not fold(name) or name != name.strip() or printable(name, _LONGEST) != name:
+            raise UsageError(f"{name[:_LONGEST]!r} cannot name a scene: give 1 to {_LONGEST} printable characters")
+        if fold(name) not in self.scenes and len(self.scenes) >= _MOST_SCENES:
+            raise RefusedError(f"the scene {name!r}", f"there are {_MOST_SCENES} already; remove one first")
+        self.scenes[fold(name)] = scene
+
+    def remove(self, name: str) -> None:
+        """Forget the scene with this folded name."""
+        self.applied.pop(self.scenes.pop(name).name, None)
+
+    def begin(self, scene_id: str, at: float) -> EarlierValues:
+        """Return what was before the scene with this id, to which the values before it are added."""
+        applied = self.applied.pop(scene_id, None) or AppliedScene(at=at)
+        applied.at = at
+        self.applied[scene_id] = applied
+        while len(self.applied) > _MOST_APPLIED:
+            del self.applied[next(iter(self.applied))]
+        return EarlierValues(applied.before)

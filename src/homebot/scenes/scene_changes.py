@@ -1,0 +1,151 @@
+"""Changes of the scenes of the owner: saved, edited, renamed, removed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Final, final
+
+from homebot.command_words.suitable_parts import part_name
+from homebot.command_words.targets import CommandTargets, NoTargetError
+from homebot.devices import Device, DevicePart, KeyValue
+from homebot.devices.command_messages import CommandDevicesRequest
+from homebot.devices.device import target_of
+from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.scene_messages import MOST_PARTS, ChangeSceneRequest
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, UsageError
+from homebot.graph import Node
+from homebot.scenes.scene import HouseScenes, place_of, why_asked
+from homebot.scenes.scene_book import KeptScene, SceneBook
+from homebot.scenes.scene_words import present_values, read_values
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from homebot.command_words.targets import Target
+
+__all__ = ["SceneChanges"]
+
+_MOST_NAMED: Final = 5
+
+
+@final
+class SceneChanges:
+    """Makes the changes that clients ask for in a book."""
+
+    def __init__(self, node: Node, lookup: DeviceLookup) -> None:
+        self._targets = CommandTargets(node, lookup, lambda *_: "")
+
+    async def make(
+        self, request: ChangeSceneRequest, house: HouseScenes, book: SceneBook
+    ) -> tuple[KeptScene | None, tuple[KeyValue, ...]]:
+        """Make a change; return the scene, None if it was removed, and what was not saved, with the reasons.
+
+        Raises:
+            HomebotError: It cannot be made; nothing was changed.
+        """
+        name, left_out = request.name.strip(), tuple[KeyValue, ...]()
+        known = book.scenes.get(fold(name))
+        if request.change == "save":
+            scene, left_out = await self._saved(request, known, house)
+            book.put(scene)
+            return scene, left_out
+        if known is None:
+            named = [one.name for one in book.scenes.values()]
+            hint = did_you_mean(name, named, "`homebot scene list` shows them; `save` makes one")
+            raise UsageError(f"there is no scene {name!r} of the owner; {hint}")
+        if request.change == "remove":
+            book.remove(fold(name))
+            return None, left_out
+        if request.change == "rename":
+            return self._renamed(known, request.target.strip(), book), left_out
+        parts = {} if request.replaces else dict(known.parts)
+        scene = KeptScene(name=known.name, parts=await self._edited(parts, request.values, house))
+        book.put(scene)
+        return scene, left_out
+
+    async def _saved(
+        self, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes
+    ) -> tuple[KeptScene, tuple[KeyValue, ...]]:
+        if request.target:
+            found = [(device, part) for device, parts in await self._found(request.target) for part in parts]
+        else:
+            places = map(place_of, () if known is None else known.parts)
+            found = [one for place in places if (one := house.place(place)) is not None]
+            if not (found or request.values):
+                raise UsageError("say what the scene is of, such as 'lights in living'")
+        parts, left_out = dict[str, Mapping[str, PlainValue]](), list[KeyValue]()
+        for device, part in found:
+            values = present_values(device, part)
+            if (problem := _why_left_out(device, part, values)) is None:
+                parts[target_of(device.id, part.id)] = values
+            elif problem:
+                left_out.append(KeyValue(key=part_name(device, part), value=problem))
+        if not (parts or request.values):
+            reasons = "; ".join(f"{one.key}: {one.value}" for one in left_out[:_MOST_NAMED])
+            raise UsageError(f"there is nothing to save; {reasons or 'nothing of that has values to bring back'}")
+        name = request.name.strip()
+        return KeptScene(name=name, parts=await self._edited(parts, request.values, house)), tuple(left_out)
+
+    async def _edited(
+        self, parts: dict[str, Mapping[str, PlainValue]], values: Sequence[KeyValue], house: HouseScenes
+    ) -> dict[str, Mapping[str, PlainValue]]:
+        """Return *parts* with *values* in words."""
+        for one in values:
+            if one.key in parts and house.place(place_of(one.key)) is None:  # it is not in the house now
+                found: list[tuple[str, dict[str, PlainValue]]] = [(one.key, {})]
+                if one.value:
+                    raise UsageError(f"{one.key} is not in the house now; leave it as it is, or out")
+            else:
+                found = await self._valued(one.key, one.value.strip())
+            for target, wanted in found:
+                if wanted:
+                    parts[target] = wanted
+                else:
+                    parts.pop(target, None)
+        if not 0 < len(parts) <= MOST_PARTS:
+            raise UsageError(f"a scene has 1 to {MOST_PARTS} parts, and this would have {len(parts)}")
+        return parts
+
+    async def _valued(self, target: str, words: str) -> list[tuple[str, dict[str, PlainValue]]]:
+        """Return the parts that *target* means and that take *words*, each with its values."""
+        found: list[tuple[str, dict[str, PlainValue]]] = []
+        problem: RefusedError | None = None
+        for device, parts in await self._found(target):
+            for part in parts:
+                try:
+                    values = read_values(words, device, part, part_name(device, part)) if words else {}
+                    found.append((target_of(device.id, part.id), values))
+                except RefusedError as exc:
+                    problem = problem or exc
+        if problem is not None and not found:
+            raise problem
+        return found
+
+    async def _found(self, target: str) -> list[Target]:
+        try:
+            return await self._targets.find(CommandDevicesRequest(target=target))
+        except NoTargetError as exc:
+            raise UsageError(str(exc)) from exc
+
+    def _renamed(self, known: KeptScene, name: str, book: SceneBook) -> KeptScene:
+        if fold(name) != fold(known.name) and fold(name) in book.scenes:
+            raise UsageError(f"there is a scene {name!r} already")
+        scene = KeptScene(name=name, parts=known.parts)
+        book.put(scene)
+        if fold(name) != fold(known.name):
+            book.remove(fold(known.name))
+        return scene
+
+
+def _why_left_out(device: Device, part: DevicePart, values: Mapping[str, PlainValue]) -> str | None:
+    """Return why a scene is saved without *part*; empty if it has nothing to bring back, None if it is saved."""
+    if part.part.is_group:
+        return ""
+    if reason := why_asked(device, part, values):
+        return f"it always asks ({reason}); `homebot scene edit` can add it"
+    if device.reachable.state == "no" or device.freshness == "stale":
+        return "its values are unknown, as it cannot be reached"
+    if values:
+        return None
+    return "its values are unknown" if any(one.settable for one in part.part.capabilities) else ""

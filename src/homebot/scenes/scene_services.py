@@ -1,0 +1,113 @@
+"""The services for scenes; the scenes of the owner are kept by the directory, with all that the owner states."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol, final
+
+from homebot.devices import names
+from homebot.devices.command_messages import CommandDevicesResponse
+from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.scene_messages import (
+    ApplyScene,
+    ApplySceneRequest,
+    ChangeScene,
+    ChangeSceneRequest,
+    ChangeSceneResponse,
+    ListScenes,
+    SceneInfo,
+    ScenesRequest,
+    ScenesResponse,
+)
+from homebot.errors import HomebotError, WireError
+from homebot.graph import Node
+from homebot.scenes.scene import HouseScenes
+from homebot.scenes.scene_applying import SceneApplying
+from homebot.scenes.scene_book import SceneBook
+from homebot.scenes.scene_changes import SceneChanges
+
+__all__ = ["SceneKeeper", "SceneServices"]
+
+UNREADABLE = "scenes.unreadable"
+
+
+class SceneKeeper(Protocol):
+    """Keeps the scenes across restarts."""
+
+    @property
+    def scenes(self) -> str:
+        """The record that was kept; empty for none."""
+
+    async def keep_scenes(self, record: str, *, at_once: bool) -> str:
+        """Keep *record*; return why that failed, in words, empty if it did not."""
+
+
+@final
+class SceneServices:
+    """Lists, changes and applies scenes."""
+
+    def __init__(self, node: Node, keeper: Callable[[], SceneKeeper | None]) -> None:
+        self._node = node
+        self._keeper = keeper
+        self._lookup = DeviceLookup(node)
+        self._changes = SceneChanges(node, self._lookup)
+        self._applying = SceneApplying(node)
+        self._read: SceneBook | None = None
+
+    def serve(self, name: str) -> None:
+        """Create the service with this name."""
+        match name:
+            case names.LIST_SCENES:
+                self._node.create_service(ListScenes, name, self._list, concurrent=True)
+            case names.CHANGE_SCENE:
+                self._node.create_service(ChangeScene, name, self._change)
+            case names.APPLY_SCENE:
+                self._node.create_service(ApplyScene, name, self._apply, concurrent=True)
+
+    async def _list(self, request: ScenesRequest) -> ScenesResponse:
+        try:
+            house, _ = await self._house()
+            scenes = (house.find(request.name),) if request.name else house.all()
+            return ScenesResponse(success=True, scenes=tuple(map(house.info, scenes)))
+        except HomebotError as exc:
+            return ScenesResponse(success=False, message=str(exc))
+
+    async def _change(self, request: ChangeSceneRequest) -> ChangeSceneResponse:
+        try:
+            house, book = await self._house()
+            scene, left_out = await self._changes.make(request, house, book)
+        except HomebotError as exc:
+            return ChangeSceneResponse(success=False, message=str(exc))
+        scenes: tuple[SceneInfo, ...] = () if scene is None else (house.info(house.find(scene.name)),)
+        problem = await self._keep(book, at_once=True)
+        message = f"a restart would lose this, as it was not written: {problem}" if problem else ""
+        return ChangeSceneResponse(success=True, message=message, scenes=scenes, left_out=left_out)
+
+    async def _apply(self, request: ApplySceneRequest) -> CommandDevicesResponse:
+        try:
+            house, book = await self._house()
+            scene = house.find(request.name)
+        except HomebotError as exc:
+            return CommandDevicesResponse(success=False, message=str(exc))
+        run = self._applying.undo if request.undo else self._applying.apply
+        answer = await run(request, scene, house, book)
+        await self._keep(book, at_once=False)
+        return answer
+
+    async def _house(self) -> tuple[HouseScenes, SceneBook]:
+        """Return the scenes; the book is read once the directory has answered, which has read its file by then."""
+        devices = await self._lookup.devices()
+        book = self._read = self._read or self._read_book()
+        return HouseScenes(devices, book), book
+
+    def _read_book(self) -> SceneBook:
+        keeper = self._keeper()
+        try:
+            return SceneBook(keeper.scenes if keeper is not None else "")
+        except WireError as exc:
+            self._node.log.error(UNREADABLE, message=f"the scenes of the owner cannot be read: {exc}")
+            return SceneBook()
+
+    async def _keep(self, book: SceneBook, *, at_once: bool) -> str:
+        keeper = self._keeper()
+        return "" if keeper is None else await keeper.keep_scenes(book.record(), at_once=at_once)

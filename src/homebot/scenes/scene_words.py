@@ -1,0 +1,100 @@
+"""The values of a part in the words of ``homebot do``, such as ``on, 20 %, 2700 K``. Pure."""
+
+from collections.abc import Iterable, Mapping
+from typing import Final
+
+from homebot.command_words.earlier_values import RESTORED
+from homebot.command_words.settings import SET, parse_command_words
+from homebot.control.journal.given_codes import without_codes
+from homebot.devices import Device, DevicePart, KeyValue
+from homebot.devices.capabilities import CAPABILITIES, MOMENTARY
+from homebot.devices.command_messages import Setting
+from homebot.devices.device import State
+from homebot.devices.part import check_setting
+from homebot.devices.value import PlainValue
+from homebot.devices.wording.values import value_text
+from homebot.errors import RefusedError
+
+__all__ = ["present_values", "read_values", "values_text"]
+
+_SAVED: Final = (*RESTORED, "thermostat_mode", "fan_mode", "preset_mode", "effect")
+"""What a saved scene has, in the order of sending."""
+
+_DEEDS: Final = MOMENTARY | {"scene", "locate"}
+_BARE: Final = frozenset({"level", "color_temperature"})
+"""Capabilities whose unit says what they are."""
+
+_HUES: Final = ("color", "color_temperature")
+_OFF: Final = {"on_off": False, "thermostat_mode": "off"}
+
+
+def values_text(settings: Iterable[Setting]) -> str:
+    """Return *settings* in words."""
+    return ", ".join(_words(one.capability, one.value.plain()) for one in settings)
+
+
+def _words(capability: str, value: PlainValue) -> str:
+    if isinstance(value, bool):
+        word = "on" if value else "off"
+        return word if capability == "on_off" else f"{capability} {word}"
+    text = value_text(capability, value)
+    return text if capability in _BARE else f"{capability} {text}"
+
+
+def read_values(words: str, device: Device, part: DevicePart, name: str) -> dict[str, PlainValue]:
+    """Return the values by capability that *words* give to *part*.
+
+    Raises:
+        RefusedError: It does not take them, or nothing lasting; or one is a code, which is never kept.
+    """
+    found: dict[str, PlainValue] = {}
+    for word in words.split(", "):
+        given = parse_command_words(word.strip(), (), part.part, name)
+        if any(found.get(one, value) != value for one, value in given.items()):
+            raise RefusedError(f"{words} for {name}", "these contradict each other; give one of them")
+        found |= given
+    if deed := next((one for one in found if one in _DEEDS), ""):
+        raise RefusedError(f"{deed} of {name}", "a scene has values that last; use a routine for what is done once")
+    if len(found) > 1:  # together they may contradict each other
+        texts = [KeyValue(key=one, value=_value_words(value)) for one, value in found.items()]
+        parse_command_words(SET, texts, part.part, name)
+    settings = tuple(map(Setting.of, found, found.values()))
+    if without_codes(settings, device, part) != settings:
+        raise RefusedError(f"a code for {name}", "no scene keeps one")
+    return found
+
+
+def _value_words(value: PlainValue) -> str:
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return " ".join(map(repr, value)) if isinstance(value, tuple) else str(value)
+
+
+def present_values(device: Device, part: DevicePart) -> dict[str, PlainValue]:
+    """Return the known values of *part* that a scene can bring back; empty if none is known."""
+    states = {one.capability: one for one in device.states if one.part == part.id}
+    known: list[str] = [one for one in _SAVED if one in states]
+    values = {one: states[one].value.plain() for one in known}
+    taken = {one: value for one, value in values.items() if _is_taken(part, one, value)}
+    return _without_contradictions(taken, states)
+
+
+def _is_taken(part: DevicePart, capability: str, value: PlainValue) -> bool:
+    if value is None or value in CAPABILITIES[capability].only_reported:
+        return False
+    try:
+        check_setting(part.id, part.part, capability, value)
+    except RefusedError:
+        return False
+    return True
+
+
+def _without_contradictions(values: dict[str, PlainValue], states: Mapping[str, State]) -> dict[str, PlainValue]:
+    for capability, off in _OFF.items():
+        if values.get(capability) == off:
+            return {capability: off}
+    if "position" in values:
+        values.pop("movement", None)
+    if all(one in values for one in _HUES):  # it shows the one that it took on last
+        values.pop(min(_HUES, key=lambda one: states[one].since.to_seconds()))
+    return values
