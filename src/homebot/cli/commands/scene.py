@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import os
-import shlex
-import subprocess
 import sys
+from collections.abc import Mapping
 from functools import partial
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Final, cast
 
 from homebot.cli.arguments import add_verb, add_verbs, duration
@@ -18,6 +14,7 @@ from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import print_line, print_table
+from homebot.cli.text_editor import edited
 from homebot.devices.device import target_of
 from homebot.devices.names import APPLY_SCENE, CHANGE_SCENE, LIST_SCENES
 from homebot.devices.wording.json_message import JsonMessage, fields_of
@@ -181,31 +178,29 @@ def _edit(door: DoorClient, options: argparse.Namespace) -> int:
     if options.target and not options.values:
         raise UsageError("give the values too, such as 'on, 20 %', or --without to leave devices out")
     values = dict.fromkeys(options.without, "") | ({options.target: options.values} if options.target else {})
-    if not values:
-        scene = _scenes(door, options.name)[0]
-        if scene.is_native:
-            raise UsageError(f"{scene.name} is kept by {scene.id}; change it there")
-        before = {target_of(one.device, one.part): (one.text, one.name) for one in scene.parts}
-        values = _edited(before)
-        if not values:
-            print("nothing was changed")
-            return 0
+    if values:
+        return _send(door, options, values)
+    scene = _scenes(door, options.name)[0]
+    if scene.is_native:
+        raise UsageError(f"{scene.name} is kept by {scene.id}; change it there")
+    before = {target_of(one.device, one.part): one.text for one in scene.parts}
+    lines = (f"# {printable(one.name)}\n{target_of(one.device, one.part)}: {one.text}\n" for one in scene.parts)
+    text, path = edited(_TEXT + "".join(lines))
+    try:
+        _send(door, options, _differences(before, text))
+    except (PeerError, UsageError) as exc:
+        raise UsageError(f"{exc}; your text is in {path}") from exc
+    path.unlink()
+    return 0
+
+
+def _send(door: DoorClient, options: argparse.Namespace, values: Mapping[str, str]) -> int:
     _changed(door, options, "edit", target="", values=[{"key": key, "value": value} for key, value in values.items()])
     return 0
 
 
-def _edited(before: dict[str, tuple[str, str]]) -> dict[str, str]:
-    """Return what a person changed in an editor: the values by target, without any where the line was removed."""
-    lines = (f"# {printable(name)}\n{target}: {printable(text, 1000)}\n" for target, (text, name) in before.items())
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "scene.txt"
-        file.write_text(_TEXT + "".join(lines), encoding="utf-8")
-        editor = os.environ.get("VISUAL") or os.environ.get("EDITOR") or "vi"
-        try:
-            subprocess.run([*shlex.split(editor), str(file)], check=True)  # noqa: S603 - the person's own editor
-        except (OSError, subprocess.CalledProcessError) as exc:
-            raise UsageError(f"the editor {editor!r} failed ({exc}); set EDITOR, or give QUERY and VALUES") from exc
-        text = file.read_text(encoding="utf-8")
+def _differences(before: Mapping[str, str], text: str) -> dict[str, str]:
+    """Return the values by target that a person changed, without any where the line was removed."""
     after: dict[str, str] = {}
     for line in text.splitlines():
         if line.strip() and not line.startswith("#"):
@@ -213,8 +208,8 @@ def _edited(before: dict[str, tuple[str, str]]) -> dict[str, str]:
             if not (divider and words.strip()):
                 raise UsageError(f"{line[:100]!r}: write a device and its values, such as 'hall_lamp: on, 20 %'")
             after[target.strip()] = words.strip()
-    changed = {target: words for target, words in after.items() if words != before.get(target, ("", ""))[0]}
-    return {**dict.fromkeys(before.keys() - after.keys(), ""), **changed}
+    changed = {target: words for target, words in after.items() if words != before.get(target)}
+    return {**{one: "" for one in before if one not in after}, **changed}
 
 
 def _rename(door: DoorClient, options: argparse.Namespace) -> int:
