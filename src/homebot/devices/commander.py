@@ -20,12 +20,12 @@ from homebot.devices.command_messages import (
 )
 from homebot.devices.command_sender import CommandSender, TextSender
 from homebot.devices.current_trigger import current_trigger
-from homebot.devices.device import Device, DevicePart, target_of
+from homebot.devices.device import Device, DevicePart
 from homebot.devices.gateway_messages import Command
 from homebot.devices.hold import HoldBlock
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE, SEND_TEXT
 from homebot.devices.outcomes import NO_CONTROL, Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
-from homebot.devices.part import check_no_share, check_setting
+from homebot.devices.part import check_setting
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError, UnansweredError
 from homebot.graph import Client, Node
@@ -70,8 +70,6 @@ class Commander:
         values: Mapping[str, PlainValue],
         transition: float = 0.0,
         code: str = "",
-        *,
-        takes_shares: bool = True,
     ) -> Outcome:
         """Give a command, and return its outcome; a failure of a device or its network is not an error.
 
@@ -81,7 +79,6 @@ class Commander:
             view: The device; it is updated with the reported values as soon as they are known.
             values: The values by capability, in the vocabulary's units, in the order of sending; setpoints last.
             transition: Seconds that the change takes, if the device supports that.
-            takes_shares: Whether a percentage may be a share of 1, such as 0.4.
 
         Raises:
             RefusedError: The part does not support one of these, or a value is out of range; nothing was sent.
@@ -89,10 +86,6 @@ class Commander:
         place = view.device.id, part_id
         self._under_way[place] = self._under_way.get(place, 0) + 1
         try:
-            for capability, value in () if takes_shares else values.items():
-                if isinstance(value, float) and value < 1:
-                    exactly = f"command({capability!r}, {value!r})"
-                    check_no_share(target_of(*place), capability, value, exactly)
             outcome = await self._perform(view, part_id, values, transition, code)
         except RefusedError as exc:
             self._log_failure(view.device, part_id, str(exc))

@@ -12,7 +12,7 @@ from homebot.devices.device import Device, Freshness
 from homebot.devices.device_view import DeviceView
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, Term
 from homebot.devices.house_view import HouseView
-from homebot.devices.part import Capability
+from homebot.devices.part import Capability, check_no_share
 from homebot.devices.query.terms import CanDo, Not, Operator, StateIs
 from homebot.devices.value import PlainValue, plain_value
 from homebot.errors import UsageError
@@ -200,7 +200,11 @@ class Handle:
     async def _set(self, settings: Mapping[str, PlainValue], *, transition: float = 0.0) -> Outcome:
         """As :meth:`commands`, but refuse a share of 1 for a percentage, which only :meth:`command` takes as it is."""
         plain = {capability: plain_value(value) for capability, value in settings.items()}
-        return await self._house.commander.perform(self._view, self._part_id, plain, transition, takes_shares=False)
+        for capability, value in plain.items():
+            if isinstance(value, float) and value < 1:
+                with self._house.commander.refusals_logged(self._view.device, self._part_id):
+                    check_no_share(self.id, capability, value, f"command({capability!r}, {value!r})")
+        return await self._house.commander.perform(self._view, self._part_id, plain, transition)
 
     def _check_name(self, capability: str) -> None:
         if capability in EVENTS:
