@@ -208,9 +208,10 @@ class CommandExecutor:
         refused = self.check(command)
         if refused is not None:
             return refused
-        timeline = self.timelines.of(command.device, command.part)
-        if self._sending.rehearsal is not None and (assumed := self._sending.rehearse(command, timeline)) is not None:
-            return assumed
+        if self._sending.rehearsal is not None:
+            assumed = self._sending.rehearse(command, self.timelines.of(command.device, command.part))
+            if assumed is not None:
+                return assumed
         await self._record_text(command, order_of(command), self._clock.monotonic())
         return await self._sending.send_text(command, text, is_code=is_code)
 
