@@ -21,8 +21,8 @@ from homebot.errors import HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.event_stream import ServerEvent
 from homebot.gateways.http_address import http_origin
 from homebot.gateways.http_client import HttpClient
-from homebot.gateways.http_middlewares import HttpLogin
 from homebot.gateways.http_streams import WebSocket
+from homebot.gateways.password_settings import HttpLogin
 
 pytestmark = pytest.mark.slow
 

@@ -214,7 +214,7 @@ def device_settings(settings: Mapping[str, PlainValue], part: Part) -> Mapping[s
     for one in part.capabilities:
         if one.grid and isinstance(value := settings.get(one.name), float):
             settings = {**settings, one.name: one.nearest(value)}
-    if settings.get("level") != 0.0 and settings.get("fan_speed") != 0.0:
+    if 0.0 not in map(settings.get, _LEVELS):
         return settings  # as nearly always
     if not any(one.name == "on_off" and one.settable for one in part.capabilities):
         return settings

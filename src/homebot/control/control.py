@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Iterable, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -80,24 +80,19 @@ class Control:
         is_dry_run = rehearsal is not None and rehearsal.is_live
         self._house_watch = HouseWatch(node, lookup, lambda: self._layer, is_dry_run=is_dry_run)
 
-        def build() -> ControlLayer:
-            from homebot.control.control_layer import ControlLayer  # noqa: PLC0415 - loaded with the first command
-
-            return ControlLayer(
-                node,
-                self._feed,
-                lookup,
-                self._given_settings,
-                grants,
-                trusts_apps=trusts_apps,
-                approves_all=approves_all,
-                detected=detected,
-                journal_file=journal_file,
-                store=store,
-                rehearsal=rehearsal,
-            )
-
-        self._build = build
+        self._build: Callable[[type[ControlLayer]], ControlLayer] = lambda kind: kind(
+            node,
+            self._feed,
+            lookup,
+            self._given_settings,
+            grants,
+            trusts_apps=trusts_apps,
+            approves_all=approves_all,
+            detected=detected,
+            journal_file=journal_file,
+            store=store,
+            rehearsal=rehearsal,
+        )
         self._feed.on_gateway = self._house_watch.follow_gateway
         self._begun, self._has_names = anyio.Event(), anyio.Event()
         self._begin_check()
@@ -205,7 +200,9 @@ class Control:
 
     @cached_property
     def _layer(self) -> ControlLayer:
-        layer = self._build()
+        from homebot.control.control_layer import ControlLayer  # noqa: PLC0415 - loaded with the first command
+
+        layer = self._build(ControlLayer)
         self._begun.set()
         return layer
 

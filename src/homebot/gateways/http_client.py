@@ -27,8 +27,9 @@ from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.event_stream import EventStreamParser
 from homebot.gateways.http_address import parse_url, shown_url
 from homebot.gateways.http_errors import check_status, translated_errors
-from homebot.gateways.http_middlewares import HttpLogin, authentication, follow_own_redirects, staying_at
+from homebot.gateways.http_middlewares import authentication, follow_own_redirects, staying_at
 from homebot.gateways.http_streams import EventStream, WebSocket
+from homebot.gateways.password_settings import HttpLogin
 from homebot.support.unanswered import SENT_REQUESTS
 
 __all__ = ["MAX_ANSWER_BYTES", "HttpAnswer", "HttpClient"]

@@ -12,38 +12,20 @@ from base64 import b64encode
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import aiohttp
-from pydantic import SecretStr
 from yarl import URL
 
 from homebot.errors import RefusedError
+from homebot.gateways.password_settings import HttpLogin
 
 if TYPE_CHECKING:
     from aiohttp.client_middlewares import ClientHandlerType, ClientMiddlewareType
 
-__all__ = ["HttpLogin", "authentication", "follow_own_redirects", "staying_at"]
+__all__ = ["authentication", "follow_own_redirects", "staying_at"]
 
 _asked: ContextVar[URL | None] = ContextVar("homebot_http_asked", default=None)
-
-
-@dataclass(frozen=True, slots=True)
-class HttpLogin:
-    """Credentials for one server. They are sent to no other, wherever that one redirects to.
-
-    Attributes:
-        origin: The server, as :func:`homebot.gateways.http_address.http_origin` returns it.
-        scheme: ``digest`` and ``basic`` send user and password, ``bearer`` the password as a token, ``header`` the
-            password in the header field called *user* (an API key).
-        user: The user's name; for ``digest`` and ``basic`` without a colon.
-    """
-
-    origin: str
-    scheme: Literal["digest", "basic", "bearer", "header"]
-    user: str
-    password: SecretStr
 
 
 def authentication(login: HttpLogin) -> ClientMiddlewareType:

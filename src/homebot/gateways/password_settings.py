@@ -14,7 +14,15 @@ from homebot.config import FilePath
 from homebot.errors import UsageError
 from homebot.support.file_access import check_secret_file, read_secret
 
-__all__ = ["HttpLoginSettings", "PasswordSettings", "ThingLogin", "check_secret_file", "read_logins", "read_password"]
+__all__ = [
+    "HttpLogin",
+    "HttpLoginSettings",
+    "PasswordSettings",
+    "ThingLogin",
+    "check_secret_file",
+    "read_logins",
+    "read_password",
+]
 
 
 class PasswordSettings(BaseModel):
@@ -94,6 +102,23 @@ class HttpLoginSettings(PasswordSettings):
         if ":" in self.user and self.scheme in {None, "basic"}:
             raise ValueError("a user's name contains no colon")
         return self
+
+
+@dataclass(frozen=True, slots=True)
+class HttpLogin:
+    """Credentials for one server. They are sent to no other, wherever that one redirects to.
+
+    Attributes:
+        origin: The server, as :func:`homebot.gateways.http_address.http_origin` returns it.
+        scheme: ``digest`` and ``basic`` send user and password, ``bearer`` the password as a token, ``header`` the
+            password in the header field called *user* (an API key).
+        user: The user's name; for ``digest`` and ``basic`` without a colon.
+    """
+
+    origin: str
+    scheme: Literal["digest", "basic", "bearer", "header"]
+    user: str
+    password: SecretStr
 
 
 @dataclass(frozen=True, slots=True)

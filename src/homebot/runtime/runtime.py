@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import KW_ONLY, dataclass, field, replace
 from datetime import datetime
-from functools import partial
+from functools import cached_property, partial
 from http import HTTPStatus
 from importlib import import_module
 from pathlib import Path
@@ -54,9 +54,9 @@ if TYPE_CHECKING:
     from homebot.control.sending import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.house import World
-    from homebot.recording.lines import RecordingHeader
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.link_starter import LinkStarter
+    from homebot.runtime.run_recording import RunRecording
     from homebot.runtime.simulated_house import HouseOfRun
     from homebot.scenes.scene_services import SceneServices
 
@@ -266,7 +266,7 @@ class Runtime:
         self.app_manager.offer_services(main)
         home, reloaded = self._plan.home, lambda: self._reloaded
         RuntimeHealth(main, home, self.supervisor, self.loop_watch, self.lost_lines, self.app_host, reloaded)
-        main.offer_service("std_srvs/srv/Trigger", START_RECORDER, partial(self._serve_recorder, main))
+        main.offer_service("std_srvs/srv/Trigger", START_RECORDER, lambda: self._recording.serve_clients(main))
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
         main.create_service(Reload, RELOAD, lambda asked: self.reload(self._read, may_lose=asked.allow_removal))
         for name, kind in SCENE_SERVICES.items() if not self._plan.is_other_machine else ():
@@ -313,7 +313,7 @@ class Runtime:
         yield running("discovery", self._directory)
         yield running("control", self._control)
         if self.record_into is not None:
-            yield running("recorder", partial(self._record, self.record_into))
+            yield running("recorder", partial(self._recording.record_into, self.record_into))
         yield self.app_manager.running(self._plan.apps, lambda: self._start_is_cut)
         if not self.is_dry_run and self.rehearsal is None:
             yield running("alerts", self._alerts)
@@ -391,10 +391,17 @@ class Runtime:
         index = self.index_file if self._plan.discovery.persist else None
         await keep_history(self.graph, self._plan.history, index, self.app_host.context.zone)
 
-    def _serve_recorder(self, main: Node) -> None:
-        from homebot.runtime.run_recording import RecorderStarter  # noqa: PLC0415 - few runs are recorded
+    @cached_property
+    def _recording(self) -> RunRecording:
+        from homebot.runtime.run_recording import RunRecording  # noqa: PLC0415 - few runs are recorded
 
-        RecorderStarter(main, self._facts)
+        return RunRecording(
+            self.graph,
+            lambda: self._plan,
+            self._detected,
+            trusts_apps=self.trusts_apps,
+            approves_all=self._approves_all,
+        )
 
     def _serve_scenes(self, main: Node, name: str) -> None:
         from homebot.scenes.scene_services import SceneServices  # noqa: PLC0415 - many homes have none
@@ -402,20 +409,8 @@ class Runtime:
         self._scenes = self._scenes or SceneServices(main, lambda: self._index)
         self._scenes.serve(name)
 
-    async def _facts(self) -> RecordingHeader:
-        from homebot.runtime.run_recording import facts_of_run  # noqa: PLC0415 - few runs are recorded
-
-        detected = () if self._controller is None else await self._controller.detected()
-        return facts_of_run(
-            self._plan, trusts_apps=self.trusts_apps, approves_all=self._approves_all, detected=detected
-        )
-
-    async def _record(self, sink: LineSink, *, task_status: TaskStatus[None]) -> None:
-        from homebot.recording.session import record_into  # noqa: PLC0415 - few runs are recorded
-
-        facts = await self._facts()
-        async with Node(self.graph, "file_recorder", namespace="/homebot") as node:
-            await run_as(node.full_name, partial(record_into, node, facts, sink, task_status=task_status))
+    async def _detected(self) -> tuple[str, ...]:
+        return () if self._controller is None else await self._controller.detected()
 
     async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:
         from homebot.bridges.rosapi import RosApi  # noqa: PLC0415 - see where it is started

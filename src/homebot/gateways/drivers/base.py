@@ -4,17 +4,23 @@ DNS-SD announces a device and its address; a driver connects to it, describes it
 states and sends it commands. There is one driver object for each found service, and it knows nothing of others.
 """
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
 from collections.abc import Awaitable, Callable, Sequence
-from typing import ClassVar, Final, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Final, TypeVar
 
 from pydantic import BaseModel, ConfigDict
 
 from homebot.conventions.dns_sd import FoundService
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
+from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.device_runner import DriverHost
 from homebot.plugins import check_extra
+
+if TYPE_CHECKING:
+    from homebot.gateways.http_client import HttpClient
 
 __all__ = ["Driver", "DriverSettings", "FoundService", "first_answer"]
 
@@ -69,6 +75,12 @@ class Driver(ABC):
         """
         check_extra("it", "mdns", *cls.libraries)
         settings.check_secrets()
+
+    def http_client(self, max_bytes: int, time_limit: float = 10.0) -> HttpClient:
+        """Return a client for the service, at its own addresses alone, to be opened by ``async with``."""
+        from homebot.gateways.http_client import HttpClient  # noqa: PLC0415 - an extra
+
+        return HttpClient(guard=AddressGuard(self.service.addresses), max_bytes=max_bytes, time_limit=time_limit)
 
     @abstractmethod
     async def run(self) -> None:

@@ -15,7 +15,6 @@ import anyio
 from homebot.conventions.payload import as_fields, parse_object
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, WireError
-from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService, first_answer
@@ -62,10 +61,7 @@ class WledDriver(Driver):
 
     async def run(self) -> None:
         """Connect, and report the controller's states, until cancelled."""
-        from homebot.gateways.http_client import HttpClient  # noqa: PLC0415 - an extra
-
-        guard = AddressGuard(self.service.addresses)
-        async with HttpClient(guard=guard, max_bytes=MAX_BYTES, time_limit=ANSWER_WITHIN) as self._client:
+        async with self.http_client(MAX_BYTES, ANSWER_WITHIN) as self._client:
             try:
                 document = await self._probe()
                 self._effects = effect_names(await self._ask("/json/eff"))

@@ -25,12 +25,12 @@ from homebot.gateways.pinned_certificate import only_certificate
 from homebot.integrations.hue.formats.devices import HueDevice, HueService, bridge_identifiers, devices_of
 from homebot.integrations.hue.formats.resources import Fields, HueResources
 from homebot.integrations.hue.formats.service_rows import press_of
+from homebot.integrations.hue.gateway.bridge_link import BridgeLink, bridge_client
 from homebot.support.backoff import Backoff
 from homebot.support.isolation import ungrouped
 
 if TYPE_CHECKING:
     from homebot.gateways.event_stream import ServerEvent
-    from homebot.integrations.hue.gateway.bridge_link import BridgeLink
 
 __all__ = ["BridgeRunner"]
 
@@ -145,8 +145,6 @@ class BridgeRunner(DeviceRunner):
         return PeerError(f"the bridge has forgotten homebot: {self._remedy}") if exc.code in _NO_ACCESS else exc
 
     async def _follow(self, origin: str, key: SecretStr, certificate: str) -> None:
-        from homebot.integrations.hue.gateway.bridge_link import BridgeLink, bridge_client  # noqa: PLC0415
-
         try:
             async with bridge_client(origin, only_certificate(certificate), key) as client:
                 link = BridgeLink(client, origin, self.clock)

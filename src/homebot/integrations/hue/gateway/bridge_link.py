@@ -7,10 +7,12 @@ are repeated; a command without an answer is not.
 Source: Philips Hue, CLIP API v2, "Getting started" (system performance), and its reference.
 """
 
+from __future__ import annotations
+
 import ssl
 from collections.abc import Awaitable, Callable
 from contextlib import AbstractAsyncContextManager
-from typing import Final, TypeVar
+from typing import TYPE_CHECKING, Final, TypeVar
 
 import anyio
 from pydantic import SecretStr
@@ -20,12 +22,14 @@ from homebot.conventions.payload import as_fields, clean_text, text_of
 from homebot.errors import BusyError, RefusedError
 from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.http_address import parse_url
-from homebot.gateways.http_client import HttpClient
-from homebot.gateways.http_middlewares import HttpLogin
-from homebot.gateways.http_streams import EventStream
 from homebot.gateways.long_json import parse_long_json
+from homebot.gateways.password_settings import HttpLogin
 from homebot.integrations.hue.formats.resources import Fields, HueBody, at
 from homebot.support.rate_limit import RateLimit
+
+if TYPE_CHECKING:
+    from homebot.gateways.http_client import HttpClient
+    from homebot.gateways.http_streams import EventStream
 
 __all__ = ["BridgeLink", "bridge_client", "create_key"]
 
@@ -47,6 +51,8 @@ _MAY_NOT: Final = "may not have effect"
 
 def bridge_client(origin: str, tls: ssl.SSLContext, key: SecretStr | None = None) -> HttpClient:
     """Return a client for the bridge at an address, to be opened by ``async with``."""
+    from homebot.gateways.http_client import HttpClient  # noqa: PLC0415 - an extra
+
     login = None if key is None else HttpLogin(origin, "header", "hue-application-key", key)
     guard = AddressGuard((parse_url(origin).host or "",))
     return HttpClient(guard=guard, login=login, tls=tls, time_limit=ANSWER_WITHIN, max_bytes=MAX_BYTES)

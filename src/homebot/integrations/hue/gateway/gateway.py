@@ -28,6 +28,7 @@ from homebot.gateways.pairing import PairingFile, PairingServices
 from homebot.gateways.pinned_certificate import fetch_certificate, only_certificate
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.integrations.hue.gateway.bridge import BridgeRunner
+from homebot.integrations.hue.gateway.bridge_link import bridge_client, create_key
 from homebot.plugins import check_extra
 from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
 from homebot.support.isolation import run_as
@@ -104,17 +105,15 @@ class HueGateway(Gateway):
 
     async def pair(self, key: str, code: str) -> str:
         """Pair with a bridge whose button has just been pressed, or soon will be."""
-        from homebot.integrations.hue.gateway import bridge_link  # noqa: PLC0415 - an extra
-
         bridge = self._bridge(key)
         if code:
             raise RefusedError(f"pairing {bridge.name}", "a bridge has no code: press its button instead")
         origin = bridge.origins[0]
         certificate = await fetch_certificate(origin)
         made: SecretStr | None = None
-        async with bridge_link.bridge_client(origin, only_certificate(certificate)) as client:
+        async with bridge_client(origin, only_certificate(certificate)) as client:
             with anyio.move_on_after(self.pressed_within):
-                while (made := await bridge_link.create_key(client, origin, socket.gethostname())) is None:  # noqa: ASYNC110
+                while (made := await create_key(client, origin, socket.gethostname())) is None:  # noqa: ASYNC110
                     await anyio.sleep(_EACH)
         if made is None:
             reason = f"its button was not pressed within {self.pressed_within:g} s; press it, and run the command again"
@@ -176,13 +175,11 @@ class HueGateway(Gateway):
 
     async def _identify(self, origin: str) -> None:
         """Ask a configured address for the id of its bridge, until it answers."""
-        from homebot.integrations.hue.gateway import bridge_link  # noqa: PLC0415 - an extra
-
         retries = BackoffCounter(self.node.graph.clock, self.random)
         while True:
             try:
                 tls = only_certificate(await fetch_certificate(origin))
-                async with bridge_link.bridge_client(origin, tls) as client:
+                async with bridge_client(origin, tls) as client:
                     about = as_fields(await client.get_json(f"{origin}/api/0/config"))
             except HomebotError as exc:
                 self._publish_state(str(exc))

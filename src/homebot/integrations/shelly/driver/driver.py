@@ -17,7 +17,6 @@ from homebot.conventions.payload import Readings, as_fields, clean_text, compact
 from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
-from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService, first_answer
@@ -95,9 +94,7 @@ class ShellyDriver(Driver):
 
     async def run(self) -> None:
         """Connect, and report the device's states, until cancelled."""
-        from homebot.gateways.http_client import HttpClient  # noqa: PLC0415 - an extra
-
-        async with HttpClient(guard=AddressGuard(self.service.addresses), max_bytes=MAX_ANSWER_BYTES) as client:
+        async with self.http_client(MAX_ANSWER_BYTES) as client:
             origin, about = await self._probe(client)
             if "gen" not in about and "type" in about:
                 await self._watch_first_generation(client, origin, about)

@@ -18,8 +18,7 @@ from homebot.errors import PeerError, RefusedError
 from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.http_address import parse_url
 from homebot.gateways.http_client import HttpAnswer, HttpClient
-from homebot.gateways.http_middlewares import HttpLogin
-from homebot.gateways.password_settings import ThingLogin
+from homebot.gateways.password_settings import HttpLogin, ThingLogin
 from homebot.integrations.things.formats.binding import RequestBinding
 from homebot.integrations.things.formats.thing import Form, SecurityScheme, Thing
 from homebot.integrations.things.http.thing_device import ThingPayload
