@@ -32,6 +32,9 @@ room = "living_room"
 """
 COVER = "[role=group][aria-label='Big cover'] button[aria-label={}]"
 WARMER = "[role=group][aria-label='heating: heating setpoint'] button[aria-label=more]"
+ROUTINES = [
+    {"name": "Evening", "when": ["22:00"], "do": ["lamp on, 40 %"], "enabled": False},
+]
 HANDS = ("mouse", "touch", "keyboard")
 OWNER = "hunter2-and-some-more"
 
@@ -100,4 +103,68 @@ async def test_a_row_opens_to_a_slider_and_a_code_without_leaving_the_house(brow
         await own.write("input[type=range]", "\ue011\ue014\ue014")  # Home, and the right arrow twice
         await own.shows("lamp: confirmed after", "[role=alert]")
         await own.shows("on · 2 %", ".devices")
+        assert own.problems() == []
+
+
+@pytest.mark.parametrize("hand", HANDS)
+async def test_a_routine_is_switched_on_and_run(browser: Any, world: World, hand: str) -> None:
+    async with opened_page(browser, world, {"routines": ROUTINES}, token=OWNER) as own:
+        await own.open(f"#token={OWNER}", shows="heating")
+        await own.open("#/routines", shows="lamp on, 40 %")
+        await work(own, hand, "[role=switch][aria-label=Evening][aria-checked=false]")
+        await own.shows("Evening", "section:has([aria-checked=true])")
+        await work(own, hand, "section .choices button")
+        await own.shows("last runs", "section")
+        await own.open("#/house", shows="on · 40 %")
+        assert own.problems() == []
+
+
+async def test_a_form_writes_the_text_of_a_routine_which_is_edited_and_removed(browser: Any, world: World) -> None:
+    name = 'Film <b>"2"'
+    async with opened_page(browser, world, token=OWNER) as own:
+        await own.open(f"#token={OWNER}", shows="heating")
+        await own.open("#/routines", shows="There is no routine yet.")
+        await own.click(".choices button")
+        await own.shows("what starts it", "form")
+        await own.write("[name=name]", name)
+        await own.write("[name=when]", "21:00\n7:30 on weekdays")
+        await own.write("[name=steps]", 'lamp on\n{ if = ["sun is down"], do = ["lamp off"] }')
+        await own.click("form .buttons button")
+        await own.shows("added", "[role=alert]")
+        await own.shows(f"{name}\nwhen\n21:00\n7:30 on weekdays\ndo\nlamp on\nif sun is down: lamp off", "section")
+        await own.click("section .choices button:nth-of-type(2)")
+        await own.write("textarea", "nonsense")
+        await own.click("form .buttons button")
+        await own.shows("the text", "[role=alert]")
+        await own.click("form .buttons button[type=button]")
+        for _ in range(2):  # it asks before it removes
+            await own.click("section .choices button:nth-of-type(3)")
+        await own.shows("There is no routine yet.")
+        assert own.problems() == []
+
+
+SAVE_SCENE = """
+const [token, done] = arguments;
+const socket = new WebSocket(`${location.origin.replace(/^http/, "ws")}/?token=${token}`);
+const change = (args) => socket.send(JSON.stringify({ op: "call_service", service: "/scenes/change", args }));
+socket.onopen = () => change({ name: "Film", change: "save", target: "lamp" });
+socket.onmessage = () => {
+  socket.onmessage = (event) => socket.close() || done(JSON.parse(event.data).values.message);
+  change({ name: "Film", change: "edit", values: [{ key: "lamp", value: "on, 20 %" }] });
+};
+"""
+
+
+@pytest.mark.parametrize("hand", HANDS)
+async def test_a_scene_is_applied_and_undone_on_the_house_view(browser: Any, world: World, hand: str) -> None:
+    async with opened_page(browser, world, token=OWNER) as own:
+        await own.open(f"#token={OWNER}", shows="heating")
+        assert await to_thread.run_sync(own.browser.execute_async_script, SAVE_SCENE, OWNER) == ""
+        await own.open("#/room/Living_Room", shows="Film")
+        await own.open(shows="Film")
+        await work(own, hand, "button.scene")
+        await own.shows("Film: done", "[role=alert]")
+        await own.shows("on · 20 %", ".devices")
+        await work(own, hand, "button[aria-label='undo Film']")
+        await own.shows("Film: undone", "[role=alert]")
         assert own.problems() == []

@@ -22,7 +22,8 @@ export async function command(device, word, values = [], code = "") {
 
 let hiding = 0;
 
-function tell(text, isGood) {
+/** Show what a command led to. */
+export function tell(text, isGood) {
   clearTimeout(hiding);
   outcome.value = { text, isGood };
   if (isGood) hiding = setTimeout(() => (outcome.value = null), SHOWN);

@@ -12,12 +12,14 @@ import { House, Room } from "./views/house.js";
 import { Journal } from "./views/journal.js";
 import { Plan } from "./views/plan.js";
 import { Rates } from "./views/rates.js";
+import { Routines } from "./views/routines.js";
 import { System } from "./views/system.js";
 import { loadVocabulary } from "./words.js";
 
 const VIEWS = {
   house: ["House", House],
   plan: ["Plan", Plan],
+  routines: ["Routines", Routines],
   journal: ["Journal", Journal],
   system: ["System", System],
   graph: ["Graph", Graph],

@@ -10,6 +10,7 @@ import { html } from "../html.js";
 import { say } from "../language.js";
 import { HIDDEN, Owner } from "../owner.js";
 import { Quick, stepped } from "../quick.js";
+import { Scenes } from "../scenes.js";
 import { hasWords, label, spoken, summary } from "../words.js";
 
 const MANY = 30; // devices from which on they can be searched
@@ -31,6 +32,7 @@ export function House() {
   if (!isLoaded.value) return html`<p class="empty">${say("Asking homebot for its devices …")}</p>`;
   return html`
     <${Alerts} />
+    <${Scenes} />
     ${!count.value && html`<p class="empty">${say("No device is known yet. They appear here as the gateways find them.")}</p>`}
     ${count.value > MANY && html`<p class="choices"><label>${say("Search")} <input type="search" value=${sought.value} onInput=${(event) => (sought.value = event.target.value)} /></label></p>`}
     ${count.value > 0 && !found.value.length && html`<p class="empty">${say("No device has these words in its name, type or room.")}</p>`}
@@ -45,6 +47,7 @@ export function Room({ id }) {
   if (!isLoaded.value) return html`<p class="empty">${say("Asking homebot for its devices …")}</p>`;
   return html`<div class="wall">
     <${Alerts} />
+    <${Scenes} room=${id} />
     ${ids ? html`<${Devices} room=${room} ids=${ids.filter((one) => !isHidden(one))} />` : html`<p class="empty">${say("There is no device in a room {room}.", { room: id })}</p>`}
   </div>`;
 }

@@ -1,0 +1,97 @@
+// The routines: on or off, what they do, their last runs, and a form that writes their text.
+import { useEffect, useState } from "preact/hooks";
+import { tell } from "../acting.js";
+import { call, connection } from "../door.js";
+import { html } from "../html.js";
+import { say } from "../language.js";
+import { seconds, timeIn, timeText } from "../words.js";
+
+const AGAIN = 5000; // ms
+const MODES = ["single", "restart", "queued", "parallel"];
+
+export function Routines() {
+  const [found, setFound] = useState(null);
+  const [written, setWritten] = useState(null); // the routine in the form: null for none, {} for a new one
+  const isOpen = connection.value.state === "open";
+  const look = () => call("/routines/list").then(setFound, (error) => setFound({ routines: [], problem: error.message }));
+  useEffect(() => {
+    if (!isOpen) return undefined;
+    look();
+    const timer = setInterval(look, AGAIN);
+    return () => clearInterval(timer);
+  }, [isOpen]);
+  const change = async (routine, what, more = {}) => {
+    const { success, message } = await call("/routines/change", { name: routine.name, change: what, ...more }).catch((error) => ({ success: false, message: error.message }));
+    tell(message, success);
+    look();
+    return success;
+  };
+  if (!found) return html`<p class="empty">${say("Asking homebot for its routines …")}</p>`;
+  return html`
+    ${found.problem && html`<p class="bad">${found.problem}</p>`}
+    ${!found.routines.length && html`<p class="empty">${say("There is no routine yet.")}</p>`}
+    ${!written && html`<p class="choices"><button type="button" onClick=${() => setWritten({})}>${say("new routine")}</button></p>`}
+    ${written && html`<${Form} key=${written.name ?? ""} routine=${written} change=${change} onClose=${() => setWritten(null)} />`}
+    <div class="rooms">${found.routines.map((one) => html`<${Routine} key=${one.app} routine=${one} zone=${found.zone} change=${change} onEdit=${() => setWritten(one)} />`)}</div>`;
+}
+
+function Routine({ routine, zone, change, onEdit }) {
+  const [isRemoved, setIsRemoved] = useState(false); // asks before it removes
+  const { name, notes, is_kept: isKept, proposed_by: by } = routine;
+  const parts = [["when", routine.when], ["if", routine.conditions], ["do", routine.steps]];
+  return html`<section>
+    <div class="title">
+      <h2><bdi>${name}</bdi></h2>
+      ${routine.is_running && html`<span class="mark">${say("running")}</span>`}
+      ${by && html`<span class="mark">${say("proposed by {name}", { name: by })}</span>`}
+      <button type="button" class="switch" role="switch" aria-checked=${String(routine.enabled && !routine.problem)} aria-label=${name} onClick=${() => change(routine, routine.enabled ? "disable" : "enable")}></button>
+    </div>
+    ${routine.problem && html`<p class="bad">${routine.problem}</p>`}
+    <dl>
+      ${parts.filter(([, texts]) => texts.length).map(([word, texts]) => html`<div key=${word}><dt>${say(`${word}|routine`)}</dt><dd>${texts.map((text, index) => html`<div key=${index}>${text}</div>`)}</dd></div>`)}
+      ${seconds(routine.next) > 0 && html`<div><dt>${say("next")}</dt><dd>${timeIn(zone, routine.next)}</dd></div>`}
+    </dl>
+    ${notes.length > 0 && html`<details><summary>${say("last runs")}: ${timeText(notes.at(-1).at)} ${notes.at(-1).text}</summary>
+      <ol class="log">${[...notes].reverse().map((one, index) => html`<li class="own" key=${index}><time>${timeText(one.at)}</time><span>${one.text}</span></li>`)}</ol>
+    </details>`}
+    <p class="choices">
+      <button type="button" onClick=${() => change(routine, "run")}>${say("run now")}</button>
+      ${isKept && html`<button type="button" onClick=${onEdit}>${say("edit")}</button>`}
+      ${isKept && !isRemoved && html`<button type="button" onClick=${() => setIsRemoved(true)}>${say("remove")}</button>`}
+      ${isRemoved && html`<button type="button" class="bad" onClick=${() => change(routine, "remove")}>${say("remove {name} for good", { name })}</button>`}
+    </p>
+  </section>`;
+}
+
+const lines = (text) => text.split("\n").map((one) => one.trim()).filter(Boolean);
+
+/** The list of a key in TOML; a line that is a table, such as a choice, is left as it is. */
+const list = (key, text) => `${key} = [${lines(text).map((one) => (one.startsWith("{") ? one : JSON.stringify(one))).join(", ")}]\n`;
+
+function textOf({ name, when, conditions, steps, mode }) {
+  const more = (lines(conditions).length ? list("if", conditions) : "") + list("do", steps) + (mode === MODES[0] ? "" : `mode = "${mode}"\n`);
+  return `[[routines]]\nname = ${JSON.stringify(name.trim())}\n${list("when", when)}${more}`;
+}
+
+/** Fields that write the text of a new routine; a known one is edited as text. */
+function Form({ routine, change, onClose }) {
+  const isNew = !routine.text;
+  const [text, setText] = useState(routine.text ?? "");
+  const write = (event) => setText(textOf(Object.fromEntries(new FormData(event.currentTarget))));
+  const submit = async (event) => {
+    event.preventDefault();
+    if (await change(routine, isNew ? "new" : "edit", { text })) onClose();
+  };
+  const area = (name, title, example) => html`<label>${title} <textarea name=${name} rows="2" placeholder=${example} required=${name !== "conditions"}></textarea></label>`;
+  return html`<form class="box routine" onSubmit=${submit}>
+    ${isNew && html`<div onInput=${(event) => write({ currentTarget: event.currentTarget.closest("form") })}>
+      <label>${say("Name")} <input name="name" required maxlength="100" /></label>
+      ${area("when", say("when: what starts it, a line each"), "hall motion occupied\n22:30 on weekdays")}
+      ${area("conditions", say("if: what must hold then, all of it"), "sun is down")}
+      ${area("steps", say("do: its steps, a line each"), "hall lamp on, 20 %\nwait 5m\nundo")}
+      <label>${say("if it starts while it runs")} <select name="mode">${MODES.map((one) => html`<option key=${one} value=${one}>${say(`${one}|mode`)}</option>`)}</select></label>
+    </div>`}
+    <label>${say("the text")} <textarea class="code" rows="7" spellcheck="false" required value=${text} onInput=${(event) => setText(event.target.value)}></textarea></label>
+    <p class="buttons"><button>${say("save")}</button> <button type="button" onClick=${onClose}>${say("not now")}</button></p>
+  </form>`;
+}
