@@ -304,6 +304,8 @@ def parse_settings(
         return model.model_validate_json(text, strict=True, context=in_folder(folder))
     except ValidationError as exc:
         found = exc.errors(include_url=False, include_context=False)[:_MOST_ERRORS]
+        wrong = [one["loc"][:-1] for one in found]  # what is left of an array with a wrong element may be too short
+        found = [one for one in found if one["type"] != "too_short" or one["loc"] not in wrong]
         error, *others = [_config_error(model, one, source, key) for one in found]
         error.others = tuple(others)
         # The cause is left out: it would show the value of a secret.

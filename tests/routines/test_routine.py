@@ -1,5 +1,6 @@
 """Routines in a simulated flat in virtual time."""
 
+import json
 from collections.abc import Mapping
 
 import pytest
@@ -128,6 +129,21 @@ async def test_a_run_goes_on_after_a_restart_in_its_wait() -> None:
         assert is_on(world, "hall_lamp")
         await house.run_until("08:30")
         assert not is_on(world, "hall_lamp")
+
+
+async def test_a_press_starts_it() -> None:
+    world = hall()
+    button = {"unique_id": "b", "name": "hall button", "state_topic": "b", "event_types": ["single", "double"]}
+    routine = {"name": "Button", "when": ["hall button press double"], "do": ["hall lamp on"]}
+    async with virtual_house_of(world=world, config=config(routine)) as house:
+        await house.says("homeassistant/event/b/config", json.dumps(button | {"device_class": "button"}))
+        await house.run_for("1m")
+        await house.says("b", '{"event_type": "single"}')
+        await house.run_for("10s")
+        assert not is_on(world, "hall_lamp")
+        await house.says("b", '{"event_type": "double"}')
+        await house.run_for("10s")
+        assert is_on(world, "hall_lamp")
 
 
 async def test_it_is_listed_switched_off_and_started_by_hand() -> None:

@@ -21,6 +21,7 @@ from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES, RUNTIME_HEALTH
 from homebot.graph import Node
 from homebot.runtime import Runtime
+from homebot.runtime.plan import plan_errors, without_wrong_routines
 
 pytestmark = pytest.mark.virtual_time
 
@@ -60,7 +61,7 @@ async def homebot(folder: Path, **tables: object) -> AsyncIterator[Owner]:
 async def test_a_new_one_runs_at_once_and_after_a_restart_with_its_comments(tmp_path: Path) -> None:
     async with homebot(tmp_path) as owner:
         answer = await owner.change("new", text=EVENING)
-        assert answer.message == "added Evening"
+        assert answer.message.startswith("added Evening; but 'all lights off': no device fits")
         assert (await owner.routines())["Evening"].next.sec
     async with homebot(tmp_path) as owner:
         found = (await owner.routines())["Evening"]
@@ -73,7 +74,7 @@ async def test_several_are_added_at_once_or_none(tmp_path: Path) -> None:
         assert "routines.morning.when.0: '27:00' is not a time of day" in wrong.message
         assert [*await owner.routines()] == ["Noon"]
         answer = await owner.change("new", text=f"# mine\n{EVENING}\n[[routines]]\n{MORNING}")
-        assert answer.message == "added Evening, Morning"
+        assert answer.message.startswith("added Evening, Morning; but ")
         assert (await owner.routines())["Morning"].text == f"[[routines]]\n{MORNING}"
 
 
@@ -81,7 +82,8 @@ async def test_it_is_edited_renamed_and_removed(tmp_path: Path) -> None:
     async with homebot(tmp_path) as owner:
         await owner.change("new", text=EVENING)
         await owner.change("disable", "Evening")
-        assert (await owner.change("edit", "evening", EVENING.replace("22:30", "23:30"))).message == "changed Evening"
+        changed = await owner.change("edit", "evening", EVENING.replace("22:30", "23:30"))
+        assert changed.message.startswith("changed Evening; but ")
         found = (await owner.routines())["Evening"]
         assert (found.when, found.enabled) == (("23:30",), False)
         renamed = await owner.change("edit", "Evening", EVENING.replace("Evening", "Late"))
@@ -141,7 +143,33 @@ async def test_one_that_is_wrong_now_stays_out_alone_and_is_told(tmp_path: Path)
             assert [*found] == ["Evening", "Morning"]
             assert found["Evening"].when == ("12:00",)
             problem = "homebot.toml has a routine or app evening too; rename or remove one of them"
-            assert f"the routine evening: {problem}" in await owner.troubles()
+            assert f"the routine evening does not run: {problem}" in await owner.troubles()
             assert [one["message"] for one in lines if one["event"] == "app.left_out"] == [
                 f"the routine evening does not run: {problem}"
             ]
+
+
+async def test_a_wrong_routine_of_the_configuration_stays_out_alone_and_is_told() -> None:
+    wrong = CONFIGURED | {"name": "Wrong", "when": ["noon o'clock"]}
+    given = parse_config({"routines": [wrong, CONFIGURED]}, "homebot.toml")
+    config, left_out = without_wrong_routines(given)
+    problem = 'homebot.toml: routines.wrong.when.0: "noon o\'clock" names no state'
+    with capture_logs() as lines:
+        async with (
+            Runtime(config, with_door=False, left_out=left_out) as runtime,
+            Node(runtime.graph, "owner") as node,
+        ):
+            owner = Owner(node)
+            found = await owner.routines()
+            assert [*found] == ["Noon", "wrong"]
+            assert found["wrong"].problem.startswith(problem)
+            assert f"the routine wrong does not run: {problem}" in await owner.troubles()
+            answer = await owner.change("run", "wrong")
+            assert answer.message.startswith(f"wrong does not run: {problem}")
+    assert any(one["event"] == "app.left_out" and problem in one["message"] for one in lines)
+
+
+def test_all_mistakes_of_a_configuration_are_listed_once() -> None:
+    wrong = CONFIGURED | {"when": ["noon o'clock"], "do": ["lamp onn"]}
+    errors = plan_errors(parse_config({"routines": [wrong]}, "homebot.toml"))
+    assert [one.key for one in errors] == ["routines.noon.when.0", "routines.noon.do.0"]

@@ -129,6 +129,7 @@ class RoutineInfo(Message):
         is_kept: Whether services may edit and remove it; others are in the configuration.
         proposed_by: The client that proposed it; it does not start until it is enabled. Empty for the owner's.
         problem: Why it does not run at all; empty if it does.
+        hints: What in it cannot work in the house as it is now, with suggestions; only if the request asks for checks.
     """
 
     name: str
@@ -145,10 +146,17 @@ class RoutineInfo(Message):
     is_kept: bool = False
     proposed_by: str = ""
     problem: str = ""
+    hints: tuple[str, ...] = ()
 
 
 class RoutinesRequest(Message):
-    """Request for the routines."""
+    """Request for the routines.
+
+    Attributes:
+        check: Whether to compare them with the devices of the house, and with each other.
+    """
+
+    check: bool = False
 
 
 class RoutinesResponse(Message):

@@ -22,7 +22,7 @@ from homebot.routines.steps import SendRobot
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["drive"]
+__all__ = ["check_drive", "drive"]
 
 _LONGEST: Final = 900.0
 """Seconds after which a robot that is still on its way is called off."""
@@ -45,6 +45,17 @@ async def drive(node: Node, step: SendRobot) -> None:
             await client.perform(goal)
     except TimeoutError:
         raise LinkError(f"it has not arrived in {_LONGEST / 60:.0f} minutes, and was called off") from None
+
+
+async def check_drive(node: Node, step: SendRobot) -> None:
+    """Check what :func:`drive` needs.
+
+    Raises:
+        HomebotError: There is no such robot, action or room now.
+    """
+    await _action_of(node, step.robot, "dock_robot" if step.is_to_dock else "navigate_to_pose")
+    if not step.is_to_dock:
+        await _pose_in(node, step.room)
 
 
 async def _action_of(node: Node, robot: str, action: str) -> str:

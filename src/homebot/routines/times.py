@@ -82,7 +82,14 @@ class TimeSpan(NamedTuple):
 
     def contains(self, at: datetime) -> bool:
         """Return whether the time of day *at* is in the span."""
-        now = at.time()
+        return self.has(at.time())
+
+    def overlaps(self, other: "TimeSpan") -> bool:
+        """Return whether a time of day is in both."""
+        return self.has(other.begin) or other.has(self.begin)
+
+    def has(self, now: time) -> bool:
+        """Return whether the time of day *now* is in the span."""
         if self.begin < self.end:
             return self.begin <= now < self.end
         return now >= self.begin or now < self.end

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, final
@@ -20,10 +21,12 @@ from homebot.support.counters import Severity
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
+    from collections.abc import AsyncIterator, Iterator, Mapping
 
     from homebot.apps.notifier import Notifier
     from homebot.apps.stores import AppStores
+    from homebot.routines.checks import HouseChecks
+    from homebot.routines.routine import Routine
     from homebot.runtime.kept_routines import KeptRoutines
 
 __all__ = ["STORE_FILE", "AppHost"]
@@ -31,6 +34,7 @@ __all__ = ["STORE_FILE", "AppHost"]
 STORE_FILE = "apps.sqlite"
 """The name of the file of the app stores, beside the index file."""
 
+_ROUTINE_MODULE = "homebot.routines.routine"
 _KEPT_ROUTINES = "routines"
 """The name of their store, which no app can have."""
 
@@ -42,6 +46,9 @@ class AppHost:
     Args:
         plan: Contains the zone and the location of the home, and the settings of notifications.
         file: The file of the app stores; None for none.
+
+    Attributes:
+        left_out: Why routines of the configuration are wrong and do not run, by the names of their apps.
     """
 
     def __init__(self, graph: Graph, plan: Plan, file: Path | None, clock: Clock) -> None:
@@ -53,6 +60,7 @@ class AppHost:
         self._main: Node
         self._stores: AppStores | None = None
         self.running: dict[str, App] = {}
+        self.left_out: dict[str, str] = {}
         self.context = AppContext(
             plan.home_settings.zone,
             plan.home_settings.latitude,
@@ -73,6 +81,15 @@ class AppHost:
             self._notifier = Notifier(self._main, self._notify_settings)
         return self._notifier
 
+    @property
+    def routines(self) -> dict[str, Routine]:
+        """The running routines, by the name of the app."""
+        if _ROUTINE_MODULE not in sys.modules:
+            return {}
+        from homebot.routines.routine import Routine  # noqa: PLC0415 - there are some
+
+        return {name: one for name, one in tuple(self.running.items()) if isinstance(one, Routine)}
+
     @cached_property
     def kept_routines(self) -> KeptRoutines:
         """The routines that the owner wrote by a command."""
@@ -88,6 +105,12 @@ class AppHost:
     def with_kept_routines(self, config: Config) -> Config:
         """Return *config* with the kept routines, if there are any."""
         return self.kept_routines.added_to(config) if self.has_kept_routines else config
+
+    @cached_property
+    def _checks(self) -> HouseChecks:
+        from homebot.routines.checks import HouseChecks  # noqa: PLC0415 - many homes have none
+
+        return HouseChecks(self._main)
 
     async def read_stores(self, main: Node) -> None:
         """Read the stores of earlier runs; *main* runs the task that writes them."""
@@ -127,14 +150,28 @@ class AppHost:
             yield f"the last notification was not sent: {self._notifier.trouble}"
         if self._stores is not None and self._stores.trouble:
             yield self._stores.trouble
+        wrong = {app: problem for app, problem in self.left_out.items() if app not in self.running}
         if self.has_kept_routines:
-            yield from (f"the routine {app}: {one}" for app, one in self.kept_routines.problems.items())
+            wrong |= self.kept_routines.problems
+        yield from (f"the routine {app} does not run: {problem}" for app, problem in wrong.items())
 
     async def unknown_names(self) -> AsyncIterator[str]:
         """Yield the queries of apps whose names nothing in the house has."""
+        for name, problems in (await self.routine_problems()).items():
+            for problem in problems:
+                yield f"the routine {name}: {problem}"
         for app in tuple(self.running.values()):
-            for problem in await HouseView.of(app.node).names.problems():
-                yield f"{app.node.name}: {problem}"
+            if app.node.name not in self.routines:
+                for problem in await HouseView.of(app.node).names.problems():
+                    yield f"{app.node.name}: {problem}"
+
+    async def routine_problems(self) -> Mapping[str, list[str]]:
+        """Return what in each routine cannot work in the house as it is now, by the name of the routine."""
+        routines = self.routines
+        if not routines:
+            return {}
+        settings = (one.settings.model_copy(update={"enabled": one.is_enabled}) for one in routines.values())
+        return await self._checks.problems(settings)
 
     def given_up(self) -> set[tuple[str, str]]:
         """Return the node and the callback of each job and handler that was given up."""

@@ -126,6 +126,8 @@ class AppManager:
                         await self._start(one)
                 if not is_cut() and self._host.has_kept_routines:
                     await self._start_kept_routines()
+                for problem in self._host.problems():
+                    _log.warning(LEFT_OUT, message=problem)
             except UsageError as exc:
                 mistake = exc
             else:
@@ -231,8 +233,8 @@ class AppManager:
         infos = tuple(_info(name, running.get(name), crashes.get(name)) for name in self._apps)
         return AppsResponse(apps=infos, zone=zone_name(self._host.context.zone_name))
 
-    def _list_routines(self, request: RoutinesRequest) -> RoutinesResponse:
-        return self._routines.list(request)
+    async def _list_routines(self, request: RoutinesRequest) -> RoutinesResponse:
+        return await self._routines.list(request)
 
     async def _change_routine(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
         return await self._routines.change(request)
@@ -246,8 +248,7 @@ class AppManager:
                 kept.check(app)
                 await self._start(planned)
             except HomebotError as exc:
-                problem = kept.problems.setdefault(app, str(exc))
-                _log.warning(LEFT_OUT, message=f"the routine {app} does not run: {problem}", app=app)
+                kept.problems.setdefault(app, str(exc))
 
     async def _plan(self, name: str, *, is_new: bool) -> tuple[PlannedApp, FreshCode]:
         self._planner = self._planner or self._make_planner()

@@ -43,6 +43,7 @@ __all__ = [
     "make_plan",
     "plan_errors",
     "planned_app",
+    "without_wrong_routines",
 ]
 
 
@@ -204,6 +205,19 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
         except ConfigError as exc:
             found += (exc, *exc.others)
     return tuple(found)
+
+
+def without_wrong_routines(config: Config) -> tuple[Config, dict[str, str]]:
+    """Return *config* without its wrong routines, and their problems by name: a typo in one stops nothing else."""
+    problems: dict[str, str] = {}
+    for name, table in config.apps.items():
+        if table.get("class") == ROUTINE:
+            try:
+                planned_app(name, table, config)
+            except ConfigError as exc:
+                problems[name] = str(exc)
+    apps = {name: table for name, table in config.apps.items() if name not in problems}
+    return config.model_copy(update={"apps": apps}), problems
 
 
 def index_place(config: Config) -> Path:

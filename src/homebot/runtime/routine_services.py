@@ -12,7 +12,6 @@ from homebot.devices.app_messages import (
     RoutinesResponse,
 )
 from homebot.errors import HomebotError, UsageError
-from homebot.routines.routine import Routine
 from homebot.routines.text import WrittenRoutine, read_routines
 from homebot.runtime.app_host import AppHost
 from homebot.runtime.kept_routines import KeptRoutines
@@ -50,9 +49,11 @@ class RoutineServices:
         self._kept = kept
         self._apps = apps
 
-    def list(self, _: RoutinesRequest) -> RoutinesResponse:
+    async def list(self, request: RoutinesRequest) -> RoutinesResponse:
         """Return all routines."""
-        return RoutinesResponse(routines=tuple(self._infos()), zone=zone_name(self._host.context.zone_name))
+        hints = await self._host.routine_problems() if request.check else {}
+        infos = tuple(one.model_copy(update={"hints": tuple(hints.get(one.name, ()))}) for one in self._infos())
+        return RoutinesResponse(routines=infos, zone=zone_name(self._host.context.zone_name))
 
     async def change(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
         """Start a routine, switch it on or off, or write it."""
@@ -75,8 +76,8 @@ class RoutineServices:
                 return f"removed {meant.name}"
             case "enable":
                 self._kept.approve(meant.app)
-        running = self._host.running.get(meant.app)
-        if not isinstance(running, Routine):
+        running = self._host.routines.get(meant.app)
+        if running is None:
             raise UsageError(f"{meant.name} does not run: {meant.problem or 'it was unloaded'}")
         return running.change(request.change)
 
@@ -88,7 +89,12 @@ class RoutineServices:
             with self._kept.restored_on_error(one.app):
                 self._kept.put(one, proposed_by)
                 await self._apps.load(one.app)
-        return f"added {', '.join(one.name for one in routines)}"
+        return await self._with_hints(f"added {', '.join(one.name for one in routines)}", *routines)
+
+    async def _with_hints(self, text: str, *routines: WrittenRoutine) -> str:
+        """Return *text* with what in *routines* cannot work in the house as it is now."""
+        hints = await self._host.routine_problems()
+        return "; but ".join((text, *(hint for one in routines for hint in hints.get(one.name, ()))))
 
     async def _edit(self, meant: RoutineInfo, text: str) -> str:
         self._check_kept(meant)
@@ -102,7 +108,7 @@ class RoutineServices:
         with self._kept.restored_on_error(meant.app):
             self._kept.put(routines[0], meant.proposed_by)
             await (self._apps.reload if meant.app in self._host.running else self._apps.load)(meant.app)
-        return f"changed {meant.name}"
+        return await self._with_hints(f"changed {routines[0].name}", *routines)
 
     async def _remove(self, meant: RoutineInfo) -> None:
         self._check_kept(meant)
@@ -131,12 +137,15 @@ class RoutineServices:
         return meant[0]
 
     def _infos(self) -> Iterator[RoutineInfo]:
-        running = {name: one for name, one in tuple(self._host.running.items()) if isinstance(one, Routine)}
+        running = self._host.routines
         for app, routine in running.items():
             more: dict[str, object] = {"proposed_by": self._kept.proposed_by(app)}
             if app in self._kept:
                 more |= {"is_kept": True, "text": self._kept.text(app)}
             yield routine.info().model_copy(update=more)
+        for app, problem in self._host.left_out.items():
+            if app not in running:
+                yield RoutineInfo(name=app, app=app, problem=problem)
         for app in self._kept:
             if app not in running:
                 problem = self._kept.problems.get(app, "it does not run; `homebot app list` says why")

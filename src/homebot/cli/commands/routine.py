@@ -92,7 +92,7 @@ def _try(options: argparse.Namespace) -> int:
 
 
 def _routines(door: DoorClient) -> RoutinesResponse:
-    return cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {})))
+    return cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {"check": True})))
 
 
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
@@ -103,6 +103,8 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
         now, zone = house_time(door), zone_of(answer.zone)
         rows = [(printable(one.name), _state(one), next_text(one.next, now, zone)) for one in answer.routines]
         print_table(("ROUTINE", "STATE", "NEXT"), rows, if_any=("NEXT",))
+        for one in answer.routines:
+            _print_hints(one)
     else:
         print("there is no routine; write one: homebot routine new")
     return 0
@@ -136,6 +138,7 @@ def _show(door: DoorClient, options: argparse.Namespace) -> int:
     for word, texts in (("when", found.when), ("if", found.conditions), ("do", found.steps)):
         for text in texts:
             print_line(f"  {word:<5}{printable(text)}")
+    _print_hints(found)
     now = house_time(door)
     for note in reversed(found.notes):
         print_line(f"  {ago(note.at, now)}: {printable(note.text, 300)}")
@@ -164,6 +167,11 @@ def _write(door: DoorClient, request: dict[str, object], file: str | None, text:
         raise UsageError(f"{exc}; your text is in {path}") from exc
     path.unlink()
     return 0
+
+
+def _print_hints(routine: RoutineInfo) -> None:
+    for hint in routine.hints:
+        print_line(f"{printable(routine.name)}: {printable(hint, 500)}", "yellow")
 
 
 def _change(change: str, door: DoorClient, options: argparse.Namespace) -> int:

@@ -215,7 +215,9 @@ def run_configured(options: argparse.Namespace) -> int:
         atexit.register(gc.freeze)  # else the final garbage collection takes seconds
         with gc_paused():
             from homebot.runtime import Runtime, index_place  # noqa: PLC0415 - most of the start, after the first line
+            from homebot.runtime.plan import without_wrong_routines  # noqa: PLC0415 - as before
 
+            config, left_out = without_wrong_routines(config)
         index = index_place(config) if house is None or options.config else None
         # A simulated house always starts as described, so there is nothing to remember.
         index_file = None if house is not None or options.ephemeral else index
@@ -231,6 +233,7 @@ def run_configured(options: argparse.Namespace) -> int:
             record_into=record_into,
             is_dry_run=options.dry_run,
             read_config=read,
+            left_out=left_out,
             watches_apps=options.reload,
         )
         return on_an_event_loop(_run(make_runtime, options.seconds, read, view))

@@ -1,0 +1,179 @@
+"""Checks of the routines of a house: names and values that it lacks, and routines that meet.
+
+A device that is not there yet may still come, so these are hints for people and no errors.
+"""
+
+from collections.abc import AsyncIterator, Iterable, Iterator, Mapping
+from typing import Final, final
+
+from homebot.command_words.suitable_parts import part_name, settings_by_part
+from homebot.command_words.targets import CommandTargets, NoTargetError
+from homebot.devices import QUERY_DEVICES, KeyValue, QueryDevices
+from homebot.devices.capabilities import EVENTS
+from homebot.devices.command_messages import CommandDevicesRequest
+from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.terms import And, CanDo, Not, Or, Query, StateIs, leaves
+from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
+from homebot.errors import HomebotError, RefusedError, ServiceError, UsageError
+from homebot.graph import Node
+from homebot.routines.conditions import Matches, read_condition
+from homebot.routines.effects import Effect, RoutineEffects, fights, loops
+from homebot.routines.program import Choice, program_of
+from homebot.routines.settings import RoutineSettings
+from homebot.routines.steps import Do, SendRobot, Wait, WaitUntil
+from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
+from homebot.support.similar import did_you_mean
+
+__all__ = ["HouseChecks"]
+
+_MOST: Final = 200
+"""Devices whose events are compared with those that a trigger names."""
+
+
+@final
+class HouseChecks:
+    """Checks routines against the directory."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._targets = CommandTargets(node, DeviceLookup(node), lambda *_: "")
+        self._query = node.create_client(QueryDevices, QUERY_DEVICES)
+
+    async def problems(self, routines: Iterable[RoutineSettings]) -> Mapping[str, list[str]]:
+        """Return what is wrong with each of *routines*, by its name; nothing if the directory does not answer."""
+        found: dict[str, list[str]] = {}
+        known: list[RoutineEffects] = []
+        try:
+            for one in routines:
+                effects: list[Effect] = []
+                found[one.name] = [problem async for problem in self._of(one, effects)]
+                if one.enabled:
+                    conditions = tuple(map(read_condition, one.conditions))
+                    known.append(
+                        RoutineEffects(one.name, tuple(map(read_trigger, one.when)), conditions, tuple(effects))
+                    )
+        except ServiceError:
+            return {}
+        for name, problem in (*loops(known), *fights(known)):
+            found[name].append(problem)
+        return {name: [*dict.fromkeys(problems)] for name, problems in found.items() if problems}
+
+    async def _of(self, routine: RoutineSettings, effects: list[Effect]) -> AsyncIterator[str]:
+        """Yield the problems of one routine, and add the effects of its steps to *effects*."""
+        for text, query, value in _states(routine):
+            if problem := await self._problem_of(query) or await self._unknown_event(query, value):
+                yield f"{text!r}: {problem}"
+        is_prompt = True
+        for line in program_of(routine.do):
+            match line.step:
+                case Do() as step:
+                    for problem in await self._command(step, effects, is_prompt=is_prompt):
+                        yield f"{step.text!r}: {problem}"
+                case SendRobot() as step:
+                    if problem := await self._drive(step):
+                        yield f"{step.text!r}: {problem}"
+                case Wait() | WaitUntil():
+                    is_prompt = False
+
+    async def _problem_of(self, query: Query) -> str:
+        """Return why nothing in the house can match *query*, whatever its state; empty if something can."""
+        answer = await self._ask(query)
+        if answer.is_mistake:
+            return answer.message
+        if answer.total:
+            return ""
+        answer = await self._ask(_stateless(query))
+        return (
+            "" if answer.total else answer.message or "nothing in the house fits this; `homebot find` shows what does"
+        )
+
+    async def _unknown_event(self, query: Query, value: str) -> str:
+        """Return that no device that fits *query* tells of the event *value*; empty if one does, or may."""
+        if not value:
+            return ""
+        devices = [one.device for one in (await self._ask(query, _MOST)).results]
+        told = [one for device in devices for part in device.parts for one in part.part.capabilities]
+        options = [option for one in told if one.name in EVENTS for option in one.options]
+        if not options or value in map(str.casefold, options):
+            return ""
+        hint = did_you_mean(value, options, f"it has {', '.join(options)}")
+        return f"it has no event {value!r}; {hint}"
+
+    async def _command(self, step: Do, effects: list[Effect], *, is_prompt: bool) -> list[str]:
+        """Return why *step* cannot be carried out, and add its effects."""
+        is_toggled = step.command.casefold() == "toggle"
+        request = CommandDevicesRequest(
+            target=step.target,
+            command="on" if is_toggled else step.command,
+            values=tuple(KeyValue(key=name, value=value) for name, value in step.values),
+        )
+        try:
+            targets = await self._targets.find(request)
+        except NoTargetError as exc:
+            return [*filter(None, [await self._why_none(step.target, str(exc))])]
+        except UsageError as exc:
+            return [str(exc)]
+        refused, taken = [], 0
+        for device, parts in targets:
+            for part, parsed in settings_by_part(request, device, parts):
+                if isinstance(parsed, RefusedError):
+                    refused.append(f"{part_name(device, part)}: {parsed.reason}")
+                    continue
+                taken += 1
+                if not is_toggled:
+                    effects.append(Effect(step.text, device, part.id, parsed, is_prompt))
+        return refused if len(targets) <= 1 or not taken else []
+
+    async def _why_none(self, target: str, problem: str) -> str:
+        """Return *problem* unless the target is a state, such as 'open windows', that is only missing now."""
+        query = parse_query(target)
+        if any(isinstance(one, StateIs) for one in leaves(query)):
+            return await self._problem_of(query)
+        return problem
+
+    async def _drive(self, step: SendRobot) -> str:
+        from homebot.routines.robot_drive import check_drive  # noqa: PLC0415 - few homes have a robot
+
+        try:
+            await check_drive(self._node, step)
+        except HomebotError as exc:
+            return str(exc)
+        return ""
+
+    async def _ask(self, query: Query, limit: int = 1) -> QueryDevicesResponse:
+        return await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=limit))
+
+
+def _states(routine: RoutineSettings) -> Iterator[tuple[str, Query, str]]:
+    """Yield the text of each state and press, its query, and the event."""
+    for text in routine.when:
+        match read_trigger(text):
+            case Becomes(query=query) | PersonMoves(query=query):
+                yield text, query, ""
+            case Press(query=query, value=value):
+                yield text, query, value
+    choices = [one for one in routine.do if isinstance(one, Choice)]
+    for text in (*routine.conditions, *(text for one in choices for text in one.conditions)):
+        condition = read_condition(text)
+        if isinstance(condition, Matches):
+            yield text, condition.state.query, ""
+    for line in program_of(routine.do):
+        if isinstance(line.step, WaitUntil):
+            yield line.text, line.step.state.query, ""
+
+
+def _stateless(query: Query) -> Query:
+    """Return *query* with its states as capabilities."""
+    match query:
+        case And(terms):
+            return And(tuple(map(_stateless, terms)))
+        case Or(terms):
+            return Or(tuple(map(_stateless, terms)))
+        case Not():
+            return And(())
+        case StateIs():
+            return CanDo(query.capability)
+        case _:
+            return query

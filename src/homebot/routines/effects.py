@@ -1,0 +1,185 @@
+"""Effects of routines on parts: whether one starts another, and whether two oppose each other. Pure."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import combinations, product
+from typing import Final
+
+from homebot.apps.wall_time import read_days, read_time
+from homebot.devices.capabilities import LIGHTS_UP
+from homebot.devices.device import Device, State, target_of
+from homebot.devices.obedience import changes, related
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import compares, fits
+from homebot.devices.query.terms import StateIs, leaves
+from homebot.devices.value import PlainValue, Value
+from homebot.routines.conditions import Condition, Matches, OnDays, SunIs
+from homebot.routines.times import DaysAndTime, TimeSpan
+from homebot.routines.triggers import Becomes, PersonMoves, Press, Trigger
+
+__all__ = ["Effect", "RoutineEffects", "fights", "loops"]
+
+_NEAR: Final = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """The values that a step sets on a part.
+
+    Attributes:
+        text: The step.
+        is_prompt: Whether it is set as soon as the routine starts, without a wait before.
+    """
+
+    text: str
+    device: Device
+    part: str
+    settings: Mapping[str, PlainValue]
+    is_prompt: bool
+
+    def opposes(self, other: "Effect") -> bool:
+        """Return whether both are for one part, and each would undo the other."""
+        if (self.device.id, self.part) != (other.device.id, other.part):
+            return False
+        pairs = product(self.settings.items(), other.settings.items())
+        return any(
+            second in related(first) and changes(first, value, second, wanted)
+            for (first, value), (second, wanted) in pairs
+        )
+
+    def starts(self, trigger: Trigger) -> bool:
+        """Return whether its device matches *trigger* afterwards, because of it."""
+        if not isinstance(trigger, Becomes):
+            return False
+        settings = dict(self.settings)
+        if any(settings.get(one) for one in LIGHTS_UP):
+            settings["on_off"] = True
+        if trigger.capabilities.isdisjoint(settings):
+            return False
+        return fits(trigger.query, facets_of(_with(self.device, self.part, settings)))
+
+
+@dataclass(frozen=True, slots=True)
+class RoutineEffects:
+    """A routine with all its effects."""
+
+    name: str
+    triggers: tuple[Trigger, ...]
+    conditions: tuple[Condition, ...]
+    effects: tuple[Effect, ...]
+
+
+def loops(routines: Iterable[RoutineEffects]) -> Iterator[tuple[str, str]]:
+    """Yield each routine that would start itself, also by way of others, with the problem in words."""
+    known = {one.name: one for one in routines}
+    ways = {name: _started_by(one, known.values()) for name, one in known.items()}
+    for name in known:
+        if (way := _way_back(name, ways)) is not None:
+            steps = (f"{step!r} of {one} starts {after}" for one, step, after in way)
+            yield name, f"it would start itself: {', '.join(steps)}"
+
+
+def fights(routines: Iterable[RoutineEffects]) -> Iterator[tuple[str, str]]:
+    """Yield each routine that sets a part to the opposite of what another one does at, perhaps, the same moment."""
+    for one, other in combinations(routines, 2):
+        pair = next(_opposed(one, other), None) if _may_meet(one, other) else None
+        if pair is not None:
+            mine, theirs = pair
+            for name, step, by, against in ((one.name, *pair, other.name), (other.name, theirs, mine, one.name)):
+                place = step.device.name or target_of(step.device.id, step.part)
+                yield name, f"it fights with {against} over {place}: {step.text!r} here and {by.text!r} there"
+
+
+def _opposed(one: RoutineEffects, other: RoutineEffects) -> Iterator[tuple[Effect, Effect]]:
+    pairs = product(one.effects, other.effects)
+    return ((mine, theirs) for mine, theirs in pairs if mine.is_prompt and theirs.is_prompt and mine.opposes(theirs))
+
+
+def _started_by(one: RoutineEffects, others: Iterable[RoutineEffects]) -> dict[str, str]:
+    """Return the steps of *one* that start routines, by their names."""
+    found: dict[str, str] = {}
+    for other in others:
+        for effect in one.effects:
+            if any(map(effect.starts, other.triggers)):
+                found.setdefault(other.name, effect.text)
+    return found
+
+
+def _way_back(name: str, ways: Mapping[str, Mapping[str, str]]) -> tuple[tuple[str, str, str], ...] | None:
+    """Return the shortest way from a routine back to itself, each part with its step; None if there is none."""
+    reached: dict[str, tuple[tuple[str, str, str], ...]] = {name: ()}
+    waiting = [name]
+    for one in waiting:
+        for after, step in ways[one].items():
+            way = (*reached[one], (one, step, after))
+            if after == name:
+                return way
+            if after not in reached:
+                reached[after] = way
+                waiting.append(after)
+    return None
+
+
+def _may_meet(one: RoutineEffects, other: RoutineEffects) -> bool:
+    if any(_excludes(*pair) for pair in product(one.conditions, other.conditions)):
+        return False
+    return any(_may_coincide(*pair) for pair in product(one.triggers, other.triggers))
+
+
+def _may_coincide(one: Trigger, other: Trigger) -> bool:
+    match one, other:
+        case DaysAndTime(), DaysAndTime():
+            return read_time(one.time) == read_time(other.time) and not read_days(one.days).isdisjoint(
+                read_days(other.days)
+            )
+        case Press(), Press():
+            return one.query == other.query and (not one.value or not other.value or one.value == other.value)
+        case Becomes(), Becomes():
+            return one.lasting == other.lasting and _may_both_hold(one, other)
+        case PersonMoves(), PersonMoves():
+            return (one.query, one.is_home) == (other.query, other.is_home)
+        case _:
+            return one == other
+
+
+def _may_both_hold(one: Becomes, other: Becomes) -> bool:
+    """Return whether the same values of one device may match both, as far as can be told from the texts."""
+    places = [[term for term in leaves(each.query) if not isinstance(term, StateIs)] for each in (one, other)]
+    if set(map(repr, places[0])) != set(map(repr, places[1])):
+        return False
+    states = [[term for term in leaves(each.query) if isinstance(term, StateIs)] for each in (one, other)]
+    return not any(a.capability == b.capability and not _share(a, b) for a, b in product(*states))
+
+
+def _share(one: StateIs, other: StateIs) -> bool:
+    """Return whether a value satisfies both terms."""
+    values: list[PlainValue] = [one.value, other.value]
+    values += [value + step for value in values if isinstance(value, float) for step in (-_NEAR, _NEAR)]
+    values += [value is False for value in values if isinstance(value, bool)]
+    return any(compares(one, value) and compares(other, value) for value in values)
+
+
+def _excludes(one: Condition, other: Condition) -> bool:
+    """Return whether both conditions never hold at once."""
+    match one, other:
+        case SunIs(), SunIs():
+            return one != other
+        case OnDays(), OnDays():
+            return one.days.isdisjoint(other.days)
+        case TimeSpan(), TimeSpan():
+            return not one.overlaps(other)
+        case Matches(), Matches():
+            return one.state.query == other.state.query and one.is_none is not other.is_none
+        case _:
+            return False
+
+
+def _with(device: Device, part: str, settings: Mapping[str, PlainValue]) -> Device:
+    """Return *device* with other values of one part."""
+    kept = tuple(one for one in device.states if one.part != part or one.capability not in settings)
+    at = device.last_seen
+    new = (
+        State(part=part, capability=name, value=Value.of(value), since=at, told_at=at, live=True)
+        for name, value in settings.items()
+    )
+    return device.model_copy(update={"states": (*kept, *new)})
