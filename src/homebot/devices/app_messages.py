@@ -98,7 +98,7 @@ class ChangeAppResponse(Message):
     """The answer.
 
     Attributes:
-        message: What was done, or why it was not.
+        message: The change, or why there was none.
     """
 
     success: bool = True
@@ -129,7 +129,7 @@ class RoutineInfo(Message):
         is_kept: Whether services may edit and remove it; others are in the configuration.
         proposed_by: The client that proposed it; it does not start until it is enabled. Empty for the owner's.
         problem: Why it does not run at all; empty if it does.
-        hints: What in it cannot work in the house as it is now, with suggestions; only if the request asks for checks.
+        hints: Names, values and meetings with others for which it cannot work now, with suggestions; only if asked for.
     """
 
     name: str
@@ -171,12 +171,12 @@ class RoutinesResponse(Message):
 
 
 class ChangeRoutineRequest(Message):
-    """Request to start a routine now, whatever its conditions, to switch it on or off, or to write it.
+    """Request to start a routine now, without its conditions, to switch it on or off, or to write it.
 
     Attributes:
         name: Its name, or that of its node; not used for ``new``.
         text: For ``new`` and ``edit``: its table ``[[routines]]`` in TOML; for ``new`` it may be several.
-        issuer: Who asks; the door sets it for its clients.
+        issuer: The client that asks; set by the door.
     """
 
     name: ShortText = ""
@@ -189,7 +189,7 @@ class ChangeRoutineResponse(Message):
     """The answer.
 
     Attributes:
-        message: What was done, or why it was not.
+        message: The change, or why there was none.
     """
 
     success: bool = True

@@ -1,4 +1,4 @@
-"""Trial of routines on a recorded time: their commands then, and what people did after them."""
+"""Trial of routines on a recorded time: their commands then, and the changes that people made after them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -26,8 +26,8 @@ class TriedCommand:
     """A command that a routine would have given.
 
     Attributes:
-        seconds: How much later somebody changed the same part; 0 if nobody did within ten minutes.
-        change: To what.
+        seconds: How much later a person changed the same part; 0 for not within ten minutes.
+        change: The new values.
     """
 
     given: TimedCommand

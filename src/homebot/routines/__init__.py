@@ -1,5 +1,5 @@
 """Routines: rules as data, in the words of ``homebot find`` and ``homebot do``.
 
-A routine is an app without a program: what starts it, what must hold, and its steps are texts, all of which are checked
+A routine is an app without a program: its triggers, conditions and steps are texts, all of which are checked
 when they are read. It is listed, reloaded and explained as an app, and its commands carry its name.
 """

@@ -29,7 +29,7 @@ from homebot.support.similar import did_you_mean
 __all__ = ["HouseChecks"]
 
 _MOST: Final = 200
-"""Devices whose events are compared with those that a trigger names."""
+"""Devices with events that are compared with that of a trigger."""
 
 
 @final
@@ -42,7 +42,7 @@ class HouseChecks:
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
 
     async def problems(self, routines: Iterable[RoutineSettings]) -> Mapping[str, list[str]]:
-        """Return what is wrong with each of *routines*, by its name; nothing if the directory does not answer."""
+        """Return the problems of each of *routines*, by its name; none if the directory does not answer."""
         found: dict[str, list[str]] = {}
         known: list[RoutineEffects] = []
         try:
@@ -78,7 +78,7 @@ class HouseChecks:
                     is_prompt = False
 
     async def _problem_of(self, query: Query) -> str:
-        """Return why nothing in the house can match *query*, whatever its state; empty if something can."""
+        """Return why no device of the house can match *query*, in any state; empty if one can."""
         answer = await self._ask(query)
         if answer.is_mistake:
             return answer.message

@@ -80,7 +80,7 @@ def loops(routines: Iterable[RoutineEffects]) -> Iterator[tuple[str, str]]:
 
 
 def fights(routines: Iterable[RoutineEffects]) -> Iterator[tuple[str, str]]:
-    """Yield each routine that sets a part to the opposite of what another one does at, perhaps, the same moment."""
+    """Yield each routine that fights with another one: they set a part to opposite values, perhaps at once."""
     for one, other in combinations(routines, 2):
         pair = next(_opposed(one, other), None) if _may_meet(one, other) else None
         if pair is not None:

@@ -51,7 +51,7 @@ class Choice(BaseModel):
     """A step that chooses between others, which are no choices themselves.
 
     Attributes:
-        conditions: The key ``if``: what must hold, all of it, for *do*.
+        conditions: The key ``if``: the conditions for *do*, all of which must hold.
         otherwise: The key ``else``: the steps if it does not hold.
     """
 

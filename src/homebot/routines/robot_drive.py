@@ -48,7 +48,7 @@ async def drive(node: Node, step: SendRobot) -> None:
 
 
 async def check_drive(node: Node, step: SendRobot) -> None:
-    """Check what :func:`drive` needs.
+    """Check the preconditions of :func:`drive`.
 
     Raises:
         HomebotError: There is no such robot, action or room now.

@@ -54,7 +54,7 @@ class Routine(App[RoutineSettings]):
         self._runs = HandlerRuns(node, self.start_task, f"routine {settings.name}", settings.mode)
 
     async def run(self) -> None:
-        """Watch for what starts it, and go on with the run that a restart interrupted."""
+        """Watch for its triggers, and go on with the run that a restart interrupted."""
         since = self.clock.now()
         for text in self.settings.when:
             trigger = read_trigger(text)
@@ -84,7 +84,7 @@ class Routine(App[RoutineSettings]):
         return bool(self.store.get("enabled", self.settings.enabled))
 
     def info(self) -> RoutineInfo:
-        """Return what clients are told about it."""
+        """Return the facts for clients about it."""
         due = [at.timestamp() for job in self.jobs if (at := job.next) is not None]
         notes = (RoutineNote(at=Time.from_seconds(at), text=text) for at, text in self.store.get("runs", ()))
         return RoutineInfo(
@@ -102,7 +102,7 @@ class Routine(App[RoutineSettings]):
         )
 
     def change(self, change: RoutineChange) -> str:
-        """Start it now, whatever its conditions, or switch it on or off; return a text for people."""
+        """Start it now, without its conditions, or switch it on or off; return a text for people."""
         name = self.settings.name
         if change == "run":
             is_started = self._runs.start(self._perform, CURRENT_CAUSE.get())
@@ -155,7 +155,7 @@ class Routine(App[RoutineSettings]):
     async def _perform(self, first: int = 0, until: float = 0.0, before: dict[str, list[Any]] | None = None) -> None:
         self._record("ran" if not first else f"went on at {self._program[first].text!r}")
         if before is None and self.settings.mode == "restart":
-            before = self._before  # what the run that this one takes the place of would have brought back
+            before = self._before  # to bring back the values from before the run that this one replaces
         self._before = {} if before is None else before
         await RoutineRun(self, self._program, self._before).perform(first, until)
         self.store.pop("run", None)

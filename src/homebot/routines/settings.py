@@ -26,11 +26,11 @@ class RoutineSettings(AppSettings):
 
     Attributes:
         name: Its name for people.
-        when: What starts it, each for itself; see :func:`homebot.routines.triggers.read_trigger`.
-        conditions: The key ``if``: what must hold then, all of it; see
+        when: Its triggers, each for itself; see :func:`homebot.routines.triggers.read_trigger`.
+        conditions: The key ``if``: its conditions, all of which must hold; see
             :func:`homebot.routines.conditions.read_condition`.
         do: Its steps, one after the other; see :func:`homebot.routines.steps.read_step`, or choices.
-        mode: What happens if it is started while it runs; see :meth:`homebot.apps.App.on`.
+        mode: The rule for a start while it runs; see :meth:`homebot.apps.App.on`.
         enabled: Whether it may start.
     """
 
@@ -44,7 +44,7 @@ class RoutineSettings(AppSettings):
     enabled: bool = True
 
     def written(self) -> dict[str, object]:
-        """Return its table as a person would write it: without what is so by default."""
+        """Return its table as a person would write it: without default values."""
         return self.model_dump(exclude_defaults=True)
 
     @model_validator(mode="after")

@@ -35,7 +35,7 @@ _WORDS: Final = frozenset(
 _SETTABLE: Final = frozenset(
     word for one in CAPABILITIES.values() for word in (one.name, one.name.replace("_", " "), one.spoken) if word
 ) - frozenset(fold(word) for one in DEVICE_TYPES.values() for word in one.words)
-"""Names of capabilities, but not those that are also what a device is called, as in ``robot vacuum dock``."""
+"""Names of capabilities, but not those that are also names of devices, as in ``robot vacuum dock``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,7 @@ class WaitUntil:
 
 @dataclass(frozen=True, slots=True)
 class Undo:
-    """The values from before the earlier steps, where nobody has changed them since."""
+    """The values from before the earlier steps, where they have not been changed since."""
 
 
 Step: TypeAlias = Do | SendRobot | Notify | Wait | WaitUntil | Undo

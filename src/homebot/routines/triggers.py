@@ -32,7 +32,7 @@ class Becomes:
 
     @property
     def capabilities(self) -> frozenset[str]:
-        """The capabilities whose values decide."""
+        """The capabilities with the values that decide."""
         return frozenset(one.capability for one in leaves(self.query) if isinstance(one, StateIs))
 
 

@@ -19,7 +19,7 @@ class KeptRoutines:
     """The kept routines.
 
     Args:
-        store: By the name of its app, the text of each, and who proposed it; empty for an approved one.
+        store: By the name of its app, the text of each, and the client that proposed it; empty for an approved one.
 
     Attributes:
         problems: Why a routine does not run, by the name of its app.
@@ -61,7 +61,7 @@ class KeptRoutines:
 
     @contextmanager
     def restored_on_error(self, app: str) -> Iterator[None]:
-        """Bring back what was kept of *app* if the block fails."""
+        """Bring back the kept text of *app* if the block fails."""
         before = self._store.get(app)
         try:
             yield
@@ -91,7 +91,7 @@ class KeptRoutines:
         self.problems.pop(app, None)
 
     def added_to(self, config: Config) -> Config:
-        """Return *config* with these routines, but without those that are wrong, or whose names it has itself."""
+        """Return *config* with these routines, but without those that are wrong, or have names of its own apps."""
         found = {}
         for app in self:
             try:

@@ -92,7 +92,7 @@ class RoutineServices:
         return await self._with_hints(f"added {', '.join(one.name for one in routines)}", *routines)
 
     async def _with_hints(self, text: str, *routines: WrittenRoutine) -> str:
-        """Return *text* with what in *routines* cannot work in the house as it is now."""
+        """Return *text* with the problems of *routines* in the house as it is now."""
         hints = await self._host.routine_problems()
         return "; but ".join((text, *(hint for one in routines for hint in hints.get(one.name, ()))))
 
