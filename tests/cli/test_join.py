@@ -43,8 +43,9 @@ def test_both_machines_get_their_tables_and_the_same_secret(
     assert "run: homebot run" in capsys.readouterr().out
     first, second = make_plan(load_config(Path("../first/homebot.toml"))), make_plan(load_config(Path("homebot.toml")))
     assert (first.own_gateways, [one.name for one in first.gateways]) == ((), ["attic"])
-    assert not first.is_other_machine
-    assert (second.home, second.own_gateways, second.is_other_machine) == ("villa", ("mqtt",), True)
+    assert not first.as_other_machine
+    assert (second.home, second.own_gateways) == ("villa", ("mqtt",))
+    assert second.as_other_machine.startswith("this is the machine attic: ")
     assert second.link is not None
     assert second.link.connect == (ADDRESS,)
     secrets = [Path(folder, "attic.token") for folder in ("../first", ".")]

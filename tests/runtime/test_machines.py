@@ -10,6 +10,7 @@ import pytest
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
 
+from homebot.bridges.rosapi.doctor import Examine
 from homebot.config import Config, parse_config
 from homebot.devices import DEVICE_CHANGES, Device, DeviceChange
 from homebot.devices.command_messages import CommandDevices, CommandDevicesResponse
@@ -112,6 +113,21 @@ async def test_devices_are_unreachable_while_their_machine_is_away_and_commands_
         )
         async with machines.running_second():
             await becomes(changes, reachable=True)
+
+
+async def test_the_other_machine_tells_its_user_what_it_is_and_whether_the_house_lets_it_in(machines: Machines) -> None:
+    async with machines.running_second() as second, Node(second.graph, "tester") as tester:
+        doctor = tester.create_client(Examine, "/rosapi/doctor")
+        assert await doctor.wait_for_service(PATIENCE)
+
+        async def troubles() -> str:
+            return str((await doctor.call(Examine.Request(), PATIENCE)).findings)
+
+        assert "lets it in: does it run, and does it know the login?" in await troubles()
+        async with machines.running_first():
+            with anyio.fail_after(PATIENCE):
+                while "lets it in" in await troubles() or "follows mqtt" in await troubles():
+                    await anyio.lowlevel.checkpoint()
 
 
 async def test_the_other_machine_has_neither_index_nor_control_and_exports_its_own_gateways_alone(

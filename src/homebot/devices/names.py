@@ -117,6 +117,9 @@ ROBOTS_NODE = "/robots"
 RUNTIME_NODE = "/homebot"
 """The node of a runtime; all its commands pass the control layer."""
 
+MACHINE_NODE = "/machine"
+"""The node of a machine with gateways only, whose index and control are those of the homebot of the house."""
+
 OWNER = "owner"
 """The convention of facts that the owner states."""
 

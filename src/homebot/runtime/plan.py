@@ -155,9 +155,10 @@ class Plan:
         return dict(filter(None, found))
 
     @property
-    def is_other_machine(self) -> bool:
-        """True if another homebot has the index and the control of its devices."""
-        return self.link is not None and bool(self.link.machine)
+    def as_other_machine(self) -> str:
+        """The description of this machine if another homebot has its index and control; else empty."""
+        machine = self.link.machine if self.link is not None else ""
+        return machine and f"this is the machine {machine}: the homebot of {self.home} that joined it has its devices"
 
     @property
     def names_robots(self) -> bool:

@@ -272,7 +272,7 @@ class Runtime:
         main.offer_service("std_srvs/srv/Trigger", START_RECORDER, lambda: self._recording.serve_clients(main))
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
         main.create_service(Reload, RELOAD, lambda asked: self.reload(self._read, may_lose=asked.allow_removal))
-        for name, kind in SCENE_SERVICES.items() if not self._plan.is_other_machine else ():
+        for name, kind in SCENE_SERVICES.items() if not self._plan.as_other_machine else ():
             main.offer_service(kind, name, partial(self._serve_scenes, main, name))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
@@ -290,7 +290,7 @@ class Runtime:
         if not self._start_is_cut:
             greeting = self._plan.greeting(None if self.door is None else self.door.page, is_dry_run=self.is_dry_run)
             _log.info(RUNNING, message=greeting, gateways=len(gateways), apps=len(self._plan.apps))
-            text = self.app_manager.running_text(self.app_manager.apps)
+            text = self._plan.as_other_machine or self.app_manager.running_text(self.app_manager.apps)
             _log.info(APPS, message=text, names=[app.name for app in self._plan.apps])
             # Loaded last: it takes longer than other parts of the start, and clients need a handshake first.
             await stack.enter_async_context(self.supervisor.running("rosapi", self._rosapi, ""))
@@ -303,7 +303,7 @@ class Runtime:
         if self._link is not None and not self.is_dry_run:
             yield running("ros2", self._link.serve)
         yield from (running(gateway.name, partial(self._gateway, gateway), "gateway") for gateway in gateways)
-        if not self._plan.is_other_machine:
+        if not self._plan.as_other_machine:
             yield from self._mind()
         if self.with_door:
             yield running("door", self._open_door)

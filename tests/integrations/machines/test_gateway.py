@@ -193,6 +193,16 @@ async def test_a_machine_with_more_or_less_than_one_gateway_asks_for_a_name(
             await until(listen(node, GatewayState, "/gateway/attic/state"), why, lambda state: why in state.reason)
 
 
+async def test_a_machine_says_whether_a_homebot_follows_its_gateways(tmp_path: Path) -> None:
+    async with far_machine() as far, Node(Graph(), "attic", namespace="/gateway") as node:
+        health = far.gateway.node.create_client(GetHealth, "/machine/health")
+        (trouble,) = (await health.call(HealthRequest())).troubles
+        assert trouble == "no homebot of villa follows memory; does it have attic as a gateway, and run?"
+        async with running(far.near(node, tmp_path)):
+            await active(listen(node, GatewayState, "/gateway/attic/state"))
+            assert not (await health.call(HealthRequest())).troubles
+
+
 async def test_two_homes_on_one_network_do_not_mix(tmp_path: Path) -> None:
     async with (
         far_machine() as far,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import closing
+from math import inf
 from typing import TYPE_CHECKING, Any, Final
 
 import anyio
@@ -25,6 +26,7 @@ from homebot.bridges.machines.messages import (
 from homebot.bridges.machines.waiting_news import WaitingNews
 from homebot.devices import GatewayNames, RawCommand
 from homebot.devices.gateway_messages import Command
+from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.services import SubscribeToTopicResponse
 from homebot.errors import HomebotError, PeerError, ServiceGoneError, ServiceTimeoutError
 from homebot.graph import EntityKind, Node
@@ -61,8 +63,17 @@ async def serve_gateways(
     async def names(_: GetGatewaysRequest) -> GetGatewaysResponse:
         return GetGatewaysResponse(names=gateways)
 
-    for gateway in gateways:
-        export = _GatewayExport(node, wire.session.id, gateway)
+    exports = {gateway: _GatewayExport(node, wire.session.id, gateway) for gateway in gateways}
+
+    def health(_: HealthRequest) -> HealthResponse:
+        alone = [] if wire.session.is_alone else [name for name, one in exports.items() if not one.is_followed]
+        troubles = [
+            f"no homebot of {home} follows {name}; does it have {machine} as a gateway, and run?" for name in alone
+        ]
+        return HealthResponse(counts=(), troubles=tuple(troubles))
+
+    node.create_service(GetHealth, "~/health", health)
+    for gateway, export in exports.items():
         wire.serve(machine_name(home, machine, gateway, "follow"), FollowGateway, export.follow)
         wire.serve(machine_name(home, machine, gateway, "call"), CallGateway, export.call)
     wire.serve(machine_name(home, machine, "gateways"), GetGateways, names)
@@ -82,10 +93,17 @@ class _GatewayExport:
         self._follower, self._number, self._full_at = "", 0, 0.0
         self._out = node.create_publisher(RawCommand, self._names.out, 1000)
         self._calls: BoundedMap[tuple[str, int], None] = BoundedMap(_MOST_CALLS)
+        self._asked_at = -inf
+
+    @property
+    def is_followed(self) -> bool:
+        """True if its news were asked for lately."""
+        return self._now() < self._asked_at + 3 * LONGEST_QUIET
 
     async def follow(self, asked: FollowGatewayRequest) -> FollowGatewayResponse:
         """Return the news since the answer with the number *asked* has, or the first part of everything."""
         whole: Mapping[str, tuple[str, ...]] = {}
+        self._asked_at = self._now()
         is_whole = not asked.number or (asked.follower, asked.number) != (self._follower, self._number)
         self._follower, self._number = asked.follower, self._number + 1
         number = self._number

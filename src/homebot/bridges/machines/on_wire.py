@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, final
 
 from pydantic import SecretStr
 
+from homebot.devices.names import MACHINE_NODE
 from homebot.graph import Graph, Node
 from homebot.support.file_access import read_secret
 
@@ -49,7 +50,7 @@ class MachinesOnWire:
                     from homebot.bridges.machines.exports import serve_gateways  # noqa: PLC0415 - few are another one
                     from homebot.bridges.machines.wire import MachineWire  # noqa: PLC0415 - as above
 
-                    node = await stack.enter_async_context(Node(graph, "machine"))
+                    node = await stack.enter_async_context(Node(graph, MACHINE_NODE.removeprefix("/")))
                     wire = MachineWire(node, session, SecretStr(read_secret(settings.password_file)))
                     node.create_task(partial(serve_gateways, node, wire, self._home, settings.machine, self._exported))
                 yield

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import closing
 from typing import TYPE_CHECKING
 
@@ -36,7 +37,14 @@ async def serve_link(
     health = LinkHealth(node)
     imports = Imports(node, own, robots, health)
     exports = Exports(node, own, settings.export, robots, imports.node_of, health)
-    health.serve(lambda: session.lost, lambda: (*imports.problems, *exports.problems(imports.tokens)))
+
+    def problems() -> Iterator[str]:
+        yield from imports.problems
+        yield from exports.problems(imports.tokens)
+        if settings.connect and session.is_alone:
+            yield f"no router at {', '.join(settings.connect)} lets it in: does it run, and does it know the login?"
+
+    health.serve(lambda: session.lost, problems)
     with closing(imports), node.graph.watch() as changes:
         exports.refresh_all()
         _watching = session.watch_tokens(ALL_TOKENS.format(domain=settings.domain), imports.on_token)

@@ -110,6 +110,11 @@ class ZenohSession:
         self.nodes = count()
         self.id = str(session.zid())
 
+    @property
+    def is_alone(self) -> bool:
+        """True if no router that it connects to lets it in."""
+        return not self._session.info.routers_zid()
+
     async def run(self) -> None:
         """Make the calls for the others until cancelled; in a task, so that they may start tasks."""
         told = 0

@@ -17,7 +17,15 @@ from homebot.devices import QUERY_DEVICES, Device, GatewayState, QueryDevices
 from homebot.devices.alerts import ALERTS, MOST_SHOWN, alerts_of, findings_of
 from homebot.devices.findings import Finding, FindingKind, Row
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
-from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, SENDS_NOTHING, SEVERAL_NAMES, UNREADABLE, GatewayNames
+from homebot.devices.names import (
+    MACHINE_NODE,
+    NEEDS_GATEWAY,
+    NEXT_STEP,
+    SENDS_NOTHING,
+    SEVERAL_NAMES,
+    UNREADABLE,
+    GatewayNames,
+)
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.query.terms import Query
@@ -157,6 +165,8 @@ class _Doctor:
             return HealthResponse(counts=(), troubles=(str(exc),))
 
     async def _find(self, query: Query, limit: int) -> QueryDevicesResponse:
+        if self._node.graph.get_node(MACHINE_NODE) is not None:
+            return QueryDevicesResponse(success=True, message="")
         request = QueryDevicesRequest(query=query_terms(query), limit=limit)
         return await self._call(QueryDevices, QUERY_DEVICES, request)
 

@@ -19,7 +19,7 @@ from homebot.bridges.rosbridge.protocol import (
 from homebot.bridges.rosbridge.shared_state import Provisions, SharedState
 from homebot.bridges.rosbridge.types import request_from_client, service_type_of
 from homebot.bridges.turns import ServerTurns
-from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, SEND_TEXT
+from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, MACHINE_NODE, PERFORM_COMMAND, SEND_TEXT
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import QueryTerm, query_terms
 from homebot.devices.query.terms import Or
@@ -196,6 +196,8 @@ def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
     """Return the error for an outside program, which has no client object for waiting."""
     if node.graph.get_endpoints(kind=EntityKind.SERVICE, name=error.service):
         return str(error)
+    if node.graph.get_node(MACHINE_NODE) is not None:
+        return f"service {error.service} has no server on this machine with gateways only; ask the homebot of its house"
     services = node.graph.get_endpoints(kind=EntityKind.SERVICE)
     known = [info.name for info in services if info.ros_type not in _OF_PARAMETERS]  # six for each node
     return f"service {error.service} has no server now; {similar_name(error.service, known, '/rosapi/services')}"
