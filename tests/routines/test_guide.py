@@ -30,15 +30,31 @@ room = "hall"
 dialect = "homeassistant"
 """
 
+BUTTON = """
+from homebot.devices.part import Capability, Part
+from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.memory import MemoryGateway
+
+class Buttons(MemoryGateway):
+    async def serve(self, *, task_status):
+        press = Capability(name="press", options=("single", "double", "hold", "release"))
+        part = Part(id="", service_type="generic_switch", capabilities=(press,))
+        self.devices.put(GatewayDevice("hall_button", "Hall button", (part,)), "new")
+        await super().serve(task_status=task_status)
+"""
+
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
     path = tmp_path_factory.mktemp("home")
     shown = "\n".join(re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL))
-    (path / "homebot.toml").write_text(f"{shown}\n[gateways.mqtt]\n")
+    (path / "homebot.toml").write_text(f"{shown}\n[gateways.mqtt]\n[gateways.buttons]\nclass = 'button.py:Buttons'\n")
+    (path / "button.py").write_text(BUTTON)
     (path / "house.toml").write_text(HOUSE)
     (path / "evening.toml").write_text('name = "Evening"\nwhen = ["22:00"]\ndo = ["hall lamp off"]\n')
-    with homebot_in(path, "--house", "house.toml", until=("found hall_lamp", "good_night")) as homebot:
+    with homebot_in(
+        path, "--house", "house.toml", until=("found hall_lamp", "found hall_button", "good_night")
+    ) as homebot:
         yield homebot
 
 

@@ -115,5 +115,5 @@ def test_a_condition_that_would_hold_while_it_is_unknown_is_refused(text: str) -
     ],
 )
 def test_people_say_it_in_several_ways(same: tuple[str, ...]) -> None:
-    assert len({(one.query, one.is_home) for one in map(read_person, same) if one is not None}) == 1
+    assert len({(one.person, one.is_home) for one in map(read_person, same) if one is not None}) == 1
     assert all(isinstance(read_trigger(one), PersonMoves) for one in same)

@@ -27,6 +27,7 @@ COMMANDS: Final = {
     "run": "run homebot: find the devices of a house and control them",
     "new": "create a folder with an app, or a package for devices, with tests and configuration",
     "app": "list, load, unload and reload apps of a running homebot",
+    "bind": "let a button do something",
     "routine": "list and show routines, start them, switch them on and off",
     "scene": "save, apply, undo and change scenes: values of several devices under one name",
     "config": "check the configuration",

@@ -280,7 +280,9 @@ _CONDITIONS = (
     CapabilityType("tamper", "bool", "whether tampering is detected", is_alerting=True),
     CapabilityType("vibration", "bool", "whether vibration is detected"),
     CapabilityType("sound", "bool", "whether sound is detected"),
-    CapabilityType("at_home", "bool", "whether the person, or anybody, is at home", flags=("away", "at home")),
+    CapabilityType(
+        "at_home", "bool", "whether the person, or one of the household, is at home", flags=("away", "at home")
+    ),
     CapabilityType("moving", "bool", "whether it is moving", flags=("still", "moving")),
     CapabilityType("running", "bool", "whether it is running", flags=("idle", "running")),
     CapabilityType("problem", "bool", "whether it has a problem", is_alerting=True),

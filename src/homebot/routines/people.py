@@ -1,4 +1,4 @@
-"""People in the texts of routines: who is at home, who arrives and who leaves. Pure."""
+"""People in the texts of routines: at home, arriving and leaving. Pure."""
 
 import re
 from typing import Final, NamedTuple
@@ -26,20 +26,20 @@ class PersonState(NamedTuple):
     """A person or the household, at home or away.
 
     Attributes:
-        who: The person, or the household.
+        person: The query for the person, or the household.
     """
 
-    who: Query
+    person: Query
     is_home: bool
 
     @property
     def query(self) -> Query:
         """The query that the person matches then; unknown matches neither."""
-        return And((self.who, StateIs(AT_HOME, "=", self.is_home)))
+        return And((self.person, StateIs(AT_HOME, "=", self.is_home)))
 
 
 def read_person(text: str) -> PersonState | None:
-    """Return the state *text*: ``Anna is home``, ``somebody is home``, ``nobody is home``; None if it is none.
+    """Return the state *text*, such as ``Anna is home``; None if it is none.
 
     Raises:
         UsageError: It cannot be known of all of them together.
@@ -58,7 +58,7 @@ def read_person(text: str) -> PersonState | None:
 
 
 def read_move(text: str) -> PersonState | None:
-    """Return what begins with *text*: ``Anna arrives``, ``Anna leaves``, ``everybody has left``; None for no move.
+    """Return the beginning state of *text*: ``Anna arrives``, ``everybody has left``; None for no move.
 
     Raises:
         UsageError: It is the move of one of several, which is not known.
@@ -75,7 +75,7 @@ def read_move(text: str) -> PersonState | None:
 
 
 def check_known(text: str, query: Query) -> None:
-    """Check that *query* matches nobody of whom nothing is known.
+    """Check that *query* matches no person while nothing is known of them.
 
     Raises:
         UsageError: It does.

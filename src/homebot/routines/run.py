@@ -9,6 +9,7 @@ from typing import Any, Final, Protocol, final
 import anyio
 
 from homebot.command_words.earlier_values import EarlierValues, KnownStates, known_states
+from homebot.command_words.settings import SET
 from homebot.devices import Devices, KeyValue
 from homebot.devices.command_messages import (
     CommandDevicesRequest,
@@ -25,7 +26,7 @@ from homebot.errors import HomebotError, ServiceError
 from homebot.graph import Client, Node
 from homebot.routines.conditions import Condition
 from homebot.routines.program import Branch, Line, Skip
-from homebot.routines.steps import Do, Notify, SendRobot, Undo, Wait, WaitUntil
+from homebot.routines.steps import Dim, Do, Notify, SendRobot, Undo, Wait, WaitUntil
 from homebot.routines.watches import begun
 
 __all__ = ["RoutineOwner", "RoutineRun"]
@@ -83,6 +84,8 @@ class RoutineRun:
             match step:
                 case Do():
                     await self._do(step)
+                case Dim():
+                    await self._dim(step)
                 case SendRobot():
                     await self._drive(step)
                 case Notify():
@@ -99,12 +102,21 @@ class RoutineRun:
                     place += step.over
             place, until = place + 1, 0.0
 
-    async def _do(self, step: Do) -> None:
+    async def _do(self, step: Do) -> bool:
         states = await self._states() if self._is_undone else {}
         given_at = self._clock.now()
         answer = await self._give(step)
         places = ((one.device, one.part) for one in answer.results)
         self._before.add(states, places, given_at, self._clock.now())
+        return answer.success
+
+    async def _dim(self, step: Dim) -> None:
+        from homebot.routines.dimming import dim  # noqa: PLC0415 - few routines dim
+
+        async def set_level(level: float) -> bool:
+            return await self._do(Do(step.text, step.target, SET, (("level", f"{level:.0f}"),)))
+
+        await dim(self._owner.node, step, await self._owner.devices.find(), set_level)
 
     async def _give(self, step: Do) -> CommandDevicesResponse:
         request = CommandDevicesRequest(
@@ -112,6 +124,7 @@ class RoutineRun:
             command=step.command,
             values=tuple(KeyValue(key=name, value=value) for name, value in step.values),
             issuer=self._owner.node.full_name,
+            transition=step.transition,
             trigger=current_trigger(),
         )
         try:

@@ -8,6 +8,8 @@ from typing import Final, TypeAlias
 from homebot.command_words.settings import STATE_WORDS
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.terms import Query
 from homebot.devices.text.colors import COLORS, WHITES
 from homebot.errors import UsageError
 from homebot.routines.times import read_duration
@@ -15,12 +17,16 @@ from homebot.routines.triggers import Becomes, read_state
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["Do", "Notify", "SendRobot", "Step", "Undo", "Wait", "WaitUntil", "read_step"]
+__all__ = ["Dim", "Do", "Notify", "SendRobot", "Step", "Undo", "Wait", "WaitUntil", "read_step"]
 
 _WAIT_UNTIL: Final = re.compile(r"wait until\s+(?P<state>.+?),?\s+at most\s+(?P<most>.+)", re.IGNORECASE)
 _WAIT: Final = re.compile(r"wait\s+(?P<length>\d.*)", re.IGNORECASE)
 _NOTIFY: Final = re.compile(r"notify:?\s+(?P<text>.+)", re.IGNORECASE)
 _DRIVE: Final = re.compile(r"(?P<robot>\w+)\s+(?:go|goes|drive|drives)\s+to\s+(?:the\s+)?(?P<room>.+)", re.IGNORECASE)
+_DIM: Final = re.compile(
+    r"(?P<target>.+?)\s+(?P<way>dim|brighten|darken)\s+while\s+(?P<button>.+?)\s+(?P<event>\w+)", re.IGNORECASE
+)
+_OVER: Final = re.compile(r"over\s+(?P<length>\d.*)", re.IGNORECASE)
 _NUMBER: Final = re.compile(r"[+-]?\d+(?:\.\d+)?\s*(?P<unit>%|k|°?[cf])?", re.IGNORECASE)
 _UNITS: Final = {"%": "level", "k": "color_temperature"}
 _WORDS: Final = frozenset(
@@ -44,12 +50,33 @@ class Do:
 
     Attributes:
         values: Further values by capability, as text.
+        transition: Seconds that the change takes, if a device supports that.
     """
 
     text: str
     target: str
     command: str
     values: tuple[tuple[str, str], ...] = ()
+    transition: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Dim:
+    """A change of the level while a button is held.
+
+    Attributes:
+        query: The query of *target*.
+        way: ``brighten``, ``darken``, or ``dim`` for away from the nearer end.
+        button: The query for the button.
+        event: Its event while it is held; any other one ends the step.
+    """
+
+    text: str
+    target: str
+    query: Query
+    way: str
+    button: Query
+    event: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +120,7 @@ class Undo:
     """The values from before the earlier steps, where they have not been changed since."""
 
 
-Step: TypeAlias = Do | SendRobot | Notify | Wait | WaitUntil | Undo
+Step: TypeAlias = Do | Dim | SendRobot | Notify | Wait | WaitUntil | Undo
 
 
 def read_step(text: str) -> Step:
@@ -115,6 +142,9 @@ def read_step(text: str) -> Step:
         return Wait(read_duration(pause["length"]))
     if (driven := _DRIVE.fullmatch(plain)) is not None:
         return SendRobot(plain, driven["robot"].casefold(), driven["room"])
+    if (held := _DIM.fullmatch(plain)) is not None:
+        target, way, button, event = held.group("target", "way", "button", "event")
+        return Dim(plain, target, parse_query(target), way.casefold(), parse_query(button), event.casefold())
     return _read_do(plain)
 
 
@@ -129,7 +159,7 @@ def _read_do(text: str) -> Do:
     words = text.split(" ")
     for place in range(1, len(words)):
         commands = [one.strip().removeprefix("to ") for one in " ".join(words[place:]).split(",")]
-        if all(map(_is_command, commands)):
+        if _is_command(commands[0]) and all(_is_command(one) or _OVER.fullmatch(one) for one in commands):
             return _combined(text, " ".join(words[:place]), commands)
     hint = did_you_mean(words[-1].casefold(), sorted(_WORDS), "say what to do, such as on, off, open or 40 %")
     raise UsageError(f"{text!r} is no step: it ends with no command; {hint}, or divide it, such as 'washer: eco'")
@@ -147,13 +177,16 @@ def _combined(text: str, target: str, commands: list[str]) -> Do:
     """Return one command for several words: ``on, 20 %, 2700 K``."""
     first, *others = commands
     values: list[tuple[str, str]] = []
+    over = _OVER.fullmatch(others[-1]) if others else None
+    transition = read_duration(over["length"]) if over is not None else 0.0
+    others = others[:-1] if over is not None else others
     for one in others:
         number = _NUMBER.fullmatch(one)
         capability = _UNITS.get((number["unit"] or "").casefold(), "") if number else _color_of(one)
         if not capability:
             raise UsageError(f"{text!r}: {one!r} cannot follow {first!r}; write it as a step of its own")
         values.append((capability, one))
-    return Do(text, target, first, tuple(values))
+    return Do(text, target, first, tuple(values), transition)
 
 
 def _color_of(word: str) -> str:

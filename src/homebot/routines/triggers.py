@@ -60,7 +60,7 @@ class RobotArrival:
 
 @dataclass(frozen=True, slots=True)
 class PersonMoves:
-    """A person, or the first or last of a household, who was known to be elsewhere, comes home or leaves."""
+    """The arrival or leave of a person, or of the first or last of a household, from a known other place."""
 
     text: str
     query: Query
@@ -82,7 +82,7 @@ def read_trigger(text: str) -> Trigger:
         return moment
     person = read_move(plain) or read_person(plain)
     if person is not None:
-        return PersonMoves(plain, person.who, person.is_home)
+        return PersonMoves(plain, person.person, person.is_home)
     if (found := _ARRIVAL.fullmatch(plain)) is not None:
         return RobotArrival(found["robot"].casefold(), found["room"], leaves=found["word"].casefold() == "leaves")
     if (pressed := _PRESS.fullmatch(plain)) is not None:

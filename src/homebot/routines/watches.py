@@ -99,7 +99,7 @@ class PressWatch(HouseWatcher):
 
 @final
 class PersonWatch(HouseWatcher):
-    """Calls a function when a person, or the household, moves: what was unknown in between is no move."""
+    """Calls a function when a person, or the household, moves: to be unknown in between is no move."""
 
     def __init__(self, node: Node, move: PersonMoves, on_start: OnStart) -> None:
         self._move = move
@@ -110,7 +110,7 @@ class PersonWatch(HouseWatcher):
         self._view.names.add(move.query, move.text)
 
     def on_device(self, change: DeviceChange) -> None:
-        """Record where a person is who appears."""
+        """Record the place of a new person."""
         self._record(change.device.id, change)
 
     def on_values(self, change: StateChange) -> None:

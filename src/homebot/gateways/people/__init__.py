@@ -1,4 +1,4 @@
-"""The people of a house, as devices that tell whether each of them, or anybody, is at home."""
+"""The people of a house and their household, as devices that are at home or away."""
 
 from homebot.gateways.people.gateway import PeopleGateway
 

@@ -1,4 +1,4 @@
-"""The gateway whose devices are the people of ``[people]``, and their household."""
+"""The gateway with the people of ``[people]``, and their household, as devices."""
 
 import math
 from collections.abc import Iterator
@@ -86,7 +86,7 @@ class PeopleGateway(Gateway):
         self._devices.put(GatewayDevice(HOUSEHOLD, "Household", (part("x_household"),)), "all of [people]")
 
     async def _look(self, view: HouseView, now: float) -> float:
-        """Report what has changed; return the seconds until silence may change something."""
+        """Report the changes; return the seconds until silence may change something."""
         due = [now + _SEEN_EVERY, *(at + _HEARD for at in self._heard_at.values() if at + _HEARD > now)]
         found: list[bool | None] = []
         for name, one in self._people.items():
@@ -113,7 +113,7 @@ class PeopleGateway(Gateway):
             yield self._timed(name, sign, now)
 
     def _timed(self, key: str, sign: Sign, now: float) -> tuple[Sign, float]:
-        """Return *sign* with the time since which it has been so, by the monotonic clock, which nobody sets."""
+        """Return *sign* with the time since which it has been so, by the monotonic clock: the other one may be set."""
         if (known := self._since.get(key)) is None or known[0] != sign:
             self._since[key] = (sign, now)
         return self._since[key]

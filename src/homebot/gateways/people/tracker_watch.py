@@ -44,7 +44,7 @@ class TrackerWatch(HouseWatcher):
         return [one.name for one in self._devices.values()]
 
     def signs(self, view: HouseView, name: str) -> dict[str, Sign]:
-        """Return what each tracker of the devices with the id or name *name* tells."""
+        """Return the sign of each tracker of the devices with the id or name *name*."""
         named = [
             one for one in self._devices.values() if one.id == name or fold(name) in map(fold, (one.name, *one.names))
         ]

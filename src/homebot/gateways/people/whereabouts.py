@@ -16,7 +16,7 @@ BEACON: Final = "beacon"
 """The kind of trackers that are only heard at home, and never tell that they leave."""
 
 Sign: TypeAlias = Literal["home", "away", "silent", "unknown"]
-"""What one tracker tells; ``silent`` is one that is only heard at home, and is not heard now."""
+"""The news of one tracker; ``silent`` is one that is only heard at home, and is not heard now."""
 
 
 class Whereabouts(NamedTuple):
@@ -45,7 +45,7 @@ def where_is(signs: Collection[tuple[Sign, float]], now: float, away_after: floa
 
 
 def sign_of(device: Device, state: State | None, tag: str) -> Sign:
-    """Return what a tracker of the kind *tag* tells, whose place is *state*; an old one tells nothing."""
+    """Return the sign of a tracker of the kind *tag* with the place *state*; an old one tells nothing."""
     is_heard = device.freshness == "fresh" and device.reachable.state != "no"
     if state is None or not state.live or not is_heard or state.part in device.offline_parts:
         return "unknown"

@@ -1,7 +1,7 @@
 """ESPresense: phones and tags that its nodes hear by Bluetooth.
 
 Reads: ``place`` of each device with a name, which is ``home`` while a node hears it, and unknown after two minutes of
-silence. It never tells that somebody left: after which silence that is so, ``[people]`` says (``docs/people.md``).
+silence. It never tells of a leave: after which silence that is certain, ``[people]`` says (``docs/people.md``).
 While all nodes that ever heard it are offline, the device cannot be reached, and its silence means nothing.
 
 Transport: MQTT, JSON on ``espresense/devices/ID/ROOM``, and ``espresense/rooms/ROOM/status``

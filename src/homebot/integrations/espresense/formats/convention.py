@@ -21,11 +21,11 @@ class Espresense(LazyConvention[ConventionSettings, "EspresenseReader"]):
     name: ClassVar[str] = "espresense"
 
     def filters(self) -> tuple[str, ...]:
-        """Return the filter of what nodes hear."""
+        """Return the filter of heard devices."""
         return ("espresense/devices/+/+",)
 
     def load_reader(self) -> EspresenseReader:
-        """Return a reader of what nodes hear."""
+        """Return a reader of heard devices."""
         from homebot.integrations.espresense.formats.reader import EspresenseReader  # noqa: PLC0415 - see LazyConvention
 
         return EspresenseReader()

@@ -81,7 +81,7 @@ def _read_location(message: JsonMessage) -> Readings:
 
 
 def _read_transition(message: JsonMessage) -> Readings:
-    """Read what is certain of the region of the home: another one may overlap with it."""
+    """Read the region of the home alone: another one may overlap with it."""
     event = message.get("event")
     if message.get("_type") != "transition" or event not in {"enter", "leave"} or not _is_home(message.get("desc")):
         return NO_READINGS
