@@ -83,15 +83,14 @@ class _Player:
             return True
         if self._patterns and not fits_any(topic.name, self._patterns):
             return False
-        is_command = topic.ros_type in _COMMANDS or topic.name.endswith(_GOAL)
-        reason = ""
-        if is_command and not self._commands:
-            reason = "as they are commands (--commands plays them)"
-        elif not is_command and not self._patterns and _is_own(topic):
-            reason = "as they are homebot's own (--topics plays them)"
-        if reason:
+        if reason := self._why_left_out(topic):
             self.left_out.setdefault(reason, set()).add(topic)
         return not reason
+
+    def _why_left_out(self, topic: BagTopic) -> str:
+        if topic.ros_type in _COMMANDS or topic.name.endswith(_GOAL):
+            return "" if self._commands else "as they are commands (--commands plays them)"
+        return "as they are homebot's own (--topics plays them)" if not self._patterns and _is_own(topic) else ""
 
     def publish(self, message: BagMessage) -> None:
         """Publish *message*; errors as for :meth:`DoorClient.settle`, and that it is none of its topic's type."""

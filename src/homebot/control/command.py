@@ -283,7 +283,7 @@ def certain_values(
         return {}, False
     back_at = command.device.reachable.since.to_seconds() if is_online else -inf
     values: dict[str, PlainValue] = {}
-    is_recent, now = True, clock.monotonic()
+    are_recent, now = list[bool](), clock.monotonic()
     ahead = clock.now() - now
     for capability in asked:
         state = command.states.get(capability)
@@ -292,8 +292,8 @@ def certain_values(
         told_at = state.told_at.to_seconds()
         is_fresh = state.live and abs(command.issued_at - told_at) <= durations.FRESH
         is_proved = capability not in timeline.unsure_since
-        is_recent = is_recent and is_fresh and is_proved and lost_at < told_at >= back_at
+        are_recent.append(is_fresh and is_proved and lost_at < told_at >= back_at)
         value = timeline.certain(capability, command.values[capability], told_at - ahead, now)
         if value is not None and (is_online or told_at > lost_at):
             values[capability] = value
-    return values, is_recent
+    return values, all(are_recent)

@@ -57,10 +57,8 @@ def buckets_of(
         if known is None:
             sums[number] = [value, value, value * lasted, value, lasted, rise]
             continue
-        if value < known[0]:
-            known[0] = value
-        if value > known[1]:
-            known[1] = value
+        known[0] = min(known[0], value)
+        known[1] = max(known[1], value)
         known[2] += value * lasted
         known[3] = value
         known[4] += lasted

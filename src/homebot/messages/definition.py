@@ -160,15 +160,20 @@ def _definition(owner: type[Message], name: str, field: FieldInfo) -> FieldDefin
     array: dict[str, Any] = {}
     if get_origin(annotation) is tuple and get_args(annotation)[1:] == (Ellipsis,):
         array = {"is_array": True, **_bounds(metadata)}
-        annotation, metadata = get_args(annotation)[0], ()
-        if get_origin(annotation) is typing.Annotated:
-            annotation, *marks = get_args(annotation)
-            metadata = tuple(marks)
+        annotation, metadata = _of_element(get_args(annotation)[0])
     element, message = _element(owner, name, annotation, metadata)
     if array and element == "uint8":
         raise UsageError(f"{owner.__name__}.{name}: a sequence of uint8 is written bytes")
     choices = annotation if isinstance(annotation, type) and issubclass(annotation, StrEnum) else None
     return FieldDefinition(name, element, message, choices=choices, longest=_longest(metadata), **array)
+
+
+def _of_element(annotated: Any) -> tuple[Any, tuple[object, ...]]:
+    """Return the type and the marks of the elements of an array."""
+    if get_origin(annotated) is typing.Annotated:
+        annotation, *marks = get_args(annotated)
+        return annotation, tuple(marks)
+    return annotated, ()
 
 
 def _is_text(annotation: object) -> bool:

@@ -83,15 +83,18 @@ def cause_of(fact: Reported, commands: Iterable[CommandProgress]) -> Attribution
             return Attribution(cause, command.order.id, None if command.is_raw else role)
         if role is ReportRole.OTHERWISE and fact.at <= command.ended_at:
             answered = Attribution(Cause.PERSON, command.order.id, role)
+    return _cause_without_command(fact) or answered
+
+
+def _cause_without_command(fact: Reported) -> Attribution | None:
+    """Return the cause of a report that no command to its part explains; None if it may be a person."""
     if fact.value is None or fact.is_first or fact.is_after_loss:
         return _NOT_KNOWN
     if fact.along:
         return Attribution(Cause.COMMAND, fact.along) if fact.is_usual else _NOT_KNOWN
     if fact.timed >= ENOUGH:
         return _TIMED
-    if fact.timed and fact.at - fact.since > durations.HASTY:
-        return _NOT_KNOWN
-    return answered
+    return _NOT_KNOWN if fact.timed and fact.at - fact.since > durations.HASTY else None
 
 
 def cause_of_undoing(command: CommandProgress, capability: str) -> Cause:

@@ -187,11 +187,9 @@ class IdentityGraph:
         if len(identities) < _PAIR:
             return
         for identifier in dict.fromkeys(one for identity in identities for one in identity.identifiers):
-            holders = self._holders[identifier]
-            if len(holders) >= _PAIR and self._is_link(identifier):
-                sharing = sorted(holders.keys() & identities.keys(), key=identities.__getitem__)
-                if len(sharing) >= _PAIR:
-                    yield identifier, tuple(next(iter(self._sources[identity])) for identity in sharing)
+            sharing = sorted(self._holders[identifier].keys() & identities.keys(), key=identities.__getitem__)
+            if len(sharing) >= _PAIR and self._is_link(identifier):
+                yield identifier, tuple(next(iter(self._sources[identity])) for identity in sharing)
 
     def _identity_of(self, key: SourceKey, sighting: Sighting) -> Identity:
         found = sighting.identifiers

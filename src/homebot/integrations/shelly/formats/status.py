@@ -33,13 +33,14 @@ def reader_of(path: str, capability: str, factor: float = 1.0) -> StatusDecoder:
 
     def decode(status: Fields) -> Readings:
         value = value_at(status, path)
-        if kind == "number" and value is not NO_FIELDS:
+        if value is NO_FIELDS:
+            return NO_READINGS
+        if kind == "number":
             return read_number(capability, value, lambda number: number * factor)
         if value is None or (kind == "bool" and isinstance(value, bool)):
             return {capability: value}
-        is_text = kind == "text" and isinstance(value, str)
-        if is_text or value is NO_FIELDS:
-            return {capability: text_of(value, LONGEST_TEXT)} if is_text else NO_READINGS
+        if kind == "text" and isinstance(value, str):
+            return {capability: text_of(value, LONGEST_TEXT)}
         return unreadable(value, "true or false" if kind == "bool" else "a text")
 
     return decode

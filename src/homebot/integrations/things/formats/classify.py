@@ -92,10 +92,7 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     if main_is_guess:
         main = "thermostat" if _assign_thermostat(unknown) else _guess(unknown, thing.title)
     kind = _climate_type(unknown) if main == "thermostat" else main
-    owned = _owned(found, main)
-    groups: dict[str, list[_Candidate]] = {}
-    for one in found:
-        groups.setdefault(_group(one, owned, groups), []).append(one)
+    groups = _groups(found, _owned(found, main))
     return tuple(_part(thing, name, members, kind, main_is_guess=main_is_guess) for name, members in groups.items())
 
 
@@ -299,6 +296,14 @@ def _owned(found: Iterable[_Candidate], main: str) -> dict[str, _Candidate]:
         if one.part_id == "" if one.service_type else one.capability in OWNED.get(main, ()):
             owned.setdefault(one.capability, one)
     return owned
+
+
+def _groups(found: Iterable[_Candidate], owned: Mapping[str, _Candidate]) -> dict[str, list[_Candidate]]:
+    """Return the affordances of each part by its id."""
+    groups: dict[str, list[_Candidate]] = {}
+    for one in found:
+        groups.setdefault(_group(one, owned, groups), []).append(one)
+    return groups
 
 
 def _group(one: _Candidate, owned: Mapping[str, _Candidate], groups: dict[str, list[_Candidate]]) -> str:
