@@ -152,14 +152,7 @@ class Runtime:
         self._machines = None if self._plan.link is None else self._machines_on_wire()
         self._link: LinkStarter | None = None
         self._installation = Installation(self._beside_index(INSTALLATION_FILE), self.random)
-        self._context = GatewayContext.of(
-            self._installation,
-            *self.services,
-            *filter(None, (self._machines,)),
-            random=self.random,
-            is_dry_run=self.is_dry_run,
-            home=self._house.home if self._house is not None else self._plan.home,
-        )
+        self._context = self._gateway_context()
         self._owner: OwnerFacts
         self._controller: Control | None = None
         self._index: Directory | None = None
@@ -182,6 +175,16 @@ class Runtime:
         self._read = self.read_config or (lambda: self.config)
         self._reloading = anyio.Lock()
         self._reloaded = ChangeAppResponse()
+
+    def _gateway_context(self) -> GatewayContext:
+        return GatewayContext.of(
+            self._installation,
+            *self.services,
+            *filter(None, (self._machines,)),
+            random=self.random,
+            is_dry_run=self.is_dry_run,
+            home=self._house.home if self._house is not None else self._plan.home,
+        )
 
     def _house_of_run(self, world: World) -> HouseOfRun:
         from homebot.runtime.simulated_house import HouseOfRun  # noqa: PLC0415 - a real house needs no simulated one
