@@ -113,7 +113,7 @@ class Together:
                 check_setting(device.id, part.part, capability, value)
         except RefusedError:
             return False
-        # Who may command all members may do so by their group.
+        # The right to command each member is the right to reach all by their group.
         command = replace(first, device=device, part=part, rights=ALL_RIGHTS)
         return not self._is_held(command) and self._policies.check(command, is_recorded=False) is None
 

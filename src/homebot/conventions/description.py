@@ -14,6 +14,7 @@ from homebot.devices.value import PlainValue
 
 __all__ = [
     "AnnouncementEvent",
+    "AsksMembers",
     "AutoExpiry",
     "Availability",
     "AvailabilityMode",
@@ -80,6 +81,14 @@ class TakesCode(Protocol):
         Raises:
             RefusedError: As there, or the code is wrong, or the capability takes none.
         """
+
+
+@runtime_checkable
+class AsksMembers(Protocol):
+    """A codec of a group whose bridge reports values for members unheard, in addition to :class:`Codec`."""
+
+    def questions(self, sent: Publications) -> Publications:
+        """Return the requests to the members for the values that the command *sent* changes."""
 
 
 class AutoExpiry(NamedTuple):

@@ -7,7 +7,7 @@ from secrets import token_hex
 from typing import Final, final
 
 from homebot.clock import Clock
-from homebot.conventions.description import Publication, TakesCode
+from homebot.conventions.description import AsksMembers, DeviceRequest, Publication, TakesCode
 from homebot.conventions.payload import clean_text, parse_object
 from homebot.devices.gateway_messages import Command, CommandAnswer
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError, WireError, WrongCodeError
@@ -127,6 +127,7 @@ class CommandPublisher:
 
     Args:
         census: Its counts could hide that no client subscribes to a topic.
+        ask: Asks the members of a group for their state.
     """
 
     def __init__(
@@ -134,8 +135,10 @@ class CommandPublisher:
         engine: GatewayEngine[MqttMessage],
         connection: MqttConnection,
         census: TopicCensus,
+        ask: Callable[[DeviceRequest], None],
         responses: Responses | None = None,
     ) -> None:
+        self._ask = ask
         self._find_part, self._quarantine = engine.find_part, engine.quarantine
         self._connection = connection
         self._census = census
@@ -166,8 +169,15 @@ class CommandPublisher:
         if command.code:
             publications = tuple(one._replace(retain=False) for one in publications)  # no code stays on the broker
         is_heard = await self._publish(command, publications)
+        if announced_part.described.part.members:
+            self._ask_members(announced_part, publications)
         if publications and not is_heard and not announced_part.reports(command.capability):
             raise LinkError(f"no client subscribes to {publications[0].topic[:100]}")
+
+    def _ask_members(self, group: AnnouncedPart, sent: tuple[Publication, ...]) -> None:
+        codec = group.described.codec
+        for one in codec.questions(sent) if isinstance(codec, AsksMembers) else ():
+            self._ask(DeviceRequest(f"{group.stored.key} {one.topic}", (one,)))
 
     async def _publish(self, command: Command, publications: Iterable[Publication]) -> bool:
         """Publish the messages of *command*; return whether a client may receive one of them.

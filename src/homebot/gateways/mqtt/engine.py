@@ -112,7 +112,7 @@ class AnnouncedDevices:
             qos_profile_latched,
         )
         self.offers = Offers(gateway, publishers, self.quarantine)
-        publisher = CommandPublisher(engine, connection, self.census, responses)
+        publisher = CommandPublisher(engine, connection, self.census, self._subscriber.question, responses)
         self.texts = CommandServer(engine, publisher.perform, self, self._health, keeps_states=False)
 
     async def serve(self) -> None:

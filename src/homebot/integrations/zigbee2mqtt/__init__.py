@@ -2,7 +2,7 @@
 
 Reads and commands: lights, switches, valves, covers, locks, climate and fans with all endpoints; other exposes are
 sensors, events or settings. A settable binary is a setting: *turn off everything* must not affect a child lock. Scenes
-are parts. Groups are not devices, their members are.
+are parts. A group of lamps, switches or covers is a way to reach its members.
 
 Transport: MQTT (``homebot.mqtt_conventions``): ``BASE/bridge/devices`` and ``bridge/groups`` in, states on
 ``BASE/NAME``, commands on ``BASE/NAME/set``; ``bases`` names several bridges. States are not retained, and asked for.

@@ -33,12 +33,13 @@ class Zigbee2MqttSettings(ConventionSettings):
 class Zigbee2Mqtt(LazyConvention[Zigbee2MqttSettings, "Zigbee2MqttReader"]):
     """Discovery of Zigbee devices from ``bridge/devices``, and of their availability from ``bridge/info``.
 
-    ``bridge/groups`` names the members of the groups that the bridge announces to Home Assistant.
+    ``bridge/groups`` lists the groups. One of lamps, switches or covers is a device whose part has its members; others
+    are known only if the bridge announces them to Home Assistant.
 
     The list is one message of at most 5,000 devices. Each device is one :class:`DeviceAnnounced`; a device that is
     missing in a later list is :class:`DeviceWithdrawn`. The key is the device's address, after the base if that is not
-    ``zigbee2mqtt``, so a renamed device keeps its key and gets new topics. The coordinator, disabled devices and groups
-    are not described: the lamps of a group are devices already.
+    ``zigbee2mqtt``, so a renamed device keeps its key and gets new topics. The coordinator and disabled devices are
+    not described.
     """
 
     Settings: ClassVar[type[BaseModel]] = Zigbee2MqttSettings

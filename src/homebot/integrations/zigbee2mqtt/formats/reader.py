@@ -4,6 +4,7 @@ Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
 """
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from itertools import islice
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, GroupsListed
@@ -17,6 +18,12 @@ from homebot.integrations.zigbee2mqtt.formats.bridge_device import (
     ieee_address,
     read_bridge_device,
     read_bridge_settings,
+)
+from homebot.integrations.zigbee2mqtt.formats.groups import (
+    ExposesOfEndpoints,
+    GroupMember,
+    build_group,
+    exposes_of_groups,
 )
 from homebot.integrations.zigbee2mqtt.formats.parts import build_parts
 
@@ -46,6 +53,10 @@ class Zigbee2MqttReader:
         self._settings = {base: BridgeSettings() for base in bases}
         self._without_json: set[str] = set()
         self._endpoints: dict[str, Mapping[str, str]] = {}  # their names by number, by address of the device
+        self._exposed: dict[str, ExposesOfEndpoints] = {}  # by address of the device
+        self._topics: dict[str, str] = {}
+        self._group_lists: dict[str, list[Mapping[str, object]]] = {}
+        self._groups: dict[str, dict[str, DeviceAnnounced]] = {base: {} for base in bases}
         self._listless = dict.fromkeys(bases, False)  # bridges without a list yet: whether they sent their settings
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
@@ -107,6 +118,7 @@ class Zigbee2MqttReader:
         listed = {ieee_address(entry) for entry in entries}
         yield from (_withdrawn(one, ieee in listed) for ieee, one in before.items() if ieee not in devices)
         yield from devices.values()
+        yield from self._describe_groups(base)
 
     def _describe_all(
         self, base: str, topic: str, entries: list[object], found: dict[str, DeviceAnnounced]
@@ -138,7 +150,8 @@ class Zigbee2MqttReader:
         self.rejected += len(problems)
 
     def _describe(self, base: str, topic: str, device: BridgeDevice, via: str) -> DeviceAnnounced:
-        self._endpoints[device.ieee] = device.endpoint_names
+        self._endpoints[device.ieee], self._topics[device.ieee] = device.endpoint_names, device.topic
+        self._exposed[device.ieee] = exposes_of_groups(device)
         described = DeviceAnnounced(
             key=device.ieee if base == _DEFAULT_BASE else f"{base}/{device.ieee}",
             convention="zigbee2mqtt",
@@ -154,27 +167,74 @@ class Zigbee2MqttReader:
         return self._with_settings(base, device.ieee, described)
 
     def _read_groups(self, base: str, topic: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
-        """Read the members of the groups, under the identifiers with which the bridge announces these."""
-        groups: dict[str, tuple[str, ...]] = {}
-        coded = "".join(str(ord(letter)) for letter in base)
+        """Read the groups, and their members under the identifiers with which the bridge announces them."""
+        groups: list[Mapping[str, object]] = []
         for entry in islice(parse_list(payload, _MAX_GROUPS_BYTES) if payload else (), MAX_DEVICES):
-            fields = as_fields(entry)
-            number, listed = fields.get("id"), fields.get("members")
-            if not isinstance(number, int):
-                continue
-            members = listed[:MAX_DEVICES] if isinstance(listed, list) else ()
-            named = dict.fromkeys(name for one in members for name in self._names_of(base, as_fields(one)))
-            groups[f"id:zigbee2mqtt_{coded}_{number}"] = tuple(named)
+            if isinstance(as_fields(entry).get("id"), int):
+                groups.append(as_fields(entry))
             yield None
-        yield GroupsListed(topic, groups)
+        self._group_lists[base] = groups
+        members = {_group_id(base, one): tuple(self._names_in(base, one)) for one in groups}
+        yield GroupsListed(topic, members)
+        yield from self._describe_groups(base)
+
+    def _names_in(self, base: str, group: Mapping[str, object]) -> dict[str, None]:
+        return dict.fromkeys(name for one in _members_of(group) for name in self._names_of(base, one))
+
+    def _describe_groups(self, base: str) -> Iterator[AnnouncementEvent | None]:
+        """Describe the groups of which all members are known, and have a feature in common."""
+        before, found = self._groups[base], dict[str, DeviceAnnounced]()
+        for entry in self._group_lists.get(base, ()):
+            yield None
+            with suppress(WireError):
+                if described := self._describe_group(base, entry):
+                    found[described.key] = described
+        self._groups[base] = found
+        for key in before.keys() - found.keys():
+            yield DeviceWithdrawn(key, "its bridge lists no such group of lamps, switches or covers", is_final=True)
+        yield from found.values()
+
+    def _describe_group(self, base: str, entry: Mapping[str, object]) -> DeviceAnnounced | None:
+        members = [self._member(base, one) for one in _members_of(entry)]
+        known = [one for one in members if one is not None]
+        device, parts = build_group(base, entry, known if len(known) == len(members) else ())
+        if not parts:
+            return None
+        names = tuple(self._names_in(base, entry))
+        key = f"group/{entry['id']}"
+        described = DeviceAnnounced(
+            key=key if base == _DEFAULT_BASE else f"{base}/{key}",
+            convention="zigbee2mqtt",
+            native=True,
+            whole_device=True,
+            identifiers=(_group_id(base, entry),),
+            name=clean_text(device.name),
+            parts=tuple(one._replace(part=one.part.model_copy(update={"members": names})) for one in parts),
+            topic=f"{base}/bridge/groups",
+            facts={"origin": "Zigbee2MQTT"},
+            owns=(device.topic,),
+        )
+        return self._with_settings(base, "", described)
+
+    def _member(self, base: str, member: Mapping[str, object]) -> GroupMember | None:
+        """Return a member of a group; None if it is not known, or no light, switch or cover."""
+        ieee = ieee_address(member)
+        endpoint = self._endpoints.get(ieee, {}).get(str(member.get("endpoint")), "")
+        exposed = self._exposed.get(ieee, {})
+        exposes = exposed.get(endpoint) or exposed.get("")
+        if not exposes or ieee not in self._devices[base]:
+            return None
+        topic = self._topics[ieee]
+        return GroupMember(f"{topic}/{endpoint}" if endpoint in exposed and endpoint else topic, exposes)
 
     def _names_of(self, base: str, member: Mapping[str, object]) -> Iterator[str]:
         """Yield what a group calls a member: its device, or the parts of one of its endpoints."""
         ieee = ieee_address(member)
         device = self._devices[base].get(ieee)
         endpoint = self._endpoints.get(ieee, {}).get(str(member.get("endpoint")))
-        if device is not None and endpoint:
-            ids = [one.part.id for one in device.parts if one.part.id.endswith(f"_{endpoint}")]
+        parts = () if device is None or not endpoint else device.parts
+        ids = [one.part.id for one in parts if one.part.id.endswith(f"_{endpoint}")]
+        if device is not None and ids:
             yield from (f"{device.identifiers[0]}#{one}" for one in ids)
         elif ieee:
             yield from identifiers([ieee])
@@ -204,6 +264,17 @@ class Zigbee2MqttReader:
         }
         self._devices[base].update(changed)
         yield from changed.values()
+
+
+def _members_of(group: Mapping[str, object]) -> list[Mapping[str, object]]:
+    listed = group.get("members")
+    return [as_fields(one) for one in listed[:MAX_DEVICES]] if isinstance(listed, list) else []
+
+
+def _group_id(base: str, group: Mapping[str, object]) -> str:
+    """Return the identifier with which the bridge announces a group to Home Assistant."""
+    coded = "".join(str(ord(letter)) for letter in base)
+    return f"id:zigbee2mqtt_{coded}_{group['id']}"
 
 
 def _read(base: str, entry: object, topics: set[str], *, is_known: bool, room: int) -> BridgeDevice:

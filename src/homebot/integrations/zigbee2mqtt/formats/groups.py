@@ -1,0 +1,101 @@
+"""Groups of a bridge: lamps, switches or covers that one message reaches. Pure.
+
+Source: zigbee2mqtt.io, Usage > Groups; Zigbee2MQTT 2.14.1, ``lib/extension/groups.ts``: it reports the state of a group
+for each of its members without having heard from them.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple, TypeAlias
+
+from homebot.conventions.description import Codec, DescribedPart, Publication, Publications
+from homebot.conventions.payload import as_fields, compact_json, parse_object
+from homebot.integrations.zigbee2mqtt.formats.bridge_device import BridgeDevice, read_bridge_device
+from homebot.integrations.zigbee2mqtt.formats.parts import build_parts
+
+__all__ = ["ExposesOfEndpoints", "GroupMember", "build_group", "exposes_of_groups"]
+
+_TYPES = ("light", "switch", "cover")
+"""A lock is left out: it is not approved by its group."""
+
+_MAX_BYTES = 65_536
+
+_Exposes: TypeAlias = Mapping[str, Mapping[str, Mapping[str, object]]]
+ExposesOfEndpoints: TypeAlias = Mapping[str, _Exposes]
+"""See :attr:`GroupMember.exposes`, by the name of the endpoint; empty for the device itself."""
+
+
+class GroupMember(NamedTuple):
+    """A device in a group, or one of its endpoints.
+
+    Attributes:
+        topic: Where it is asked for its state, without ``/get``.
+        exposes: Its exposes of the types that a group may have: by type, the features by name.
+    """
+
+    topic: str
+    exposes: _Exposes
+
+
+def exposes_of_groups(device: BridgeDevice) -> ExposesOfEndpoints:
+    """Return the exposes of the endpoints of *device*; see :attr:`GroupMember.exposes`."""
+    found: dict[str, dict[str, dict[str, Mapping[str, object]]]] = {}
+    for one in map(as_fields, device.exposes if isinstance(device.exposes, list) else ()):
+        kind, endpoint, features = one.get("type"), one.get("endpoint", ""), one.get("features")
+        if kind in _TYPES and isinstance(endpoint, str) and isinstance(features, list):
+            named = {str(each.get("name")): _without_endpoint(each) for each in map(as_fields, features)}
+            found.setdefault(endpoint, {})[str(kind)] = named
+    return found
+
+
+def build_group(
+    base: str, entry: Mapping[str, object], members: Sequence[GroupMember]
+) -> tuple[BridgeDevice, tuple[DescribedPart, ...]]:
+    """Return the group of an *entry* as a device, and its parts: the features common to all *members*, and its scenes.
+
+    Raises:
+        WireError: Its name cannot be a topic of its own.
+    """
+    exposes = [_common(kind, members) for kind in _TYPES if members and all(kind in one.exposes for one in members)]
+    listed = {"endpoints": {"1": {"name": "1", "scenes": entry.get("scenes")}}, "power_source": "Battery"}
+    device = read_bridge_device(base, {**entry, **listed, "definition": {"exposes": exposes}})
+    parts = build_parts(device) if exposes else ()
+    return device, tuple(_of_group(one, tuple(member.topic for member in members)) for one in parts)
+
+
+def _without_endpoint(feature: Mapping[str, object]) -> Mapping[str, object]:
+    return {**feature, "property": feature.get("name"), "endpoint": None}
+
+
+def _common(kind: str, members: Sequence[GroupMember]) -> dict[str, object]:
+    """Return an expose with the features that all have, in the narrowest bounds."""
+    known = [one.exposes[kind] for one in members]
+    names = [name for name in known[0] if all(name in one for one in known)]
+    return {"type": kind, "features": [_narrowest([one[name] for one in known]) for name in names]}
+
+
+def _narrowest(features: Sequence[Mapping[str, object]]) -> dict[str, object]:
+    found = dict(features[0])
+    for key, pick in (("value_min", max), ("value_max", min)):
+        if numbers := [bound for one in features if isinstance(bound := one.get(key), int | float)]:
+            found[key] = pick(numbers)
+    return found
+
+
+def _of_group(described: DescribedPart, topics: tuple[str, ...]) -> DescribedPart:
+    part = described.part
+    echoed = tuple([one.model_copy(update={"echoed": one.readable}) for one in part.capabilities])
+    part = part.model_copy(update={"capabilities": echoed})
+    return described._replace(part=part, codec=_GroupCodec(described.codec, topics))
+
+
+class _GroupCodec:
+    """The codec of a group, which asks the members for the result of a command."""
+
+    def __init__(self, own: Codec, members: Iterable[str]) -> None:
+        self.topics, self.read, self.write = own.topics, own.read, own.write
+        self._members = tuple(members)
+
+    def questions(self, sent: Publications) -> Publications:
+        """See :class:`homebot.conventions.description.AsksMembers`."""
+        keys = {key: "" for one in sent for key in parse_object(one.payload, _MAX_BYTES) if key != "transition"}
+        return tuple([Publication(f"{one}/get", compact_json(keys).encode()) for one in self._members]) if keys else ()
