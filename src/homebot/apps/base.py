@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from homebot.devices.history_client import HistoryClient
     from homebot.devices.history_messages import EnergyOfDay, HistorySeries
     from homebot.devices.outcomes import Outcome
+    from homebot.devices.scene_client import Scenes
 
 __all__ = ["App", "AppSettings", "NoSettings"]
 
@@ -215,6 +216,13 @@ class App(ABC, Generic[SettingsT_co]):
 
             self._schedule = Schedule(self)
         return self._schedule
+
+    @property
+    def scenes(self) -> Scenes:
+        """The scenes of the house: ``await self.scenes.apply("Film")``."""
+        from homebot.devices.scene_client import Scenes  # noqa: PLC0415 - few apps use them
+
+        return Scenes(self.node)
 
     async def notify(self, message: str, *, title: str = "") -> bool:
         """Send *message* to people as configured in the table ``[notify]``; without it, only log the message.

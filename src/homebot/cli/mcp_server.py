@@ -187,7 +187,21 @@ def house_server(api: ApiClient) -> MCPServer:
     for tool in (home, find_devices, why, history):
         server.add_tool(tool, annotations=_READS, structured_output=False)
     server.add_tool(command, annotations=_ACTS, structured_output=False)
+    _add_scenes(server, api)
     return server
+
+
+def _add_scenes(server: MCPServer, api: ApiClient) -> None:
+    async def scenes() -> str:
+        """Return the scenes: a name, and values for several parts of the house."""
+        return await api.read("/api/scenes")
+
+    async def apply_scene(scene: Words, transition: float = 0.0, undo: bool = False) -> str:  # noqa: FBT001, FBT002 - JSON
+        """Apply a scene, or undo it: bring back the values before, where nothing else has changed them since."""
+        return await api.post("/api/scene", {"scene": scene, "transition": transition, "undo": undo})
+
+    server.add_tool(scenes, annotations=_READS, structured_output=False)
+    server.add_tool(apply_scene, annotations=_ACTS, structured_output=False)
 
 
 def _targets(details: list[Any], named: str | list[str]) -> list[str]:

@@ -1,7 +1,8 @@
 """The service ``/devices/command``: commands in words, with an id, name or query."""
 
+import re
 from collections.abc import Awaitable, Callable, Mapping
-from contextlib import suppress
+from contextlib import closing, suppress
 from typing import Final, Protocol, final
 
 import anyio
@@ -19,6 +20,7 @@ from homebot.devices.command_messages import (
     Setting,
 )
 from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.names import APPLY_SCENE
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, ServiceError, UsageError
@@ -28,6 +30,19 @@ __all__ = ["UNNAMED_CLIENT", "CommandService"]
 
 UNNAMED_CLIENT: Final = "client"
 """The issuer of a command that names none."""
+
+_SCENE: Final = re.compile(r"scene\s+(?P<name>.+)", re.IGNORECASE | re.DOTALL)
+_SCENE_WORDS: Final[Mapping[str, bool]] = {
+    "apply": False,
+    "activate": False,
+    "on": False,
+    "turn on": False,
+    "undo": True,
+}
+"""Commands to scenes, and whether each is an undo."""
+
+_LONGEST: Final = 900.0
+"""Seconds after which the control layer has answered: it limits its own waiting."""
 
 
 class CommandPort(Protocol):
@@ -45,6 +60,7 @@ class CommandService:
     """Finds the target devices of a command in words, and commands all of them at once."""
 
     def __init__(self, node: Node, lookup: DeviceLookup, commands: CommandPort) -> None:
+        self._node = node
         self._commands = commands
         self._lookup = lookup
         self._targets = CommandTargets(node, lookup, self._refusal)
@@ -58,6 +74,8 @@ class CommandService:
             on_commanded: Called with each outcome as soon as it is known, and the number of parts that still have none.
         """
         try:
+            if (applied := await self._scene(request)) is not None:
+                return applied
             targets, request = await self._found(request)
         except (NoTargetError, ServiceError, UsageError) as exc:
             return CommandDevicesResponse(success=False, message=str(exc))
@@ -83,6 +101,25 @@ class CommandService:
                 wanted = settings if isinstance(settings, RefusedError) else next(batch)
                 tasks.start_soon(command, device, part, wanted)
         return CommandDevicesResponse.of(commanded)
+
+    async def _scene(self, request: CommandDevicesRequest) -> CommandDevicesResponse | None:
+        """Apply, or undo, the scene that *request* names as ``scene NAME``; None if it names none, or a device."""
+        named, is_undo = _SCENE.fullmatch(request.target.strip()), _SCENE_WORDS.get(request.command.strip().casefold())
+        if named is None or is_undo is None or request.values or await self._lookup.called(request.target.strip()):
+            return None
+        from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest  # noqa: PLC0415 - many homes have none
+
+        asked = ApplySceneRequest(
+            name=named["name"],
+            transition=request.transition,
+            undo=is_undo,
+            issuer=request.issuer,
+            scope=request.scope,
+            ask_first=request.ask_first,
+            trigger=request.trigger,
+        )
+        with closing(self._node.create_client(ApplyScene, APPLY_SCENE)) as client:
+            return await client.call(asked, timeout=_LONGEST)
 
     async def _found(self, request: CommandDevicesRequest) -> tuple[list[Target], CommandDevicesRequest]:
         """Return the targets, and *request* with ``off`` or ``on`` for ``toggle``: off if any of them is on."""

@@ -55,7 +55,7 @@ class EarlierValues:
                     self.entries[key] = [was, since, ended_at]
 
     def take(self, states: KnownStates) -> dict[tuple[str, str], tuple[Setting, ...]]:
-        """Return, by part, the commands that bring back what nothing else has changed since, and forget everything."""
+        """Return the settings by part that bring back the values that nothing else has changed since; forget all."""
         found: dict[tuple[str, str], dict[str, PlainValue]] = {}
         for key, entry in self.entries.items():
             target, _, capability = key.rpartition(" ")

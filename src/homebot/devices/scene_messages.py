@@ -59,7 +59,7 @@ class SceneInfo(Message):
 
     Attributes:
         name: Its name; that of a native one may occur in several rooms.
-        id: What names it alone in a request: its name, or the id of the part that recalls it.
+        id: Its unique name in requests: its name, or the id of the part that recalls it.
         is_native: Whether a bridge or device keeps it.
         area: The room of a native one; empty if unknown.
         parts: The parts that it sets; empty if a native one does not tell them.
@@ -129,18 +129,18 @@ class ChangeSceneResponse(ServiceAnswer):
 
 
 class ApplySceneRequest(Message):
-    """Request to apply a scene, or to bring back what was before it.
+    """Request to apply a scene, or to bring back the values before it.
 
     Attributes:
         name: Its name or id.
         transition: Seconds that the changes take, where a device supports that.
-        undo: Whether to bring back what was before it was applied last, where nothing else has changed it since.
-        agreed: Whether the person who applies it has agreed to the values of parts that always ask; otherwise somebody
-            is asked. An app cannot agree.
+        undo: Whether to bring back the values before it was applied last, where nothing else has changed them since.
+        agreed: Whether the person at the client has agreed to the values of parts that always ask; otherwise people in
+            the house are asked. An app cannot agree.
         issuer: The issuer of the commands; the door sets it for its clients.
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
         ask_first: Whether a person must agree to each command first.
-        trigger: What led to it; only homebot's own nodes can say so.
+        trigger: Its cause; only homebot's own nodes can say so.
     """
 
     name: ShortText

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import closing
+from functools import partial
 from typing import Any, Final, Protocol, final
 
 import anyio
@@ -11,12 +12,12 @@ import anyio
 from homebot.command_words.earlier_values import EarlierValues, KnownStates, known_states
 from homebot.command_words.settings import SET
 from homebot.devices import Devices, KeyValue
+from homebot.devices.batch import perform_all
 from homebot.devices.command_messages import (
     CommandDevicesRequest,
     CommandDevicesResponse,
     CommandRequest,
     PerformCommand,
-    Setting,
 )
 from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import target_of
@@ -159,23 +160,28 @@ class RoutineRun:
     async def _undo(self) -> None:
         """Bring back the values from before, of each part at once, where nothing else has changed them since."""
         due = self._before.take(await self._states())
+        requests = [
+            CommandRequest(
+                device=device,
+                part=part,
+                settings=settings,
+                issuer=self._owner.node.full_name,
+                trigger=current_trigger(),
+            )
+            for (device, part), settings in due.items()
+        ]
         with closing(self._owner.node.create_client(PerformCommand, PERFORM_COMMAND)) as client:
-            async with anyio.create_task_group() as tasks:
-                for place, settings in due.items():
-                    tasks.start_soon(self._bring_back, client, place, settings)
-
-    async def _bring_back(
-        self, client: Client[CommandRequest, Outcome], place: tuple[str, str], settings: tuple[Setting, ...]
-    ) -> None:
-        device, part = place
-        issuer, trigger = self._owner.node.full_name, current_trigger()
-        request = CommandRequest(device=device, part=part, settings=settings, issuer=issuer, trigger=trigger)
-        try:
-            outcome = await client.call(request, timeout=_LONGEST)
-        except ServiceError as exc:
-            outcome = NoAnswer(0.0, str(exc))
-        if not outcome.succeeded:
-            self._owner.log_failure(f"undo of {target_of(*place)}", outcome.text)
+            outcomes = await perform_all(partial(_outcome, client), requests)
+        for place, outcome in zip(due, outcomes, strict=True):
+            if not outcome.succeeded:
+                self._owner.log_failure(f"undo of {target_of(*place)}", outcome.text)
 
     async def _states(self) -> KnownStates:
         return known_states(await self._owner.devices.find())
+
+
+async def _outcome(client: Client[CommandRequest, Outcome], request: CommandRequest) -> Outcome:
+    try:
+        return await client.call(request, timeout=_LONGEST)
+    except ServiceError as exc:
+        return NoAnswer(0.0, str(exc))

@@ -22,6 +22,7 @@ __all__ = ["Dim", "Do", "Notify", "SendRobot", "Step", "Undo", "Wait", "WaitUnti
 _WAIT_UNTIL: Final = re.compile(r"wait until\s+(?P<state>.+?),?\s+at most\s+(?P<most>.+)", re.IGNORECASE)
 _WAIT: Final = re.compile(r"wait\s+(?P<length>\d.*)", re.IGNORECASE)
 _NOTIFY: Final = re.compile(r"notify:?\s+(?P<text>.+)", re.IGNORECASE)
+_SCENE: Final = re.compile(r"scene\s+(?P<name>.+?)(?:,\s*over\s+(?P<length>\d.*))?", re.IGNORECASE)
 _DRIVE: Final = re.compile(r"(?P<robot>\w+)\s+(?:go|goes|drive|drives)\s+to\s+(?:the\s+)?(?P<room>.+)", re.IGNORECASE)
 _DIM: Final = re.compile(
     r"(?P<target>.+?)\s+(?P<way>dim|brighten|darken)\s+while\s+(?P<button>.+?)\s+(?P<event>\w+)", re.IGNORECASE
@@ -145,6 +146,9 @@ def read_step(text: str) -> Step:
     if (held := _DIM.fullmatch(plain)) is not None:
         target, way, button, event = held.group("target", "way", "button", "event")
         return Dim(plain, target, parse_query(target), way.casefold(), parse_query(button), event.casefold())
+    if (scene := _SCENE.fullmatch(plain)) is not None:
+        length = read_duration(scene["length"]) if scene["length"] else 0.0
+        return Do(plain, f"scene {scene['name']}", "apply", transition=length)
     return _read_do(plain)
 
 

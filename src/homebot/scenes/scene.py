@@ -50,7 +50,7 @@ class Scene:
 
 @dataclass(slots=True)
 class _MembersByName:
-    """The commanded parts of the house, by what groups and scenes call them."""
+    """The commanded parts of the house, by the references of groups and scenes."""
 
     named: defaultdict[str, list[Place]] = field(default_factory=lambda: defaultdict(list))
 

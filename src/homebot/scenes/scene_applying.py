@@ -1,4 +1,4 @@
-"""Applying a scene, and bringing back what was before it."""
+"""Applying a scene, and bringing back the values before it."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class SceneApplying:
     async def apply(
         self, request: ApplySceneRequest, scene: Scene, house: HouseScenes, book: SceneBook
     ) -> CommandDevicesResponse:
-        """Apply *scene*, and note what was before it."""
+        """Apply *scene*, and note the values before it."""
         before, given_at = known_states(house.devices.values()), self._clock.now()
         wanted: Mapping[Place, Mapping[str, PlainValue]] = scene.parts
         if scene.recalled_by is not None:
@@ -61,7 +61,7 @@ class SceneApplying:
     async def undo(
         self, request: ApplySceneRequest, scene: Scene, house: HouseScenes, book: SceneBook
     ) -> CommandDevicesResponse:
-        """Bring back what was before *scene*, where nothing else has changed it since."""
+        """Bring back the values before *scene*, where nothing else has changed them since."""
         applied = book.applied.get(scene.id)
         if applied is None or not applied.before:
             problem = f"there is nothing to undo: {scene.name} was not applied, or was undone since"

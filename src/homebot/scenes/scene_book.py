@@ -1,4 +1,4 @@
-"""The scenes of the owner, and what was before each scene that was applied. Pure."""
+"""The scenes of the owner, and the values before each scene that was applied. Pure."""
 
 from collections.abc import Mapping
 from typing import Any, Final, final
@@ -57,7 +57,7 @@ class SceneBook:
     """The scenes of the owner by folded name, and the applied ones by id.
 
     Args:
-        record: What :meth:`record` returned; empty for none.
+        record: The text that :meth:`record` returned; empty for none.
 
     Raises:
         WireError: It cannot be read.
@@ -94,7 +94,7 @@ class SceneBook:
         self.applied.pop(self.scenes.pop(name).name, None)
 
     def begin(self, scene_id: str, at: float) -> EarlierValues:
-        """Return what was before the scene with this id, to which the values before it are added."""
+        """Return the values before the scene with this id, for those before another time."""
         applied = self.applied.pop(scene_id, None) or AppliedScene(at=at)
         applied.at = at
         self.applied[scene_id] = applied

@@ -39,7 +39,7 @@ class SceneChanges:
     async def make(
         self, request: ChangeSceneRequest, house: HouseScenes, book: SceneBook
     ) -> tuple[KeptScene | None, tuple[KeyValue, ...]]:
-        """Make a change; return the scene, None if it was removed, and what was not saved, with the reasons.
+        """Make a change; return the scene, None if it was removed, and the parts that were left out, with the reasons.
 
         Raises:
             HomebotError: It cannot be made; nothing was changed.

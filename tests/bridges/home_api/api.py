@@ -45,6 +45,16 @@ class Api:
     async def command(self, device: str | list[str], do: str, **headers: str) -> Answer:
         return await self._ask("POST", "/api/command", headers, json={"device": device, "do": do})
 
+    async def scene(self, name: str, *, undo: bool = False, **headers: str) -> Answer:
+        return await self._ask("POST", "/api/scene", headers, json={"scene": name, "undo": undo})
+
+    async def save(self, name: str, values: dict[str, str]) -> None:
+        """Save a scene at the door, as the person who has its rights."""
+        async with connect(f"ws://127.0.0.1:{self.port}", proxy=None) as door:
+            given = [{"key": key, "value": value} for key, value in values.items()]
+            answer = await _called(door, "/scenes/change", name=name, change="save", values=given)
+        assert answer["success"], answer
+
     @asynccontextmanager
     async def answering(self, *answers: bool) -> AsyncIterator[list[str]]:
         """Answer as many questions at the door, as the person who has its rights; yield their texts."""

@@ -121,3 +121,22 @@ async def test_a_mistake_is_told_with_its_remedy(tmp_path: Path) -> None:
 
     assert (refused.status, refused.values["outcome"]) == (200, "refused")
     assert "this part takes on, off" in refused.values["reason"]
+
+
+@pytest.mark.rooms("thesis")
+async def test_scenes_are_listed_applied_and_undone_with_the_outcome_of_each_part(tmp_path: Path) -> None:
+    async with running_api(tmp_path) as api:
+        await api.command(["lamp1", "lamp2"], "40 %")
+        assert (await api.scene("Film")).status == 404
+        await api.save("Film", {"lamp1": "20 %", "lamp2": "off", "front_door": "unlock"})
+        listed = (await api.get("/api/scenes")).values["scenes"]
+        assert listed == [{"scene": "Film", "parts": {"lamp1": "20 %", "lamp2": "off", "front_door": "lock unlocked"}}]
+
+        applied = await api.scene("film", Authorization=bearer("agent"))
+        assert (applied.status, applied.values["outcome"]) == (200, "refused")
+        assert applied.values["parts"]["lamp2"].startswith("confirmed")
+        assert "such a device needs a right" in applied.values["parts"]["front_door"]
+
+        undone = await api.scene("film", undo=True)
+        assert undone.values["outcome"] == "confirmed"
+        assert sorted(undone.values["parts"]) == ["lamp1", "lamp2"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Final, cast
@@ -16,7 +16,7 @@ from homebot.bridges.home_api.shapes import ProblemError
 from homebot.devices import names
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.client_rights import CLIENT_RIGHTS
-from homebot.devices.outcomes import OUTCOMES, Evidence
+from homebot.devices.outcomes import OUTCOMES, AlreadySo, Evidence
 from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.journal_words import (
     chain_lines,
@@ -38,12 +38,13 @@ from homebot.units import parse_duration
 if TYPE_CHECKING:
     from homebot.devices import Device
     from homebot.devices.approval_messages import UnapprovedResponse
-    from homebot.devices.command_messages import CommandDevicesResponse
+    from homebot.devices.command_messages import CommandDevicesResponse, CommandedPart
     from homebot.devices.history_messages import HistorySeries, ReadHistoryResponse
     from homebot.devices.journal_messages import ExplainDeviceResponse, ExplainMissingStateResponse
+    from homebot.devices.scene_messages import ScenesResponse
     from homebot.devices.services import ListedDevice
 
-__all__ = ["command", "device_details", "find_devices", "history", "home_in_short", "why"]
+__all__ = ["apply_scene", "command", "device_details", "find_devices", "history", "home_in_short", "list_scenes", "why"]
 
 _MOST_STEPS: Final = 12
 _MOST_NAMED: Final = 20
@@ -128,19 +129,51 @@ async def _commanded(
     answer = cast("CommandDevicesResponse", found)
     if not answer.results:
         raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
+    return _outcome(answer, device.id, lambda one: one.part)
+
+
+async def list_scenes(home: HomeCalls, _: shapes.NoQuestion) -> shapes.SceneList:
+    """Return the scenes: those of the owner, and those that bridges keep, of which several may have one name."""
+    answer = cast("ScenesResponse", await _answered(home, names.LIST_SCENES, {}))
+    lines = (
+        shapes.SceneLine(
+            scene=one.name,
+            id=one.id if one.is_native else "",
+            room=one.area,
+            parts={printable(part.name, _WIDEST): part.text for part in one.parts},
+        )
+        for one in answer.scenes
+    )
+    return shapes.SceneList(scenes=tuple(lines))
+
+
+async def apply_scene(home: HomeCalls, asked: shapes.SceneQuestion) -> shapes.OutcomeAnswer:
+    """Apply a scene, or bring back the values before it, and return the worst outcome with that of each part."""
+    request = {"name": asked.scene, "undo": asked.undo, "transition": asked.transition}
+    answer = cast("CommandDevicesResponse", await home.call(names.APPLY_SCENE, request))
+    if answer.results:
+        return _outcome(answer, asked.scene, lambda one: printable(one.name, _WIDEST))
+    if answer.success:
+        return shapes.OutcomeAnswer(id=asked.scene, outcome=AlreadySo.kind, text=answer.message)
+    raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
+
+
+def _outcome(
+    answer: CommandDevicesResponse, ident: str, name_of: Callable[[CommandedPart], str]
+) -> shapes.OutcomeAnswer:
     results = [one.result for one in answer.results]
     worst = next(one for one in results if one.outcome == answer.outcome)
     if all(one.policy == CLIENT_RIGHTS for one in results):
         raise ProblemError(HTTPStatus.FORBIDDEN, worst.reason)
     return shapes.OutcomeAnswer(
-        id=device.id,
+        id=ident,
         outcome=worst.outcome,
         text=worst.text,
         evidence=Evidence(worst.evidence).text if worst.evidence else "",
         policy=worst.policy,
         reason=worst.reason,
         command_id=worst.command_id,
-        parts={one.part: one.result.text for one in answer.results} if len(results) > 1 else {},
+        parts={name_of(one): one.result.text for one in answer.results} if len(results) > 1 else {},
     )
 
 

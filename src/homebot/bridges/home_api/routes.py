@@ -41,6 +41,8 @@ ROUTES: Final = (
     ApiRoute("GET", "/api/devices", shapes.ListQuestion, shapes.DeviceList, answers.find_devices),
     ApiRoute("GET", "/api/devices/{id}", shapes.DeviceQuestion, shapes.DeviceDetails, answers.device_details),
     ApiRoute("POST", "/api/command", shapes.CommandQuestion, shapes.OutcomeAnswer, answers.command),
+    ApiRoute("GET", "/api/scenes", shapes.NoQuestion, shapes.SceneList, answers.list_scenes),
+    ApiRoute("POST", "/api/scene", shapes.SceneQuestion, shapes.OutcomeAnswer, answers.apply_scene),
     ApiRoute("GET", "/api/why/{id}", shapes.WhyQuestion, shapes.WhyAnswer, answers.why),
     ApiRoute("GET", "/api/history", shapes.HistoryQuestion, shapes.HistoryAnswer, answers.history),
 )

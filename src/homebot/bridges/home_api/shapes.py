@@ -104,6 +104,14 @@ class CommandQuestion(_Question):
     ask: bool = False
 
 
+class SceneQuestion(_Question):
+    """A scene by its name or id; with `undo`, the values before it are brought back."""
+
+    scene: _Name
+    undo: bool = False
+    transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
+
+
 class DeviceLine(_Answer):
     """A device and its values, by capability: `on`, `level`, `temperature`; with several parts by `PART.CAPABILITY`."""
 
@@ -157,6 +165,21 @@ class OutcomeAnswer(_Answer):
     command_id: str = ""
     parts: dict[str, _Told] = {}
     devices: "tuple[OutcomeAnswer, ...]" = ()
+
+
+class SceneLine(_Answer):
+    """A scene, with the values of its parts by name; a part without values has those of the bridge that keeps it."""
+
+    scene: _Told
+    id: str = ""
+    room: str = ""
+    parts: dict[str, _Told] = {}
+
+
+class SceneList(_Answer):
+    """The scenes of the house."""
+
+    scenes: tuple[SceneLine, ...]
 
 
 class WhyAnswer(_Answer):

@@ -74,8 +74,6 @@ def _do(options: argparse.Namespace) -> int:
         answer = cast("CommandDevicesResponse", JsonMessage(door.call(COMMAND_DEVICES, request, _LONGEST)))
         if options.json:
             print(json_text(fields_of(answer)))
-        elif not answer.results:
-            raise PeerError(answer.message)
         else:
             print_outcomes(answer, printable(door.home))
         return 0 if answer.success else 1
@@ -103,8 +101,17 @@ def _request(options: argparse.Namespace) -> dict[str, object]:
 
 
 def print_outcomes(answer: CommandDevicesResponse, home: str) -> None:
-    """Print each outcome of a command in *home*, and last the worst of several."""
+    """Print each outcome of a command in *home*, and last the worst of several.
+
+    Raises:
+        PeerError: Nothing was commanded; it says why.
+    """
     count = len(answer.results)
+    if not count and not answer.success:
+        raise PeerError(answer.message)
+    if not count:
+        print(printable(answer.message))
+        return
     where = f" in {home}"
     for one in answer.results:
         place = where if count == 1 else ""

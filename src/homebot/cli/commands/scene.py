@@ -137,17 +137,13 @@ def _apply(door: DoorClient, options: argparse.Namespace, *, undo: bool) -> int:
     answer = cast("CommandDevicesResponse", JsonMessage(door.call(APPLY_SCENE, request, _LONGEST)))
     if options.json:
         print(json_text(fields_of(answer)))
-    elif answer.results:
-        print_outcomes(answer, printable(door.home))
-    elif not answer.success:
-        raise PeerError(answer.message)
     else:
-        print(printable(answer.message))
+        print_outcomes(answer, printable(door.home))
     return 0 if answer.success else 1
 
 
 def _agrees(asking: list[ScenePart]) -> bool:
-    """Return whether the person agrees to what always asks; without a terminal, homebot asks those in the house."""
+    """Return whether the person agrees to *asking*; without a terminal, homebot asks people in the house."""
     if not asking or not sys.stdin.isatty():
         return False
     for one in asking:

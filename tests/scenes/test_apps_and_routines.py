@@ -1,0 +1,90 @@
+"""Scenes from commands in words, routines and apps, in a simulated flat in virtual time."""
+
+import anyio
+import pytest
+from tests.apps.houses import hall, is_on, lamp
+
+from homebot import App
+from homebot.devices import KeyValue
+from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, CommandDevicesResponse
+from homebot.devices.names import CHANGE_SCENE, COMMAND_DEVICES
+from homebot.devices.scene_client import SceneOutcome
+from homebot.devices.scene_messages import ChangeScene, ChangeSceneRequest
+from homebot.errors import UsageError
+from homebot.graph import Node
+from homebot.routines.steps import Do, read_step
+from homebot.testing import VirtualHouse, virtual_house_of
+
+pytestmark = [pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
+
+
+class Evening(App):
+    """Applies a scene when it is asked to."""
+
+    async def run(self) -> None:
+        await anyio.sleep_forever()
+
+    async def film(self) -> SceneOutcome:
+        return await self.scenes.apply("film")
+
+
+async def save(house: VirtualHouse, name: str, **values: str) -> None:
+    async with Node(house.runtime.graph, "person") as person:
+        given = tuple(KeyValue(key=key, value=value) for key, value in values.items())
+        request = ChangeSceneRequest(name=name, change="save", values=given)
+        answer = await person.create_client(ChangeScene, CHANGE_SCENE).call(request)
+    assert answer.success, answer.message
+
+
+async def do(house: VirtualHouse, target: str, word: str) -> CommandDevicesResponse:
+    async with Node(house.runtime.graph, "person") as person:
+        request = CommandDevicesRequest(target=target, command=word, issuer="client:local")
+        return await person.create_client(CommandDevices, COMMAND_DEVICES).call(request, timeout=600)
+
+
+async def test_a_command_in_words_applies_and_undoes_a_scene() -> None:
+    world = hall(study_lamp=lamp("study"))
+    async with virtual_house_of(world=world) as house:
+        await house.run_until("07:00")
+        await save(house, "Film", hall_lamp="on, 20 %", study_lamp="on")
+        applied = await do(house, "Scene film", "on")
+        assert [one.result.outcome for one in applied.results] == ["confirmed", "confirmed"]
+        assert is_on(world, "hall_lamp")
+        undone = await do(house, "scene Film", "undo")
+        assert [one.result.outcome for one in undone.results] == ["confirmed", "confirmed"]
+        assert not is_on(world, "hall_lamp")
+        unknown = await do(house, "scene Fim", "on")
+        assert unknown.message == "there is no scene 'Fim'; did you mean Film?"
+
+
+async def test_a_step_of_a_routine_applies_a_scene_and_its_undo_brings_back_what_was_before() -> None:
+    assert read_step("scene Film night") == Do("scene Film night", "scene Film night", "apply")
+    slowly = read_step("scene Film, over 5s")
+    assert slowly == Do("scene Film, over 5s", "scene Film", "apply", transition=5.0)
+    world = hall(study_lamp=lamp("study"))
+    routine = {"name": "Evening", "when": ["18:30"], "do": ["scene Film", "wait 10m", "undo"]}
+    async with virtual_house_of(world=world, config={"routines": [routine], "home": {"zone": "UTC"}}) as house:
+        await house.run_until("07:00")
+        await save(house, "Film", hall_lamp="on, 20 %", study_lamp="on")
+        await house.run_until("18:31")
+        assert is_on(world, "hall_lamp")
+        assert is_on(world, "study_lamp")
+        await house.run_until("18:41")
+        assert not is_on(world, "hall_lamp")
+        assert not is_on(world, "study_lamp")
+
+
+async def test_an_app_applies_a_scene_and_gets_the_outcome_of_each_part() -> None:
+    world = hall()
+    async with virtual_house_of(f"{__name__}:Evening", world=world) as house:
+        await house.run_until("07:00")
+        (app,) = (one for one in house.runtime.app_host.running.values() if isinstance(one, Evening))
+        with pytest.raises(UsageError, match="there is no scene 'film'"):
+            await app.film()
+        await save(house, "Film", hall_lamp="on, 20 %")
+        outcome = await app.film()
+        assert outcome.succeeded
+        assert [one.kind for one in outcome.parts.values()] == ["confirmed"]
+        assert {one.name for one in await app.scenes.list()} == {"Film"}
+        assert (await app.scenes.undo("Film")).succeeded
+        assert not is_on(world, "hall_lamp")

@@ -1,0 +1,44 @@
+"""What docs/scenes.md shows works."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.shell import Homebot, homebot_in
+
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
+
+GUIDE = (Path(__file__).parents[2] / "docs/scenes.md").read_text("utf-8")
+COMMANDS = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)
+HOUSE = """
+[house]
+dialect = "homeassistant"
+[rooms.hall]
+[devices.hall_lamp]
+kind = "lamp"
+room = "hall"
+[devices.hall_cover]
+kind = "cover"
+room = "hall"
+"""
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
+    until = ("found hall_lamp", "found hall_cover", "is running")
+    with homebot_in(tmp_path_factory.mktemp("house"), house=HOUSE, until=until) as homebot:
+        yield homebot
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command_of_the_guide_runs(home: Homebot, command: str) -> None:
+    """In the order of the guide."""
+    done = home.run(command)
+    assert (done.returncode, done.stdout != "") == (0, True), done
+
+
+def test_the_program_of_the_guide_is_python() -> None:
+    (shown,) = re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)
+    compile(shown, "guide", "exec", ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)
