@@ -168,3 +168,41 @@ async def test_a_scene_is_applied_and_undone_on_the_house_view(browser: Any, wor
         await work(own, hand, "button[aria-label='undo Film']")
         await own.shows("Film: undone", "[role=alert]")
         assert own.problems() == []
+
+
+async def test_a_language_is_chosen_and_kept(browser: Any, world: World) -> None:
+    async with opened_page(browser, world) as own:
+        await own.open(shows="window covering")
+        await own.click("footer option[value=de]")
+        await own.shows("Rollladen oder Vorhang")
+        await work(own, "mouse", COVER.format("schließen"))
+        await own.shows("Big cover: bestätigt nach", "[role=alert]")
+        await to_thread.run_sync(own.browser.refresh)
+        await own.open("#/journal", shows="der Client local wollte geschlossen: bestätigt nach")
+        await own.open("#/device/heating", shows="Solltemperatur")
+        assert own.browser.execute_script("return document.documentElement.lang") == "de"
+        await to_thread.run_sync(own.browser.execute_script, "localStorage.clear()")
+
+
+async def test_a_device_is_renamed_placed_tagged_and_hidden(browser: Any, world: World) -> None:
+    async with opened_page(browser, world, token=OWNER) as own:
+        await own.open(f"#token={OWNER}", shows="heating")
+        await own.click("button[aria-label='more of lamp']")
+        await own.click(".opened summary")
+        for field, text in (("name", " <i>"), ("room", "s"), ("tags", "warm, cosy")):
+            await own.write(f".owner [name={field}]", text)
+        await own.click(".owner .buttons button")
+        await own.shows("there is no room 'living_rooms'; did you mean living_room?", ".owner")
+        await own.click(".owner [name=new]")
+        await own.click(".owner .buttons button")
+        await own.shows("Living rooms", ".room:nth-of-type(2)")
+        await own.shows("lamp <i>", ".room:nth-of-type(2)")
+        await own.open("#/device/lamp", shows="cosy")
+        await own.click(".owner [name=hidden]")
+        await own.click(".owner .buttons button")
+        await own.shows("saved", ".owner")
+        await own.open("#/house", shows="show 1 hidden")
+        await own.hides("lamp <i>")
+        await own.click("button[aria-pressed=false]")
+        await own.shows("lamp <i>")
+        assert own.problems() == []

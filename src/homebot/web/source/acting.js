@@ -1,6 +1,7 @@
 // Commands: each shows its outcome, and what is missing where it may not be given.
 import { signal } from "@preact/signals";
 import { call, missing } from "./door.js";
+import { say } from "./language.js";
 import { outcomeText, spoken } from "./words.js";
 
 const SHOWN = 8000; // ms for which an outcome is shown
@@ -9,7 +10,7 @@ const SHOWN = 8000; // ms for which an outcome is shown
 export const outcome = signal(null);
 
 export async function command(device, word, values = [], code = "") {
-  tell(`${device.name}: ${word === "set" ? "…" : `${word} …`}`, true);
+  tell(`${device.name}: ${word === "set" ? "…" : `${say(`${word}|do`)} …`}`, true);
   try {
     const answer = await call("/devices/command", { target: device.id, command: word, values, code });
     missing.value = answer.results.find((one) => one.result.policy === "rights")?.result.reason ?? "";

@@ -1,5 +1,5 @@
 // The language of the page: the browser's, or the one that was chosen here. A row of the table is an English text in the others.
-import { effect, signal } from "@preact/signals";
+import { computed, effect, signal } from "@preact/signals";
 import table from "./languages.json" with { type: "json" };
 
 export const LANGUAGES = { en: "English", de: "Deutsch", fr: "Français", es: "Español", nl: "Nederlands", it: "Italiano" };
@@ -9,6 +9,9 @@ const CHOICE = "homebot.language";
 
 export const language = signal([localStorage.getItem(CHOICE), ...navigator.languages].map((one) => one?.slice(0, 2)).find((one) => one in LANGUAGES) ?? "en");
 
+/** The name by which browsers know how the language is written here, such as en-GB. */
+export const locale = computed(() => navigator.languages.find((one) => one.startsWith(language.value)) ?? language.value);
+
 effect(() => (document.documentElement.lang = language.value));
 
 export function choose(name) {
@@ -16,10 +19,10 @@ export function choose(name) {
   language.value = name;
 }
 
-/** An English text in the language of the page, with values for its {names}; what follows a | tells equal texts apart. */
+/** An English text in the language of the page, with values for its {names}; an ending after | tells equal texts apart. */
 export function say(text, values = {}) {
-  const found = table[text]?.[COLUMNS.indexOf(language.value)] ?? text.split("|")[0];
+  const found = table[text]?.[COLUMNS.indexOf(language.value)] ?? text.replace(/\|(do|mode|routine)$/, "");
   return found.replace(/\{(\w+)\}/g, (all, name) => values[name] ?? all);
 }
 
-export const numberText = (value) => value.toLocaleString(language.value, { maximumFractionDigits: 20, useGrouping: false });
+export const numberText = (value) => value.toLocaleString(locale.value, { maximumFractionDigits: 20, useGrouping: false });

@@ -5,6 +5,7 @@ import { outcome } from "./acting.js";
 import { connect, connection, logIn, logOut, missing, token } from "./door.js";
 import { count, follow } from "./house.js";
 import { html } from "./html.js";
+import { LANGUAGES, choose, language, say } from "./language.js";
 import { Questions } from "./questions.js";
 import { Device } from "./views/device.js";
 import { Graph } from "./views/graph.js";
@@ -49,22 +50,23 @@ function Page() {
   return html`
     <header>
       <h1>${home || "homebot"}</h1>
-      <nav aria-label="views">
-        ${Object.entries(VIEWS).map(([name, [title]]) => html`<a key=${name} href=${`#/${name}`} aria-current=${name === view || (name === "house" && OF_ONE[view]) ? "page" : undefined}>${title}</a>`)}
+      <nav aria-label=${say("views")}>
+        ${Object.entries(VIEWS).map(([name, [title]]) => html`<a key=${name} href=${`#/${name}`} aria-current=${name === view || (name === "house" && OF_ONE[view]) ? "page" : undefined}>${say(title)}</a>`)}
       </nav>
       <p role="status" class=${state === "open" ? "" : "bad"}>
-        ${state === "open" ? `${count.value} devices` : mustLogIn ? "not logged in" : reason || "connecting …"}
+        ${state === "open" ? say("{count} devices", { count: count.value }) : say(mustLogIn ? "not logged in" : reason || "connecting …")}
       </p>
       ${token.value && !mustLogIn
-        ? html`<button type="button" onClick=${logOut}>log out</button>`
-        : html`<button type="button" aria-expanded=${isLoggingIn.value} onClick=${() => (isLoggingIn.value = !isLoggingIn.value)}>log in</button>`}
+        ? html`<button type="button" onClick=${logOut}>${say("log out")}</button>`
+        : html`<button type="button" aria-expanded=${isLoggingIn.value} onClick=${() => (isLoggingIn.value = !isLoggingIn.value)}>${say("log in")}</button>`}
     </header>
     ${(mustLogIn || isLoggingIn.value || missing.value) && html`<${LogIn} reason=${mustLogIn ? reason : missing.value} />`}
     <${Questions} />
-    <main class=${state === "open" ? "" : "old"}>${View ? html`<${View} key=${key} id=${id} />` : html`<p class="empty">There is no such view.</p>`}</main>
+    <main class=${state === "open" ? "" : "old"}>${View ? html`<${View} key=${key} id=${id} />` : html`<p class="empty">${say("There is no such view.")}</p>`}</main>
     <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>
-      ${outcome.value?.text} ${outcome.value && !outcome.value.isGood && html`<button type="button" onClick=${() => (outcome.value = null)}>close</button>`}
-    </p>`;
+      ${outcome.value?.text} ${outcome.value && !outcome.value.isGood && html`<button type="button" onClick=${() => (outcome.value = null)}>${say("close|do")}</button>`}
+    </p>
+    <footer><label>${say("Language")} <select onChange=${(event) => choose(event.target.value)}>${Object.entries(LANGUAGES).map(([name, text]) => html`<option key=${name} value=${name} lang=${name} selected=${name === language.value}>${text}</option>`)}</select></label></footer>`;
 }
 
 function LogIn({ reason }) {
@@ -76,10 +78,10 @@ function LogIn({ reason }) {
   };
   return html`<form class="box" onSubmit=${submit}>
     ${reason && html`<p class="bad">${reason}</p>`}
-    <p>A token gives this page its rights: yours is the line in <code>owner.token</code>, in the folder of homebot's data. For a tablet make one with <code>homebot token new page --scope read --scope 'act: all' --scope manage</code>.</p>
-    <label>Token <input type="password" name="token" autocomplete="off" required /></label>
-    <label><input type="checkbox" name="remember" /> keep it in this browser</label>
-    <p class="buttons"><button>log in</button> ${reason && token.value && html`<button type="button" onClick=${logOut}>go on without a token</button>`} ${missing.value && html`<button type="button" onClick=${() => (missing.value = "")}>not now</button>`}</p>
+    <p>${say("A token gives this page its rights: yours is the line in owner.token, in the folder of homebot's data. For a tablet make one with:")} <code>homebot token new page --scope read --scope 'act: all' --scope manage</code></p>
+    <label>${say("Token")} <input type="password" name="token" autocomplete="off" required /></label>
+    <label><input type="checkbox" name="remember" /> ${say("keep it in this browser")}</label>
+    <p class="buttons"><button>${say("log in")}</button> ${reason && token.value && html`<button type="button" onClick=${logOut}>${say("go on without a token")}</button>`} ${missing.value && html`<button type="button" onClick=${() => (missing.value = "")}>${say("not now")}</button>`}</p>
   </form>`;
 }
 

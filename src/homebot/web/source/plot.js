@@ -1,6 +1,7 @@
 import uPlot from "uplot";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { html } from "./html.js";
+import { say } from "./language.js";
 
 const HEIGHT = 180;
 const COLOURS = ["--accent", "--bad"];
@@ -57,10 +58,10 @@ export function Plot({ label, times, values, names, from, to, most, isStepped = 
   }, [names.join(" "), isStepped, isFlag]);
   useEffect(() => plot.current?.setData([times, ...values]), [times, values]);
   const at = index ?? times.length - 1;
-  const shown = names.map((name, one) => `${name} ${values[one][at] == null ? "unknown" : text(round(values[one][at]))}`.trim());
+  const shown = names.map((name, one) => `${name} ${values[one][at] == null ? say("unknown") : text(round(values[one][at]))}`.trim());
   return html`<figure class="plot">
     <div role="img" aria-label=${`${label} over time, ${times.length} points`} ref=${place}></div>
-    <figcaption><time>${index === null ? "now" : `${date.format(times[at] * 1000)} ${moment.format(times[at] * 1000)}`}</time> ${shown.join(", ")}</figcaption>
+    <figcaption><time>${index === null ? say("now") : `${date.format(times[at] * 1000)} ${moment.format(times[at] * 1000)}`}</time> ${shown.join(", ")}</figcaption>
   </figure>`;
 }
 

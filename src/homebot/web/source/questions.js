@@ -2,6 +2,7 @@
 import { effect, signal } from "@preact/signals";
 import { call, connection, missing, subscribe, token } from "./door.js";
 import { html } from "./html.js";
+import { say } from "./language.js";
 
 const questions = signal([]);
 const problem = signal("");
@@ -27,9 +28,9 @@ async function answer({ question }, yes) {
 /** A banner for each open question. */
 export function Questions() {
   return questions.value.map(
-    (one) => html`<section key=${one.question} class="box" role="alert" aria-label="question">
+    (one) => html`<section key=${one.question} class="box" role="alert" aria-label=${say("question")}>
       <p><strong>${one.text}?</strong></p>
-      <p class="buttons"><button type="button" onClick=${() => answer(one, true)}>yes, do it</button> <button type="button" onClick=${() => answer(one, false)}>no</button></p>
+      <p class="buttons"><button type="button" onClick=${() => answer(one, true)}>${say("yes, do it")}</button> <button type="button" onClick=${() => answer(one, false)}>${say("no")}</button></p>
       ${problem.value && html`<p class="bad">${problem.value}</p>`}
     </section>`,
   );

@@ -1,6 +1,6 @@
 // Values, times and causes as people read them.
-import { signal } from "@preact/signals";
-import { language, numberText, say } from "./language.js";
+import { computed, signal } from "@preact/signals";
+import { language, locale, numberText, say } from "./language.js";
 
 /** Of capabilities: units, words for no and yes, and texts that only report; and the outcomes that are failures. */
 export const vocabulary = signal({ units: {}, failures: [], flags: {}, passing: {} });
@@ -47,7 +47,7 @@ export function valueText(capability, value, unit = "", step = 0) {
 export const label = (name) => say(name === "on_off" ? "on/off" : name.replace(/^x_/, "").replaceAll("_", " "));
 
 /** A text of a capability, as people write it; a device's own texts are left as they are. */
-export const textOf = (capability, text) => (SPOKEN.has(capability) ? say(text.replaceAll("_", " ")) : text);
+export const textOf = (capability, text) => (SPOKEN.has(capability) ? say(text.replaceAll("_", " ") + (capability === "thermostat_mode" ? "|mode" : "")) : text);
 
 /** The unit of a capability: of the device, else of the vocabulary. */
 export const unitOf = (capability) => capability.unit || vocabulary.value.units[capability.name] || "";
@@ -84,16 +84,16 @@ export const hasWords = (text, sought) => sought.toLowerCase().split(" ").every(
 
 export const seconds = (time) => time.sec + time.nanosec / 1e9;
 
-const clock = new Intl.DateTimeFormat([], { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false });
-const day = new Intl.DateTimeFormat([], { month: "short", day: "numeric" });
+const clock = computed(() => new Intl.DateTimeFormat(locale.value, { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false }));
+const day = computed(() => new Intl.DateTimeFormat(locale.value, { month: "short", day: "numeric" }));
 
 /** A moment: the time of today, else day and time; empty for none. */
 export function timeText(time) {
   const at = seconds(time);
   if (!at) return "";
   const date = new Date(at * 1000);
-  const text = clock.format(date);
-  return date.toDateString() === new Date().toDateString() ? text : `${day.format(date)} ${text}`;
+  const text = clock.value.format(date);
+  return date.toDateString() === new Date().toDateString() ? text : `${day.value.format(date)} ${text}`;
 }
 
 /** A moment in a time zone, which is named; in that of the browser, if it does not know the zone. */
@@ -101,16 +101,16 @@ export function timeIn(zone, time) {
   const date = new Date(seconds(time) * 1000);
   const format = { weekday: "short", month: "short", day: "numeric", hour: "2-digit", minute: "2-digit", hour12: false, timeZoneName: "short" };
   try {
-    return date.toLocaleString([], { ...format, timeZone: zone || undefined });
+    return date.toLocaleString(locale.value, { ...format, timeZone: zone || undefined });
   } catch {
-    return date.toLocaleString([], format);
+    return date.toLocaleString(locale.value, format);
   }
 }
 
 /** A length of time, in its two largest units. */
 export function durationText(length) {
   if (length < 1) return `${Math.max(1, Math.round(length * 1000))} ms`;
-  if (length < 10) return `${Number(length.toFixed(1))} s`;
+  if (length < 10) return `${numberText(Number(length.toFixed(1)))} s`;
   const units = [["d", 86_400], ["h", 3600], ["min", 60], ["s", 1]];
   const first = units.findIndex(([, size]) => length >= size);
   let rest = length;
@@ -130,55 +130,71 @@ export const settingsText = (settings) => settings.map(readingText).join(", ");
 const readingText = (one) =>
   (PLAIN.has(one.capability) || typeof one.value === "boolean" ? "" : `${label(one.capability)} `) + valueText(one.capability, one.value);
 
+/** Outcomes in other languages; the reasons of refusals are English. */
+const OUTCOMES = {
+  already_so: "it was so already",
+  confirmed: "confirmed after {time}",
+  contradicted: "contradicted: {saw}",
+  gone: "the device was removed",
+  no_answer: "no answer within {time}",
+  refused: "refused ({policy}): {reason}",
+  reverted: "changed back after {time}",
+  superseded: "superseded by a newer command",
+};
+
 /** The text of an outcome, with its time as people read it. */
-export const outcomeText = (result) => result.text.replace(/(after|within) ([\d.e-]+) s\b/, (_, word, time) => `${word} ${durationText(Number(time))}`);
+export function outcomeText(result) {
+  const known = !(result.outcome === "no_answer" && result.reason) && OUTCOMES[result.outcome];
+  if (language.value === "en" || !known) return result.text.replace(/(after|within) ([\d.e-]+) s\b/, (_, word, time) => `${word} ${durationText(Number(time))}`);
+  return say(known, { ...result, policy: label(result.policy), time: durationText(result.latency) });
+}
 
 /** The issuer of a command. */
 export function issuerText(issuer) {
-  if (issuer.startsWith("client:")) return `the client ${issuer.slice(7)}`;
-  return issuer ? `the app ${issuer.replace(/^\//, "")}` : "an unknown program";
+  if (issuer.startsWith("client:")) return say("the client {name}", { name: issuer.slice(7) });
+  return issuer ? say("the app {name}", { name: issuer.replace(/^\//, "") }) : say("an unknown program");
 }
 
 /** What happened, by an entry of the journal. */
 export function entryText(entry) {
   const values = settingsText(entry.settings);
+  const issuer = issuerText(entry.issuer);
   const result = entry.results[0];
   switch (entry.kind) {
     case "requested":
-      return `${issuerText(entry.issuer)} asked for ${values || entry.text}${triggerText(entry.trigger)}`;
+      return say("{issuer} asked for {values}", { issuer, values: values || entry.text }) + triggerText(entry.trigger);
     case "judged":
       return verdictText(entry.verdicts[0]);
     case "sent":
-      return entry.text === "again" ? "sent again" : "sent";
+      return say(entry.text === "again" ? "sent again" : "sent");
     case "acknowledged":
-      return "the network accepted it";
+      return say("the network accepted it");
     case "reported":
-      return `reported ${values}${causeText(entry.cause)}`;
+      return say("reported {values}", { values }) + causeText(entry.cause);
     case "changed":
-      return `changed to ${values}${causeText(entry.cause)}`;
+      return say("changed to {values}", { values }) + causeText(entry.cause);
     case "outcome":
     case "reverted":
-      return result ? outcomeText(result) : entry.kind;
+      return result ? outcomeText(result) : label(entry.kind);
     case "published":
-      return `${issuerText(entry.issuer)} published ${JSON.stringify(entry.text)}`;
+      return say("{issuer} published {text}", { issuer, text: JSON.stringify(entry.text) });
     case "denied":
-      return `${issuerText(entry.issuer)} was refused: ${verdictText(entry.verdicts[0])}`;
+      return say("{issuer} was refused: {reason}", { issuer, reason: verdictText(entry.verdicts[0]) });
     default:
-      return [label(entry.kind), values, entry.issuer && `by ${issuerText(entry.issuer)}`].filter(Boolean).join(" ");
+      return [label(entry.kind), values, entry.issuer && say("by {issuer}", { issuer })].filter(Boolean).join(" ");
   }
 }
 
 function verdictText(verdict) {
   if (!verdict) return "";
-  if (verdict.reason) return `${label(verdict.policy)}: ${verdict.reason}`;
-  return verdict.allowed ? `${label(verdict.policy)}: allowed` : `${label(verdict.policy)}: refused`;
+  return `${label(verdict.policy)}: ${verdict.reason || say(verdict.allowed ? "allowed" : "refused")}`;
 }
 
 function triggerText(trigger) {
   if (!trigger.kind) return "";
   if (trigger.kind === "report" && trigger.readings.length)
-    return `, because ${trigger.device.split("/").pop()} reported ${settingsText(trigger.readings)}`;
-  return trigger.text ? `, because of ${trigger.text}` : "";
+    return say(", because {device} reported {values}", { device: trigger.device.split("/").pop(), values: settingsText(trigger.readings) });
+  return trigger.text ? say(", because of {what}", { what: trigger.text }) : "";
 }
 
 const CAUSES = {
@@ -190,4 +206,4 @@ const CAUSES = {
   unknown: ", by the device or a person",
 };
 
-const causeText = (cause) => CAUSES[cause] ?? "";
+const causeText = (cause) => (CAUSES[cause] ? say(CAUSES[cause]) : "");

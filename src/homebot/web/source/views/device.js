@@ -8,7 +8,7 @@ import { html } from "../html.js";
 import { say } from "../language.js";
 import { Owner } from "../owner.js";
 import { Quick } from "../quick.js";
-import { durationText, label, seconds, timeText, valueText } from "../words.js";
+import { durationText, label, seconds, spoken, timeText, valueText } from "../words.js";
 import { History } from "./history.js";
 import { LastKnown, Marks } from "./house.js";
 import { Entry } from "./journal.js";
@@ -42,10 +42,10 @@ export function Device({ id }) {
     };
   }, [id, isOpen, changedAt, wanted.value]);
   useEffect(() => subscribe("/control/events", (event) => event.device === id && (wanted.value += 1)), [id]);
-  if (!short) return html`<p class="empty">There is no device ${id} (any more).</p>`;
+  if (!short) return html`<p class="empty">${say("There is no device {name} (any more).", { name: id })}</p>`;
   return html`
     <div class="title">
-      <h2>${short.name} <small>${label(short.type)}${short.room && ` in ${short.room}`}</small></h2>
+      <h2>${short.name} <small>${label(short.type)}${short.room && `, ${spoken(short.room)}`}</small></h2>
       <${Marks} device=${short} />
       <${Quick} device=${short} />
     </div>
@@ -80,11 +80,11 @@ function Values({ short, full }) {
     return html`<tr key=${key}>
       <th scope="row">${isTwice && !name && reading.part && `${partName(full, reading.part)} `}${name || label(reading.capability)}</th>
       <td>${valueText(reading.capability, reading.value, unit, grid[1])}</td>
-      <td>${at && html`<time>since ${at}</time>`}</td>
+      <td>${at && html`<time>${say("since {time}", { time: at })}</time>`}</td>
     </tr>`;
   });
   return html`<section>
-    <h3>Values</h3>
+    <h3>${say("Values")}</h3>
     <table class="facts">
       <tbody>
         ${rows}
@@ -114,8 +114,8 @@ function Why({ id, why }) {
   const names = new Map(why.names.map((one) => [one.key, one.value]));
   const entries = why.entries.filter((one) => one.kind !== "judged" || !one.verdicts[0]?.allowed);
   return html`<section>
-    <h3>Why</h3>
-    <p>${why.success ? (FINDINGS[why.finding] ?? `It changed at ${timeText(why.changed_at)}.`) : why.message}</p>
+    <h3>${say("Why")}</h3>
+    <p>${why.success ? say(FINDINGS[why.finding] ?? "It changed at {time}.", { time: timeText(why.changed_at) }) : why.message}</p>
     <ol class="log">
       ${entries.map((one, index) => html`<${Entry} key=${index} entry=${one} own=${id} names=${names} />`)}
     </ol>
@@ -126,15 +126,15 @@ function Facts({ device }) {
   const unreadable = device.facts.filter((fact) => fact.name === "unreadable");
   const age = Date.now() / 1000 - seconds(device.last_seen);
   return html`<section>
-    <h3>What is known, and from where</h3>
-    ${unreadable.map((fact) => html`<p class="bad" key=${fact.key + fact.value}>Not understood at ${timeText(fact.said_at)}: ${fact.value}</p>`)}
+    <h3>${say("What is known, and from where")}</h3>
+    ${unreadable.map((fact) => html`<p class="bad" key=${fact.key + fact.value}>${say("Not understood at {time}:", { time: timeText(fact.said_at) })} ${fact.value}</p>`)}
     <table class="facts">
       <tbody>
         ${known("id", device.id)}
-        ${known("last seen", `${durationText(Math.max(age, 0))} ago`, device.freshness === "unconfirmed" ? "last known" : device.freshness)}
-        ${device.facts.filter((fact) => !unreadable.includes(fact)).map((fact) => known(label(fact.name), fact.value, fact.convention === "owner" ? `you, by the ${fact.key}` : [fact.gateway, fact.convention].filter(Boolean).join(", ")))}
-        ${device.endpoints.map((one) => known("reached by", `${one.gateway}: ${topic(one.address) || one.key}`, topic(one.command_address)))}
-        ${device.conflicts.map((text) => known("conflict", text))}
+        ${known(say("last seen"), say("{time} ago", { time: durationText(Math.max(age, 0)) }), say(device.freshness === "unconfirmed" ? "last known" : device.freshness))}
+        ${device.facts.filter((fact) => !unreadable.includes(fact)).map((fact) => known(label(fact.name), fact.value, fact.convention === "owner" ? say("you, by {what}", { what: fact.key }) : [fact.gateway, fact.convention].filter(Boolean).join(", ")))}
+        ${device.endpoints.map((one) => known(say("reached by"), `${one.gateway}: ${topic(one.address) || one.key}`, topic(one.command_address)))}
+        ${device.conflicts.map((text) => known(say("conflict"), text))}
       </tbody>
     </table>
   </section>`;

@@ -2,6 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { call, connection } from "../door.js";
 import { html } from "../html.js";
+import { say } from "../language.js";
 
 const ROW = 26;
 const WIDTH = 1000;
@@ -17,7 +18,7 @@ export function Graph() {
   useEffect(() => {
     if (isOpen) call("/rosapi/endpoints").then((answer) => setEnds(answer.endpoints), () => {});
   }, [isOpen]);
-  if (!ends) return html`<p class="empty">Asking homebot for its graph …</p>`;
+  if (!ends) return html`<p class="empty">${say("Asking homebot for its graph …")}</p>`;
   const links = ends.filter((one) => (one.kind === "publisher" || one.kind === "subscription") && !one.name.includes("/_"));
   const near = new Set(links.filter((one) => !chosen || one.node === chosen || one.name === chosen).map((one) => one.name));
   const shown = links.filter((one) => near.has(one.name));
@@ -32,11 +33,11 @@ export function Graph() {
   const choose = (name) => () => setChosen(name === chosen ? "" : name);
   const text = (name, x, at, anchor) => html`<text key=${`${anchor} ${name}`} class=${name === chosen ? "chosen" : ""} text-anchor=${anchor} x=${x} y=${at + 4} onClick=${choose(name)}>${name.length > LONGEST ? `${name.slice(0, LONGEST - 1)}…` : name}<title>${name}</title></text>`;
   return html`<section>
-    <p class="choices"><label>Show <select value=${chosen} onChange=${(event) => setChosen(event.target.value)}>
-      <option value="">all</option>
+    <p class="choices"><label>${say("Show")} <select value=${chosen} onChange=${(event) => setChosen(event.target.value)}>
+      <option value="">${say("all")}</option>
       ${[...new Set(links.flatMap((one) => [one.node, one.name]))].sort().map((name) => html`<option key=${name}>${name}</option>`)}
-    </select></label> <small>Nodes on the left publish topics, nodes on the right subscribe to them.</small></p>
-    <div class="scroll" role="region" tabindex="0" aria-label="graph"><svg class="graph" viewBox=${`0 0 ${WIDTH} ${height}`} role="group" aria-label=${`${from.size + to.size} nodes and ${topics.size} topics`}>
+    </select></label> <small>${say("Nodes on the left publish topics, nodes on the right subscribe to them.")}</small></p>
+    <div class="scroll" role="region" tabindex="0" aria-label=${say("graph")}><svg class="graph" viewBox=${`0 0 ${WIDTH} ${height}`} role="group" aria-label=${say("{nodes} nodes and {topics} topics", { nodes: from.size + to.size, topics: topics.size })}>
       ${published.map((one) => curve(one, FROM + 8, y(from, one.node), TOPIC[0], y(topics, one.name)))}
       ${subscribed.map((one) => curve(one, TOPIC[1], y(topics, one.name), TO - 8, y(to, one.node)))}
       ${[...topics.keys()].map((name) => html`<rect key=${name} x=${TOPIC[0]} y=${y(topics, name) - 11} width=${TOPIC[1] - TOPIC[0]} height="22" rx="11" />`)}

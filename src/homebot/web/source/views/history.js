@@ -2,6 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { call, connection } from "../door.js";
 import { html } from "../html.js";
+import { locale, numberText, say } from "../language.js";
 import { Plot } from "../plot.js";
 import { label, unitOf, wordsOf } from "../words.js";
 
@@ -27,9 +28,9 @@ export function History({ device }) {
   }, [device.id, reading?.part, reading?.capability, period, isOpen]);
   if (!reading) return null;
   return html`<section>
-    <h3>History</h3>
+    <h3>${say("History")}</h3>
     <div class="choices">
-      <select aria-label="value" onChange=${(event) => setChosen(kept[event.target.selectedIndex])}>
+      <select aria-label=${say("value")} onChange=${(event) => setChosen(kept[event.target.selectedIndex])}>
         ${kept.map((one) => html`<option key=${`${one.part} ${one.capability}`}>${label(one.capability)}</option>`)}
       </select>
       ${PERIODS.map(([text, value]) => html`<button key=${value} type="button" aria-pressed=${value === period} onClick=${() => setPeriod(value)}>${text}</button>`)}
@@ -41,11 +42,11 @@ export function History({ device }) {
 
 function Series({ answer }) {
   const found = answer.series.find((one) => one.times.length && (one.values.length || wordsOf(one.capability)));
-  if (!found) return html`<p class="empty">${answer.message || "Nothing is kept of that time."}</p>`;
+  if (!found) return html`<p class="empty">${answer.message || say("Nothing is kept of that time.")}</p>`;
   const words = found.values.length ? undefined : wordsOf(found.capability);
   const [times, values] = words ? flagsOf(found) : numbersOf(found, answer.now);
   const unit = unitOf({ unit: found.unit, name: found.capability });
-  const text = (value) => (words ? words[value ? 1 : 0] : `${value} ${unit}`.trim());
+  const text = (value) => (words ? say(words[value ? 1 : 0]) : `${numberText(value)} ${unit}`.trim());
   return html`<${Plot} label=${label(found.capability)} times=${times} values=${[values]} names=${[""]} from=${Math.max(answer.now - answer.period, Math.min(times[0], answer.now - LEAST))} to=${answer.now} most=${unit === "%" ? 100 : undefined} isStepped=${!found.width} isFlag=${Boolean(words)} text=${text} />`;
 }
 
@@ -77,16 +78,18 @@ function Energy({ id }) {
   }, [id]);
   if (!days.length) return null;
   const most = Math.max(...days.map((one) => one.used)) || 1;
-  return html`<h3>Energy by day</h3>
+  return html`<h3>${say("Energy by day")}</h3>
     <table class="facts">
       <tbody>
         ${days.map(
           (one) => html`<tr key=${`${one.day} ${one.part}`}>
             <th scope="row">${one.day}</th>
-            <td>${one.used.toFixed(2)} kWh${one.returned > 0 && `, ${one.returned.toFixed(2)} kWh returned`}</td>
-            <td><meter min="0" max=${most} value=${one.used} aria-label=${`energy of ${one.day}`}></meter></td>
+            <td>${energyText(one.used)}${one.returned > 0 && `, ${say("{energy} returned", { energy: energyText(one.returned) })}`}</td>
+            <td><meter min="0" max=${most} value=${one.used} aria-label=${say("energy of {day}", { day: one.day })}></meter></td>
           </tr>`,
         )}
       </tbody>
     </table>`;
 }
+
+const energyText = (value) => `${value.toLocaleString(locale.value, { minimumFractionDigits: 2, maximumFractionDigits: 2 })} kWh`;

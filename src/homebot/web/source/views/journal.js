@@ -3,6 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { call, connection, subscribeFrames } from "../door.js";
 import { nameOf } from "../house.js";
 import { html } from "../html.js";
+import { say } from "../language.js";
 import { entryText, hasWords, timeText, vocabulary } from "../words.js";
 
 const KEPT = 1000; // entries that can be searched, as many as homebot answers with
@@ -43,11 +44,11 @@ export function Journal() {
   const shown = (sought.trim() ? told.filter((one) => hasWords(textOf(one), sought)) : told).slice(0, MOST);
   return html`<section>
     <p class="choices">
-      <label>Search <input type="search" value=${sought} onInput=${(event) => setSought(event.target.value)} /></label>
-      <label><input type="checkbox" checked=${isWhole} onChange=${(event) => setIsWhole(event.target.checked)} /> every step</label>
+      <label>${say("Search")} <input type="search" value=${sought} onInput=${(event) => setSought(event.target.value)} /></label>
+      <label><input type="checkbox" checked=${isWhole} onChange=${(event) => setIsWhole(event.target.checked)} /> ${say("every step")}</label>
     </p>
-    ${isLoaded && shown.length === 0 && html`<p class="empty">${told.length ? `None of the newest ${entries.length} entries has these words.` : "Nothing has happened yet."}</p>`}
-    <ol class="log" aria-label="newest first">
+    ${isLoaded && shown.length === 0 && html`<p class="empty">${told.length ? say("None of the newest {count} entries has these words.", { count: entries.length }) : say("Nothing has happened yet.")}</p>`}
+    <ol class="log" aria-label=${say("newest first")}>
       ${shown.map((one) => html`<${Entry} key=${one.number} entry=${one} outcome=${outcomeOf(one)} />`)}
     </ol>
   </section>`;

@@ -4,6 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import { call, connection, subscribe } from "../door.js";
 import { deviceOf, rooms as devicesOf } from "../house.js";
 import { html } from "../html.js";
+import { say } from "../language.js";
 import { isActive, summary } from "../words.js";
 
 const robots = signal(new Map()); // by name: the pose
@@ -18,10 +19,10 @@ export function Plan() {
     if (isOpen) call("/discovery/places").then(setPlaces, () => {});
   }, [isOpen]);
   useEffect(() => subscribe("/robots/poses", (pose) => (robots.value = new Map(robots.value).set(pose.robot, pose))), []);
-  if (!places) return html`<p class="empty">Asking homebot for the plan …</p>`;
+  if (!places) return html`<p class="empty">${say("Asking homebot for the plan …")}</p>`;
   const drawn = places.rooms.filter((room) => room.areas.length);
   if (!drawn.length)
-    return html`<p class="empty">No room has a shape yet. Give it corners in the table [places.rooms], or import a map: homebot places import FILE.</p>`;
+    return html`<p class="empty">${say("No room has a shape yet. Give it corners in the table [places.rooms], or import a map: homebot places import FILE.")}</p>`;
   const floors = [...new Set(drawn.map((room) => room.floor))];
   const shown = floor ?? floors[0];
   const rooms = drawn.filter((room) => room.floor === shown);
@@ -30,15 +31,15 @@ export function Plan() {
   const names = new Set(rooms.map((room) => room.name));
   const inside = new Map(devicesOf.value);
   return html`<section>
-    ${floors.length > 1 && html`<p class="choices">${floors.map((one) => html`<button key=${one} type="button" aria-pressed=${one === shown} onClick=${() => setFloor(one)}>${one || "Ground"}</button>`)}</p>`}
-    <div class="scroll" role="region" tabindex="0" aria-label="plan">
-      <svg class="plan" viewBox=${`${box.left} ${-box.top} ${box.width} ${box.height}`} font-size=${unit} stroke-width=${unit / 9} role="group" aria-label=${`plan with ${rooms.length} rooms`}>
+    ${floors.length > 1 && html`<p class="choices">${floors.map((one) => html`<button key=${one} type="button" aria-pressed=${one === shown} onClick=${() => setFloor(one)}>${one || say("Ground")}</button>`)}</p>`}
+    <div class="scroll" role="region" tabindex="0" aria-label=${say("plan")}>
+      <svg class="plan" viewBox=${`${box.left} ${-box.top} ${box.width} ${box.height}`} font-size=${unit} stroke-width=${unit / 9} role="group" aria-label=${say("plan with {count} rooms", { count: rooms.length })}>
         ${rooms.map((room) => html`<${Room} key=${room.name} room=${room} unit=${unit} ids=${inside.get(room.name) ?? []} />`)}
         ${places.doors.filter((door) => door.rooms.some((one) => names.has(one))).map((door) => html`<${Doorway} key=${door.name} door=${door} rooms=${rooms} unit=${unit} />`)}
         <${Robots} unit=${unit} floor=${floors.length < 2 ? null : shown} />
       </svg>
     </div>
-    <p class="legend">A full dot is on, open or occupied. <${Whereabouts} /></p>
+    <p class="legend">${say("A full dot is on, open or occupied.")} <${Whereabouts} /></p>
   </section>`;
 }
 
@@ -54,7 +55,7 @@ function Robots({ unit, floor }) {
 }
 
 const Whereabouts = () =>
-  [...robots.value.values()].map((pose) => `${pose.robot}: ${pose.counts ? pose.room || "outside of all rooms" : "not known now"}.`).join(" ");
+  [...robots.value.values()].map((pose) => `${pose.robot}: ${pose.counts ? pose.room || say("outside of all rooms") : say("not known now")}.`).join(" ");
 
 /** A room with its devices: at their positions, else in a list. */
 function Room({ room, unit, ids }) {

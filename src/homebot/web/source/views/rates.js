@@ -2,6 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { call, connection } from "../door.js";
 import { html } from "../html.js";
+import { say } from "../language.js";
 import { Plot } from "../plot.js";
 
 const EVERY = 2000; // ms
@@ -27,21 +28,21 @@ export function Rates() {
     const timer = setInterval(look, EVERY);
     return () => clearInterval(timer);
   }, [isOpen]);
-  if (!samples.length) return html`<p class="empty">The first values come in two seconds.</p>`;
+  if (!samples.length) return html`<p class="empty">${say("The first values come in two seconds.")}</p>`;
   const times = samples.map((one) => one.at);
   const last = samples[samples.length - 1];
   const from = Math.min(times[0], last.at - 60);
   const plot = (label, names, text) => html`<${Plot} label=${label} times=${times} from=${from} values=${names.map(([, value]) => samples.map(value))} names=${names.map(([name]) => name)} text=${text} />`;
   return html`
     <div class="rooms">
-      <section><h2>Messages</h2>${plot("messages a second", [["", (one) => one.rate]], (value) => `${value}/s`)}</section>
-      <section><h2>Queues and losses</h2>${plot("messages that wait, and lost ones", [["waiting", (one) => one.waiting], ["lost", (one) => one.lost]])}</section>
-      <section><h2>Event loop</h2>${plot("delay of the event loop", [["late by", (one) => one.lag]], (value) => `${value} ms`)}</section>
+      <section><h2>${say("Messages")}</h2>${plot(say("messages a second"), [["", (one) => one.rate]], (value) => `${value}/s`)}</section>
+      <section><h2>${say("Queues and losses")}</h2>${plot(say("messages that wait, and lost ones"), [[say("waiting"), (one) => one.waiting], [say("lost"), (one) => one.lost]])}</section>
+      <section><h2>${say("Event loop")}</h2>${plot(say("delay of the event loop"), [[say("late by"), (one) => one.lag]], (value) => `${value} ms`)}</section>
     </div>
     <section>
-      <h2>Busiest topics</h2>
-      <div class="scroll" role="region" tabindex="0" aria-label="busiest topics"><table class="numbers">
-        <thead><tr><th>Topic</th><th>Messages/s</th><th>Waiting</th><th>Lost</th><th>Slowest handler</th></tr></thead>
+      <h2>${say("Busiest topics")}</h2>
+      <div class="scroll" role="region" tabindex="0" aria-label=${say("Busiest topics")}><table class="numbers">
+        <thead><tr><th>${say("Topic")}</th><th>${say("Messages")}/s</th><th>${say("waiting")}</th><th>${say("lost")}</th><th>${say("Slowest handler")}</th></tr></thead>
         <tbody>
           ${last.topics.slice(0, BUSIEST).map((one) => html`<tr key=${one.topic}>
             <th scope="row">${one.topic}</th><td>${one.rate.toFixed(1)}</td><td>${one.waiting}</td><td>${one.lost}</td>

@@ -3,6 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { call, connection, subscribeFrames, token } from "../door.js";
 import { deviceOf, nameOf } from "../house.js";
 import { html } from "../html.js";
+import { locale, say } from "../language.js";
 import { label, seconds, timeIn, timeText } from "../words.js";
 
 const AGAIN = 5000; // ms
@@ -29,27 +30,27 @@ export function System() {
       clearTimeout(timer);
     };
   }, [isOpen, approved]);
-  if (!found) return html`<p class="empty">Asking homebot how it is …</p>`;
+  if (!found) return html`<p class="empty">${say("Asking homebot how it is …")}</p>`;
   return html`
     <${Waiting} devices=${found.waiting} onApproved=${() => setApproved(approved + 1)} />
     <section>
-      <h2>Doctor</h2>
-      ${found.findings.every((one) => !one.is_problem) && html`<p>Nothing is wrong${found.findings.length ? ". To note:" : "."}</p>`}
+      <h2>${say("Doctor")}</h2>
+      ${found.findings.every((one) => !one.is_problem) && html`<p>${say(found.findings.length ? "Nothing is wrong. To note:" : "Nothing is wrong.")}</p>`}
       <ul class="entries">${found.findings.map((one) => html`<${Finding} key=${one.code + one.where} finding=${one} />`)}</ul>
     </section>
     <div class="rooms">
       ${found.apps && html`<section>
-        <h2>Apps</h2>
-        ${!found.apps.length && html`<p class="empty">No app runs.</p>`}
+        <h2>${say("Apps")}</h2>
+        ${!found.apps.length && html`<p class="empty">${say("No app runs.")}</p>`}
         <table class="facts"><tbody>
-          ${found.apps.map((app) => html`<tr key=${app.name}><th scope="row">${app.name}</th><td class=${app.state === "running" ? "" : "bad"}>${app.state}${app.jobs.map((job) => html`<br /><small>${jobText(job, found.zone)}</small>`)}</td></tr>`)}
+          ${found.apps.map((app) => html`<tr key=${app.name}><th scope="row">${app.name}</th><td class=${app.state === "running" ? "" : "bad"}>${say(app.state)}${app.jobs.map((job) => html`<br /><small>${jobText(job, found.zone)}</small>`)}</td></tr>`)}
         </tbody></table>
       </section>`}
       ${found.gateways.map((part) => html`<section key=${part.name}>
         <h2>${part.text}</h2>
-        ${part.counts.every((one) => !one.count) && html`<p class="empty">Nothing is counted yet.</p>`}
+        ${part.counts.every((one) => !one.count) && html`<p class="empty">${say("Nothing is counted yet.")}</p>`}
         <table class="facts"><tbody>
-          ${part.counts.filter((one) => one.count).map((one) => html`<tr key=${one.name}><th scope="row">${label(one.name)}</th><td>${one.count.toLocaleString("en")}</td></tr>`)}
+          ${part.counts.filter((one) => one.count).map((one) => html`<tr key=${one.name}><th scope="row">${label(one.name)}</th><td>${one.count.toLocaleString(locale.value)}</td></tr>`)}
         </tbody></table>
       </section>`)}
     </div>
@@ -61,8 +62,8 @@ function Log() {
   const [lines, setLines] = useState([]);
   useEffect(() => subscribeFrames("/rosout", (found) => setLines((old) => [...found].reverse().concat(old).slice(0, LINES))), []);
   return html`<section>
-    <h2>Log</h2>
-    ${!lines.length && html`<p class="empty">Lines appear here as they come.</p>`}
+    <h2>${say("Log")}</h2>
+    ${!lines.length && html`<p class="empty">${say("Lines appear here as they come.")}</p>`}
     <ol class="log">
       ${lines.map((one, index) => html`<li key=${lines.length - index}><time>${timeText(one.stamp)}</time><span>${one.name}</span><span class=${one.level >= WARNING ? "bad" : ""}>${one.msg}</span></li>`)}
     </ol>
@@ -74,16 +75,16 @@ function Finding({ finding }) {
   const more = finding.total - finding.rows.length;
   const nameIn = (row) => (deviceOf(row.what) ? html`<a href=${`#/device/${encodeURIComponent(row.what)}`}>${nameOf(row.what)}</a>` : row.what);
   return html`<li>
-    <span class=${finding.is_problem ? "bad" : ""}>${finding.code} ${finding.title && `${finding.title}:`}</span>
+    <span class=${finding.is_problem ? "bad" : ""}>${finding.code} ${finding.title && `${say(finding.title)}:`}</span>
     ${finding.rows.map((row, index) => html` ${(row.what || index > 0) && html`<br />`}${nameIn(row)} ${row.why !== nameOf(row.what) && row.why}`)}
-    ${more > 0 && html`<br />… and ${more} more${finding.hint}`}
-    ${finding.next && html`<br /><small>→ ${finding.next}</small>`}
+    ${more > 0 && html`<br />${say("… and {count} more", { count: more })}${finding.hint}`}
+    ${finding.next && html`<br /><small>→ ${say(finding.next)}</small>`}
   </li>`;
 }
 
 const jobName = ({ name, text }) => (name.includes(text) ? name : `${name} (${text})`);
 
-const jobText = (job, zone) => [jobName(job), job.note || (seconds(job.next) > 0 && `next ${timeIn(zone, job.next)}`)].filter(Boolean).join(", ");
+const jobText = (job, zone) => [jobName(job), job.note || (seconds(job.next) > 0 && `${say("next")} ${timeIn(zone, job.next)}`)].filter(Boolean).join(", ");
 
 async function ask() {
   const nothing = { gateways: [], findings: [] };
@@ -110,19 +111,19 @@ function Waiting({ devices, onApproved }) {
     if (answer.success) onApproved();
   };
   return html`<section>
-    <h2>Waiting for your approval</h2>
-    ${!token.value && html`<p>To approve a device, log in with a token that has the right <code>manage</code>.</p>`}
+    <h2>${say("Waiting for your approval")}</h2>
+    ${!token.value && html`<p>${say("To approve a device, log in with a token that has the right manage.")}</p>`}
     <ul class="entries">
       ${devices.devices.map((id) => html`<li key=${id}>
         <div class="choices">
           <a href=${`#/device/${encodeURIComponent(id)}`}>${nameOf(id)}</a> <span>${reasons.get(id)}</span>
-          <button type="button" aria-label=${`show what approving ${nameOf(id)} allows`} onClick=${() => show(id)}>show</button>
+          <button type="button" aria-label=${say("show what approving {name} allows", { name: nameOf(id) })} onClick=${() => show(id)}>${say("show")}</button>
         </div>
         ${shown?.device === id && html`<div class="box">
           ${shown.message && html`<p class="bad">${shown.message}</p>`}
-          ${shown.commands?.length > 0 && html`<p>Approval allows these commands:</p><pre>${shown.commands.join("\n")}</pre>`}
-          ${shown.changes?.length > 0 && html`<p>Changed since the approval before:</p><pre>${shown.changes.join("\n")}</pre>`}
-          ${shown.success && html`<button type="button" onClick=${approve}>approve ${nameOf(id)}</button>`}
+          ${shown.commands?.length > 0 && html`<p>${say("Approval allows these commands:")}</p><pre>${shown.commands.join("\n")}</pre>`}
+          ${shown.changes?.length > 0 && html`<p>${say("Changed since the approval before:")}</p><pre>${shown.changes.join("\n")}</pre>`}
+          ${shown.success && html`<button type="button" onClick=${approve}>${say("approve {name}", { name: nameOf(id) })}</button>`}
         </div>`}
       </li>`)}
     </ul>

@@ -1,0 +1,52 @@
+"""The table of the page's languages: complete, for its own texts and for the words of the vocabulary."""
+
+import json
+import re
+from pathlib import Path
+
+from homebot.devices.alerts import ALERTS
+from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.device_types import DEVICE_TYPES
+from homebot.devices.outcomes import OUTCOMES
+from homebot.devices.wording.values import flag_texts
+
+SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
+TABLE: dict[str, list[str]] = json.loads((SOURCE / "languages.json").read_text())
+TEXTS = "\n".join(one.read_text() for one in SOURCE.rglob("*.js"))
+SAID = re.compile(r'say\((?:[^"()]*\? "[^"]*" : )?"([^"]+)"')
+CAN_WAIT = set(re.findall(r"HB\d+", TEXTS))
+FIELD = re.compile(r"\{\w+\}")
+
+
+def spoken(name: str) -> str:
+    return "on/off" if name == "on_off" else name.removeprefix("x_").replace("_", " ")
+
+
+def test_a_text_has_five_translations_with_the_same_fields() -> None:
+    fields = {english: [set(FIELD.findall(one)) for one in found if one.strip()] for english, found in TABLE.items()}
+    assert [english for english, found in fields.items() if found != [set(FIELD.findall(english))] * 5] == []
+
+
+def test_every_text_of_the_page_is_translated() -> None:
+    said = set(SAID.findall(TEXTS))
+    assert len(said) > 100
+    assert said - TABLE.keys() == set()
+
+
+def test_device_types_states_capabilities_and_alerts_are_translated() -> None:
+    known = CAPABILITIES.items()
+    words = {spoken(one) for one in (*DEVICE_TYPES, *CAPABILITIES)}
+    words |= {
+        word for name, one in known if one.kind == "bool" and "press" not in one.words for word in flag_texts(name)
+    }
+    words |= {spoken(option) for _, one in known for option in one.options}
+    urgent = [one.finding for one in ALERTS if one.finding.code not in CAN_WAIT]
+    words |= {one.next_step for one in urgent} | {one.finding.title for one in ALERTS}
+    assert words - TABLE.keys() == set()
+
+
+def test_every_outcome_has_a_text_in_other_languages() -> None:
+    (table,) = re.findall(r"const OUTCOMES = \{\n(.*?)\};", TEXTS, re.DOTALL)
+    found = dict(re.findall(r'(\w+): "([^"]+)"', table))
+    assert found.keys() == OUTCOMES.keys()
+    assert set(found.values()) <= TABLE.keys()
