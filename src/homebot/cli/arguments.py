@@ -20,6 +20,8 @@ __all__ = [
     "HelpFormatter",
     "add_broker_option",
     "add_door_options",
+    "add_log_format",
+    "add_time_limit",
     "add_verb",
     "add_verbs",
     "address",
@@ -115,6 +117,23 @@ def add_broker_option(parser: argparse.ArgumentParser) -> None:
         type=broker_url,
         default=DEFAULT_BROKER,
         help=f"MQTT broker to name in Thing Descriptions (default: {DEFAULT_BROKER})",
+    )
+
+
+def add_log_format(parser: argparse.ArgumentParser) -> None:
+    """Add ``--log-format`` of a command that serves."""
+    parser.add_argument(
+        "--log-format",
+        choices=("console", "json"),
+        default="console",
+        help="log lines for people (console) or programs (json)",
+    )
+
+
+def add_time_limit(parser: argparse.ArgumentParser) -> None:
+    """Add ``--for TIME`` as ``seconds``."""
+    parser.add_argument(
+        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after TIME: seconds, or a text such as 2m"
     )
 
 

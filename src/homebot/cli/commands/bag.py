@@ -5,7 +5,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Final
 
-from homebot.cli.arguments import Commands, add_verb, add_verbs, positive, seconds, set_command, whole
+from homebot.cli.arguments import Commands, add_time_limit, add_verb, add_verbs, positive, seconds, set_command, whole
 from homebot.cli.door_client import set_door_command
 from homebot.plugins import check_extra
 
@@ -58,9 +58,7 @@ def _add_record(verbs: Commands) -> None:
     command.add_argument(
         "-x", "--exclude", metavar="TOPIC", nargs="+", type=_pattern, default=[], help="topics to leave out, likewise"
     )
-    command.add_argument(
-        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after TIME: seconds, or a text such as 2m"
-    )
+    add_time_limit(command)
     command.add_argument("--max-size", metavar="BYTES", type=whole, default=0, help="begin the next file after BYTES")
     command.add_argument("--max-duration", metavar="TIME", type=seconds, default=0.0, help="likewise after TIME")
     set_door_command(command, _later("bag_recording", "record"), _RECORD_EXAMPLES)

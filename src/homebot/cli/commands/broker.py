@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
 
-from homebot.cli.arguments import address, seconds, set_command
+from homebot.cli.arguments import add_log_format, add_time_limit, address, seconds, set_command
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.errors import InvalidNameError, UsageError
 from homebot.log import configure_logging
@@ -70,15 +70,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--tls-key", metavar="FILE", type=Path, help="private key for TLS (PEM), unless --tls-cert contains it"
     )
-    parser.add_argument(
-        "--log-format",
-        choices=("console", "json"),
-        default="console",
-        help="log lines for people (console) or programs (json)",
-    )
-    parser.add_argument(
-        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after TIME: seconds, or a text such as 2m"
-    )
+    add_log_format(parser)
+    add_time_limit(parser)
 
 
 def broker(options: argparse.Namespace) -> int:

@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 from typing import Final, cast
 
-from homebot.cli.arguments import positive, seconds, set_client_command
+from homebot.cli.arguments import add_time_limit, positive, set_client_command
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.stop_signals import stop_signals
 from homebot.devices.names import READ_RECORDING, START_RECORDER
@@ -29,9 +29,7 @@ _LONGEST: Final = 30.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_client_command(parser, _record, _EXAMPLES)
     parser.add_argument("file", metavar="FILE", help="file to write; compressed if its name ends in .gz")
-    parser.add_argument(
-        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after TIME: seconds, or a text such as 2m"
-    )
+    add_time_limit(parser)
     parser.add_argument(
         "--max-mb",
         metavar="MB",

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Self, final
 from anyio import to_thread
 from pydantic import SecretStr
 
-from homebot.cli.arguments import DEFAULT_CONFIG, seconds, set_command
+from homebot.cli.arguments import DEFAULT_CONFIG, add_log_format, add_time_limit, set_command
 from homebot.cli.commands.config import plan_of
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.errors import UsageError
@@ -55,15 +55,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="only make a certificate next to the configuration, for these names and addresses of this computer "
         "(default: its host name, also with .local)",
     )
-    parser.add_argument(
-        "--log-format",
-        choices=("console", "json"),
-        default="console",
-        help="log lines for people (console) or programs (json)",
-    )
-    parser.add_argument(
-        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after TIME: seconds, or a text such as 2m"
-    )
+    add_log_format(parser)
+    add_time_limit(parser)
 
 
 def _router(options: argparse.Namespace) -> int:

@@ -14,7 +14,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeAlias, cast
 
-from homebot.cli.arguments import DEFAULT_CONFIG, door_address, door_of_environment, seconds, set_command
+from homebot.cli.arguments import (
+    DEFAULT_CONFIG,
+    add_log_format,
+    add_time_limit,
+    door_address,
+    door_of_environment,
+    set_command,
+)
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, load_config, load_tables, parse_config
@@ -86,12 +93,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--plain", action="store_true", help="print the log instead of a live view, as without a terminal"
     )
-    parser.add_argument(
-        "--log-format",
-        choices=("console", "json"),
-        default="console",
-        help="log lines for people (console) or programs (json)",
-    )
+    add_log_format(parser)
     parser.add_argument(
         "--dry-run",
         action="store_true",
@@ -100,9 +102,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--reload", action="store_true", help="reload an app when its file changes")
     parser.add_argument("--record", metavar="FILE", help="record the whole run into a new file, for `homebot replay`")
     parser.add_argument("--ephemeral", action="store_true", help="do not remember devices across restarts")
-    parser.add_argument(
-        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after TIME: seconds, or a text such as 2m"
-    )
+    add_time_limit(parser)
 
 
 def _add_sources(parser: argparse.ArgumentParser) -> None:
