@@ -215,7 +215,7 @@ class HandlerRun:
         self.outcome: asyncio.Future[object] = loop.create_future()
         self.task: asyncio.Task[Any] | None = None
         self._handler = handler
-        self._parent = _run_of_current_task()
+        self._context_run, self._caller = _current.get(), asyncio.current_task()
         self.ended = asyncio.Event()
         self._is_answered = False
         self._scope = anyio.CancelScope()
@@ -273,13 +273,13 @@ class HandlerRun:
     @property
     def parent(self) -> HandlerRun | None:
         """The handler that waits for this one; None if the caller is not a handler or has left."""
-        return None if self.outcome.done() else self._parent
+        return None if self.outcome.done() else _run_of(self._context_run, self._caller)
 
     def _end(self, outcome: object) -> None:
         server = self.server
         if outcome is _UNSERVED:
             outcome = ServiceGoneError(server.service_name)
-        self.task = None  # cancelled timers of the handler keep this run alive in their context for a while
+        self.task = self._caller = None  # cancelled timers of the handler keep this run alive in their context a while
         self.ended.set()
         if self.outcome.done():
             server.drop(outcome)
@@ -298,16 +298,15 @@ class HandlerRun:
 
 def calling_runs() -> Iterator[HandlerRun]:
     """Yield the handler that runs in the current task, the handler that waits for it, and so on."""
-    run = _run_of_current_task()
+    run = _run_of(_current.get(), asyncio.current_task())
     while run is not None:
         yield run
         run = run.parent
 
 
-def _run_of_current_task() -> HandlerRun | None:
-    """Return the handler of the current task; tasks started by a handler inherit its context, but are not its own."""
-    run = _current.get()
-    return None if run is None or run.task is None or run.task is not asyncio.current_task() else run
+def _run_of(run: HandlerRun | None, task: asyncio.Task[Any] | None) -> HandlerRun | None:
+    """Return *run* if *task* is its own: tasks started by a handler inherit its context, but are not its own."""
+    return None if run is None or run.task is None or run.task is not task else run
 
 
 def _is_cancelled_by_asyncio(error: BaseException) -> bool:
