@@ -192,28 +192,14 @@ class Sending:
 
     async def _send(self, sent: OpenCommand, plan: SendingPlan) -> Outcome | None:
         """Send the settings in their order; return the outcome if that fails."""
-        command, clock, sendings = sent.command, self._clock, sent.progress.transmission
-        profile, is_repeated = sent.timeline.profile, sendings.attempts > 0
+        command, clock, profile = sent.command, self._clock, sent.timeline.profile
         ineffective = profile.ineffective if profile.failures else ()
-        began = clock.monotonic()
-        shared = None if is_repeated or command.shared is None or not command.shared.is_possible else command.shared
-        by_group = "" if shared is None else f"group {shared.device.name}"
-        self._journal.record("sent", command, "again" if is_repeated else by_group)
+        began, (shared, how) = clock.monotonic(), _way_of(sent)
+        self._journal.record("sent", command, how)
         sent.timeline.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
         if command.place in self._leases.parts:
             self._leases.record_stop(command, began)
-        routes, is_unacknowledged = [], False
-        order_of = partial(
-            Command,
-            key="",
-            part="",
-            transition=command.transition,
-            code=command.code,
-            expires_after=plan.end(sendings) - began if is_repeated else plan.lasts,
-            id=command.id,
-            kept_for=plan.keeps_for if sendings.attempts + 1 < plan.tries else 0.0,
-            repeated=is_repeated,
-        )
+        order_of, routes, is_unacknowledged = _orders(sent, plan, began), list[str](), False
         try:
             if shared is not None:
                 if await _share(sent, shared, order_of):
@@ -241,6 +227,33 @@ class Sending:
             sent.acknowledging = None
             sent.timeline.append(SendingEnded(command.id, clock.monotonic(), tuple(routes), is_unacknowledged))
         return None
+
+
+def _way_of(sent: OpenCommand) -> tuple[SharedSending | None, str]:
+    """Return the sending that *sent* shares now, if it does, and how it is sent, for the journal."""
+    shared = sent.command.shared
+    if sent.progress.transmission.attempts:
+        return None, "again"
+    if shared is None or not shared.is_possible:
+        return None, ""
+    return shared, f"group {shared.device.name}"
+
+
+def _orders(sent: OpenCommand, plan: SendingPlan, began: float) -> Callable[..., Command]:
+    """Return what makes the order of each setting in the sending that *began* then, and is on the timeline."""
+    command, sendings = sent.command, sent.progress.transmission
+    is_repeated = sendings.attempts > 0
+    return partial(
+        Command,
+        key="",
+        part="",
+        transition=command.transition,
+        code=command.code,
+        expires_after=plan.end(sendings) - began if is_repeated else plan.lasts,
+        id=command.id,
+        kept_for=plan.keeps_for if sendings.attempts + 1 < plan.tries else 0.0,
+        repeated=is_repeated,
+    )
 
 
 async def _share(sent: OpenCommand, shared: SharedSending, order_of: Callable[..., Command]) -> bool:
