@@ -8,6 +8,7 @@ from tests.bridges.ros2.bare_robot import meeting
 from tests.patience import PATIENCE
 
 from homebot.bridges.ros2.attachment import Attachment
+from homebot.bridges.ros2.health import NOT_IMPORTED
 from homebot.bridges.ros2.tokens import NO_HASH
 from homebot.graph import EntityKind, QoSProfile
 from homebot.messages import String
@@ -77,6 +78,12 @@ async def test_a_type_that_differs_is_a_trouble_while_its_robot_is_there(
 
 
 async def test_of_many_troubles_some_are_told() -> None:
+    with capture_logs() as lines:
+        await many_troubles()
+    assert sum(line["event"] == NOT_IMPORTED for line in lines) == 20
+
+
+async def many_troubles() -> None:
     async with meeting() as both:
         for number in range(25):
             both.declare(both.token(EntityKind.SERVICE, f"/rosie/dock{number}", Trigger.ros_type, OTHER_HASH))

@@ -43,6 +43,7 @@ def test_it_is_written_and_read_as_ros_2_does(qos: QoSProfile, text: str) -> Non
         ("::,:,:,:,,", QoSProfile()),
         ("1:2:1,10:0,0:0,0:1,0,0", QoSProfile()),
         ("::,0:,:,:,,", QoSProfile(depth=1)),
+        ("::,4000000000:,:,:,,", QoSProfile(depth=1000)),
         (":1:,:9223372036,854775807:,:,,", QoSProfile(durability=DurabilityPolicy.TRANSIENT_LOCAL)),
     ],
 )
@@ -50,7 +51,10 @@ def test_other_spellings_are_read(text: str, qos: QoSProfile) -> None:
     assert qos_from_text(text) == qos
 
 
-@pytest.mark.parametrize("text", ["", "::,10", "9::,10:,:,:,,", "x::,10:,:,:,,", "::,10:,:,:,,:"])
+@pytest.mark.parametrize(
+    "text",
+    ["", "::,10", "9::,10:,:,:,,", "x::,10:,:,:,,", "::,10:,:,:,,:", f"::,{2**64}:,:,:,,", f"::,10:,{10**400}:,:,,"],
+)
 def test_what_has_another_form_is_refused(text: str) -> None:
     with pytest.raises(TypeMismatchError, match="no quality of service"):
         qos_from_text(text)

@@ -79,10 +79,13 @@ def test_a_service_has_no_quality_of_service_in_the_graph() -> None:
         PUBLISHER.replace("::,10:,:,:,,", ":,10"),
         PUBLISHER.replace("dds_::String_", "String"),
         PUBLISHER.replace("std_msgs::msg::dds_::String_", "String"),
+        PUBLISHER.replace("%house%events", "%house%%events"),
+        PUBLISHER.replace("%house%events", "%house%\n<b>"),
+        PUBLISHER + "/more" * 1000,
     ],
 )
 def test_what_is_no_token_is_refused_in_words(text: str) -> None:
-    with pytest.raises(HomebotError, match=r"no token|no quality|no type|node name"):
+    with pytest.raises(HomebotError, match=r"no token|no quality|no type|node name|name in a token"):
         EntityToken.of_text(text)
 
 

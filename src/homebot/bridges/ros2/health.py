@@ -23,14 +23,16 @@ class LinkHealth:
     """Logs each kind of problem at a limited rate, counts all, and tells ``homebot doctor`` of them."""
 
     def __init__(self, node: Node) -> None:
-        self._node, self._limit = node, LogLimit(node.graph.clock)
+        self._node, self._each = node, LogLimit(node.graph.clock)
+        self._all = LogLimit(node.graph.clock, burst=_MOST_SHOWN)
         self._refused = Counter({MESSAGE_REFUSED: 0, CALL_REFUSED: 0, NOT_IMPORTED: 0})
 
     def refused(self, event: str, subject: str, problem: str) -> None:
         """Count what was refused."""
         self._refused[event] += 1
-        if (held_back := self._limit.allows(f"{event} {subject}")) is not None:
-            self._node.log.warning(event, subject=subject[:200], problem=problem, held_back=held_back)
+        if self._each.allows(f"{event} {subject}") is None or (held_back := self._all.allows(event)) is None:
+            return
+        self._node.log.warning(event, subject=subject[:200], problem=problem[:500], held_back=held_back)
 
     def serve(self, lost: Callable[[], int], problems: Callable[[], Iterable[str]]) -> None:
         """Offer the service, with what is *lost* of all that came, and the present *problems*."""

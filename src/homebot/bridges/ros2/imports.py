@@ -31,6 +31,9 @@ __all__ = ["Imports"]
 _MOST_TOKENS = 10_000
 """Tokens of others that are kept; a robot with Nav2 has some 700."""
 
+_MOST_OPEN = 1000
+"""Topics and services that are imported: with more, Zenoh takes 20 ms and longer for each."""
+
 _LATEST_TOKEN = 1.0  # seconds
 
 _LONGEST_ANSWER = 600.0
@@ -74,7 +77,7 @@ class Imports:
     def on_token(self, text: str, is_there: bool) -> None:  # noqa: FBT001 - as the session calls it
         """Take notice of a token of others that came or went."""
         try:
-            if is_there and text not in self._tokens and len(self._tokens) < _MOST_TOKENS:
+            if is_there and text not in self._tokens:
                 self._add(text)
             elif not is_there and (token := self._tokens.pop(text, None)) is not None:
                 self._remove(text, token)
@@ -92,6 +95,8 @@ class Imports:
         token = EntityToken.of_text(text)
         if token.session == self._own.session.id:
             return
+        if len(self._tokens) >= _MOST_TOKENS:
+            raise PeerError(f"of robots, only {_MOST_TOKENS} entities are known")
         self._tokens[text] = token
         kind, name = token.info.kind, token.info.name
         self._node.graph.elsewhere.add(token, token.info)
@@ -107,6 +112,10 @@ class Imports:
         if (present := self._open.get((kind, name))) is not None:
             present[0].add(text)
             return
+        if len(self._open) >= _MOST_OPEN:
+            raise PeerError(
+                f"{_MOST_OPEN} topics and services are imported, and no more; name fewer in import of [ros]"
+            )
         access.check_publishing(name)
         close = self._topic(token, access) if kind is EntityKind.PUBLISHER else self._service(token)
         self._open[kind, name] = ({text}, close)

@@ -17,6 +17,10 @@ _DEFAULT: Final = QoSProfile()
 _INFINITE: Final = 9_223_372_036
 """Seconds that ROS 2 writes for no limit; homebot has 0."""
 
+_TOO_LARGE: Final = 2**63
+_DEEPEST: Final = 1000
+"""Of a deeper history only the newest are kept: it is in memory here too."""
+
 _FIELDS: Final = (1, 1, 2, 2, 2, 3)
 """How many numbers there are between the colons."""
 
@@ -38,11 +42,11 @@ def qos_from_text(text: str) -> QoSProfile:
     """
     try:
         fields = [[int(number or -1) for number in field.split(",")] for field in text.split(":")]
-        if tuple(map(len, fields)) != _FIELDS:
+        if tuple(map(len, fields)) != _FIELDS or max(map(max, fields)) >= _TOO_LARGE:
             raise ValueError  # noqa: TRY301 - one message for both
         (reliability,), (durability,), (history, depth), deadline, lifespan, (liveliness, *lease) = fields
         return QoSProfile(
-            depth=max(depth, 1) if depth >= 0 else _DEFAULT.depth,
+            depth=min(max(depth, 1), _DEEPEST) if depth >= 0 else _DEFAULT.depth,
             history=_read(history, _DEFAULT.history),
             reliability=_read(reliability, _DEFAULT.reliability),
             durability=_read(durability, _DEFAULT.durability),

@@ -12,7 +12,7 @@ from homebot.bridges.ros2.qos_text import qos_from_text, qos_to_text
 from homebot.errors import TypeMismatchError
 from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.qos import QoSProfile
-from homebot.names import full_node_name
+from homebot.names import full_node_name, validate_full_name
 
 __all__ = ["ALL_TOKENS", "NO_HASH", "EntityToken", "data_key"]
 
@@ -31,6 +31,9 @@ _KINDS: Final = {
     "SC": EntityKind.CLIENT,
 }
 _WORDS: Final = {kind: word for word, kind in _KINDS.items()}
+_LONGEST: Final = 4000
+"""Characters of a token; its names have 255 at most."""
+
 _OF_NODE, _OF_ENTITY, _OF_TYPE = 9, 13, 4
 """The number of parts; newer versions append more."""
 
@@ -98,7 +101,7 @@ class EntityToken:
         Raises:
             TypeMismatchError: It is none; the message says what is wrong.
         """
-        parts = text.split("/")
+        parts = text.split("/") if len(text) <= _LONGEST else []
         kind = _KINDS.get(parts[5]) if len(parts) >= _OF_NODE and parts[0] == _ROOT else None
         if kind is None or len(parts) < (_OF_NODE if kind is EntityKind.NODE else _OF_ENTITY) or "" in parts:
             raise TypeMismatchError(f"{text[:200]!r} is no token of a ROS 2 node")
@@ -112,7 +115,8 @@ class EntityToken:
         else:
             is_topic = kind in {EntityKind.PUBLISHER, EntityKind.SUBSCRIPTION}
             qos, type_hash = qos_from_text(parts[12]), parts[11]
-            info = EndpointInfo(kind, node, _unescaped(parts[9]), _ros_type(parts[10]), qos if is_topic else None)
+            name = validate_full_name(_unescaped(parts[9]), "name in a token")
+            info = EndpointInfo(kind, node, name, _ros_type(parts[10]), qos if is_topic else None)
         return cls(domain, parts[2], (node_id, entity_id), info, type_hash, _unescaped(parts[6]))
 
 

@@ -1,6 +1,7 @@
 """``homebot node list`` and ``homebot node info``."""
 
 import argparse
+from collections import Counter
 
 from homebot.cli.arguments import add_verb, add_verbs
 from homebot.cli.door_client import DoorClient, set_door_command
@@ -36,10 +37,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
-    others = {one.name for one in entities(door, kind="node", elsewhere=True)}
+    others = Counter(one.name for one in entities(door, kind="node", elsewhere=True))
     for one in entities(door, kind="node"):
+        others[one.name] -= 1  # a node here may have the same name
         if options.all or not is_hidden(one):
-            print(f"{one.name}  (elsewhere)" if one.name in others else one.name)
+            print(f"{one.name}  (elsewhere)" if others[one.name] >= 0 else one.name)
     return 0
 
 
