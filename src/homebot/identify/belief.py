@@ -1,0 +1,208 @@
+"""Probability of each candidate to be the one in view, from a sensor that looks while all of them change. Pure.
+
+What is seen is taken as ``base + sum(level * effect) + noise``. The base drifts, and a cloud or a lamp of somebody else
+makes it jump; the effects are those of reflections, except that one candidate at most stands out, as it is in view. A
+lamp that shines late looks like a weaker one, and like no other.
+
+Because neither the effect of what is in view nor the strength of the reflections is known, several *families* of both
+are followed beside each other, each by a Gaussian-sum filter: a few alternatives with and without jumps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import erf, exp, log, pi, sqrt
+from typing import Final, final
+
+__all__ = ["Belief", "Seen"]
+
+_IN_VIEW: Final = (0.45, 1.3)
+"""The effects of what is in view, as shares of the family's."""
+
+_REFLECTIONS: Final = (0.2, 0.5)
+"""The strongest reflections of the families, as such a share; their mean is half of it, with this deviation:"""
+_SCATTER: Final = 0.35
+
+_DRIFT: Final = 0.045
+"""Deviation of the base in a second, and of the jumps, as shares of the family's effect; and how often it jumps."""
+_JUMP: Final = 1.0
+_JUMPS: Final = 0.02
+
+_INEXACT: Final = 0.03
+"""What the sensor's own error is at least, as such a share."""
+
+_ALTERNATIVES: Final = 5
+_MOST_FAMILIES: Final = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """Mean of the sensor while the candidates keep still.
+
+    Attributes:
+        levels: Of each candidate, from 0.0 (off) to 1.0.
+        value: The mean, in the unit of the sensor.
+        variance: That of the mean.
+        seconds: Since the middle of the last time.
+    """
+
+    levels: tuple[float, ...]
+    value: float
+    variance: float
+    seconds: float
+
+
+@final
+class Belief:
+    """Probabilities and effects after each :class:`Seen`.
+
+    Args:
+        first: What was seen first.
+        least: The least effect of a candidate in view, in the unit of the sensor; above 0.
+        most: The largest effect that is possible.
+    """
+
+    def __init__(self, first: Seen, least: float, most: float) -> None:
+        self.count = len(first.levels)
+        effect, effects = least / _IN_VIEW[0], list[float]()
+        while not effects or (effect < 2 * most and len(effects) < _MOST_FAMILIES):
+            effects.append(effect)
+            effect *= 2
+        self._families = [_Family(first, one, share * one) for one in effects for share in _REFLECTIONS]
+        self._weigh()
+
+    def add(self, seen: Seen) -> None:
+        """Learn from what was seen next."""
+        for one in self._families:
+            one.add(seen)
+        self._weigh()
+
+    def effect(self, candidate: int) -> tuple[float, float]:
+        """Return by how much a candidate changes what is seen, and the standard deviation."""
+        track = self._best.tracks[0]
+        return track.mean[candidate], sqrt(max(track.covariance[candidate][candidate], 0.0))
+
+    def gain(self, levels: Sequence[float]) -> float:
+        """Return how much is learnt about the likely candidates from what is seen with these levels."""
+        track = self._best.tracks[0]
+        row = _times(track.covariance, (*levels, 1.0))
+        variance = sum(level * one for level, one in zip((*levels, 1.0), row, strict=True)) + self._best.usual
+        return sum(float(p**0.3) * one * one for p, one in zip(self.each, row, strict=False)) / variance
+
+    def _weigh(self) -> None:
+        """Compute the probability of none and of each candidate."""
+        each = [[*family.hypotheses()] for family in self._families]
+        sums = [_log_sum(one) for one in each]
+        self._best = self._families[sums.index(max(sums))]
+        whole = _log_sum(sums)
+        self.none, *rest = (exp(_log_sum(column) - whole) for column in zip(*each, strict=True))
+        self.each = tuple(rest)
+
+
+@dataclass(slots=True)
+class _Track:
+    """One alternative: when the base has jumped, the effects and the base that follow.
+
+    Attributes:
+        weight: The logarithm of its likelihood if no candidate is in view.
+        mean: The effects, and then the base.
+    """
+
+    weight: float
+    mean: list[float]
+    covariance: list[list[float]]
+    hypotheses: list[float]
+
+
+class _Family:
+    """One effect of what is in view with one strength of the reflections."""
+
+    def __init__(self, first: Seen, effect: float, strongest: float) -> None:
+        self._effect = effect
+        self._mean = strongest / 2
+        self._variance = (_SCATTER * strongest) ** 2
+        self.usual = first.variance
+        count = len(first.levels)
+        covariance = [[0.0] * count + [-level * self._variance] for level in first.levels]
+        for place, row in enumerate(covariance):
+            row[place] = self._variance
+        base = first.value - self._mean * sum(first.levels)
+        spread = self._variance * sum(one * one for one in first.levels) + first.variance
+        covariance.append([row[-1] for row in covariance] + [spread])
+        track = _Track(0.0, [self._mean] * count + [base], covariance, [])
+        self.tracks = [self._weighed(track)]
+
+    def add(self, seen: Seen) -> None:
+        self.usual = max(seen.variance, (_INEXACT * self._effect) ** 2)
+        drift = (_DRIFT * self._effect) ** 2 * seen.seconds
+        jump = drift + (_JUMP * self._effect) ** 2
+        tracks = [
+            self._weighed(_followed(track, seen, self.usual, moved, log(chance)))
+            for track in self.tracks
+            for moved, chance in ((drift, 1 - _JUMPS), (jump, _JUMPS))
+        ]
+        tracks.sort(key=lambda one: _log_sum(one.hypotheses), reverse=True)
+        self.tracks = tracks[:_ALTERNATIVES]
+
+    def hypotheses(self) -> Iterator[float]:
+        """Yield the logarithm of the likelihood of none and of each candidate."""
+        for column in zip(*(one.hypotheses for one in self.tracks), strict=True):
+            yield _log_sum(column)
+
+    def _weighed(self, track: _Track) -> _Track:
+        count = len(track.mean) - 1
+        ratios = (self._ratio(track.mean[one], track.covariance[one][one]) for one in range(count))
+        track.hypotheses = [track.weight, *(track.weight + one for one in ratios)]
+        return track
+
+    def _ratio(self, mean: float, variance: float) -> float:
+        """Return the logarithm of how much likelier the candidate is in view than a reflection.
+
+        Args:
+            mean: Of its effect, if it is a reflection.
+        """
+        least, most = (share * self._effect for share in _IN_VIEW)
+        learnt = 1 / max(variance, 1e-12 * self._variance) - 1 / self._variance
+        if learnt * self._variance < 1e-6:
+            return 0.0
+        seen = (mean / variance - self._mean / self._variance) / learnt  # without what was assumed before
+        spread = sqrt(1 / learnt)
+        in_view = (_below((most - seen) / spread) - _below((least - seen) / spread)) / (most - least)
+        reflected = _density(seen, self._mean, self._variance + spread**2) * _below((least - mean) / sqrt(variance))
+        return log(max(in_view, 1e-300)) - log(max(reflected, 1e-300))
+
+
+def _followed(track: _Track, seen: Seen, noise: float, moved: float, chance: float) -> _Track:
+    """Return the track after *seen*, by a step of a Kalman filter; *moved* is the variance of the base since."""
+    weights = (*seen.levels, 1.0)
+    gains = _times(track.covariance, weights)
+    gains[-1] += moved
+    variance = sum(weight * gain for weight, gain in zip(weights, gains, strict=True)) + noise
+    error = seen.value - sum(weight * one for weight, one in zip(weights, track.mean, strict=True))
+    mean = [one + gain * error / variance for one, gain in zip(track.mean, gains, strict=True)]
+    covariance = [
+        [one - gain * other / variance for one, other in zip(row, gains, strict=True)]
+        for row, gain in zip(track.covariance, gains, strict=True)
+    ]
+    covariance[-1][-1] += moved
+    return _Track(track.weight + chance + log(max(_density(error, 0.0, variance), 1e-300)), mean, covariance, [])
+
+
+def _times(matrix: list[list[float]], weights: Sequence[float]) -> list[float]:
+    places = [place for place, weight in enumerate(weights) if weight]
+    return [sum(row[place] * weights[place] for place in places) for row in matrix]
+
+
+def _below(deviations: float) -> float:
+    """Return the share of a normal distribution below so many deviations."""
+    return 0.5 * (1 + erf(deviations / sqrt(2)))
+
+
+def _density(value: float, mean: float, variance: float) -> float:
+    return exp(-((value - mean) ** 2) / (2 * variance)) / sqrt(2 * pi * variance)
+
+
+def _log_sum(values: Sequence[float]) -> float:
+    most = max(values)
+    return most + log(sum(exp(one - most) for one in values))

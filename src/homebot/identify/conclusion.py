@@ -1,0 +1,40 @@
+"""Decision when an identification is sure. Pure."""
+
+from typing import Final, final
+
+from homebot.identify.belief import Belief
+
+__all__ = ["Conclusion"]
+
+_LEAST: Final = 4
+"""Looks before a conclusion: in fewer, a lamp of somebody else may look like a candidate."""
+
+_IN_A_ROW: Final = 2
+
+
+@final
+class Conclusion:
+    """The hypothesis that is sure enough, two times in a row.
+
+    Args:
+        sure: The probability that it needs.
+
+    Attributes:
+        found: The number of the candidate; None for none of them, and before it is sure.
+    """
+
+    def __init__(self, sure: float) -> None:
+        self.found: int | None = None
+        self._sure = sure
+        self._looks = 1  # the one with which a belief begins
+        self._row = 0
+
+    def add(self, belief: Belief) -> bool:
+        """Return whether it is sure after one more look."""
+        each = belief.each
+        best = max(range(belief.count), key=each.__getitem__)
+        probability, found = max((belief.none, None), (each[best], best), key=lambda one: one[0])
+        self._looks += 1
+        self._row = (self._row if found == self.found else 0) + 1 if probability >= self._sure else 0
+        self.found = found
+        return self._row >= _IN_A_ROW and self._looks >= _LEAST

@@ -1,0 +1,110 @@
+"""Simulated rooms with a sensor of 5 Hz; effects are shares of that of a lamp in view.
+
+The sensor has white noise, and what it sees drifts; in three rooms of ten there is a cloud. Lamps are late, and fade;
+those that are not in view reach the sensor as reflections.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import exp
+from random import Random
+
+from homebot.identify.belief import Belief, Seen
+from homebot.identify.codes import next_code
+from homebot.identify.conclusion import Conclusion
+
+PERIOD = 0.2
+SETTLES = 0.8
+LOOK = 1.0
+MOST_SLOTS = 24
+DAYLIGHT = 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class Rooms:
+    """A kind of room; a room of it is drawn with a seed."""
+
+    count: int = 8
+    noise: float = 0.25
+    late: float = 0.4
+    reflections: float = 0.2
+    is_in_view: bool = True
+
+
+class Room:
+    """One room."""
+
+    def __init__(self, kind: Rooms, random: Random) -> None:
+        self.kind = kind
+        self.random = random
+        self.target = random.randrange(kind.count) if kind.is_in_view else None
+        self.effects = [random.uniform(0, kind.reflections) for _ in range(kind.count)]
+        if self.target is not None:
+            self.effects[self.target] = 1.0
+        self.fades = [random.uniform(0.05, 0.8) for _ in range(kind.count)]
+        self.lates = [random.uniform(0, kind.late) for _ in range(kind.count)]
+        self.cloud = (random.uniform(0, 40), random.uniform(-0.8, 0.8)) if random.random() < 0.3 else (1e9, 0.0)
+        self.now = self.base = 0.0
+        self.told = self.before = [False] * kind.count
+        self.due = [0.0] * kind.count
+        self.levels = [0.0] * kind.count
+
+    def set(self, code: Sequence[bool]) -> None:
+        """Set the lamps, and wait until the last one has reported and faded."""
+        self.before, self.told = self.told, list(code)
+        changed = [place for place, one in enumerate(code) if one != self.before[place]]
+        self.due = [self.now + late for late in self.lates]
+        self.pass_time(max((self.lates[one] for one in changed), default=0.0) + SETTLES)
+
+    def pass_time(self, seconds: float) -> list[float]:
+        """Return what the sensor sees meanwhile."""
+        values, end = [], self.now + seconds - 1e-9
+        while self.now < end:
+            self.now += PERIOD
+            self.base += self.random.gauss(0, 0.02)
+            for place, fade in enumerate(self.fades):
+                is_on = (self.told if self.now >= self.due[place] else self.before)[place]
+                self.levels[place] += (is_on - self.levels[place]) * (1 - exp(-PERIOD / fade))
+            at, jump = self.cloud
+            lamps = sum(effect * level for effect, level in zip(self.effects, self.levels, strict=True))
+            base = DAYLIGHT + self.base + (jump if self.now > at else 0.0)
+            values.append(base + lamps + self.random.gauss(0, self.kind.noise))
+        return values
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """The end of one identification: whether it is right, wrong with certainty, or neither, and the seconds."""
+
+    is_right: bool
+    is_wrong: bool
+    seconds: float
+
+
+def identify(kind: Rooms, seed: int) -> Found:
+    """Identify the lamp in one room."""
+    random = Random(seed)  # noqa: S311 - a simulation
+    room = Room(kind, random)
+    look = looks(room)
+    belief, conclusion = Belief(look(), 0.45, 1.0), Conclusion(0.99)
+    for _ in range(MOST_SLOTS):
+        room.set(next_code(belief, random))
+        belief.add(look())
+        if conclusion.add(belief):
+            return Found(conclusion.found == room.target, conclusion.found != room.target, room.now)
+    return Found(is_right=False, is_wrong=False, seconds=room.now)
+
+
+def looks(room: Room) -> Callable[[], Seen]:
+    """Return what looks for a second."""
+    squares, spare, last = 0.0, 0, 0.0
+
+    def look() -> Seen:
+        nonlocal squares, spare, last
+        values = room.pass_time(LOOK)
+        mean = sum(values) / len(values)
+        squares, spare = squares + sum((one - mean) ** 2 for one in values), spare + len(values) - 1
+        passed, last = room.now - last, room.now
+        return Seen(tuple(map(float, room.told)), mean, 1.2 * squares / spare / len(values), passed)
+
+    return look

@@ -1,0 +1,65 @@
+"""Which candidate is in view is found in rooms with noise, drift, clouds, reflections, and lamps that are late."""
+
+from statistics import median
+
+import pytest
+from tests.identify.rooms import Rooms, identify
+from tests.sizes import size
+
+from homebot.identify.belief import Belief, Seen
+from homebot.identify.conclusion import Conclusion
+
+ROOMS = size(50, 2000)
+
+
+@pytest.mark.parametrize(
+    ("kind", "right", "wrong", "seconds"),
+    [
+        (Rooms(), 0.99, 0.001, 20),
+        (Rooms(late=2.0), 0.99, 0.001, 35),
+        (Rooms(noise=0.1), 0.99, 0.001, 20),
+        (Rooms(reflections=0.5), 0.97, 0.005, 20),
+        (Rooms(is_in_view=False), 0.97, 0.001, 35),
+        (Rooms(count=3), 0.99, 0.001, 20),
+        (Rooms(count=1), 0.99, 0.001, 20),
+        (Rooms(count=1, is_in_view=False), 0.97, 0.001, 20),
+    ],
+    ids=["late", "later", "quiet", "reflections", "none", "three", "one", "not the one"],
+)
+def test_the_candidate_in_view_is_found(kind: Rooms, right: float, wrong: float, seconds: float) -> None:
+    found = [identify(kind, seed) for seed in range(ROOMS)]
+    assert sum(one.is_right for one in found) >= right * ROOMS
+    assert sum(one.is_wrong for one in found) <= wrong * ROOMS
+    assert median(one.seconds for one in found) <= seconds
+
+
+def seen(*levels: float, value: float) -> Seen:
+    return Seen(levels, value, 0.01, 2.0)
+
+
+def test_two_that_shine_alike_are_never_told_apart() -> None:
+    """Both are in view; nothing is sure, however long it takes."""
+    belief, conclusion = Belief(seen(0, 0, 0, value=10), 2.0, 10.0), Conclusion(0.99)
+    for _ in range(10):
+        for first, second in ((1, 0), (1, 1), (0, 1), (0, 0)):
+            belief.add(seen(first, second, 0, value=10 + 5 * first + 5 * second))
+            assert not conclusion.add(belief)
+
+
+def test_the_effects_are_known_in_the_unit_of_the_sensor() -> None:
+    belief = Belief(seen(0, 0, value=100), 10.0, 400.0)
+    for first, second in ((1, 0), (1, 1), (0, 1), (0, 0), (1, 1), (0, 1)):
+        belief.add(seen(first, second, value=100 + 200 * first + 10 * second))
+    effect, deviation = belief.effect(0)
+    assert abs(effect - 200) < 3 * deviation < 60
+
+
+def test_a_candidate_may_be_bright_at_first() -> None:
+    belief, conclusion = Belief(seen(1, 1, value=300), 20.0, 400.0), Conclusion(0.99)
+    steps = iter([(0, 1), (1, 0), (0, 0), (0, 1), (1, 0), (1, 1), (0, 1)])
+    is_sure = False
+    while not is_sure:
+        first, second = next(steps)
+        belief.add(seen(first, second, value=90 + 200 * first + 10 * second))
+        is_sure = conclusion.add(belief)
+    assert conclusion.found == 0
