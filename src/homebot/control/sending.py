@@ -236,7 +236,7 @@ def _way_of(sent: OpenCommand) -> tuple[SharedSending | None, str]:
         return None, "again"
     if shared is None or not shared.is_possible:
         return None, ""
-    return shared, f"group {shared.device.name}"
+    return shared, shared.name
 
 
 def _orders(sent: OpenCommand, plan: SendingPlan, began: float) -> Callable[..., Command]:

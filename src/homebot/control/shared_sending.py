@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from homebot.devices import Device, DevicePart
+    from homebot.devices.command_messages import Setting
     from homebot.devices.command_sender import CommandSender
     from homebot.devices.gateway_messages import Command
     from homebot.graph import Node
@@ -25,14 +26,18 @@ _PATIENCE: Final = 0.5
 
 @final
 class SharedSending:
-    """One message to a group in place of the first sending of the commands to its members.
+    """One message to a group, or a scene, in place of the first sending of the commands to its members.
 
     It is sent when each of these is about to be sent, or need not be, because its part is already so. If one is held
     back, or the group cannot be reached, each is sent by itself.
 
+    Args:
+        recall: The command that recalls the scene; None for a group, which gets the settings of its members.
+
     Attributes:
-        device: The group.
+        device: The group, or the device that keeps the scene.
         part: Its part.
+        name: Its name for the journal.
         echoed: The capabilities that its bridge reports for the members without having heard from them.
     """
 
@@ -43,8 +48,11 @@ class SharedSending:
         group: tuple[Device, DevicePart],
         awaited: int,
         may_send: Callable[[], bool],
+        recall: Setting | None = None,
     ) -> None:
         self.device, self.part = group
+        self.name = f"group {self.device.name}" if recall is None else f"scene {self.part.part.name}"
+        self._recall = recall
         self.echoed = frozenset([one.name for one in self.part.part.capabilities if one.echoed])
         self._node, self._sender, self._may_send = node, sender, may_send
         self._awaited = awaited
@@ -61,7 +69,7 @@ class SharedSending:
         """Wait for the other commands, have one message sent for all of them, and return whether it was.
 
         Args:
-            orders: The same for each of the commands, except for their times.
+            orders: The same for each of the commands to a group, except for their times.
 
         Raises:
             UnansweredError: It was sent, but its network has not acknowledged it.
@@ -100,8 +108,11 @@ class SharedSending:
 
     async def _send(self) -> None:
         try:
-            for one in self._orders[0]:
-                await self._sender.send(self.device, self.part, one.model_copy(update={"id": ""}))
+            own: dict[str, object] = {"id": ""}
+            if self._recall is not None:
+                own |= {"capability": self._recall.capability, "value": self._recall.value}
+            for one in self._orders[0] if self._recall is None else self._orders[0][:1]:
+                await self._sender.send(self.device, self.part, one.model_copy(update=own))
             self._problem = None
         except (LinkError, RefusedError, UnansweredError) as exc:
             self._problem = exc

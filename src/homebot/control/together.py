@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Final, final
@@ -13,11 +14,13 @@ from homebot.control.command import IssuedCommand, order_of
 from homebot.control.policies.rights import must_ask
 from homebot.control.shared_sending import SharedSending
 from homebot.devices.client_rights import ALL_RIGHTS
+from homebot.devices.command_messages import Setting
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.device import is_commanded
 from homebot.devices.device_lookup import references
+from homebot.devices.obedience import is_same
 from homebot.devices.part import check_setting
-from homebot.devices.query.terms import FactIs
+from homebot.devices.query.terms import FactIs, type_is
 from homebot.errors import RefusedError, ServiceError
 
 if TYPE_CHECKING:
@@ -33,6 +36,8 @@ if TYPE_CHECKING:
     from homebot.graph import Node
 
 __all__ = ["Together"]
+
+_RECALL: Final = Setting.of("scene", True)  # noqa: FBT003 - the value of the scene
 
 _PATIENCE: Final = 0.5
 """Seconds for which a command waits for the others that were given with it."""
@@ -88,12 +93,10 @@ class Together:
             if not (one.code or one.why_it_asks or one.part.part.members):
                 alike[tuple(one.settings.items()), one.transition].append(one)
         found = [one for one in alike.values() if len(one) > 1]
-        if not found:
-            return
-        try:
-            groups = await self._lookup.devices(FactIs("category", "group"))
-        except ServiceError:
-            return
+        groups: Sequence[Device] = ()
+        if found:
+            with suppress(ServiceError):
+                groups = await self._lookup.devices(FactIs("category", "group"))
         for members in found:
             group = next((one for one in _parts_of(groups) if self._may_carry(*one, members)), None)
             if group is None:
@@ -102,6 +105,32 @@ class Together:
             shared = SharedSending(self._node, self._sender, group, len(members), may_send)
             for one in members:
                 one.shared = shared
+        if len(commands) > 1 and all(one.shared is None for one in commands):
+            await self._recall(commands)
+
+    async def _recall(self, commands: Sequence[IssuedCommand]) -> None:
+        """Let *commands* share the recall of a scene with exactly their values, if a bridge or device keeps one."""
+        try:
+            known = await self._lookup.devices(type_is("x_scene"))
+        except ServiceError:
+            return
+        parts = ((device, part) for device in known for part in device.parts if part.part.values)
+        scene = next((one for one in parts if self._may_recall(*one, commands)), None)
+        if scene is not None:
+            may_send = partial(self._may_begin, commands)
+            shared = SharedSending(self._node, self._sender, scene, len(commands), may_send, _RECALL)
+            for one in commands:
+                one.shared = shared
+
+    def _may_recall(self, device: Device, part: DevicePart, commands: Sequence[IssuedCommand]) -> bool:
+        """Return whether a scene sets exactly *commands*, and may be recalled."""
+        if device.reachable.state == "no" or not sets_exactly(part, commands):
+            return False
+        settings = {_RECALL.capability: _RECALL.value.plain()}
+        return self._is_allowed(replace(commands[0], device=device, part=part, settings=settings, rights=ALL_RIGHTS))
+
+    def _may_begin(self, commands: Sequence[IssuedCommand]) -> bool:
+        return not any(map(self._is_held, commands))
 
     def _may_carry(self, device: Device, part: DevicePart, members: Sequence[IssuedCommand]) -> bool:
         """Return whether a message to a group reaches exactly *members*, may be sent, and makes sense."""
@@ -114,12 +143,14 @@ class Together:
         except RefusedError:
             return False
         # The right to command each member is the right to reach all by their group.
-        command = replace(first, device=device, part=part, rights=ALL_RIGHTS)
+        return self._is_allowed(replace(first, device=device, part=part, rights=ALL_RIGHTS))
+
+    def _is_allowed(self, command: IssuedCommand) -> bool:
         return not self._is_held(command) and self._policies.check(command, is_recorded=False) is None
 
     def _begin(self, members: Sequence[IssuedCommand], group: tuple[Device, DevicePart]) -> bool:
         """Record that the group is commanded, unless a lease has begun meanwhile; return whether it is."""
-        if any(map(self._is_held, members)):
+        if not self._may_begin(members):
             return False
         self._timelines.command_members(order_of(members[0]), [group])
         return True
@@ -145,6 +176,21 @@ def reaches_exactly(group: DevicePart, commands: Sequence[IssuedCommand]) -> boo
                 named |= names
                 reached.add((device.id, part.id))
     return named == wanted and reached == places
+
+
+def sets_exactly(scene: DevicePart, commands: Sequence[IssuedCommand]) -> bool:
+    """Return whether the values of *scene* are exactly those of *commands*, each to another part."""
+    gateways, met = {one.gateway for one in scene.routes}, set[str]()
+    for one in commands:
+        names = set(references(one.device, one.part, gateways))
+        wanted = {each.capability: each.value.plain() for each in scene.part.values if each.member in names}
+        met |= {each.member for each in scene.part.values if each.member in names}
+        settings = one.settings
+        if one.code or wanted.keys() != settings.keys() or one.transition != commands[0].transition:
+            return False
+        if not all(is_same(name, value, settings[name]) for name, value in wanted.items()):
+            return False
+    return met == {each.member for each in scene.part.values}
 
 
 def _takes(part: DevicePart, settings: Mapping[str, PlainValue]) -> bool:

@@ -8,6 +8,7 @@ from hashlib import blake2b
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
+from homebot.devices.value import Value
 from homebot.errors import RefusedError
 from homebot.messages.message import Message
 
@@ -19,6 +20,7 @@ __all__ = [
     "Category",
     "CommandDescription",
     "Part",
+    "SceneValue",
     "accepted_values",
     "check_no_share",
     "check_setting",
@@ -85,6 +87,18 @@ class Capability(Message):
         return round(origin + min(max(near, least), most) * step, _DIGITS)
 
 
+class SceneValue(Message):
+    """The value that a scene sets on one of its members.
+
+    Attributes:
+        member: The part, as in :attr:`Part.members`.
+    """
+
+    member: str
+    capability: str
+    value: Value
+
+
 class Part(Message):
     """One function of a device: a lamp, one of two relays, a thermometer.
 
@@ -105,6 +119,7 @@ class Part(Message):
         members: The parts that its commands set too, as of a group, a room or a scene: each the identifier of a device
             for all its parts, with ``#`` and the id of a part for this one; ``#`` and an id alone for a part with an id
             that is unique in its gateway.
+        values: The values that a scene sets, if its source tells all of them; empty if it does not.
     """
 
     id: str
@@ -119,6 +134,7 @@ class Part(Message):
     writes: tuple[str, ...] = ()
     payloads: str = ""
     members: tuple[str, ...] = ()
+    values: tuple[SceneValue, ...] = ()
 
     @property
     def is_group(self) -> bool:
@@ -138,7 +154,7 @@ def size_of_texts(texts: Iterable[str]) -> int:
 
 def texts_of(part: Part) -> list[str]:
     """Return the topics, members and options of *part*, which dominate its size."""
-    texts = [*part.reads, *part.writes, *part.members]
+    texts = [*part.reads, *part.writes, *part.members, *[one.member for one in part.values]]
     for capability in part.capabilities:
         if capability.options:
             texts += capability.options

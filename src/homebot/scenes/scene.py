@@ -28,6 +28,7 @@ Place: TypeAlias = tuple[str, str]
 """The ids of a device and of its part."""
 
 _RECALL: Final = "scene"
+_BUTTONS: Final = frozenset({"x_scene", "x_setting", "generic_switch"})
 _MOST_NAMED: Final = 8
 
 
@@ -47,6 +48,11 @@ class Scene:
     recalled_by: tuple[Device, DevicePart] | None = None
     area: str = ""
 
+    @property
+    def full_name(self) -> str:
+        """Its name with the room, as one of several rooms; without a room its id."""
+        return f"{self.name} in {self.area}" if self.area else self.id
+
 
 @dataclass(slots=True)
 class _MembersByName:
@@ -64,10 +70,20 @@ class _MembersByName:
                 for name in names:
                     self.named[name].append((device.id, part.id))
 
-    def of(self, part: DevicePart) -> dict[Place, Mapping[str, PlainValue]]:
-        gateways = {one.gateway for one in part.routes}
-        names = [one for name in part.part.members for one in (name, *(f"{gateway} {name}" for gateway in gateways))]
-        return {place: {} for name in names for place in self.named.get(name, ())}
+    def of(self, device: Device, part: DevicePart) -> dict[Place, dict[str, PlainValue]]:
+        """Return the values of a scene, by part; a device that keeps a scene of its own sets its own main parts."""
+        found: dict[Place, dict[str, PlainValue]] = {}
+        for one in part.part.values:
+            for place in self._called(one.member, part):
+                found.setdefault(place, {})[one.capability] = one.value.plain()
+        if not found:
+            found = {place: {} for name in part.part.members for place in self._called(name, part)}
+        own = (one for one in device.parts if is_commanded(one.part) and one.part.service_type not in _BUTTONS)
+        return found or {(device.id, one.id): {} for one in own}
+
+    def _called(self, name: str, scene: DevicePart) -> Iterator[Place]:
+        for one in (name, *(f"{gateway} {name}" for gateway in {route.gateway for route in scene.routes})):
+            yield from self.named.get(one, ())
 
 
 @final
@@ -79,7 +95,7 @@ class HouseScenes:
         self._book = book
 
     def find(self, name: str) -> Scene:
-        """Return the scene with this name or id: that of the owner, or else the only native one.
+        """Return the scene with this name or id, such as ``Film in living``: of the owner, or else the only native one.
 
         Raises:
             UsageError: There is none, or there are several; the message names them.
@@ -88,10 +104,12 @@ class HouseScenes:
         if own is not None:
             return Scene(own.name, own.name, {place_of(target): values for target, values in own.parts.items()})
         native = list(self.native())
-        found = [one for one in native if one.id == name] or [one for one in native if fold(one.name) == fold(name)]
+        found = [one for one in native if one.id == name] or [
+            one for one in native if fold(name) in (fold(one.name), fold(one.full_name))
+        ]
         if len(found) > 1:
-            ids = ", ".join(one.id for one in found[:_MOST_NAMED])
-            raise UsageError(f"{len(found)} scenes are called {name!r}; give the id of one: {ids}")
+            ids = " or ".join(repr(one.full_name) for one in found[:_MOST_NAMED])
+            raise UsageError(f"{len(found)} scenes are called {name!r}; name one: {ids}")
         if not found:
             known = [*(one.name for one in self._book.scenes.values()), *(one.name for one in native)]
             hint = did_you_mean(name, known, "`homebot scene list` shows them")
@@ -113,7 +131,7 @@ class HouseScenes:
             for part in device.parts:
                 if any(one.name == _RECALL and one.settable for one in part.part.capabilities):
                     name, scene_id = part.part.name or device.name, target_of(device.id, part.id)
-                    yield Scene(name, scene_id, members.of(part), (device, part), device.area)
+                    yield Scene(name, scene_id, members.of(device, part), (device, part), device.area)
 
     def info(self, scene: Scene) -> SceneInfo:
         """Return *scene* for clients."""

@@ -49,12 +49,13 @@ class SceneApplying:
         """Apply *scene*, and note the values before it."""
         before, given_at = known_states(house.devices.values()), self._clock.now()
         wanted: Mapping[Place, Mapping[str, PlainValue]] = scene.parts
-        if scene.recalled_by is not None:
+        is_told = scene.recalled_by is None or (bool(wanted) and all(wanted.values()))
+        if not is_told:
             wanted = {place_of(scene.id): {"scene": True}}
         answer = await self._command(request, scene, house, wanted)
         changed = [(one.device, one.part) for one in answer.results if one.result.outcome != "refused"]
         if changed:
-            ended_at, parts = self._clock.now(), changed if scene.recalled_by is None else scene.parts
+            ended_at, parts = self._clock.now(), changed if is_told else scene.parts
             book.begin(scene.id, given_at).add(before, parts, given_at, ended_at)
         return answer
 

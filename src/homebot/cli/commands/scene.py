@@ -107,7 +107,7 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _kind(scene: SceneInfo) -> str:
-    return printable(scene.id) if scene.is_native else "homebot"
+    return printable(scene.id.partition("#")[0]) if scene.is_native else "homebot"
 
 
 def _show(door: DoorClient, options: argparse.Namespace) -> int:
@@ -115,7 +115,7 @@ def _show(door: DoorClient, options: argparse.Namespace) -> int:
     if options.json:
         print(json_text(fields_of(scene)))
         return 0
-    print_line(f"{printable(scene.name)}, kept by {_kind(scene)}")
+    print_line(f"{printable(scene.name)}, kept by {printable(scene.id) if scene.is_native else 'homebot'}")
     for part in scene.parts:
         print_line(f"  {_part_text(part)}")
     if scene.applied_at.sec:

@@ -280,3 +280,48 @@ def facts_of(resources: HueResources, ids: Collection[str]) -> dict[str, tuple[o
         one.id: (one.name, one.area, one.metadata, {(service.id, service.part.name) for service in one.services})
         for one in devices_of(resources, ids)
     }
+
+
+def room_with_a_scene(*actions: dict[str, object]) -> HueResources:
+    lamps = [
+        {"id": f"lamp-{number}", "type": "device", "services": [{"rid": f"light-{number}"}]} for number in range(1, 3)
+    ]
+    lights = [{"id": f"light-{number}", "type": "light", "on": {"on": True}} for number in range(1, 3)]
+    targets = [
+        {"target": {"rid": f"light-{number}", "rtype": "light"}, "action": action}
+        for number, action in enumerate(actions, 1)
+    ]
+    scene = {"id": "scene", "type": "scene", "group": {"rid": "Hall"}, "metadata": {"name": "Relax"}}
+    children = [{"rid": "lamp-1"}, {"rid": "lamp-2"}]
+    room = {"id": "Hall", "type": "room", "metadata": {"name": "Hall"}, "children": children}
+    resources = HueResources()
+    resources.replace([*lamps, *lights, room, {**scene, "actions": targets}])
+    return resources
+
+
+def values_of(resources: HueResources) -> list[tuple[str, str, PlainValue]]:
+    (scenes,) = devices_of(resources, ["Hall"])
+    return [(one.member, one.capability, one.value.plain()) for one in scenes.services[0].part.values]
+
+
+def test_a_scene_tells_the_values_of_its_lamps_and_of_one_that_is_off_nothing_else() -> None:
+    relaxed: dict[str, object] = {"on": {"on": True}, "dimming": {"brightness": 56.7}}
+    off: dict[str, object] = {"on": {"on": False}, "dimming": {"brightness": 10.0}}
+    assert values_of(room_with_a_scene(relaxed, off)) == [
+        ("id:hue:lamp-1#light", "on_off", True),
+        ("id:hue:lamp-1#light", "level", 56.7),
+        ("id:hue:lamp-2#light", "on_off", False),
+    ]
+
+
+def test_a_scene_with_more_than_homebot_can_say_tells_no_values() -> None:
+    """Commands to its lamps would not do the same."""
+    effect: dict[str, object] = {"on": {"on": True}, "effects": {"effect": "candle"}}
+    assert values_of(room_with_a_scene(effect, {"on": {"on": True}})) == []
+
+
+def test_a_scene_that_was_changed_in_the_app_has_its_new_values() -> None:
+    resources = room_with_a_scene({"on": {"on": True}})
+    actions = [{"target": {"rid": "light-1"}, "action": {"on": {"on": False}}}]
+    assert "Hall" in resources.change("update", {"id": "scene", "actions": actions})
+    assert values_of(resources) == [("id:hue:lamp-1#light", "on_off", False)]

@@ -7,9 +7,10 @@ from types import MappingProxyType
 from typing import Final, NamedTuple
 
 from homebot.conventions.capability_row import described
-from homebot.conventions.payload import text_of
+from homebot.conventions.payload import as_fields, text_of
 from homebot.devices.identity import identifiers, in_pairs
-from homebot.devices.part import Category, Part
+from homebot.devices.part import Category, Part, SceneValue
+from homebot.devices.value import Value
 from homebot.integrations.hue.formats.resources import Fields, HueResources, HueRow, at
 from homebot.integrations.hue.formats.service_rows import BUTTON_KINDS, MOTION_KINDS, SERVICE_ROWS
 from homebot.support.numbers import whole_number
@@ -39,6 +40,10 @@ _FACTS: Final = {
     "model_id": "model_id",
     "sw_version": "software_version",
 }
+_PLAIN: Final = frozenset({"on", "dimming", "color", "color_temperature"})
+"""Fields of the actions of scenes of which lamps report the values; not a gradient or an effect."""
+
+_MOST_ACTIONS: Final = 300
 _REACHABLE: Final = {"connected": True, "disconnected": False, "connectivity_issue": False}
 """By status in the radio network; other states mean that it only sends, or is still searched for."""
 
@@ -77,7 +82,7 @@ def devices_of(resources: HueResources, ids: Collection[str]) -> Iterator[HueDev
             yield _device(resources, rid, one)
         elif one and (scenes := tuple(resources.holders(rid, "scene", "smart_scene"))):
             members = _members(resources, one)
-            services = tuple(_service(scene, fields, scene, _name(fields), members=members) for scene, fields in scenes)
+            services = tuple(_scene(resources, scene, fields, members) for scene, fields in scenes)
             area = _name(one) if one.get("type") == "room" else ""
             yield HueDevice(rid, f"{_name(one)} scenes".strip(), services, area, identifiers((f"hue:{rid}",)))
 
@@ -118,6 +123,34 @@ def _services(device: Fields, listed: tuple[tuple[str, Fields], ...]) -> Iterato
             taken.add((kind, number))
             part_id, name = f"{kind}-{number}", _name(one) or f"{kind.replace('_', ' ').capitalize()} {number}"
         yield _service(rid, one, part_id, name, is_plug=is_plug)
+
+
+def _scene(resources: HueResources, rid: str, scene: Fields, members: tuple[str, ...]) -> HueService:
+    service = _service(rid, scene, rid, _name(scene), members=members)
+    values = tuple(_values(resources, scene))
+    is_whole = all(as_fields(as_fields(one).get("action")).keys() <= _PLAIN for one in _actions(scene))
+    return service._replace(part=service.part.model_copy(update={"values": values if is_whole else ()}))
+
+
+def _actions(scene: Fields) -> list[object]:
+    listed = scene.get("actions")
+    return listed[:_MOST_ACTIONS] if isinstance(listed, list) else []
+
+
+def _values(resources: HueResources, scene: Fields) -> Iterator[SceneValue]:
+    """Yield the values that a scene sets on the lamps that the bridge still has."""
+    for action in _actions(scene):
+        rid = text_of(at(action, "target", "rid"))
+        for owner, device in resources.holders(rid, "device"):
+            services = _services(device, tuple(resources.referred(device, "services")))
+            light = next((one for one in services if one.id == rid), None)
+            wanted = {"id": rid, "type": "light", **as_fields(at(action, "action"))}
+            is_off = at(wanted, "on", "on") is False
+            for capability, row in described(SERVICE_ROWS, wanted) if light is not None else ():
+                value = None if row.read is None or (is_off and capability.name != "on_off") else row.read(wanted)
+                if light is not None and value is not None:
+                    member = f"id:hue:{owner}#{light.part.id}"
+                    yield SceneValue(member=member, capability=capability.name, value=Value.of(value))
 
 
 def _members(resources: HueResources, group: Fields) -> tuple[str, ...]:

@@ -61,7 +61,7 @@ def at(resource: object, *path: str) -> object:
 
 MAX_RESOURCES: Final = 20_000
 _LONGEST_ID: Final = 100
-_DESCRIBING: Final = frozenset({"metadata", "name", "services", "children", "product_data", "group"})
+_DESCRIBING: Final = frozenset({"metadata", "name", "services", "children", "product_data", "group", "actions"})
 """Fields that parts, names and rooms depend on; values do not."""
 
 
@@ -133,7 +133,7 @@ class HueResources:
                 del self._holders[one]
         for one in now - was:
             self._holders.setdefault(one, {})[rid] = None
-        is_the_same = all(before.get(one) == after.get(one) for one in ("type", "metadata"))
+        is_the_same = all(before.get(one) == after.get(one) for one in ("type", "metadata", "actions"))
         changed = {rid, *(was ^ now if is_the_same else was | now)}
         return frozenset(changed.union(*(self._holders.get(one, ()) for one in changed)))
 
