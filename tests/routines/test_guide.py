@@ -43,6 +43,12 @@ class Buttons(MemoryGateway):
         await super().serve(task_status=task_status)
 """
 
+AUTOMATIONS = """
+- alias: Evening light
+  trigger: {platform: sun, event: sunset}
+  action: {service: light.turn_on, entity_id: light.hall_lamp}
+"""
+
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
@@ -51,6 +57,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
     (path / "homebot.toml").write_text(f"{shown}\n[gateways.mqtt]\n[gateways.buttons]\nclass = 'button.py:Buttons'\n")
     (path / "button.py").write_text(BUTTON)
     (path / "house.toml").write_text(HOUSE)
+    (path / "automations.yaml").write_text(AUTOMATIONS)
     (path / "evening.toml").write_text('name = "Evening"\nwhen = ["22:00"]\ndo = ["hall lamp off"]\n')
     with homebot_in(
         path, "--house", "house.toml", until=("found hall_lamp", "found hall_button", "good_night")

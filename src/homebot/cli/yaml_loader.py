@@ -4,13 +4,17 @@ Source: YAML 1.2.2, section 10.3.2 (tag resolution).
 """
 
 import re
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
+from typing import TypeVar
 
 import yaml
 
 from homebot.errors import WireError
+from homebot.routines.imports import Located
 
-__all__ = ["load_yaml"]
+__all__ = ["load_located", "load_yaml"]
+
+T = TypeVar("T")
 
 
 def load_yaml(text: str) -> object:
@@ -19,8 +23,39 @@ def load_yaml(text: str) -> object:
     Raises:
         WireError: It is none; the message begins with the place.
     """
+    return _loaded(lambda: yaml.load(text, _CoreLoader))  # noqa: S506 - it makes plain values alone
+
+
+def load_located(text: str) -> Located:
+    """Return the values of a document of YAML with their lines; own tags are kept, as texts.
+
+    Raises:
+        WireError: As for :func:`load_yaml`.
+    """
+    loader = _CoreLoader(text)
+
+    def own_tag(node: yaml.Node) -> str:
+        return node.tag if node.tag.startswith("!") else ""
+
+    def located(node: yaml.Node | None) -> Located:
+        line = 1 if node is None else node.start_mark.line + 1
+        match node:
+            case yaml.MappingNode():
+                names = loader.construct_mapping(yaml.MappingNode(node.tag, [(key, key) for key, _ in node.value]))
+                values = [located(value) for _, value in node.value]
+                return Located(dict(zip(names, values, strict=True)), line, own_tag(node))
+            case yaml.SequenceNode():
+                return Located([located(one) for one in node.value], line, own_tag(node))
+            case yaml.ScalarNode(value=value) if own_tag(node):
+                return Located(value, line, own_tag(node))
+        return Located(None if node is None else loader.construct_object(node), line)
+
+    return _loaded(lambda: located(loader.get_single_node()))
+
+
+def _loaded(load: Callable[[], T]) -> T:
     try:
-        return yaml.load(text, _CoreLoader)  # noqa: S506 - it makes plain values alone
+        return load()
     except yaml.MarkedYAMLError as exc:
         mark = exc.problem_mark
         where = f"line {mark.line + 1}, column {mark.column + 1}: " if mark is not None else ""

@@ -14,7 +14,9 @@ __all__ = ["Becomes", "Press", "RobotArrival", "Trigger", "read_state", "read_tr
 
 _LASTING: Final = re.compile(r"(?P<state>.+?)\s+for\s+(?P<length>\d[^,]*)")
 _BY_PLACE: Final = re.compile(r"(?P<what>.+?)\s+in\s+(?P<area>.+?)\s+(?P<limit>(?:below|above|<=?|>=?)\s*\S.*)")
-_PRESS: Final = re.compile(r"(?P<query>.+?)\s+(?:press|pressed|presses)(?:\s+(?P<value>\w+))?", re.IGNORECASE)
+_PRESS: Final = re.compile(
+    r"(?P<query>.+?)\s+(?:press|pressed|presses)(?:\s+(?P<value>\w+|\"[^\"]+\"|'[^']+'))?", re.IGNORECASE
+)
 _ARRIVAL: Final = re.compile(r"(?P<robot>\w+)\s+(?P<word>arrives in|leaves)\s+(?P<room>.+)", re.IGNORECASE)
 
 
@@ -86,7 +88,7 @@ def read_trigger(text: str) -> Trigger:
     if (found := _ARRIVAL.fullmatch(plain)) is not None:
         return RobotArrival(found["robot"].casefold(), found["room"], leaves=found["word"].casefold() == "leaves")
     if (pressed := _PRESS.fullmatch(plain)) is not None:
-        return Press(plain, parse_query(pressed["query"]), (pressed["value"] or "").casefold())
+        return Press(plain, parse_query(pressed["query"]), (pressed["value"] or "").strip("\"'").casefold())
     state = read_state(plain)
     if AT_HOME in state.capabilities and not (state.lasting and may_begin(state.query)):
         raise UsageError(f"{text!r} may only have been unknown before; start by 'Anna arrives' or 'everybody has left'")

@@ -35,6 +35,7 @@ _EXAMPLES = """\
   homebot routine new evening.toml         add the routines of a file; without one, write one in your editor
   homebot routine edit 'Hall light'        change it in your editor
   homebot routine remove 'Hall light'
+  homebot routine import automations.yaml > new.toml    those of another program; lists what it leaves out
   homebot routine try new.toml --on day.jsonl.gz    what the routines of a file would have done on a recorded day
 
 Routines are the tables [[routines]] of homebot.toml, which you change there (`homebot app reload hall_light` reads one
@@ -79,6 +80,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(command, _edit, _EXAMPLES)
     command.add_argument("name", metavar="NAME", help="its name")
     command.add_argument("file", metavar="FILE", nargs="?", help="its new text; - for the standard input")
+    command = add_verb(verbs, "import", "print the automations of another program as routines")
+    set_door_command(command, _import, _EXAMPLES)
+    command.add_argument("file", metavar="FILE", help="its automations, such as automations.yaml; - for standard input")
     for change, summary in _CHANGES.items():
         command = add_verb(verbs, change, summary)
         set_door_command(command, partial(_change, change), _EXAMPLES)
@@ -172,6 +176,12 @@ def _write(door: DoorClient, request: dict[str, object], file: str | None, text:
 def _print_hints(routine: RoutineInfo) -> None:
     for hint in routine.hints:
         print_line(f"{printable(routine.name)}: {printable(hint, 500)}", "yellow")
+
+
+def _import(door: DoorClient, options: argparse.Namespace) -> int:
+    from homebot.cli.routine_import import import_routines  # noqa: PLC0415 - reads YAML
+
+    return import_routines(door, options.file)
 
 
 def _change(change: str, door: DoorClient, options: argparse.Namespace) -> int:

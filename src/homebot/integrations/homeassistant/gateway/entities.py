@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.description import Publication, Publications
+from homebot.conventions.entity_rows import quantity_of_entity
 from homebot.conventions.payload import as_fields, compact_json, shown, text_of
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
@@ -195,8 +196,14 @@ class HomeAssistantEntities:
         shown_as = {text_of(one.info.get("friendly_name")) for one in sole if len(sole) == 1} - {"", name}
         aliases = (*shown_as, *self.registries.listed("aliases", key, ids))
         facts = {"tags": ", ".join(self.registries.listed("labels", key, ids)), "aliases": ", ".join(aliases)}
-        facts |= {**known, "entities": ", ".join(ids)[:_MAX_FACT]}
+        facts |= {**known, "entities": ", ".join(map(self._listed, ids))[:_MAX_FACT]}
         return {fact: text for fact, text in facts.items() if text}
+
+    def _listed(self, entity_id: str) -> str:
+        """Return the id of an entity, with its unit if homebot converts that: limits of automations are in it."""
+        info = self._entities[entity_id].info
+        unit = text_of(info.get("unit_of_measurement"))
+        return entity_id if unit in {"", quantity_of_entity(info).unit} else f"{entity_id} ({unit})"
 
     def _group(self) -> dict[str, dict[str, HomeAssistantEntity]]:
         """Return the entities by device and part, each with its newest entry."""

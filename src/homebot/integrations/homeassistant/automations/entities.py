@@ -1,0 +1,210 @@
+"""The devices and parts of a house by the ids of their entities in Home Assistant. Pure."""
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from typing import Final, NamedTuple, final
+
+from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.device import Device, DevicePart
+from homebot.devices.query.tokens import quoted
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError
+from homebot.support.folding import fold
+
+__all__ = ["Entities", "KnownEntity", "text_value"]
+
+_ID: Final = re.compile(r"[a-z_]+\.[a-z0-9_]+")
+_LISTED: Final = re.compile(r"(?P<id>[a-z_]+\.[a-z0-9_]+)(?: \((?P<unit>[^)]*)\))?")
+_FACT: Final = "entities"
+_ODD: Final = re.compile(r"[\"\\\n]|: |\b(?:for|in|press|pressed|presses)\b", re.IGNORECASE)
+"""Parts of names that mean something else in texts of routines."""
+
+_SENSORS: Final = {"binary_sensor": True, "sensor": False}
+"""Whether they measure what is true or false."""
+
+_NAMES: Final = {"press": "action"}
+"""The names of capabilities in ids of sensors."""
+
+_TYPES: Final = {"light": ("light",), "switch": ("switch", "plug", "pump")}
+"""The types of parts that entities of a domain are."""
+
+_CONTROLS: Final = {
+    "light": "on_off",
+    "switch": "on_off",
+    "input_boolean": "on_off",
+    "fan": "on_off fan_speed",
+    "siren": "on_off",
+    "humidifier": "on_off",
+    "media_player": "playback on_off volume",
+    "cover": "movement position",
+    "lock": "lock",
+    "climate": "thermostat_mode heating_setpoint cooling_setpoint local_temperature",
+    "vacuum": "vacuum",
+    "alarm_control_panel": "alarm",
+    "person": "place",
+    "device_tracker": "place",
+    "event": "press",
+    "scene": "scene",
+    "button": "push",
+    "input_button": "push",
+    "select": "option",
+    "input_select": "option",
+}
+"""The capabilities of which a part has one that is an entity of the domain."""
+
+
+class KnownEntity(NamedTuple):
+    """An entity with the part that it is in homebot.
+
+    Attributes:
+        capability: What a sensor measures; empty for anything else.
+        unit: Its unit in Home Assistant, if that is another than homebot's; empty otherwise.
+        name: The name that means its device alone.
+    """
+
+    id: str
+    device: Device
+    part: DevicePart
+    capability: str
+    name: str
+    unit: str = ""
+
+    @property
+    def domain(self) -> str:
+        """The domain, such as ``light``."""
+        return self.id.partition(".")[0]
+
+    def has(self, capability: str, *, settable: bool = False) -> bool:
+        """Return whether its part has a capability."""
+        return any(
+            one.name == capability and (one.settable if settable else one.readable)
+            for one in self.part.part.capabilities
+        )
+
+    def options(self, capability: str) -> tuple[str, ...]:
+        """Return the texts of a capability that its part declares."""
+        return next((one.options for one in self.part.part.capabilities if one.name == capability), ())
+
+
+@final
+class Entities:
+    """The entities that the gateway of Home Assistant lists, and those whose name leads to one device alone.
+
+    Home Assistant makes ids of the names of devices and entities, unless their owner changes one of them later.
+    """
+
+    def __init__(self, devices: Iterable[Device]) -> None:
+        self._devices = tuple(devices)
+        self._names = Counter(name for one in self._devices for name in _names(one))
+        self._listed = {entity: (one, unit) for one in self._devices for entity, unit in _entities_of(one)}
+        self.used: dict[str, KnownEntity] = {}
+
+    def find(self, entity_id: str, line: int) -> KnownEntity:
+        """Return the entity *entity_id*.
+
+        Raises:
+            NotCarriedError: homebot knows none, or several.
+        """
+        if not _ID.fullmatch(entity_id):
+            raise NotCarriedError(line, f"{entity_id!r} is no id of an entity, such as light.hall")
+        if entity_id not in self.used:
+            self.used[entity_id] = self._find(entity_id, line)
+        return self.used[entity_id]
+
+    def device_of(self, device_id: str, line: int) -> Device:
+        """Return the device with the id *device_id* of Home Assistant.
+
+        Raises:
+            NotCarriedError: There is none.
+        """
+        found = [one for one in self._devices if any(route.key == device_id for route in one.endpoints)]
+        if len(found) != 1:
+            raise NotCarriedError(
+                line, f"the device {device_id!r} is not known; homebot needs the gateway of Home Assistant for it"
+            )
+        return found[0]
+
+    def name_of(self, device: Device) -> str:
+        """Return the name of *device* if it is plain and no other one has it, else its id."""
+        is_plain = self._names[fold(device.name)] == 1 and not _ODD.search(device.name)
+        return device.name if is_plain else device.id
+
+    def room_of(self, area_id: str, line: int) -> str:
+        """Return the room with the id *area_id* of Home Assistant.
+
+        Raises:
+            NotCarriedError: There is none, or several.
+        """
+        areas = {one.area for one in self._devices if one.area}
+        found = [one for one in areas if slug_of(one) == area_id]
+        if len(found) != 1:
+            raise NotCarriedError(line, f"the area {area_id!r} is no room that homebot knows")
+        if others := [one for one in areas if one != found[0] and fold(one).startswith(fold(found[0]))]:
+            raise NotCarriedError(line, f"the area {area_id!r} would mean {others[0]} as well")
+        return found[0]
+
+    def _find(self, entity_id: str, line: int) -> KnownEntity:
+        domain, _, slug = entity_id.partition(".")
+        listed = self._listed.get(entity_id)
+        if listed is not None:
+            meant = [(listed[0], *one) for one in _meant(listed[0], domain, slug, is_sure=True)]
+        else:
+            meant = [(device, *one) for device in self._devices for one in _meant(device, domain, slug)]
+        if len(meant) == 1:
+            ((device, part, capability),) = meant
+            return KnownEntity(entity_id, device, part, capability, self.name_of(device), listed[1] if listed else "")
+        problem = "may be several parts of what homebot knows" if meant or listed else "is nothing that homebot knows"
+        raise NotCarriedError(line, f"{entity_id} {problem}")
+
+
+def text_value(text: str) -> str:
+    """Return *text* as a value in a query, in quotation marks that a file of TOML need not escape, if possible."""
+    return quoted(text) if set("'\"\\") & set(text) else f"'{text}'"
+
+
+def slug_of(name: str) -> str:
+    """Return *name* as it is in ids."""
+    return "_".join(re.findall(r"[a-z0-9]+", fold(name)))
+
+
+def _names(device: Device) -> set[str]:
+    return {fold(one) for one in (device.id, device.name, *device.names)}
+
+
+def _entities_of(device: Device) -> Iterator[tuple[str, str]]:
+    for fact in device.facts:
+        if fact.name == _FACT:
+            for found in filter(None, map(_LISTED.fullmatch, fact.value.split(", "))):
+                yield found["id"], found["unit"] or ""
+
+
+def _meant(device: Device, domain: str, slug: str, *, is_sure: bool = False) -> list[tuple[DevicePart, str]]:
+    """Return the parts of *device*, each with its measured capability, that the entity may be.
+
+    Args:
+        is_sure: Whether the entity belongs to the device, whatever its name is.
+    """
+    possible = [*_possible(device, domain)]
+    names = {slug_of(one) for one in _names(device)}
+    if len(possible) == 1 and (is_sure or slug in names):
+        return possible
+    return [
+        (part, capability)
+        for part, capability in possible
+        for own in {slug_of(one) for one in (part.part.name, part.part.tag, _NAMES.get(capability, capability))} - {""}
+        if any(slug == f"{name}_{own}" for name in names)
+    ][:2]
+
+
+def _possible(device: Device, domain: str) -> Iterator[tuple[DevicePart, str]]:
+    """Yield the parts that an entity of *domain* may be, each with the capability that a sensor measures."""
+    kinds = _TYPES.get(domain)
+    for part in device.parts:
+        for one in part.part.capabilities if domain in _SENSORS else ():
+            is_flag = CAPABILITIES.get(one.name, OWN).kind == "bool" or one.name == "state"
+            if one.readable and not one.settable and is_flag is _SENSORS[domain]:
+                yield part, one.name
+        abilities = {one.name for one in part.part.capabilities}
+        is_kind = kinds is None or part.part.service_type in kinds
+        if is_kind and not abilities.isdisjoint(_CONTROLS.get(domain, "").split()):
+            yield part, ""

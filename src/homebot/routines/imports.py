@@ -1,0 +1,67 @@
+"""Import of the automations of another program: the contract of its readers, by entry point. Pure."""
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple, Protocol
+
+from homebot.devices.device import Device
+
+__all__ = ["IMPORTERS", "AutomationReader", "ImportedRoutines", "Located", "Refusal"]
+
+IMPORTERS: Final = "homebot.automation_readers"
+"""The entry-point group."""
+
+
+class Located(NamedTuple):
+    """A value of a file of YAML.
+
+    Attributes:
+        value: A dict or list of located values, or a plain one.
+        tag: Its own tag, such as ``!secret``; empty for none.
+    """
+
+    value: object
+    line: int
+    tag: str = ""
+
+
+class Refusal(NamedTuple):
+    """A part of an automation that is not carried over.
+
+    Attributes:
+        name: The automation.
+        problem: The part, with the reason.
+    """
+
+    line: int
+    name: str
+    problem: str
+
+
+class ImportedRoutines(NamedTuple):
+    """The routines of a file.
+
+    Attributes:
+        texts: Tables ``[[routines]]``, each with comments that name its source and its devices.
+        refused: All that was not carried over; an automation with one of these has no text.
+        total: The number of automations.
+    """
+
+    texts: tuple[str, ...]
+    refused: tuple[Refusal, ...]
+    total: int
+
+
+class AutomationReader(Protocol):
+    """A reader of the automations of one program."""
+
+    def read(self, document: Located, source: str, devices: Sequence[Device]) -> ImportedRoutines:
+        """Return the routines for the automations in *document*, which are carried over in full or refused.
+
+        Args:
+            source: The name of the file.
+            devices: The devices of the house, for the names in the automations.
+
+        Raises:
+            UsageError: It contains no automations.
+        """
+        ...

@@ -1,0 +1,219 @@
+"""Forty automations in the shapes that people publish: carried over right, or refused by name.
+
+HOMEBOT_WRITE_GOLDEN=1 writes what is carried over anew, to be read by a person.
+"""
+
+import json
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import cast
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.cli.yaml_loader import load_located
+from homebot.devices.device import Device, DevicePart, Endpoint, Fact
+from homebot.devices.part import Capability, Part
+from homebot.devices.query.terms import NameIs, leaves
+from homebot.errors import UsageError
+from homebot.integrations.homeassistant.automations import HomeAssistantAutomations
+from homebot.messages import Time
+from homebot.routines.conditions import Matches, read_condition
+from homebot.routines.imports import ImportedRoutines
+from homebot.routines.steps import Do, read_step
+from homebot.routines.text import read_routines
+from homebot.support.folding import fold
+
+HERE = Path(__file__).parent
+SOURCE = "automations.yaml"
+SETTABLE = {
+    "on_off", "level", "color", "color_temperature", "movement", "position", "lock", "heating_setpoint",
+    "thermostat_mode", "playback", "volume", "vacuum", "alarm", "scene",
+}  # fmt: skip
+OPTIONS = {
+    "press": ("single", "double", "hold", "long", "remote_button_short_press turn_on"),
+    "thermostat_mode": ("off", "heat"),
+}
+NOW = Time.from_seconds(0.0)
+
+
+def part(part_id: str, kind: str, *names: str, name: str = "") -> DevicePart:
+    bounds = {"heating_setpoint": (5.0, 30.0)}
+    able = tuple(
+        Capability(name=one, settable=one in SETTABLE, options=OPTIONS.get(one, ()), bounds=bounds.get(one, ()))
+        for one in names
+    )
+    return DevicePart(id=part_id, part=Part(id=part_id, service_type=kind, name=name, capabilities=able), routes=())
+
+
+def device(name: str, *parts: DevicePart, entities: str = "", key: str = "", area: str = "") -> Device:
+    endpoint = Endpoint(gateway="homeassistant", key=key or name, address="", command_address="", freshness="fresh",
+                        last_seen=NOW)  # fmt: skip
+    facts = (Fact(name="entities", value=entities, gateway="homeassistant", convention="", key=key, said_at=NOW),)
+    return Device(
+        id=name.lower().replace(" ", "_"), name=name, names=(name,), service_type=parts[0].part.service_type,
+        endpoints=(endpoint,), metadata=(), first_seen=NOW, last_seen=NOW, expires=NOW, freshness="fresh",
+        parts=parts, area=area, facts=facts if entities else (),
+    )  # fmt: skip
+
+
+LAMP = ("on_off", "level", "color", "color_temperature")
+HOUSE = (
+    device("Hall lamp", part("", "light", *LAMP), area="Hall"),
+    device("Floor lamp", part("", "light", "on_off"), area="Living room"),
+    device("Hall motion", part("", "occupancy_sensor", "occupancy", "illuminance", "battery", "tamper"), area="Hall"),
+    device("Stairs motion", part("", "occupancy_sensor", "occupancy")),
+    device("Bath window", part("", "contact_sensor", "contact", "battery")),
+    device("Front door", part("", "contact_sensor", "contact", "battery_low")),
+    device("Front door lock", part("", "door_lock", "lock"), entities="lock.front_door"),
+    device("Bath heating", part("", "thermostat", "heating_setpoint", "local_temperature", "thermostat_mode")),
+    device("Washer", part("", "plug", "on_off"), part("m", "electrical_meter", "power", "energy")),
+    device("Stove", part("", "electrical_meter", "power"), entities="sensor.oven_power (kW)"),
+    device("Kitchen plug", part("", "plug", "on_off")),
+    device("Double relay", part("l", "switch", "on_off", name="left"), part("r", "switch", "on_off", name="right")),
+    device("Living blind", part("", "window_covering", "movement", "position"), area="Living room"),
+    device("Kitchen radio", part("", "speaker", "on_off", "volume", "playback")),
+    device("Hall button", part("", "generic_switch", "press"), key="dev-button"),
+    device("Remote", part("", "generic_switch", "press"), key="dev-remote"),
+    device("Bell", part("", "generic_switch", "press"), entities="event.doorbell"),
+    device("Movie", part("", "x_scene", "scene"), entities="scene.movie"),
+    device("Anna", part("", "x_tracker", "place"), entities="person.anna"),
+    device("House alarm", part("", "x_alarm_panel", "alarm"), entities="alarm_control_panel.house"),
+    device("Rosie", part("", "robotic_vacuum_cleaner", "vacuum")),
+)
+
+
+def read(text: str, devices: Iterable[Device] = HOUSE) -> ImportedRoutines:
+    return HomeAssistantAutomations().read(load_located(text), SOURCE, tuple(devices))
+
+
+@pytest.fixture(scope="module")
+def found() -> ImportedRoutines:
+    return read((HERE / SOURCE).read_text("utf-8"))
+
+
+def golden(name: str, shown: str) -> str:
+    """Return what the file *name* has."""
+    path = HERE / name
+    if os.environ.get("HOMEBOT_WRITE_GOLDEN"):
+        path.write_text(shown, "utf-8")
+    return path.read_text("utf-8")
+
+
+def test_what_is_carried_over_means_the_same(found: ImportedRoutines) -> None:
+    """The file was compared with the automations by hand."""
+    assert "\n".join(found.texts) == golden("routines.toml", "\n".join(found.texts))
+
+
+def test_what_is_not_carried_over_is_named_with_its_line_and_reason(found: ImportedRoutines) -> None:
+    shown = "".join(f"{one.line}: {one.name}: {one.problem}\n" for one in sorted(found.refused))
+    assert shown == golden("refused.txt", shown)
+
+
+def test_each_automation_is_carried_over_or_refused_and_none_both(found: ImportedRoutines) -> None:
+    """None is carried over in half."""
+    refused = {one.name for one in found.refused}
+    carried = {one.name.partition(" (")[0] for one in read_routines("\n".join(found.texts), SOURCE)}
+    assert found.total == 42
+    assert refused & carried == {"Hall light by motion"}, "the second one of this name is refused"
+    assert len(refused | carried) == 41
+
+
+KEYS = (
+    "alias",
+    "trigger",
+    "platform",
+    "condition",
+    "action",
+    "service",
+    "entity_id",
+    "to",
+    "for",
+    "choose",
+    "if",
+    "data",
+)
+VALUES = ("state", "on", "light.hall_lamp", "light.turn_on", "name='x", "{{ x }}", "00:05:00", "and", "trigger", "or")
+
+
+@given(
+    st.recursive(
+        st.sampled_from(VALUES) | st.integers() | st.booleans() | st.none(),
+        lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(KEYS), inner, max_size=5),
+        max_leaves=30,
+    )
+)
+def test_any_document_is_read_or_refused(document: object) -> None:
+    """What is carried over can be read by homebot."""
+    try:
+        found = read(json.dumps(document))
+    except UsageError:
+        return
+    assert found.total == len(found.texts) or found.refused
+    for one in found.texts:
+        read_routines(one, SOURCE)
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("Anna's lamp", "Anna's lamp"),
+        ("Turn on off", "Turn on off"),
+        ("Lamp in hall below 5", "the/id"),
+        ("Lamp for 5m", "the/id"),
+        ('Lamp "two", on', "the/id"),
+        ("press press", "the/id"),
+        ("a: b", "the/id"),
+    ],
+)
+def test_strange_names_are_written_so_that_homebot_reads_them_again(name: str, meant: str) -> None:
+    lamp = device(name, part("", "light", "on_off"), entities="light.a").model_copy(update={"id": "the/id"})
+    text = """
+- alias: A
+  trigger: {platform: time, at: '12:00'}
+  condition: {condition: state, entity_id: light.a, state: 'on'}
+  action: {service: light.turn_off, entity_id: light.a}
+"""
+    found = read(text, [lamp])
+    assert not found.refused
+    (routine,) = read_routines(found.texts[0], SOURCE)
+    (condition,) = map(read_condition, cast("list[str]", routine.table["if"]))
+    assert isinstance(condition, Matches)
+    assert next(leaves(condition.state.query)) == NameIs(fold(meant))
+    (step,) = map(read_step, cast("list[str]", routine.table["do"]))
+    assert isinstance(step, Do)
+    assert (step.target, step.command) == (meant, "off")
+
+
+def test_two_devices_of_one_name_are_told_apart_by_their_ids() -> None:
+    lamps = [device("Lamp", part("", "light", "on_off"), entities=f"light.{one}") for one in "ab"]
+    lamps = [one.model_copy(update={"id": f"lights/{number}"}) for number, one in enumerate(lamps)]
+    text = "- {trigger: {platform: time, at: '9:00'}, action: {service: light.turn_on, entity_id: light.b}}"
+    (found,) = read(text, lamps).texts
+    assert 'do = ["lights/1 on"]' in found
+
+
+def test_a_name_that_two_devices_may_have_made_is_refused() -> None:
+    lamps = [device(name, part("", "light", "on_off")).model_copy(update={"id": name}) for name in ("A b", "A-b")]
+    found = read(
+        "- {trigger: {platform: sun, event: sunset}, action: {service: light.turn_on, entity_id: light.a_b}}", lamps
+    )
+    assert [one.problem for one in found.refused] == ["light.a_b may be several parts of what homebot knows"]
+
+
+def test_parts_of_an_automation_with_ids_do_not_wait() -> None:
+    """As routines of their own they would no longer end each other."""
+    text = """
+- alias: A
+  mode: restart
+  trigger:
+    - {platform: state, entity_id: binary_sensor.stairs_motion, to: 'on', id: begin}
+    - {platform: state, entity_id: binary_sensor.stairs_motion, to: 'off', id: end}
+  action:
+    - if: [{condition: trigger, id: end}]
+      then: [{delay: 60}, {service: light.turn_off, entity_id: light.hall_lamp}]
+      else: [{service: light.turn_on, entity_id: light.hall_lamp}]
+"""
+    assert [one.problem.partition(":")[0] for one in read(text).refused] == ["a wait in an automation with `condition"]
