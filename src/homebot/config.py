@@ -162,6 +162,7 @@ class Config(BaseModel):
         notify: The table ``[notify]``: where notifications of apps are sent; None to only log them.
         alerts: The table ``[alerts]``: seconds after which people are told of each kind; false for never.
         devices: The tables ``[devices.NAME]``: the owner's limits of readings.
+        groups: The tables ``[[groups]]``: names for the devices that fit a query.
         source: The file, or another source of the values, for error messages.
         folder: The base folder of relative paths: that of the file.
     """
@@ -179,6 +180,7 @@ class Config(BaseModel):
     alerts: dict[AlertKey, _Delay] = Field(default_factory=dict)
     places: Table = Field(default_factory=dict)
     devices: dict[str, Table] = Field(default_factory=dict)
+    groups: tuple[Table, ...] = ()
     robots: dict[str, Table] = Field(default_factory=dict)
     ros: Table = Field(default_factory=dict)
     source: str = Field(default="configuration", exclude=True)
@@ -212,8 +214,8 @@ def load_tables(path: Path, *, may_be_cut: bool = False) -> dict[str, object]:
             raise ConfigError(
                 source,
                 name,
-                "unknown key; known are home, gateways, apps, routines, people, door, discovery, control, history, "
-                "notify, alerts, places, devices, robots, ros",
+                "unknown key; known are home, gateways, apps, routines, groups, people, door, discovery, control, "
+                "history, notify, alerts, places, devices, robots, ros",
             )
     return tables
 

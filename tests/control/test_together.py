@@ -331,3 +331,28 @@ async def test_a_batch_with_different_commands_shares_a_message_for_those_that_a
 
     await perform_all(perform, requests)
     assert sorted(keys(home)) == ["four", "group"]
+
+
+async def do(home: Home, target: str, word: str = "on") -> list[str]:
+    """Command in words; return the devices that were commanded."""
+    client = home.app.create_client(CommandDevices, COMMAND_DEVICES)
+    answer = await client.call(CommandDevicesRequest(target=target, command=word), timeout=60)
+    assert answer.results, answer.message
+    return [one.device for one in answer.results]
+
+
+async def test_the_name_of_a_group_of_a_gateway_means_its_members(home: Home) -> None:
+    await put_lamps(home)
+    assert await do(home, "group") == sorted(LAMPS)
+    assert keys(home) == ["group"]
+
+
+async def test_a_group_whose_members_are_unknown_is_told_itself(home: Home) -> None:
+    _put(home, "lonely", ("on_off",), "id:away")
+    await anyio.sleep(1)
+    assert await do(home, "lonely") == ["lonely"]
+
+
+async def test_everything_does_not_count_a_group_beside_its_members(home: Home) -> None:
+    await put_lamps(home)
+    assert await do(home, "everything") == sorted(LAMPS)

@@ -30,6 +30,7 @@ COMMANDS: Final = {
     "bind": "let a button do something",
     "routine": "list and show routines, start them, switch them on and off",
     "scene": "save, apply, undo and change scenes: values of several devices under one name",
+    "group": "list groups of devices, with their members",
     "config": "check the configuration",
     "devices": "list the devices in the house",
     "find": "find devices by type, capability, state, room or name",

@@ -10,13 +10,14 @@ from homebot.command_words.suitable_parts import controls, part_name, settings_b
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, QueryDevices
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device_lookup import DeviceLookup, ask_which
+from homebot.devices.names import GROUP
 from homebot.devices.outcomes import no_such_part
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.readings import Readings, readings_of
 from homebot.devices.query.term_messages import query_terms
-from homebot.devices.query.terms import And, CanDo, HasText, Or, Query, StateIs, TypeIs, leaves, split_near
+from homebot.devices.query.terms import And, CanDo, FactIs, HasText, Or, Query, StateIs, TypeIs, leaves, split_near
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import RefusedError
 from homebot.graph import Node
@@ -96,7 +97,7 @@ class CommandTargets:
             UsageError: The target is not a query.
             ServiceError: The directory does not answer.
         """
-        found = await self._find(request, request.target.strip())
+        found = _without_groups(await self._find(request, request.target.strip()))
         taken = {
             (device.id, part.id): parsed != {"push": True}
             for device, parts in found
@@ -165,8 +166,21 @@ class CommandTargets:
             if len(called) > 1:
                 return _Matches([(one, one.parts) for one in called], ask_which(text, called))
             if called:
-                return _parts_called(phrase.request, called[0], text)
+                members = await self._of_native_group(phrase.request, called[0])
+                return members or _parts_called(phrase.request, called[0], text)
+            group = FactIs(GROUP, fold(text))
+            if found := await self._lookup.devices(group):
+                return _Matches([(one, _parts(one, group)) for one in found])
         return _Matches([])
+
+    async def _of_native_group(self, request: CommandDevicesRequest, device: Device) -> _Matches | None:
+        """Find the members of a group that a gateway knows as the device; None for any other, or if none takes it."""
+        found: dict[str, tuple[Device, dict[str, DevicePart]]] = {}
+        for part in device.parts:
+            for member, its_part in await self._lookup.members(device, part) if part.part.is_group else ():
+                found.setdefault(member.id, (member, {}))[1][its_part.id] = its_part
+        members = [(one, tuple(parts.values())) for one, parts in found.values()]
+        return _Matches(members) if any(takes(request, one) for one in members) else None
 
     async def _part_worded(self, phrase: _TargetPhrase) -> _Matches:
         """Find a part by its name, unless that is only a type or a condition."""
@@ -226,6 +240,11 @@ _MOST_NAMES = 8
 
 _MOST_NEAR = 10
 """The number of nearest devices that are tried."""
+
+
+def _without_groups(found: list[Target]) -> list[Target]:
+    """Return *found* without the groups of gateways, unless there is nothing else: their members are found too."""
+    return [one for one in found if not any(part.part.is_group for part in one[1])] or found
 
 
 def _clear(found: _Matches) -> list[Target]:

@@ -6,6 +6,7 @@ GET_INDEX_DATA = "/getIndexData"
 FIND_DEVICES = "/discovery/find_devices"
 QUERY_DEVICES = "/discovery/query"
 LIST_DEVICES = "/discovery/list"
+LIST_GROUPS = "/discovery/groups"
 FORGET_DEVICE = "/discovery/forget"
 SPLIT_DEVICE = "/discovery/split"
 MERGE_DEVICES = "/discovery/merge"
@@ -119,6 +120,9 @@ RUNTIME_NODE = "/homebot"
 
 MACHINE_NODE = "/machine"
 """The node of a machine with gateways only, whose index and control are those of the homebot of the house."""
+
+GROUP = "group"
+"""The fact of a device that names a group of which it is a member."""
 
 OWNER = "owner"
 """The convention of facts that the owner states."""

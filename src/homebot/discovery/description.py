@@ -45,6 +45,9 @@ class DeviceDescription:
     """The fields of a device that follow from its announcements and the owner's statements.
 
     The names are those of :class:`homebot.devices.Device`.
+
+    Attributes:
+        groups: The facts that name the groups of which it is a member; None if these are not found yet.
     """
 
     name: str
@@ -59,6 +62,7 @@ class DeviceDescription:
     merged: MergedParts
     outer_areas: tuple[str, ...]
     tags: tuple[str, ...] = ()
+    groups: tuple[Fact, ...] | None = None
 
 
 def describe_device(

@@ -4,6 +4,7 @@ import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from operator import attrgetter
+from typing import TYPE_CHECKING
 
 from homebot.devices import (
     Device,
@@ -41,6 +42,9 @@ from homebot.discovery.search.columns import StoredValue
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
+
+if TYPE_CHECKING:
+    from homebot.discovery.groups import HouseGroups
 
 __all__ = ["Entry", "silent_gateways"]
 
@@ -164,7 +168,16 @@ class Entry:
                 evidence=self.evidence,
                 conflicts=described.merged.conflicts,
             )
+            if self.owner is not None and self.owner.groups is not None:
+                self.device = self._in_groups(self.device, described, self.owner.groups)
         return self.device
+
+    @staticmethod
+    def _in_groups(device: Device, described: DeviceDescription, groups: "HouseGroups") -> Device:
+        if described.groups is None:
+            described.groups = groups.facts_of(device)
+        facts = (*described.groups, *device.facts)[:MAX_FACTS]
+        return device.model_copy(update={"facts": facts}) if described.groups else device
 
     def reachability(self) -> Reachability:
         """Return whether it can be reached, combined from its parts."""

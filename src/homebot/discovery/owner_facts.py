@@ -13,7 +13,7 @@ A command outranks an import, an import the configuration, and a later statement
 import json
 from collections.abc import Collection, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias, final, get_args
+from typing import TYPE_CHECKING, TypeAlias, final, get_args
 
 from homebot.config import UNNAMED
 from homebot.discovery.approvals import ApprovalRegistry
@@ -23,6 +23,9 @@ from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import ConfigError, RefusedError, WireError
 from homebot.places import FactName, HouseDoor, HousePlan, HouseRoom, OwnerFact, Places
 from homebot.support.folding import fold
+
+if TYPE_CHECKING:
+    from homebot.discovery.groups import HouseGroups
 
 __all__ = ["MAX_STATEMENTS", "OwnerFacts"]
 
@@ -64,6 +67,7 @@ class OwnerFacts:
         closed_door: Metres that a closed door adds to a path.
         is_empty: Whether nothing has been stated about any device.
         is_unsaved: Whether some statements are not in the index file.
+        groups: The owner's groups; None if there are none.
         prefer: The gateways that the configuration prefers for commands, best first.
         read_at: When the configuration was read at the start, in seconds since the Unix epoch.
     """
@@ -75,6 +79,7 @@ class OwnerFacts:
         self.approvals = ApprovalRegistry()
         self.is_unsaved = False
         self.prefer: tuple[str, ...] = ()
+        self.groups = _groups(given, read_at)
         self.read_at = read_at
         self._configured = _configured(given, read_at)
         self._by_name: dict[_Name, _Statement] = {}
@@ -174,6 +179,7 @@ class OwnerFacts:
 
     def reconfigure(self, places: Places, rooms: HouseRooms, read_at: float) -> None:
         """Replace the statements of the configuration, with *rooms* to match."""
+        self.groups = _groups(places, read_at)
         self.closed_door, self.rooms, self._configured = places.closed_door, rooms, _configured(places, read_at)
         self.is_empty = self.is_empty and not self._configured
 
@@ -300,6 +306,14 @@ class OwnerFacts:
 
     def _has_room(self) -> bool:
         return len(self._by_name) + len(self._known_as) < MAX_STATEMENTS
+
+
+def _groups(places: Places, read_at: float) -> "HouseGroups | None":
+    if not places.groups:
+        return None
+    from homebot.discovery.groups import HouseGroups  # noqa: PLC0415 - many homes have none
+
+    return HouseGroups(places.groups, read_at)
 
 
 def _configured(places: Places, read_at: float) -> dict[str, _Facts]:

@@ -8,6 +8,7 @@ from homebot.discovery.description import position_of
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.house_rooms import HouseRooms
+from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.places_editor import PlacesEditor
 from homebot.discovery.source_record import SourceKey
 from homebot.errors import ConfigError
@@ -106,13 +107,14 @@ class PlacesExchange:
         """
         owner = self._table.owner
         before = {entry: owner.of(entry.id, entry.sources.values()) for entry in tuple(self._table.entries.values())}
-        plan = owner.plan
+        plan, queries = owner.plan, _queries(owner)
         owner.reconfigure(places, rooms, now)
+        is_regrouped = queries != _queries(owner)
         for entry, facts in before.items():
             yield
             if self._table.entries.get(entry.id) is entry:
                 owner.adopt(entry.id, entry.sources.values())
-                if _values(facts) != _values(owner.of(entry.id, entry.sources.values())):
+                if is_regrouped or _values(facts) != _values(owner.of(entry.id, entry.sources.values())):
                     self._editor.restate((entry,), "the configuration was reloaded")
         yield from self._restate(plan, owner.plan)
 
@@ -197,6 +199,10 @@ def parse_places(text: str, home: str, now: float, known: Iterable[HouseRoom] = 
         ConfigError: Describes the first mistake, with its key and value.
     """
     return read_places(_places_table(text, known), home, SOURCE, "import", now, known)
+
+
+def _queries(owner: OwnerFacts) -> Mapping[str, str]:
+    return {} if owner.groups is None else owner.groups.queries
 
 
 def _values(facts: Iterable[OwnerFact]) -> list[tuple[str, str]]:

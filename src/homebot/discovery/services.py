@@ -13,9 +13,10 @@ import homebot.places
 from homebot.devices import FIND_DEVICES, GET_CHANGES, GET_INDEX_DATA, QUERY_DEVICES, Device, names
 from homebot.devices import services as messages
 from homebot.devices.always_ask import waits_for_approval
+from homebot.devices.group_messages import ListGroups, ListGroupsRequest, ListGroupsResponse
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.query.term_messages import read_terms
-from homebot.devices.query.terms import And, Query, split_near, type_is
+from homebot.devices.query.terms import And, FactIs, Query, split_near, type_is
 from homebot.devices.value import Reading
 from homebot.discovery.description import position_of
 from homebot.discovery.index import DeviceIndex
@@ -24,6 +25,8 @@ from homebot.discovery.places_services import OwnerRequests, PlacesServices
 from homebot.discovery.search.rank import rank, reasons
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
+from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.discovery.nearness import Nearness
@@ -65,6 +68,7 @@ class DirectoryServices:
         node.create_service(messages.FindDevices, FIND_DEVICES, self._find_devices)
         node.create_service(messages.QueryDevices, QUERY_DEVICES, self._query)
         node.create_service(messages.ListDevices, names.LIST_DEVICES, self._list)
+        node.create_service(ListGroups, names.LIST_GROUPS, self._list_groups)
         node.create_service(messages.GetChanges, GET_CHANGES, self._get_changes)
         owner.serve(messages.ForgetDevice, names.FORGET_DEVICE, self._forget)
         owner.serve(messages.SplitDevice, names.SPLIT_DEVICE, self._split)
@@ -252,7 +256,29 @@ class DirectoryServices:
         notes = [
             f"the rooms {one} and {other} overlap by {area:.1f} m²; correct [places]" for one, other, area in overlaps
         ]
+        notes += self._empty_groups()
         return HealthResponse(counts=counts, troubles=troubles, notes=tuple(notes))
+
+    async def _list_groups(self, request: ListGroupsRequest) -> ListGroupsResponse:
+        from homebot.discovery.group_list import list_groups  # noqa: PLC0415 - few homes ask
+
+        await self._catch_up()
+        owner, wanted = self._index.owner, fold(request.name)
+        groups = list_groups(self._index.devices(), {} if owner.groups is None else owner.groups.queries)
+        if not wanted:
+            return ListGroupsResponse(success=True, groups=groups)
+        found = tuple([one for one in groups if wanted == fold(one.name) or request.name == one.id])
+        known = did_you_mean(request.name, [one.name for one in groups], "`homebot group list` shows all")
+        problem = "" if found else f"there is no group {request.name!r}; {known}"
+        return ListGroupsResponse(success=not problem, message=problem, groups=found)
+
+    def _empty_groups(self) -> list[str]:
+        groups = self._index.owner.groups
+        return [
+            f"the group {name} is empty: no device fits {query!r}; correct its members in [[groups]]"
+            for name, query in ({} if groups is None else groups.queries).items()
+            if not self._index.find(FactIs(names.GROUP, fold(name)))
+        ]
 
 
 def _reason(exc: RefusedError | UsageError) -> str:

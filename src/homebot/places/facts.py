@@ -81,12 +81,14 @@ class Places:
 
     Attributes:
         devices: The facts of each device, by its ids and hardware addresses.
+        groups: The queries for the members of groups, by name: the tables ``[[groups]]``.
     """
 
     rooms: tuple[HouseRoom, ...] = ()
     devices: Mapping[tuple[str, ...], tuple[OwnerFact, ...]] = field(default_factory=dict)
     doors: tuple[HouseDoor, ...] = ()
     closed_door: float = CLOSED_DOOR
+    groups: Mapping[str, str] = field(default_factory=dict)
 
 
 NO_PLACES = Places()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar
@@ -342,9 +342,14 @@ def _link(config: Config) -> RosSettings | None:
 
 
 def _places(config: Config) -> Places:
-    if not config.places:
-        return NO_PLACES
-    return homebot.places.read_places(config.places, config.home.name, config.source, "configuration")
+    places = NO_PLACES
+    if config.places:
+        places = homebot.places.read_places(config.places, config.home.name, config.source, "configuration")
+    if config.groups:
+        from homebot.discovery.groups import read_groups  # noqa: PLC0415 - many homes have none
+
+        places = replace(places, groups=read_groups(config.groups, config.source))
+    return places
 
 
 def _limits(config: Config) -> LimitsOfDevices | None:

@@ -42,7 +42,7 @@ _LIVE: Final[Mapping[str, frozenset[str]]] = {
     "devices": frozenset({"limits"}),
     "ros": frozenset({"ca", "cert_file", "connect", "domain", "export", "import", "key_file", "listen", "user"}),
 }
-"""The keys that take effect without a restart; so do all of ``[places]`` and ``[devices]``."""
+"""The keys that take effect without a restart; so do all of ``[places]``, ``[devices]`` and ``[[groups]]``."""
 
 _RELOADED: Final = ("config", "door", "control", "places", "limits", "link")
 """The parts of a plan that a reload replaces."""
@@ -72,7 +72,7 @@ class RunningParts(NamedTuple):
 
 def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
     """Return the keys that differ and take effect at the next start."""
-    live = {"places", "devices"}
+    live = {"places", "devices", "groups"}
     old, new = before.model_dump(exclude=live), after.model_dump(exclude=live)
     keys = (key for table in old for key in _changed(table, old[table] or {}, new[table] or {}))
     robots = sorted(_robots(new["door"]) - _robots(old["door"]) - {ALL_ROBOTS, *old["robots"], *new["robots"]})

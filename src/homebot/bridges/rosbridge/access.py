@@ -44,6 +44,7 @@ _READING: Final = frozenset(
         names.GET_UNAPPROVED,
         names.LIST_APPS,
         names.LIST_DEVICES,
+        names.LIST_GROUPS,
         names.LIST_ROUTINES,
         names.LIST_SCENES,
         names.QUERY_DEVICES,

@@ -21,7 +21,7 @@ _GATEWAY = attrgetter("gateway")
 _MAX_WORDS = 48
 """The limit of searchable words of one device."""
 
-_TEXTS = frozenset({"manufacturer", "model", "model_id", "serial_number"})
+_TEXTS = frozenset({"group", "manufacturer", "model", "model_id", "serial_number"})
 
 
 @dataclass(frozen=True, slots=True)

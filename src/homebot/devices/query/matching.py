@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.names import GROUP
 from homebot.devices.query.facets import Facets, facets_of
 from homebot.devices.query.terms import (
     OPENING_TAGS,
@@ -33,7 +34,13 @@ from homebot.devices.query.terms import (
 from homebot.devices.value import PlainValue
 from homebot.support.folding import fold, is_typo
 
-__all__ = ["COMPARISONS", "PartFacets", "compares", "fits", "matches_kind"]
+__all__ = ["COMPARISONS", "PartFacets", "compares", "fits", "groups_of", "matches_kind"]
+
+
+def groups_of(device: Device, part_id: str) -> list[str]:
+    """Return the names of the groups of which a part of *device* is a member."""
+    named = [(one.value, one.key.partition("#")[2]) for one in device.facts if one.name == GROUP]
+    return [name for name, parts in named if not parts or part_id in parts.split(",")]
 
 
 class PartFacets:
@@ -143,8 +150,11 @@ class PartFacets:
 
     @property
     def facts(self) -> Mapping[str, tuple[str, ...]]:
-        """The facts of its device by name, folded."""
-        return facets_of(self._device).facts
+        """The facts of its device by name, folded, but only the groups of which it is a member itself."""
+        facts = facets_of(self._device).facts
+        if GROUP not in facts:
+            return facts
+        return {**facts, GROUP: tuple([fold(one) for one in groups_of(self._device, self.part.id)])}
 
     @property
     def is_disputed(self) -> bool:
@@ -231,6 +241,8 @@ def _fits_fact(query: FactIs, device: Facets | PartFacets) -> bool:
             return query.value in device.conventions
         case "category":
             return query.value in device.categories
+        case "group":
+            return query.value in device.facts.get("group", ())
         case name:
             return any(_begins(fact, query.value) for fact in device.facts.get(name, ()))
 

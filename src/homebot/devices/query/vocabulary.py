@@ -78,7 +78,17 @@ FIELDS: Mapping[str, str] = MappingProxyType(
 """Words of ``word=value``, besides capabilities and facts."""
 
 FACTS = frozenset(
-    {"configuration_url", "description", "firmware", "generation", "home", "host_mac", "hostname", "hw_version"}
+    {
+        "configuration_url",
+        "description",
+        "firmware",
+        "generation",
+        "group",
+        "home",
+        "host_mac",
+        "hostname",
+        "hw_version",
+    }
     | {"interview", "ip", "ip_address", "manufacturer", "mode", "model", "model_id", "origin", "origin_sw_version"}
     | {"origin_url", "power_source", "serial_number", "supported", "sw_version", "via_device", "zigbee_type"}
 )

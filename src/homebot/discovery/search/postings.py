@@ -167,6 +167,8 @@ class Postings:
             return found | {value} if value in self._posted else found
         if name in {"convention", "category", "tag"}:
             return self._devices((name, value))
+        if name == "group":
+            return self._devices(("fact group", value))
         return self._begins(f"fact {name}", value)
 
     def _all(self, query: And) -> Found:

@@ -53,6 +53,8 @@ def _problem(term: Query, postings: Postings, plan: HousePlan, devices: Callable
             return _unknown_name(name, postings, devices)
         case FactIs("tag", tag):
             return _typo(f"no device has the tag {tag!r}", tag, postings.values_of("tag"))
+        case FactIs("group", group):
+            return _typo(f"there is no group {group!r}", group, postings.values_of("fact group"))
         case GatewayIs(gateway):
             return _typo(f"no device is reached through {gateway!r}", gateway, postings.values_of("gateway"))
         case FactIs("convention", convention):

@@ -1,0 +1,61 @@
+"""The list of the groups of a house, of the owner and of gateways, with their members. Pure."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from homebot.devices import Device, DevicePart, KeyValue
+from homebot.devices.device import is_commanded, part_names, target_of
+from homebot.devices.device_lookup import references
+from homebot.devices.group_messages import GroupInfo
+from homebot.devices.query.matching import groups_of
+
+__all__ = ["list_groups"]
+
+
+class _ListedGroup(NamedTuple):
+    info: GroupInfo
+    members: tuple[str, ...]
+
+
+def list_groups(devices: Sequence[Device], queries: Mapping[str, str]) -> tuple[GroupInfo, ...]:
+    """Return the groups among *devices*, and those of the owner with the *queries* for their members, by name."""
+    names = part_names(devices)
+    parts = [(one, part) for one in devices for part in one.parts]
+    commanded = [(device, part) for device, part in parts if is_commanded(part.part) and not part.part.members]
+    own = {name: [_place(*one) for one in commanded if name in groups_of(one[0], one[1].id)] for name in queries}
+    found = [_ListedGroup(GroupInfo(name=name, query=queries[name]), tuple(members)) for name, members in own.items()]
+    found += _native(parts, commanded)
+    return tuple(sorted((_complete(one, found, names) for one in found), key=lambda one: (one.name.casefold(), one.id)))
+
+
+def _native(
+    parts: Iterable[tuple[Device, DevicePart]], commanded: Sequence[tuple[Device, DevicePart]]
+) -> Iterator[_ListedGroup]:
+    for device, part in parts:
+        if not part.part.is_group:
+            continue
+        wanted, gateways = set(part.part.members), {one.gateway for one in part.routes}
+        named, members = set[str](), list[str]()
+        for one in commanded:
+            if known := wanted.intersection(references(*one, gateways)):
+                named |= known
+                members.append(_place(*one))
+        name = f"{device.name} {part.part.name}".strip()
+        info = GroupInfo(name=name, id=target_of(device.id, part.id), is_complete=named == wanted)
+        yield _ListedGroup(info, tuple(members))
+
+
+def _complete(group: _ListedGroup, others: Iterable[_ListedGroup], names: Mapping[str, str]) -> GroupInfo:
+    alike = [
+        one.info.id
+        for one in others
+        if one.info.id and one.info.is_complete and group.members and set(one.members) == set(group.members)
+    ]
+    members = tuple(
+        [KeyValue(key=one, value=names.get(one) or names.get(one.partition("#")[0], "")) for one in group.members]
+    )
+    return group.info.model_copy(update={"members": members, "reached_by": tuple(alike)})
+
+
+def _place(device: Device, part: DevicePart) -> str:
+    return target_of(device.id, part.id)

@@ -1,0 +1,43 @@
+"""The commands and the configuration of docs/groups.md work."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.shell import Homebot, homebot_in
+
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
+
+GUIDE = (Path(__file__).parents[2] / "docs/groups.md").read_text("utf-8")
+COMMANDS = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)
+(CONFIG,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
+HOUSE = """
+[house]
+dialect = "homeassistant"
+[rooms.hall]
+[rooms.living]
+[rooms.kitchen]
+[devices.hall_lamp]
+kind = "lamp"
+room = "hall"
+[devices.living_lamp]
+kind = "lamp"
+room = "living"
+"""
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
+    until = ("found hall_lamp", "found living_lamp", "is running")
+    folder = tmp_path_factory.mktemp("house")
+    (folder / "homebot.toml").write_text(f"[gateways.mqtt]\n{CONFIG}")
+    with homebot_in(folder, house=HOUSE, until=until) as homebot:
+        yield homebot
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command_of_the_guide_runs(home: Homebot, command: str) -> None:
+    """In the order of the guide."""
+    done = home.run(command)
+    assert (done.returncode, done.stdout != "") == (0, True), done
