@@ -62,7 +62,8 @@ def part_name(device: Device, part: DevicePart) -> str:
         is_lone = len(device.parts) == 1 or not controls(device.parts)
         is_lone = is_lone or [one for one in device.parts if not one.part.category] == [part]
         return device.name if is_lone else f"{device.name} {part.part.name}"
-    return f"{device.name} #{part.id}" if len(controls(device.parts)) > 1 else device.name
+    others = [one for one in controls(device.parts) if one.part.service_type != "x_scene"]
+    return f"{device.name} #{part.id}" if len(others) > 1 else device.name
 
 
 def controls(parts: Iterable[DevicePart]) -> tuple[DevicePart, ...]:

@@ -15,7 +15,8 @@ from anyio.abc import TaskGroup
 from homebot.config import parse_config
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, CommandDevicesResponse
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
-from homebot.devices.names import COMMAND_DEVICES, READ_JOURNAL
+from homebot.devices.names import APPLY_SCENE, COMMAND_DEVICES, LIST_SCENES, READ_JOURNAL
+from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest, ListScenes, ScenesRequest
 from homebot.graph import Node
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.clients import HostedBroker
@@ -30,6 +31,7 @@ LAMPS = tuple(f"lamp {number}" for number in range(20))
 GROUP = "living room"
 TRIES = 2
 """Of a frame to one lamp, which acknowledges it (IEEE 802.15.4 has four); a frame to a group is sent once."""
+SCENES = [{"id": 3, "name": "Film"}]
 FEATURES = [
     {"type": "binary", "name": "state", "property": "state", "access": 7, "value_on": "ON", "value_off": "OFF"},
     {"type": "numeric", "name": "brightness", "property": "brightness", "access": 7, "value_max": 254},
@@ -42,12 +44,14 @@ class Bridge:
     Attributes:
         commands: The names that were set, oldest first.
         lit: The lamps that are really on.
+        asked: What was asked for.
     """
 
     def __init__(self, link: MqttConnection, tasks: TaskGroup, loss: float, seed: int) -> None:
         self._link, self._tasks = link, tasks
         self._loss, self._random = loss, Random(seed)  # noqa: S311 - a radio, no secret
         self.commands: list[str] = []
+        self.asked: set[str] = set()
         self.lit: set[str] = set()
         self._known: dict[str, str] = {}
 
@@ -67,7 +71,7 @@ class Bridge:
             ("bridge/state", {"state": "online"}),
             ("bridge/info", {"config": {"availability": False}}),
             ("bridge/devices", devices),
-            ("bridge/groups", [{"id": 1, "friendly_name": GROUP, "members": members}]),
+            ("bridge/groups", [{"id": 1, "friendly_name": GROUP, "members": members, "scenes": SCENES}]),
         ):
             await self._link.publish(f"zigbee2mqtt/{topic}", json.dumps(payload).encode(), qos=1, retain=True)
         await self._link.subscribe(MqttSubscription("zigbee2mqtt/+/set"), MqttSubscription("zigbee2mqtt/+/get"))
@@ -78,10 +82,14 @@ class Bridge:
             self._link.ack(messages)
             for one in messages:
                 _, name, action = one.topic.split("/")
-                await (self._set(name, json.loads(one.payload)) if action == "set" else self._read(name))
+                wanted = json.loads(one.payload)
+                await (self._set(name, wanted) if action == "set" else self._read(name, wanted))
 
     async def _set(self, name: str, wanted: dict[str, Any]) -> None:
         self.commands.append(name)
+        if "scene_recall" in wanted:  # of a scene that lights all lamps; it was made elsewhere
+            self.lit.update(LAMPS)
+            return
         for lamp in LAMPS if name == GROUP else (name,):
             is_heard = self._is_heard(tries=1 if name == GROUP else TRIES)
             if is_heard:
@@ -91,7 +99,8 @@ class Bridge:
         if name == GROUP:
             await self.publish(GROUP, wanted["state"])
 
-    async def _read(self, name: str) -> None:
+    async def _read(self, name: str, wanted: dict[str, Any]) -> None:
+        self.asked.update(wanted)
         if self._is_heard() and self._is_heard():
             self._tasks.start_soon(self._answer, name)
 
@@ -162,3 +171,19 @@ async def test_with_a_tenth_of_the_frames_lost_all_twenty_prove_it_and_those_tha
         assert [one.result.outcome for one in answer.results] == ["confirmed"] * 20
         assert {one.result.evidence for one in answer.results} == {3}
         assert "person" not in {one.cause for one in await changes(client)}
+
+
+async def test_a_scene_is_recalled_by_one_message_and_the_members_are_asked_for_their_values() -> None:
+    """The bridge does not tell what a scene that was made elsewhere sets."""
+    async with house(0.0) as (bridge, client):
+        scenes = client.create_client(ApplyScene, APPLY_SCENE)
+        bridge.asked.clear()
+        answer = await scenes.call(ApplySceneRequest(name="Film", issuer="/app"), timeout=120)
+        assert answer.success, answer.message
+        assert bridge.commands == [GROUP]
+        assert {one.cause for one in await changes(client)} == {"command"}
+        assert bridge.asked == {"state", "brightness"}
+        shown = await client.create_client(ListScenes, LIST_SCENES).call(ScenesRequest(name="film"))
+        assert len(shown.scenes[0].parts) == 20
+        await scenes.call(ApplySceneRequest(name="Film", issuer="/app", undo=True), timeout=120)
+        assert bridge.lit == set()

@@ -19,6 +19,13 @@ _TYPES = ("light", "switch", "cover")
 
 _MAX_BYTES = 65_536
 
+_RECALL = "scene_recall"
+"""The command for a scene, of which the bridge does not tell the values."""
+
+_COLORS = {"color_xy": "color", "color_hs": "color"}
+_ASKED = 4
+"""The bit of the access of what can be asked for."""
+
 _Exposes: TypeAlias = Mapping[str, Mapping[str, Mapping[str, object]]]
 ExposesOfEndpoints: TypeAlias = Mapping[str, _Exposes]
 """See :attr:`GroupMember.exposes`, by the name of the endpoint; empty for the device itself."""
@@ -34,6 +41,12 @@ class GroupMember(NamedTuple):
 
     topic: str
     exposes: _Exposes
+
+    @property
+    def question(self) -> Mapping[str, str]:
+        """A question for all values that it tells when asked."""
+        features = (one for named in self.exposes.values() for one in named.items())
+        return {_COLORS.get(name, name): "" for name, one in features if _can_be_asked(one.get("access"))}
 
 
 def exposes_of_groups(device: BridgeDevice) -> ExposesOfEndpoints:
@@ -59,7 +72,7 @@ def build_group(
     listed = {"endpoints": {"1": {"name": "1", "scenes": entry.get("scenes")}}, "power_source": "Battery"}
     device = read_bridge_device(base, {**entry, **listed, "definition": {"exposes": exposes}})
     parts = build_parts(device) if exposes else ()
-    return device, tuple(_of_group(one, tuple(member.topic for member in members)) for one in parts)
+    return device, tuple(_of_group(one, members) for one in parts)
 
 
 def _without_endpoint(feature: Mapping[str, object]) -> Mapping[str, object]:
@@ -81,21 +94,26 @@ def _narrowest(features: Sequence[Mapping[str, object]]) -> dict[str, object]:
     return found
 
 
-def _of_group(described: DescribedPart, topics: tuple[str, ...]) -> DescribedPart:
+def _of_group(described: DescribedPart, members: Sequence[GroupMember]) -> DescribedPart:
     part = described.part
     echoed = tuple([one.model_copy(update={"echoed": one.readable}) for one in part.capabilities])
     part = part.model_copy(update={"capabilities": echoed})
-    return described._replace(part=part, codec=_GroupCodec(described.codec, topics))
+    return described._replace(part=part, codec=_GroupCodec(described.codec, members))
 
 
 class _GroupCodec:
     """The codec of a group, which asks the members for the result of a command."""
 
-    def __init__(self, own: Codec, members: Iterable[str]) -> None:
+    def __init__(self, own: Codec, members: Iterable[GroupMember]) -> None:
         self.topics, self.read, self.write = own.topics, own.read, own.write
         self._members = tuple(members)
 
     def questions(self, sent: Publications) -> Publications:
         """See :class:`homebot.conventions.description.AsksMembers`."""
         keys = {key: "" for one in sent for key in parse_object(one.payload, _MAX_BYTES) if key != "transition"}
-        return tuple([Publication(f"{one}/get", compact_json(keys).encode()) for one in self._members]) if keys else ()
+        asked = ((one.topic, one.question if _RECALL in keys else keys) for one in self._members)
+        return tuple([Publication(f"{topic}/get", compact_json(one).encode()) for topic, one in asked if one])
+
+
+def _can_be_asked(access: object) -> bool:
+    return isinstance(access, int) and bool(access & _ASKED)
