@@ -6,6 +6,7 @@ from tests.control.conftest import Home, ignore
 from tests.scenes.conftest import Kept, Scenes, served
 
 from homebot.devices.value import PlainValue
+from homebot.devices.wording.journal_words import trigger_text
 
 pytestmark = pytest.mark.virtual_time
 
@@ -97,6 +98,8 @@ async def test_an_undo_brings_back_what_nobody_has_changed_since(home: Home, sce
     await home.report("shelf", "on_off", False)
     answer = await scenes.apply("Dark", undo=True)
     assert [(one.name, one.result.outcome) for one in answer.results] == [("Lamp", "confirmed")]
+    asked = [one.trigger for one in (await home.read()).entries if one.kind == "requested"]
+    assert [trigger_text(one, {}) for one in asked[-2:]] == ["the scene Dark was applied", "the scene Dark was undone"]
     again = await scenes.apply("Dark", undo=True)
     assert "nothing to undo" in again.message
 

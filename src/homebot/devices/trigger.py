@@ -25,7 +25,8 @@ class Trigger(Message):
         text: The raw message, the change of the device, the period of the timer, the holder of the part or the call, as
                 text.
         at: The time of the cause; 0 if unknown.
-        scene: The name of the scene that was applied because of it; empty for none.
+        scene: The name of the scene that was applied, or undone, because of it; empty for none.
+        is_undo: Whether the scene was undone.
     """
 
     kind: Literal["", "lease", "report", "device", "message", "timer", "client"] = ""
@@ -35,6 +36,7 @@ class Trigger(Message):
     text: ShortText = ""
     at: Time = Time(sec=0, nanosec=0)
     scene: ShortText = ""
+    is_undo: bool = False
 
 
 NO_TRIGGER = Trigger()

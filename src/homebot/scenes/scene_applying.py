@@ -127,5 +127,5 @@ def _request(
         scope=request.scope,
         ask_first=request.ask_first or asks,
         cause=request.trigger.id,
-        trigger=request.trigger.model_copy(update={"scene": scene.name}),
+        trigger=request.trigger.model_copy(update={"scene": scene.name, "is_undo": request.undo}),
     )

@@ -96,7 +96,8 @@ def trigger_text(trigger: Trigger, names: Mapping[str, str]) -> str:
     cause = _cause_text(trigger, names)
     if not trigger.scene:
         return cause
-    return f"the scene {printable(trigger.scene, 100)} was applied{f' when {cause}' if cause else ''}"
+    done = "undone" if trigger.is_undo else "applied"
+    return f"the scene {printable(trigger.scene, 100)} was {done}{f' when {cause}' if cause else ''}"
 
 
 def _cause_text(trigger: Trigger, names: Mapping[str, str]) -> str:

@@ -1,0 +1,65 @@
+"""What clients of the door may do with scenes."""
+
+import pytest
+from tests.control.conftest import Home
+from tests.scenes.conftest import Scenes
+
+from homebot.bridges.rosbridge.access import ClientAccess, right_to_call
+from homebot.devices.client_rights import LOCAL_RIGHTS, Right
+from homebot.devices.robot_owners import RobotOwners
+from homebot.devices.scene_messages import ApplySceneRequest
+
+
+@pytest.mark.parametrize(
+    ("service", "right"),
+    [("/scenes/list", Right.READ), ("/scenes/apply", Right.ACT), ("/scenes/change", Right.MANAGE)],
+)
+def test_a_client_that_only_reads_lists_scenes_and_applies_or_changes_none(service: str, right: Right) -> None:
+    assert right_to_call(service) is right
+
+
+def test_a_client_applies_a_scene_in_its_own_name_and_says_not_what_led_to_it() -> None:
+    client = ClientAccess("tablet", LOCAL_RIGHTS, RobotOwners())
+    forged = {"name": "Film", "issuer": "/app", "scope": ["act: all"], "trigger": {"kind": "report", "scene": "Alarm"}}
+    assert client.stamped(ApplySceneRequest, forged) == {
+        "name": "Film",
+        "issuer": "client:tablet",
+        "scope": list(LOCAL_RIGHTS.act_scope),
+        "trigger": {},
+    }
+
+
+@pytest.mark.virtual_time
+async def test_the_rights_of_a_client_count_for_each_part(home: Home, scenes: Scenes) -> None:
+    for key, area in (("lamp", "hall"), ("shelf", "study")):
+        home.put(key, "light", "on_off", area=area)
+        await home.report(key, "on_off", False)
+    await scenes.change(name="Bright", change="save", values=[{"key": "light", "value": "on"}])
+    answer = await scenes.apply("Bright", issuer="client:guest", scope=["act: light in hall"])
+    assert [(one.name, one.result.outcome) for one in answer.results] == [("Lamp", "confirmed"), ("Shelf", "refused")]
+    assert [one.key for one in home.commands] == ["lamp"]
+
+
+@pytest.mark.virtual_time
+async def test_what_always_asks_is_asked_for_unless_the_person_at_the_client_has_agreed(
+    home: Home, scenes: Scenes
+) -> None:
+    home.put("door", "door_lock", "lock")
+    await home.report("door", "lock", "locked")
+    await scenes.change(name="Open", change="save", values=[{"key": "door", "value": "unlock"}])
+    everything = {"scope": ["act: all"]}
+    asked = await scenes.apply("Open", **everything)
+    assert asked.results[0].result.policy == "ask"
+    assert "nobody answered" in asked.message
+    agreed = await scenes.apply("Open", agreed=True, **everything)
+    assert agreed.outcome == "confirmed"
+
+
+@pytest.mark.virtual_time
+async def test_an_app_cannot_agree_for_a_person(home: Home, scenes: Scenes) -> None:
+    home.put("door", "door_lock", "lock")
+    await home.report("door", "lock", "locked")
+    await scenes.change(name="Open", change="save", values=[{"key": "door", "value": "unlock"}])
+    answer = await scenes.apply("Open", issuer="/app", agreed=True)
+    assert answer.outcome == "refused"
+    assert home.commands == []
