@@ -7,6 +7,7 @@ from tests.scenes.conftest import Kept, Scenes, served
 
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.journal_words import trigger_text
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 
 pytestmark = pytest.mark.virtual_time
 
@@ -192,3 +193,66 @@ async def test_a_scene_that_cannot_be_written_is_told(home: Home, scenes: Scenes
     answer = await scenes.change(name="Film", change="save", target="lamp")
     assert answer.success
     assert answer.message == "a restart would lose this, as it was not written: the disk is full"
+
+
+async def test_a_renamed_scene_can_still_be_undone(home: Home, scenes: Scenes) -> None:
+    await evening(home)
+    await scenes.change(name="Dark", change="save", values=[{"key": "lamp", "value": "off"}])
+    await scenes.apply("Dark")
+    await scenes.change(name="Dark", change="rename", target="Night")
+    assert (await scenes.apply("Night", undo=True)).success
+
+
+async def test_a_group_means_its_members(home: Home, scenes: Scenes) -> None:
+    await evening(home)
+    group = simple_part("light", settable=("on_off", "level")).model_copy(update={"members": ("id:one", "id:two")})
+    home.gateway.devices.put(GatewayDevice("both", "Both", (group,), identifiers=("id:both",)), "it was found")
+    for key in ("one", "two"):
+        part = simple_part("light", settable=("on_off", "level"))
+        home.gateway.devices.put(GatewayDevice(key, key.title(), (part,), identifiers=(f"id:{key}",)), "it was found")
+        await home.report(key, "on_off", True)
+    await scenes.change(name="Film", change="save", target="Both")
+    assert await scenes.values("Film") == {"One": "on", "Two": "on"}
+    await scenes.change(name="Film", change="edit", values=[{"key": "Both", "value": "30 %"}])
+    assert await scenes.values("Film") == {"One": "30 %", "Two": "30 %"}
+
+
+async def test_a_restart_in_the_middle_loses_no_value_from_before(home: Home, kept: Kept) -> None:
+    await evening(home)
+    home.behaviours["shelf"] = ignore
+    async with served(home, kept) as scenes:
+        await scenes.change(name="Dark", change="save", values=[{"key": "light in living", "value": "off"}])
+        with anyio.move_on_after(1):  # the shelf has not answered yet
+            await scenes.apply("Dark")
+    async with served(home, kept) as scenes:
+        answer = await scenes.apply("Dark", undo=True)
+    assert [(one.name, one.result.outcome) for one in answer.results] == [("Lamp", "confirmed")]
+
+
+async def test_of_two_scenes_at_once_each_part_obeys_one(home: Home, scenes: Scenes) -> None:
+    await evening(home)
+    await scenes.change(name="Dark", change="save", values=[{"key": "lamp", "value": "off"}])
+    await scenes.change(name="Bright", change="save", values=[{"key": "lamp", "value": "on, 90 %"}])
+    outcomes: dict[str, str] = {}
+
+    async def apply(name: str) -> None:
+        outcomes[name] = (await scenes.apply(name)).outcome
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(apply, "Dark")
+        tasks.start_soon(apply, "Bright")
+    assert sorted(outcomes.values()) in (["confirmed", "superseded"], ["confirmed", "confirmed"])
+
+
+async def test_an_empty_house_has_no_scene_and_says_what_to_save(home: Home, scenes: Scenes) -> None:
+    assert (await scenes.listed()).scenes == ()
+    assert "no device fits" in (await scenes.change(name="Film", change="save", target="lights")).message
+    assert "say what the scene is of" in (await scenes.change(name="Film", change="save")).message
+
+
+async def test_there_is_a_limit_of_scenes(home: Home, scenes: Scenes) -> None:
+    await evening(home)
+    for number in range(300):
+        assert (await scenes.change(name=f"Scene {number}", change="save", target="lamp")).success
+    assert "remove one first" in (await scenes.change(name="More", change="save", target="lamp")).message
+    assert (await scenes.change(name="Scene 7", change="save", target="shelf")).success

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from typing import Final, final
 
 from homebot.command_words.command_service import UNNAMED_CLIENT
@@ -44,19 +44,28 @@ class SceneApplying:
         self._perform = node.create_client(PerformCommand, PERFORM_COMMAND)
 
     async def apply(
-        self, request: ApplySceneRequest, scene: Scene, house: HouseScenes, book: SceneBook
+        self,
+        request: ApplySceneRequest,
+        scene: Scene,
+        house: HouseScenes,
+        book: SceneBook,
+        keep: Callable[[], Awaitable[object]],
     ) -> CommandDevicesResponse:
-        """Apply *scene*, and note the values before it."""
+        """Apply *scene*, and note the values before it, which *keep* stores."""
         before, given_at = known_states(house.devices.values()), self._clock.now()
         wanted: Mapping[Place, Mapping[str, PlainValue]] = scene.parts
         is_told = scene.recalled_by is None or (bool(wanted) and all(wanted.values()))
         if not is_told:
             wanted = {place_of(scene.id): {"scene": True}}
+        earlier = book.begin(scene.id, given_at)
+        known = dict(earlier.entries)
+        earlier.add(before, scene.parts, given_at, given_at)
+        await keep()  # in case homebot ends before the outcomes are known
         answer = await self._command(request, scene, house, wanted)
         changed = [(one.device, one.part) for one in answer.results if one.result.outcome != "refused"]
-        if changed:
-            ended_at, parts = self._clock.now(), changed if is_told else scene.parts
-            book.begin(scene.id, given_at).add(before, parts, given_at, ended_at)
+        earlier.entries.clear()
+        earlier.entries.update(known)
+        earlier.add(before, changed if is_told else scene.parts if changed else (), given_at, self._clock.now())
         return answer
 
     async def undo(

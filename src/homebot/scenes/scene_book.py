@@ -14,6 +14,7 @@ from homebot.support.printable import printable
 __all__ = ["AppliedScene", "KeptScene", "SceneBook"]
 
 _MOST_SCENES: Final = 300
+_MOST_PARTS: Final = 10_000
 _MOST_APPLIED: Final = 100
 _LONGEST: Final = 100
 
@@ -85,9 +86,26 @@ class SceneBook:
         name = scene.name
         if not fold(name) or name != name.strip() or printable(name, _LONGEST) != name:
             raise UsageError(f"{name[:_LONGEST]!r} cannot name a scene: give 1 to {_LONGEST} printable characters")
-        if fold(name) not in self.scenes and len(self.scenes) >= _MOST_SCENES:
-            raise RefusedError(f"the scene {name!r}", f"there are {_MOST_SCENES} already; remove one first")
+        others = [one for key, one in self.scenes.items() if key != fold(name)]
+        if len(others) >= _MOST_SCENES or sum(len(one.parts) for one in (scene, *others)) > _MOST_PARTS:
+            limits = f"there may be {_MOST_SCENES} with {_MOST_PARTS:,} parts in all; remove one first"
+            raise RefusedError(f"the scene {name!r}", limits)
         self.scenes[fold(name)] = scene
+
+    def rename(self, known: KeptScene, name: str) -> KeptScene:
+        """Give a scene another name; raise as :meth:`put`, or UsageError if another scene has it."""
+        if fold(name) != fold(known.name) and fold(name) in self.scenes:
+            raise UsageError(f"there is a scene {name!r} already")
+        del self.scenes[fold(known.name)]
+        scene = KeptScene(name=name, parts=known.parts)
+        try:
+            self.put(scene)
+        except BaseException:
+            self.scenes[fold(known.name)] = known
+            raise
+        if (applied := self.applied.pop(known.name, None)) is not None:
+            self.applied[name] = applied
+        return scene
 
     def remove(self, name: str) -> None:
         """Forget the scene with this folded name."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final, final
+from typing import Final, final
 
 from homebot.command_words.suitable_parts import part_name
 from homebot.command_words.targets import CommandTargets, NoTargetError
@@ -21,9 +21,6 @@ from homebot.scenes.scene_words import present_values, read_values
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-if TYPE_CHECKING:
-    from homebot.command_words.targets import Target
-
 __all__ = ["SceneChanges"]
 
 _MOST_NAMED: Final = 5
@@ -34,6 +31,7 @@ class SceneChanges:
     """Makes the changes that clients ask for in a book."""
 
     def __init__(self, node: Node, lookup: DeviceLookup) -> None:
+        self._lookup = lookup
         self._targets = CommandTargets(node, lookup, lambda *_: "")
 
     async def make(
@@ -58,7 +56,7 @@ class SceneChanges:
             book.remove(fold(name))
             return None, left_out
         if request.change == "rename":
-            return self._renamed(known, request.target.strip(), book), left_out
+            return book.rename(known, request.target.strip()), left_out
         parts = {} if request.replaces else dict(known.parts)
         scene = KeptScene(name=known.name, parts=await self._edited(parts, request.values, house))
         book.put(scene)
@@ -68,7 +66,7 @@ class SceneChanges:
         self, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes
     ) -> tuple[KeptScene, tuple[KeyValue, ...]]:
         if request.target:
-            found = [(device, part) for device, parts in await self._found(request.target) for part in parts]
+            found = await self._found(request.target)
         else:
             places = map(place_of, () if known is None else known.parts)
             found = [one for place in places if (one := house.place(place)) is not None]
@@ -111,37 +109,32 @@ class SceneChanges:
         """Return the parts that *target* means and that take *words*, each with its values."""
         found: list[tuple[str, dict[str, PlainValue]]] = []
         problem: RefusedError | None = None
-        for device, parts in await self._found(target):
-            for part in parts:
-                try:
-                    values = read_values(words, device, part, part_name(device, part)) if words else {}
-                    found.append((target_of(device.id, part.id), values))
-                except RefusedError as exc:
-                    problem = problem or exc
+        for device, part in await self._found(target):
+            try:
+                values = read_values(words, device, part, part_name(device, part)) if words else {}
+                found.append((target_of(device.id, part.id), values))
+            except RefusedError as exc:
+                problem = problem or exc
         if problem is not None and not found:
             raise problem
         return found
 
-    async def _found(self, target: str) -> list[Target]:
+    async def _found(self, target: str) -> list[tuple[Device, DevicePart]]:
+        """Return the parts that *target* means, with the members of a group in its place, each once."""
         try:
-            return await self._targets.find(CommandDevicesRequest(target=target))
+            targets = await self._targets.find(CommandDevicesRequest(target=target))
         except NoTargetError as exc:
             raise UsageError(str(exc)) from exc
-
-    def _renamed(self, known: KeptScene, name: str, book: SceneBook) -> KeptScene:
-        if fold(name) != fold(known.name) and fold(name) in book.scenes:
-            raise UsageError(f"there is a scene {name!r} already")
-        scene = KeptScene(name=name, parts=known.parts)
-        book.put(scene)
-        if fold(name) != fold(known.name):
-            book.remove(fold(known.name))
-        return scene
+        found: dict[tuple[str, str], tuple[Device, DevicePart]] = {}
+        for device, parts in targets:
+            for part in parts:
+                members = await self._lookup.members(device, part) if part.part.is_group else [(device, part)]
+                found |= {(one.id, other.id): (one, other) for one, other in members if not other.part.is_group}
+        return list(found.values())
 
 
 def _why_left_out(device: Device, part: DevicePart, values: Mapping[str, PlainValue]) -> str | None:
     """Return why a scene is saved without *part*; empty if it has nothing to bring back, None if it is saved."""
-    if part.part.is_group:
-        return ""
     if reason := why_asked(device, part, values):
         return f"it always asks ({reason}); `homebot scene edit` can add it"
     if device.reachable.state == "no" or device.freshness == "stale":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Protocol, final
 
 from homebot.devices import names
@@ -89,9 +90,12 @@ class SceneServices:
             scene = house.find(request.name)
         except HomebotError as exc:
             return CommandDevicesResponse(success=False, message=str(exc))
-        run = self._applying.undo if request.undo else self._applying.apply
-        answer = await run(request, scene, house, book)
-        await self._keep(book, at_once=False)
+        keep = partial(self._keep, book, at_once=False)
+        if request.undo:
+            answer = await self._applying.undo(request, scene, house, book)
+        else:
+            answer = await self._applying.apply(request, scene, house, book, keep)
+        await keep()
         return answer
 
     async def _house(self) -> tuple[HouseScenes, SceneBook]:
