@@ -3,12 +3,14 @@
 import os
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
+from pathlib import Path
 from typing import Any
 
 import pytest
 from anyio import to_thread
 from tests.patience import PATIENCE
 from tests.peers.network import missing_programs
+from tests.peers.node_package import node_folder
 
 from homebot.bridges.rosbridge import Door
 from homebot.config import parse_config
@@ -16,13 +18,23 @@ from homebot.house import World, thesis_world
 from homebot.mqtt.clients import HostedBroker
 from homebot.runtime import Runtime
 
-__all__ = ["NAME", "Page", "chromium", "opened_page"]
+__all__ = ["NAME", "Page", "axe_program", "chromium", "opened_page"]
 
 NAME = "house.example"
 """A name of this computer, for the browser alone."""
 
 SMALLEST_TARGET = 24
 """Pixels of CSS that a finger needs: WCAG 2.2, success criterion 2.5.8."""
+
+_AXE = """
+const done = arguments[0];
+const isInvisible = (node) => node.any.some((check) => check.data?.messageKey === "equalRatio");
+axe.run({ resultTypes: ["violations", "incomplete"] }).then(({ violations, incomplete }) => {
+  const unseen = incomplete.filter((one) => one.id === "color-contrast" && one.nodes.some(isInvisible));
+  done([...violations, ...unseen.map((one) => ({ ...one, nodes: one.nodes.filter(isInvisible) }))]);
+});
+"""
+"""A text in the colour of its background is left to a person by axe, and is an error here."""
 
 _FLAGS = (
     "--headless=new",
@@ -56,6 +68,11 @@ def chromium() -> Iterator[Any]:
         yield driver
     finally:
         driver.quit()
+
+
+def axe_program() -> str:
+    """Return the program that checks accessibility; the test is skipped where it cannot be installed."""
+    return (node_folder(Path(__file__).parent / "page") / "node_modules/axe-core/axe.min.js").read_text()
 
 
 class Page:
@@ -142,6 +159,12 @@ class Page:
         """Let the owner prefer *scheme*: light or dark."""
         chosen = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
         self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", chosen)
+
+    def complaints(self, axe: str) -> list[str]:
+        """Return what *axe* says of the accessibility of what is shown."""
+        self.browser.execute_script(axe)
+        found = self.browser.execute_async_script(_AXE)
+        return [f"{self.browser.current_url} {one['id']}: {one['nodes'][0]['html']}" for one in found]
 
     def settled(self) -> None:
         """Wait until homebot has answered, and the answer is drawn."""

@@ -1,15 +1,21 @@
 """The page as a panel at a wall: what is worked on the House view itself, by mouse, touch and keyboard."""
 
-from collections.abc import Iterator
+import json
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import pytest
 from anyio import to_thread
-from tests.peers.chromium import Page, chromium, opened_page
+from tests.peers.chromium import Page, axe_program, chromium, opened_page
 
 from homebot.house import World
 from homebot.house.description import load_world
+from homebot.mqtt.clients import HostedBroker
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.mqtt.options import MqttOptions
 
 HOUSE = """
 [house]
@@ -36,6 +42,18 @@ ROUTINES = [
     {"name": "Evening", "when": ["22:00"], "do": ["lamp on, 40 %"], "enabled": False},
 ]
 HANDS = ("mouse", "touch", "keyboard")
+MARKUP = "<img src=x onerror=alert(1)><b>"
+LONG = "x" * 300
+TURNED = "\u202egnp.pmal"
+DEVICES: dict[str, dict[str, object]] = {
+    "light/evil": {"schema": "json", "brightness": True, "supported_color_modes": ["hs"], "command_topic": "a/set"},
+    "light/long": {"command_topic": "b/set"},
+    "light/turned": {"command_topic": "c/set"},
+    "binary_sensor/smoke": {"device_class": "smoke"},
+    "alarm_control_panel/panel": {"command_topic": "d/set", "code": "REMOTE_CODE"},
+}
+NAMES = {"evil": MARKUP, "long": LONG, "turned": TURNED, "smoke": f"Smoke {MARKUP}", "panel": "House alarm"}
+STATES = {"evil": '{"state":"ON","brightness":99,"color":{"h":9,"s":90}}', "smoke": "ON", "panel": "armed_away"}
 OWNER = "hunter2-and-some-more"
 
 
@@ -49,6 +67,24 @@ def browser() -> Iterator[Any]:
 def world(tmp_path: Path) -> World:
     (tmp_path / "house.toml").write_text(HOUSE)
     return load_world(tmp_path / "house.toml")
+
+
+@pytest.fixture
+async def hostile_broker() -> AsyncIterator[MemoryBroker]:
+    """A broker that keeps devices whose names would like to be programs, to fill the page, or to turn it around."""
+    async with MemoryBroker() as broker:
+        options = MqttOptions.from_url(broker.url, client_id="hostile")
+        async with MqttConnection(options, broker.make_client, status_topic=None) as connection:
+            await connection.wait_connected()
+            for place, config in DEVICES.items():
+                key = place.partition("/")[2]
+                device = {"identifiers": [key], "name": NAMES[key], "suggested_area": f"{MARKUP}attic"}
+                found = {"unique_id": key, "device": device, "name": None, "state_topic": f"{key}/state", **config}
+                await connection.publish(
+                    f"homeassistant/{place}/config", json.dumps(found).encode(), qos=1, retain=True
+                )
+                await connection.publish(f"{key}/state", STATES.get(key, "ON").encode(), qos=1, retain=True)
+        yield broker
 
 
 async def work(page: Page, hand: str, selector: str) -> None:
@@ -205,4 +241,37 @@ async def test_a_device_is_renamed_placed_tagged_and_hidden(browser: Any, world:
         await own.hides("lamp <i>")
         await own.click("button[aria-pressed=false]")
         await own.shows("lamp <i>")
+        assert own.problems() == []
+
+
+async def test_the_page_installs_on_a_tablet_and_begins_with_the_room_of_its_wall(browser: Any, world: World) -> None:
+    async with opened_page(browser, world) as own:
+        await own.open("#/room/living_room", shows="Big cover")
+        errors = await to_thread.run_sync(browser.execute_cdp_cmd, "Page.getInstallabilityErrors", {})
+        assert errors["installabilityErrors"] == []
+        await to_thread.run_sync(browser.get, "about:blank")
+        await own.open("?installed", shows="Big cover")
+        assert browser.current_url.endswith("#/room/living_room")
+        assert own.problems() == []
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+async def test_hostile_names_are_names_and_everything_open_has_no_complaint_of_axe(
+    browser: Any, hostile_broker: MemoryBroker, width: int
+) -> None:
+    axe = await to_thread.run_sync(axe_program)
+    async with opened_page(browser, services=(HostedBroker.in_memory(hostile_broker),)) as own:
+        own.resize(width, 800)
+        await own.open(shows="is there a fire?")
+        await own.shows("House alarm", ".devices")
+        for button in own.browser.find_elements("css selector", "button.more"):
+            await to_thread.run_sync(own.browser.execute_script, "arguments[0].click()", button)
+        await own.shows("disarmed", "select[name=value]")
+        assert MARKUP in await own.shows("level", ".devices") + await own.shows("smoke or heat", ".alert")
+        for view in ("", "#/plan", "#/journal", f"#/device/{quote(MARKUP)}", f"#/room/{quote(MARKUP)}attic"):
+            assert own.browser.find_elements("css selector", "main img, main b") == []
+            assert await to_thread.run_sync(own.overflow) == 0
+            assert await to_thread.run_sync(own.complaints, axe) == []
+            await own.open(view, shows="devices")
+        own.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
         assert own.problems() == []

@@ -13,7 +13,8 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.runtime import Runtime
 from homebot.web.site import answer
 
-EVERY_FILE = ["/", "/page.js", "/page.css", "/icon.svg", "/licences.txt", "/vocabulary.json"]
+EVERY_FILE = ["/", "/page.js", "/page.css", "/icon.svg", "/icon.png", "/licences.txt", "/vocabulary.json"]
+MANIFEST = "/manifest.webmanifest"
 
 
 def body(path: str) -> str:
@@ -22,7 +23,7 @@ def body(path: str) -> str:
     return found[2].decode()
 
 
-@pytest.mark.parametrize("path", EVERY_FILE)
+@pytest.mark.parametrize("path", [*EVERY_FILE, MANIFEST])
 def test_a_file_has_its_type_and_length_and_a_policy_that_lets_no_foreign_script_in(path: str) -> None:
     found = answer(f"{path}?x=1", "")
     assert found is not None
@@ -44,6 +45,12 @@ def test_a_file_that_the_browser_has_is_not_sent_again() -> None:
 @pytest.mark.parametrize("path", ["/robots.txt", "/../secrets", "/source/page.js", "//etc/passwd"])
 def test_there_are_no_other_files(path: str) -> None:
     assert answer(path, "") is None
+
+
+def test_the_manifest_names_files_of_the_page() -> None:
+    found = json.loads(body(MANIFEST))
+    assert found["start_url"] == "./?installed"  # else it may be an address with a token
+    assert {f"/{one['src']}" for one in found["icons"]} <= {*EVERY_FILE}
 
 
 def test_the_page_names_no_other_server() -> None:

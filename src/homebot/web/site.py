@@ -16,8 +16,10 @@ __all__ = ["answer"]
 
 _TYPES: Final = {
     "": ("index.html", "text/html; charset=utf-8"),
+    "icon.png": ("icon.png", "image/png"),
     "icon.svg": ("icon.svg", "image/svg+xml"),
     "licences.txt": ("licences.txt", "text/plain; charset=utf-8"),
+    "manifest.webmanifest": ("manifest.webmanifest", "application/manifest+json"),
     "page.css": ("page.css", "text/css; charset=utf-8"),
     "page.js": ("page.js", "text/javascript; charset=utf-8"),
     "vocabulary.json": ("", "application/json"),
@@ -27,8 +29,8 @@ _TYPES: Final = {
 _HEADERS: Final = {
     "Content-Security-Policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
-        "base-uri 'none'; form-action 'none'; frame-ancestors 'none'; require-trusted-types-for 'script'; "
-        "trusted-types 'none'"
+        "manifest-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; "
+        "require-trusted-types-for 'script'; trusted-types 'none'"
     ),
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",

@@ -30,6 +30,11 @@ const VIEWS = {
 /** Views of one thing, which the address names; they belong to the first view. */
 const OF_ONE = { device: Device, room: Room };
 
+/** The last house or room that was looked at, where an installed page begins: of a tablet at the wall, its room. */
+const START = "homebot.start";
+
+if (!location.hash && location.search === "?installed") history.replaceState(null, "", `#/${localStorage.getItem(START) ?? ""}`);
+
 const place = signal(placeNow());
 const isLoggingIn = signal(false);
 
@@ -76,7 +81,7 @@ function LogIn({ reason }) {
     isLoggingIn.value = false;
     logIn(given.get("token").trim(), given.get("remember") === "on");
   };
-  return html`<form class="box" onSubmit=${submit}>
+  return html`<form class="box" aria-label=${say("log in")} onSubmit=${submit}>
     ${reason && html`<p class="bad">${reason}</p>`}
     <p>${say("A token gives this page its rights: yours is the line in owner.token, in the folder of homebot's data. For a tablet make one with:")} <code>homebot token new page --scope read --scope 'act: all' --scope manage</code></p>
     <label>${say("Token")} <input type="password" name="token" autocomplete="off" required /></label>
@@ -90,6 +95,10 @@ addEventListener("hashchange", () => {
   outcome.value = null; // it is of the view before
   document.querySelector("main")?.scrollTo?.(0, 0);
   scrollTo(0, 0);
+});
+effect(() => {
+  const { view, id } = place.value;
+  if (view === "house" || view === "room") localStorage.setItem(START, `${view}/${encodeURIComponent(id)}`);
 });
 effect(() => (document.title = connection.value.home || "homebot"));
 loadVocabulary();

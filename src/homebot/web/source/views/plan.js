@@ -5,11 +5,16 @@ import { call, connection, subscribe } from "../door.js";
 import { deviceOf, rooms as devicesOf } from "../house.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
-import { isActive, summary } from "../words.js";
+import { isActive, spoken, summary } from "../words.js";
 
 const robots = signal(new Map()); // by name: the pose
 /** One text, so that a pose draws no room anew. */
 const robotNames = computed(() => [...robots.value.keys()].join("\n"));
+
+/** Whether the window is that of a phone: a wide plan is turned then, and a small room has dots without names. */
+const narrow = matchMedia("(max-width: 37rem)");
+const isNarrow = signal(narrow.matches);
+narrow.addEventListener("change", () => (isNarrow.value = narrow.matches));
 
 export function Plan() {
   const [places, setPlaces] = useState(null);
@@ -25,18 +30,22 @@ export function Plan() {
     return html`<p class="empty">${say("No room has a shape yet. Give it corners in the table [places.rooms], or import a map: homebot places import FILE.")}</p>`;
   const floors = [...new Set(drawn.map((room) => room.floor))];
   const shown = floor ?? floors[0];
-  const rooms = drawn.filter((room) => room.floor === shown);
+  const upright = drawn.filter((room) => room.floor === shown);
+  const [{ width, height }, ring] = [boxOf(upright), (one) => ({ ...one, x: one.y, y: one.x.map((x) => -x) })];
+  const isTurned = isNarrow.value && width > height;
+  const rooms = isTurned ? upright.map((room) => ({ ...room, areas: room.areas.map(ring) })) : upright;
+  const doors = isTurned ? places.doors.map(ring) : places.doors;
   const box = boxOf(rooms);
-  const unit = Math.max(box.width, box.height) / 72; // the size of text
+  const unit = isNarrow.value ? box.width / 28 : Math.max(box.width, box.height) / 72; // the size of text
   const names = new Set(rooms.map((room) => room.name));
   const inside = new Map(devicesOf.value);
   return html`<section>
     ${floors.length > 1 && html`<p class="choices">${floors.map((one) => html`<button key=${one} type="button" aria-pressed=${one === shown} onClick=${() => setFloor(one)}>${one || say("Ground")}</button>`)}</p>`}
     <div class="scroll" role="region" tabindex="0" aria-label=${say("plan")}>
       <svg class="plan" viewBox=${`${box.left} ${-box.top} ${box.width} ${box.height}`} font-size=${unit} stroke-width=${unit / 9} role="group" aria-label=${say("plan with {count} rooms", { count: rooms.length })}>
-        ${rooms.map((room) => html`<${Room} key=${room.name} room=${room} unit=${unit} ids=${inside.get(room.name) ?? []} />`)}
-        ${places.doors.filter((door) => door.rooms.some((one) => names.has(one))).map((door) => html`<${Doorway} key=${door.name} door=${door} rooms=${rooms} unit=${unit} />`)}
-        <${Robots} unit=${unit} floor=${floors.length < 2 ? null : shown} />
+        ${rooms.map((room) => html`<${Room} key=${room.name} room=${room} unit=${unit} ids=${inside.get(room.name) ?? []} isTurned=${isTurned} />`)}
+        ${doors.filter((door) => door.rooms.some((one) => names.has(one))).map((door) => html`<${Doorway} key=${door.name} door=${door} rooms=${rooms} unit=${unit} />`)}
+        <${Robots} unit=${unit} floor=${floors.length < 2 ? null : shown} isTurned=${isTurned} />
       </svg>
     </div>
     <p class="legend">${say("A full dot is on, open or occupied.")} <${Whereabouts} /></p>
@@ -44,12 +53,12 @@ export function Plan() {
 }
 
 /** The robots of a floor; of all with null. */
-function Robots({ unit, floor }) {
+function Robots({ unit, floor, isTurned }) {
   const here = [...robots.value.values()].filter((pose) => pose.has_position && pose.counts && (floor === null || pose.floor === floor));
-  return here.map((pose) => html`<g key=${pose.robot} class="robot" transform=${`translate(${pose.x} ${-pose.y}) scale(${unit})`}>
+  return here.map((pose) => html`<g key=${pose.robot} class="robot" transform=${`translate(${pointOf([pose.x, pose.y], isTurned)}) scale(${unit})`}>
     <title>${pose.robot}</title>
     <circle r="1" />
-    <path transform=${`rotate(${(-pose.yaw * 180) / Math.PI})`} d="M 0.65 0 L -0.35 0.45 L -0.35 -0.45 Z" />
+    <path transform=${`rotate(${(-pose.yaw * 180) / Math.PI + (isTurned ? 90 : 0)})`} d="M 0.65 0 L -0.35 0.45 L -0.35 -0.45 Z" />
     ${here.length > 1 && html`<text y="2.2">${pose.robot}</text>`}
   </g>`);
 }
@@ -58,7 +67,7 @@ const Whereabouts = () =>
   [...robots.value.values()].map((pose) => `${pose.robot}: ${pose.counts ? pose.room || say("outside of all rooms") : say("not known now")}.`).join(" ");
 
 /** A room with its devices: at their positions, else in a list. */
-function Room({ room, unit, ids }) {
+function Room({ room, unit, ids, isTurned }) {
   const [first] = room.areas;
   const left = Math.min(...first.x);
   const top = Math.max(...first.y);
@@ -66,21 +75,22 @@ function Room({ room, unit, ids }) {
   const devices = ids.map((id) => deviceOf(id)?.value).filter((one) => one && !robotNames.value.split("\n").includes(one.name));
   const placed = devices.filter((one) => one.position.length);
   const listed = devices.filter((one) => !one.position.length);
-  const perColumn = Math.max(1, Math.floor((top - Math.min(...first.y)) / unit / ROW - 2));
-  const columns = Math.max(1, Math.floor(width / unit / COLUMN));
+  const isNamed = !isNarrow.value || width > 9 * unit;
+  const [begin, rowHeight, columnWidth] = isNamed ? [3.8, 1.8, 16] : [3.2, 2, 2]; // in heights of a line of text
+  const perColumn = Math.max(1, Math.floor(((top - Math.min(...first.y)) / unit - begin - 1) / rowHeight) + 1);
+  const columns = Math.max(1, Math.floor(width / unit / columnWidth));
+  const most = perColumn * columns;
+  const shown = listed.slice(0, most < listed.length ? most - 1 : most); // the last place says how many more there are
+  const placeOf = (index) => [left + unit * 1.4 + (Math.floor(index / perColumn) * width) / columns, -top + unit * (begin + rowHeight * (index % perColumn))];
+  const more = placeOf(shown.length);
   return html`<g>
     <path class=${devices.some(isLit) ? "area lit" : "area"} fill-rule="evenodd" d=${room.areas.map(pathOf).join(" ")} />
-    <text class="name" x=${left + unit} y=${-top + 1.8 * unit}>${room.name}</text>
-    ${listed.slice(0, perColumn * columns).map((device, index) => {
-      const x = left + unit * 1.4 + (Math.floor(index / perColumn) * width) / columns;
-      return html`<${Dot} key=${device.id} device=${device} x=${x} y=${top - unit * (2 + ROW * ((index % perColumn) + 1))} unit=${unit} isNamed=${true} />`;
-    })}
-    ${placed.map((device) => html`<${Dot} key=${device.id} device=${device} x=${device.position[0]} y=${device.position[1]} unit=${unit} />`)}
+    <a href=${`#/room/${encodeURIComponent(room.name)}`}><text class="name" font-size=${Math.min(unit, width / room.name.length)} x=${left + unit * 0.8} y=${-top + 1.6 * unit}>${spoken(room.name)}</text></a>
+    ${shown.map((device, index) => html`<${Dot} key=${device.id} device=${device} at=${placeOf(index)} unit=${unit} most=${isNamed ? width / columns / unit : 0} />`)}
+    ${shown.length < listed.length && html`<text x=${more[0] - unit * 0.4} y=${more[1] + unit * 0.35}>+${listed.length - shown.length}</text>`}
+    ${placed.map((device) => html`<${Dot} key=${device.id} device=${device} at=${pointOf(device.position, isTurned)} unit=${unit} most=${0} />`)}
   </g>`;
 }
-
-const ROW = 1.8; // lines of text
-const COLUMN = 16; // widths of a line of text
 
 const isLit = (device) =>
   device.type.includes("light") && [...device.states.values()].some((one) => one.capability === "on_off" && one.value === true);
@@ -93,13 +103,18 @@ function Doorway({ door, rooms, unit }) {
   return html`<path class="door" stroke-width=${unit / 4} d=${`M ${x - dx} ${-y - dy} L ${x + dx} ${-y + dy}`}><title>${door.name}</title></path>`;
 }
 
-function Dot({ device, x, y, unit, isNamed }) {
+/** A device, with its name and, if they are no wider than `most` heights of a line, its state. */
+function Dot({ device, at: [x, y], unit, most }) {
   const text = summary(device);
+  const [state] = text.split(" · ");
   return html`<a href=${`#/device/${encodeURIComponent(device.id)}`} aria-label=${`${device.name}: ${text}`}>
-    <circle class=${isActive(device) ? "dot on" : "dot"} cx=${x} cy=${-y} r=${unit * 0.45}><title>${`${device.name}: ${text}`}</title></circle>
-    ${isNamed && html`<text x=${x + unit} y=${-y + unit * 0.35}>${device.name} <tspan class="quiet">${text.split(" · ")[0]}</tspan></text>`}
+    <circle class=${isActive(device) ? "dot on" : "dot"} cx=${x} cy=${y} r=${unit * (most ? 0.45 : 0.7)}><title>${`${device.name}: ${text}`}</title></circle>
+    ${most > 0 && html`<text x=${x + unit} y=${y + unit * 0.35}>${device.name} ${(device.name + state).length * 0.55 + 3 < most && html`<tspan class="quiet">${state}</tspan>`}</text>`}
   </a>`;
 }
+
+/** A point of the house in the picture. */
+const pointOf = ([x, y], isTurned) => (isTurned ? [y, x] : [x, -y]);
 
 function boxOf(rooms) {
   const xs = rooms.flatMap((room) => room.areas.flatMap((area) => area.x));
