@@ -325,3 +325,46 @@ def test_a_scene_that_was_changed_in_the_app_has_its_new_values() -> None:
     actions = [{"target": {"rid": "light-1"}, "action": {"on": {"on": False}}}]
     assert "Hall" in resources.change("update", {"id": "scene", "actions": actions})
     assert values_of(resources) == [("id:hue:lamp-1#light", "on_off", False)]
+
+
+@pytest.mark.parametrize(
+    ("kind", "children", "members"),
+    [
+        ("room", ["lamp-1", "lamp-2", "sensor"], ("id:hue:lamp-1#light", "id:hue:lamp-2#light")),
+        ("zone", ["light-1"], ("id:hue:lamp-1#light",)),
+    ],
+)
+def test_the_lights_of_a_room_or_zone_are_a_group_of_its_lamps(
+    kind: str, children: list[str], members: tuple[str, ...]
+) -> None:
+    resources = room_with_a_scene()
+    services = [{"rid": "group", "rtype": "grouped_light"}]
+    held = [{"rid": one} for one in children]
+    room = {"id": "Hall", "type": kind, "metadata": {"name": "Hall"}, "children": held, "services": services}
+    light = {"id": "group", "type": "grouped_light", "on": {"on": True}, "dimming": {"brightness": 40.0}, "color": {}}
+    resources.change("add", {"id": "sensor", "type": "device", "services": []})
+    resources.change("update", room)
+    assert [one.id for one in devices_of(resources, ["Hall"])] == ["Hall"]  # the scenes alone
+    assert "Hall" in resources.change("add", light)
+    (lights,) = devices_of(resources, ["group"])
+    assert [one.id for one in devices_of(resources, ["Hall"])] == ["group", "Hall"]
+    (part,) = lights.services
+    assert (lights.name, part.part.members) == ("Hall lights", members)
+    assert part.part.is_group
+    assert {one.name: (one.settable, one.readable) for one in part.part.capabilities} == {
+        "on_off": (True, True),
+        "level": (True, True),
+        "color": (True, False),
+    }
+
+
+def test_a_room_without_lamps_has_no_lights() -> None:
+    resources = HueResources()
+    services = [{"rid": "group"}]
+    resources.replace(
+        [
+            {"id": "Hall", "type": "room", "metadata": {"name": "Hall"}, "services": services},
+            {"id": "group", "type": "grouped_light", "on": {"on": True}},
+        ]
+    )
+    assert list(devices_of(resources, ["Hall", "group"])) == []

@@ -224,6 +224,16 @@ async def test_a_scene_is_recalled(tmp_path: Path) -> None:
         assert "it takes only true" in refused.message
 
 
+async def test_all_lights_of_a_room_are_told_by_one_request(tmp_path: Path) -> None:
+    async with house(tmp_path) as home:
+        lamp = await home.install("lamp", DeviceState(text="off"), room="Kitchen")
+        lights = await home.sighting("Kitchen lights")
+        assert lights.parts[0].members == (f"id:hue:{lamp.owner_id}#light",)
+        assert (await home.send(lights.key, "level", 40.0, "grouped_light")).success
+        body = {"on": {"on": True}, "dimming": {"brightness": 40.0}}
+        assert home.bridge.commands == [("grouped_light", lights.key, body)]
+
+
 async def test_a_scene_is_recalled_without_a_lamp_that_is_gone(tmp_path: Path) -> None:
     async with house(tmp_path) as home:
         lamp = await home.install("lamp", DeviceState(text="off"), room="Kitchen")

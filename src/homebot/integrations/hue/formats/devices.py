@@ -26,6 +26,7 @@ _TYPES: Final[Mapping[str, tuple[str, Category]]] = {
     "tamper": ("x_binary_sensor", "diagnostic"),
     "device_power": ("x_battery", "diagnostic"),
     **dict.fromkeys((*BUTTON_KINDS, "relative_rotary"), ("generic_switch", "")),
+    "grouped_light": ("light", ""),
     "scene": ("x_scene", ""),
     "smart_scene": ("x_scene", ""),
 }
@@ -33,6 +34,8 @@ _TYPES: Final[Mapping[str, tuple[str, Category]]] = {
 
 _DEVICES: Final = frozenset({"device", "motion_area_configuration"})
 """The latter is a room or zone with lights that notice motion."""
+
+_GROUPS: Final = ("room", "zone")
 
 _FACTS: Final = {
     "manufacturer": "manufacturer_name",
@@ -57,7 +60,11 @@ class HueService(NamedTuple):
 
 
 class HueDevice(NamedTuple):
-    """A device, or the scenes of a room or zone; its id is that of its resource, and unknown reachability is None."""
+    """A device, or the scenes or lights of a room or zone; with the id of its resource.
+
+    Attributes:
+        reachable: None if that is unknown.
+    """
 
     id: str
     name: str
@@ -75,16 +82,42 @@ def bridge_identifiers(bridge_id: str) -> tuple[str, ...]:
 
 
 def devices_of(resources: HueResources, ids: Collection[str]) -> Iterator[HueDevice]:
-    """Yield the devices with these ids, and the scenes of each room or zone with one as one device."""
+    """Yield the devices with these ids, and of each room or zone with one the scenes, and all lights, as one device."""
     for rid in ids:
         one = resources.get(rid)
         if text_of(one.get("type")) in _DEVICES:
             yield _device(resources, rid, one)
-        elif one and (scenes := tuple(resources.holders(rid, "scene", "smart_scene"))):
+            continue
+        if one.get("type") in _GROUPS:
+            yield from _all_lights(resources, one)
+        elif one.get("type") == "grouped_light":
+            for _, group in resources.holders(rid, *_GROUPS):
+                yield from _all_lights(resources, group)
+        if one and (scenes := tuple(resources.holders(rid, "scene", "smart_scene"))):
             members = _members(resources, one)
             services = tuple(_scene(resources, scene, fields, members) for scene, fields in scenes)
             area = _name(one) if one.get("type") == "room" else ""
             yield HueDevice(rid, f"{_name(one)} scenes".strip(), services, area, identifiers((f"hue:{rid}",)))
+
+
+def _all_lights(resources: HueResources, group: Fields) -> Iterator[HueDevice]:
+    """Yield the group of all lights in a room or zone."""
+    members = tuple(dict.fromkeys(_lights(resources, group)))
+    for rid, light in resources.referred(group, "services"):
+        if light.get("type") == "grouped_light" and members:
+            service = _service(rid, light, "grouped_light", "", members=members)
+            area = _name(group) if group.get("type") == "room" else ""
+            yield HueDevice(rid, f"{_name(group)} lights".strip(), (service,), area, identifiers((f"hue:{rid}",)))
+
+
+def _lights(resources: HueResources, group: Fields) -> Iterator[str]:
+    """Yield the lights in a room, whose children are devices, or in a zone, whose children are lights."""
+    for child, resource in resources.referred(group, "children"):
+        is_device = resource.get("type") == "device"
+        for owner, device in [(child, resource)] if is_device else resources.holders(child, "device"):
+            for one in _services(device, tuple(resources.referred(device, "services"))):
+                if one.part.advertised == "light" and (is_device or one.id == child):
+                    yield f"id:hue:{owner}#{one.part.id}"
 
 
 def _device(resources: HueResources, rid: str, device: Fields) -> HueDevice:

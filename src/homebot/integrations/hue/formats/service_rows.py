@@ -17,7 +17,7 @@ from homebot.conventions.light_color import MIRED, from_hue_saturation, nearest_
 from homebot.conventions.payload import text_of
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
-from homebot.integrations.hue.formats.resources import Fields, HueBody, at, hue_row
+from homebot.integrations.hue.formats.resources import Fields, HueBody, HueRow, at, hue_row
 from homebot.support.numbers import finite_number
 
 __all__ = ["BUTTON_KINDS", "MOTION_KINDS", "SERVICE_ROWS", "press_of"]
@@ -107,25 +107,36 @@ def _write_locate(_device: Fields, command: Command) -> HueBody:
 
 _COLORS: Final = ("color", "color_temperature")
 
+
+def _rows_of(kind: str) -> tuple[HueRow, ...]:
+    """Return the rows of a light, or of all lights of a room or zone, of which no colour is reported."""
+    is_one = kind == "light"
+    colors, kelvin, color = (_COLORS, _read_kelvin, _read_color) if is_one else ((), None, None)
+    return (
+        hue_row(
+            kind,
+            "on_off",
+            ("on",),
+            lambda light: _flag(at(light, "on", "on")),
+            lambda _light, one: _body(one, on=one.value.flag),
+        ),
+        hue_row(kind, "level", ("dimming",), _read_level, _write_level, "dimming"),
+        hue_row(
+            kind,
+            "color_temperature",
+            colors,
+            kelvin,
+            _write_kelvin,
+            "color_temperature",
+            lambda light: nearest_mired_bounds(*_mirek_bounds(light)),
+        ),
+        hue_row(kind, "color", colors, color, _write_color, "color"),
+    )
+
+
 _LIGHT_ROWS: Final = (
-    hue_row(
-        "light",
-        "on_off",
-        ("on",),
-        lambda light: _flag(at(light, "on", "on")),
-        lambda _light, one: _body(one, on=one.value.flag),
-    ),
-    hue_row("light", "level", ("dimming",), _read_level, _write_level, "dimming"),
-    hue_row(
-        "light",
-        "color_temperature",
-        _COLORS,
-        _read_kelvin,
-        _write_kelvin,
-        "color_temperature",
-        lambda light: nearest_mired_bounds(*_mirek_bounds(light)),
-    ),
-    hue_row("light", "color", _COLORS, _read_color, _write_color, "color"),
+    *_rows_of("light"),
+    *_rows_of("grouped_light"),
     hue_row(
         "light",
         "effect",

@@ -1,8 +1,8 @@
 """Requests to one Hue bridge, at the rate that it allows, and its event stream.
 
 Two requests run at a time: a bridge refuses more than three connections, and the events need one. Commands to lights
-start at most ten times a second, recalls of scenes once a second, in order. Requests for which the bridge was too busy
-are repeated; a command without an answer is not.
+start at most ten times a second, those to scenes and groups once a second, in order. Requests for which the bridge was
+too busy are repeated; a command without an answer is not.
 
 Source: Philips Hue, CLIP API v2, "Getting started" (system performance), and its reference.
 """
@@ -43,7 +43,7 @@ ANSWER_WITHIN: Final = 6.0
 _TRIES: Final = 6
 _PAUSE: Final = 0.25
 _AT_ONCE: Final = 2
-_SCENES: Final = frozenset({"scene", "smart_scene"})
+_GROUPS: Final = frozenset({"grouped_light", "scene", "smart_scene"})
 _NOT_PRESSED: Final = 101
 _MAY_NOT: Final = "may not have effect"
 """Part of the error text for a command that was sent nevertheless, such as to a lamp without power."""
@@ -67,7 +67,7 @@ class BridgeLink:
         self._clock = clock
         self._turns = anyio.Semaphore(_AT_ONCE)
         self._lights = RateLimit(10.0, 5.0)
-        self._scenes = RateLimit(1.0, 1.0)
+        self._groups = RateLimit(1.0, 1.0)
 
     def events(self) -> AbstractAsyncContextManager[EventStream]:
         """Return the stream of events, for ``async with``."""
@@ -82,7 +82,7 @@ class BridgeLink:
     async def change(self, what: str, kind: str, rid: str, body: HueBody) -> None:
         """Change a resource; return when the bridge has accepted it. Raises LinkError, or RefusedError about *what*."""
         url = f"{self._origin}/clip/v2/resource/{kind}/{rid}"
-        limit = self._scenes if kind in _SCENES else self._lights
+        limit = self._groups if kind in _GROUPS else self._lights
         _check_answer(what, as_fields(await self._ask(lambda: self._client.send_json("PUT", url, body), limit)))
 
     async def _ask(self, send: Callable[[], Awaitable[AnswerT]], limit: RateLimit | None = None) -> AnswerT:

@@ -18,7 +18,7 @@ from homebot.devices.identity import in_pairs
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.http.web_server import WebDevice, WebPeer, WebReply, WebRequest, WebServer
 from homebot.house.wire import as_json, as_object, hardware_address
-from homebot.integrations.hue.formats.resources import merged
+from homebot.integrations.hue.formats.resources import at, merged
 from homebot.integrations.hue.simulated.resources import (
     CHANGED,
     Resource,
@@ -39,6 +39,7 @@ _CHANGEABLE: Final[Mapping[str, frozenset[str]]] = {
     "light": frozenset(
         {"on", "dimming", "color_temperature", "color", "effects", "effects_v2", "dynamics", "alert", "gradient"}
     ),
+    "grouped_light": frozenset({"on", "dimming", "color_temperature", "color", "dynamics", "alert", "signaling"}),
     "device": frozenset({"metadata", "identify"}),
     "scene": frozenset({"recall", "metadata"}),
     "geofence_client": frozenset({"name", "is_at_home"}),
@@ -203,6 +204,8 @@ class SimulatedHueBridge(WebDevice):
                 self._recall(resource)
             case "light":
                 return self._light(rid, body, done)
+            case "grouped_light":
+                self._group(resource, body)
             case "geofence_client":
                 self.change(rid, body)
         return _answered(200, done)
@@ -219,6 +222,14 @@ class SimulatedHueBridge(WebDevice):
         device.obey(body)
         self._end_scenes()
         return _answered(200, done)
+
+    def _group(self, grouped: Resource, body: Mapping[str, object]) -> None:
+        children = self.resources[str(at(grouped, "owner", "rid"))]["children"]
+        inside = {at(one, "rid") for one in children} if isinstance(children, list) else set()
+        for rid, one in tuple(self.resources.items()):
+            if one["type"] == "light" and not inside.isdisjoint((rid, at(one, "owner", "rid"))):
+                self._light(rid, body, [])
+        self.change(str(grouped["id"]), {"on": body["on"]} if "on" in body else {})
 
     def _recall(self, scene: Resource) -> None:
         self._end_scenes()
