@@ -1,17 +1,21 @@
 """Routines that ask who is at home, and start when people come and go."""
 
+import asyncio
 import json
 from collections.abc import Mapping
+from pathlib import Path
 
 import pytest
 from tests.apps.houses import hall, is_on
+from tests.replay.recorded_days import MemorySink
 
+from homebot.cli.main import main
 from homebot.errors import UsageError
 from homebot.house import World
 from homebot.routines.conditions import read_condition
 from homebot.routines.people import read_person
 from homebot.routines.triggers import PersonMoves, read_trigger
-from homebot.testing import VirtualHouse, virtual_house_of
+from homebot.testing import VirtualHouse, VirtualTimeLoop, virtual_house_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("espresense", "homeassistant", "owntracks")]
 
@@ -117,3 +121,30 @@ def test_a_condition_that_would_hold_while_it_is_unknown_is_refused(text: str) -
 def test_people_say_it_in_several_ways(same: tuple[str, ...]) -> None:
     assert len({(one.person, one.is_home) for one in map(read_person, same) if one is not None}) == 1
     assert all(isinstance(read_trigger(one), PersonMoves) for one in same)
+
+
+def test_a_trial_on_a_recorded_day_knows_who_came_and_went(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("TZ", "UTC")
+    sink = MemorySink()
+
+    async def live() -> None:
+        tables = {"people": PEOPLE, "home": {"zone": "UTC"}}
+        async with virtual_house_of(world=hall(), config=tables, record_into=sink) as house:
+            for regions in (("Home",), (), ("Home",)):
+                await ben_is(house, *regions)
+                await house.run_for("10m")
+
+    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+        runner.run(live())
+    (tmp_path / "day.jsonl").write_text("".join(f"{line}\n" for line in sink.lines))
+    routine = '[home]\nzone = "UTC"\n[[routines]]\nname = "Out"\nwhen = ["Ben leaves"]\ndo = ["hall lamp off"]\n'
+    (tmp_path / "new.toml").write_text(
+        f'{routine}[[routines]]\nname = "In"\nwhen = ["Ben arrives"]\ndo = ["hall lamp on"]\n'
+    )
+    capsys.readouterr()
+    assert main(["routine", "try", str(tmp_path / "new.toml"), "--on", str(tmp_path / "day.jsonl")]) == 0
+    out, back, *_ = capsys.readouterr().out.splitlines()
+    assert "off  out, because Ben reported" in out, out
+    assert "on  in" in back
