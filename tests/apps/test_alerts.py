@@ -162,6 +162,20 @@ async def test_a_door_is_told_after_a_quarter_of_an_hour_and_a_window_never(
     assert told(house) == ([f"Alert: {name} is open, for 15 min"] if is_door else [])
 
 
+@pytest.mark.rooms("homeassistant", "owntracks")
+@pytest.mark.house(config=NOTIFY | {"people": {"Ben": {"trackers": ["ben phone"]}}})
+@pytest.mark.parametrize(("regions", "is_told"), [([], True), (["Home"], False), (None, False)])
+async def test_an_open_door_is_told_after_a_minute_while_nobody_is_home(
+    house: VirtualHouse, regions: list[str] | None, *, is_told: bool
+) -> None:
+    """Unknown is not away."""
+    await announce(house, "Hall", "door")
+    await house.says("owntracks/ben/phone", json.dumps({"_type": "location", "inregions": regions, "tst": 1}))
+    await house.says("home/Hall", "ON")
+    await house.run_for("3m")
+    assert told(house) == (["Alert: Hall is open, for 1 min"] if is_told else [])
+
+
 @pytest.mark.rooms("homeassistant")
 @pytest.mark.house(config=NOTIFY | {"alerts": {"leak": "10m", "smoke": False, "door": "1h"}})
 async def test_the_delay_of_each_kind_can_be_set(house: VirtualHouse) -> None:

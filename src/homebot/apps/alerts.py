@@ -23,7 +23,7 @@ from homebot.devices.names import (
     gateway_of,
 )
 from homebot.devices.query.term_messages import QueryTerm, query_terms
-from homebot.devices.query.terms import Or
+from homebot.devices.query.terms import Or, TypeIs
 from homebot.devices.question_messages import OpenQuestions
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.errors import ServiceError
@@ -40,6 +40,12 @@ _GATHER, _AGAIN, _LONGEST_PAUSE = 0.5, 60.0, 3600.0
 
 _CALM, _LONG_CALM, _DAY = 300.0, 3600.0, 86_400.0
 """Seconds for which it must be over before people are told so; the longer time if it came back within a day."""
+
+_WHILE_AWAY: Final = 60.0
+"""Seconds after which people are told of an open door while all of them are known to be away."""
+
+_HOUSEHOLD: Final = TypeIs("household", frozenset({"x_household"}), by_word=False)
+_AT_HOME: Final = "at_home"
 
 _MOST_LINES: Final = 10
 _MOST_ASKED: Final = 100
@@ -106,6 +112,7 @@ class Alerts(App[AlertsSettings]):
         self._findings = node.create_publisher(Findings, ALERT_FINDINGS, qos_profile_latched)
         self._incidents = {key: Incident(*fields) for key, fields in self.store.get("incidents", {}).items()}
         self._gateways: dict[str, Alert | None] = {}
+        self._is_empty = False
         self._changed, self._pause = anyio.Event(), _AGAIN / 2
         node.create_subscription(ChangedSettings, DEVICE_SETTINGS, self._on_values, 100)
         node.create_subscription(DeviceChange, DEVICE_CHANGES, lambda _: self._changed.set(), 1)
@@ -164,7 +171,9 @@ class Alerts(App[AlertsSettings]):
     async def _alerts(self, now: float) -> dict[str, Alert]:
         """Return the present alerts by cause, the worst first."""
         lost = [name for name, alert in self._gateways.items() if alert is not None]
-        devices = await self._devices(query_terms(Or(tuple(kind.query(lost) for kind in ALERTS))), ())
+        devices = await self._devices(query_terms(Or((*(kind.query(lost) for kind in ALERTS), _HOUSEHOLD))), ())
+        states = [state for one in devices for state in one.states if state.capability == _AT_HOME and state.live]
+        self._is_empty = any(one.value.plain() is False for one in states)
         alerts = [one for one in self._gateways.values() if one is not None]
         alerts += [one for kind in ALERTS for device in devices for one in alerts_of(kind, device, now, lost)]
         return {one.key: one for one in sorted(alerts, key=lambda one: [*FindingKind].index(one.kind.finding))}
@@ -193,4 +202,7 @@ class Alerts(App[AlertsSettings]):
     def _due(self, key: str) -> float:
         kind = key.partition(" ")[0]
         told_after = next(one.told_after for one in (*ALERTS, GATEWAY) if one.key == kind)
-        return self._incidents[key].due(self.settings.told_after.get(kind, told_after))
+        told_after = self.settings.told_after.get(kind, told_after)
+        if kind == "door" and self._is_empty and told_after < math.inf:
+            told_after = min(told_after, _WHILE_AWAY)
+        return self._incidents[key].due(told_after)

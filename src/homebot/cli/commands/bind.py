@@ -45,7 +45,7 @@ def _bind(door: DoorClient, options: argparse.Namespace) -> int:
     _check_event(door, options.button, options.event)
     event = "" if options.event == _ANY else f" {options.event}"
     step = " ".join(options.step)
-    if options.step[-1] in _DIMS:
+    if options.step[-1] in _DIMS and options.step[0] != "scene":
         if not event:
             raise UsageError("say while which event it dims, such as hold")
         step = f"{step} while {options.button}{event}"

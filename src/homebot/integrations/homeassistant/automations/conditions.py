@@ -68,11 +68,7 @@ class Conditions:
         }
 
     def all_of(self, nodes: Sequence[Located]) -> list[Condition]:
-        """Return the conditions that hold if all of *nodes* do, perhaps with :data:`NEVER`.
-
-        Raises:
-            NotCarriedError: One has no counterpart.
-        """
+        """Return the conditions that hold if all of *nodes* do, perhaps with :data:`NEVER`."""
         return [one for each in self._each(nodes) for one in each]
 
     def _each(self, nodes: Sequence[Located]) -> list[list[Condition]]:

@@ -100,11 +100,7 @@ class Entities:
         self.used: dict[str, KnownEntity] = {}
 
     def find(self, entity_id: str, line: int) -> KnownEntity:
-        """Return the entity *entity_id*.
-
-        Raises:
-            NotCarriedError: homebot knows none, or several.
-        """
+        """Return the entity *entity_id*."""
         if not _ID.fullmatch(entity_id):
             raise NotCarriedError(line, f"{entity_id!r} is no id of an entity, such as light.hall")
         if entity_id not in self.used:
@@ -112,11 +108,7 @@ class Entities:
         return self.used[entity_id]
 
     def device_of(self, device_id: str, line: int) -> Device:
-        """Return the device with the id *device_id* of Home Assistant.
-
-        Raises:
-            NotCarriedError: There is none.
-        """
+        """Return the device with the id *device_id* of Home Assistant."""
         found = [one for one in self._devices if any(route.key == device_id for route in one.endpoints)]
         if len(found) != 1:
             raise NotCarriedError(
@@ -130,11 +122,7 @@ class Entities:
         return device.name if is_plain else device.id
 
     def room_of(self, area_id: str, line: int) -> str:
-        """Return the room with the id *area_id* of Home Assistant.
-
-        Raises:
-            NotCarriedError: There is none, or several.
-        """
+        """Return the room with the id *area_id* of Home Assistant."""
         areas = {one.area for one in self._devices if one.area}
         found = [one for one in areas if slug_of(one) == area_id]
         if len(found) != 1:

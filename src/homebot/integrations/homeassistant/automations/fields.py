@@ -1,4 +1,7 @@
-"""Fields of automations, with the reasons why some are not carried over. Pure."""
+"""Fields of automations. Pure.
+
+All functions of this package raise :class:`NotCarriedError` for what no routine can do, or homebot does not know.
+"""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -34,7 +37,7 @@ _LONGEST: Final = 60
 
 
 class NotCarriedError(UsageError):
-    """A part of an automation that no routine can do, or that homebot does not know."""
+    """A part of an automation without counterpart; the message names it, with the reason."""
 
     def __init__(self, line: int, problem: str) -> None:
         super().__init__(problem)
@@ -42,11 +45,7 @@ class NotCarriedError(UsageError):
 
 
 def fields_of(node: Located, what: str) -> dict[str, Located]:
-    """Return the fields of a mapping.
-
-    Raises:
-        NotCarriedError: It is no mapping; *what* names it.
-    """
+    """Return the fields of a mapping."""
     check_tag(node)
     if not isinstance(node.value, dict):
         raise NotCarriedError(node.line, f"{what}: {shown(node)} is not a mapping")
@@ -64,21 +63,13 @@ def items_of(node: Located | None) -> list[Located]:
 
 
 def check_tag(node: Located) -> None:
-    """Check that *node* is written in this file.
-
-    Raises:
-        NotCarriedError: It is in another one.
-    """
+    """Check that *node* is written in this file."""
     if node.tag:
         raise NotCarriedError(node.line, f"{node.tag} {shown(node)}: write the value itself there")
 
 
 def text_of(node: Located, what: str) -> str:
-    """Return a text or a number as text.
-
-    Raises:
-        NotCarriedError: It is neither, or a template.
-    """
+    """Return a text or a number as text."""
     check_tag(node)
     value = node.value
     if isinstance(value, bool) or not isinstance(value, str | int | float):
@@ -90,20 +81,12 @@ def text_of(node: Located, what: str) -> str:
 
 
 def texts_of(node: Located, what: str) -> list[str]:
-    """Return a list of texts, or a text with commas, as Home Assistant reads ids of entities.
-
-    Raises:
-        NotCarriedError: One is no text, or a template.
-    """
+    """Return a list of texts, or a text with commas, as Home Assistant reads ids of entities."""
     return [part.strip() for one in items_of(node) for part in text_of(one, what).split(",") if part.strip()]
 
 
 def number_of(node: Located, what: str) -> float:
-    """Return a number.
-
-    Raises:
-        NotCarriedError: It is none, or a template, or that of an entity.
-    """
+    """Return a number."""
     text = text_of(node, what)
     try:
         return float(text)
@@ -112,22 +95,14 @@ def number_of(node: Located, what: str) -> float:
 
 
 def needed(node: Located, fields: Mapping[str, Located], key: str) -> Located:
-    """Return the field *key* of *node*.
-
-    Raises:
-        NotCarriedError: There is none.
-    """
+    """Return the field *key* of *node*."""
     if key not in fields:
         raise NotCarriedError(node.line, f"`{key}` is missing")
     return fields[key]
 
 
 def limits_of(node: Located, fields: Mapping[str, Located]) -> tuple[float | None, float | None]:
-    """Return the limits ``above`` and ``below`` of a number.
-
-    Raises:
-        NotCarriedError: There is none, or one is the value of an entity.
-    """
+    """Return the limits ``above`` and ``below`` of a number."""
     above, below = (number_of(fields[one], one) if one in fields else None for one in ("above", "below"))
     if above is None and below is None:
         raise NotCarriedError(node.line, "`above` or `below` is missing")
@@ -135,22 +110,14 @@ def limits_of(node: Located, fields: Mapping[str, Located]) -> tuple[float | Non
 
 
 def is_enabled(fields: Mapping[str, Located]) -> bool:
-    """Return whether the part with *fields* counts.
-
-    Raises:
-        NotCarriedError: A template decides that.
-    """
+    """Return whether the part with *fields* counts."""
     if (node := fields.get("enabled")) is None:
         return True
     return flag_of(node, "enabled")
 
 
 def flag_of(node: Located, what: str) -> bool:
-    """Return a truth value, also as YAML 1.1 spells it: ``off`` and ``no``.
-
-    Raises:
-        NotCarriedError: It is none.
-    """
+    """Return a truth value, also as YAML 1.1 spells it: ``off`` and ``no``."""
     word = str(node.value).casefold()
     if word in _NO or word in _YES:
         return word in _YES
@@ -158,11 +125,7 @@ def flag_of(node: Located, what: str) -> bool:
 
 
 def duration_of(node: Located, what: str) -> str:
-    """Return a length of time as homebot spells it, with its sign: ``5m``; empty for none.
-
-    Raises:
-        NotCarriedError: It is none, or a template.
-    """
+    """Return a length of time as homebot spells it, with its sign: ``5m``; empty for none."""
     seconds = _seconds_of(node, what)
     parts, rest = [], abs(seconds)
     for unit, length in (("h", 3600), ("m", 60)):
@@ -185,11 +148,7 @@ def _seconds_of(node: Located, what: str) -> float:
 
 
 def check_keys(node: Located, what: str, *known: str) -> None:
-    """Check that *node* has no field beside the *known* ones, as it would be lost.
-
-    Raises:
-        NotCarriedError: It has one.
-    """
+    """Check that *node* has no field beside the *known* ones, as it would be lost."""
     for key, value in fields_of(node, what).items():
         if key not in known:
             raise NotCarriedError(value.line, f"{what}: `{key}` has no counterpart in routines")

@@ -76,7 +76,7 @@ def _automations(document: Located) -> Iterator[Located]:
             if key.partition(" ")[0] == "automation":
                 yield from items_of(value)
         return
-    yield from items_of(document)
+    yield from document.value if isinstance(document.value, list) else items_of(document)
 
 
 def _name_of(node: Located) -> str:

@@ -45,11 +45,7 @@ _Make: TypeAlias = Callable[[KnownEntity, _Data, int], list[_CommandWords]]
 
 
 def steps_of_service(entities: Entities, node: Located, fields: Mapping[str, Located], key: str) -> Iterator[str]:
-    """Yield the steps of the call of a service, which the field *key* of *node* names.
-
-    Raises:
-        NotCarriedError: It, its target or its data has no counterpart.
-    """
+    """Yield the steps of the call of a service, which the field *key* of *node* names."""
     check_keys(node, "action", *_GENERAL, key, "target", "data", "entity_id", "service_data")
     name = text_of(fields[key], key)
     domain, _, service = name.partition(".")

@@ -46,21 +46,13 @@ OPPOSITES: Final = {"on": "off", "off": "on"}
 
 
 def state_text(entity: KnownEntity, state: str, line: int) -> str:
-    """Return the state of an entity in the words of routines.
-
-    Raises:
-        NotCarriedError: homebot knows no such state of it.
-    """
+    """Return the state of an entity in the words of routines."""
     capability, operator, value = _meaning(entity, state, line)
     return _text(entity, [StateIs(capability, operator, fold(value) if isinstance(value, str) else value)], line)
 
 
 def limit_text(entity: KnownEntity, above: float | None, below: float | None, line: int) -> str:
-    """Return that the value of an entity is within limits.
-
-    Raises:
-        NotCarriedError: It is no number, or has another unit in Home Assistant.
-    """
+    """Return that the value of an entity is within limits."""
     name = entity.capability
     if entity.domain != "sensor" or CAPABILITIES.get(name, OWN).kind != "number":
         raise NotCarriedError(line, f"{entity.id} has no limits: homebot reads no number from it")

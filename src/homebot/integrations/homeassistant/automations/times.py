@@ -13,11 +13,7 @@ _DAYS: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 
 
 def clock_time(node: Located, what: str) -> str:
-    """Return a time of day.
-
-    Raises:
-        NotCarriedError: It is none, such as that of a helper.
-    """
+    """Return a time of day."""
     text = text_of(node, what)
     if not _CLOCK.fullmatch(text):
         raise NotCarriedError(node.line, f"{what}: {shown(node)} is no time of day")
@@ -25,11 +21,7 @@ def clock_time(node: Located, what: str) -> str:
 
 
 def days_text(node: Located) -> str:
-    """Return days of the week, such as ``mon,tue``.
-
-    Raises:
-        NotCarriedError: There is no such day.
-    """
+    """Return days of the week, such as ``mon,tue``."""
     days = [one.casefold() for one in texts_of(node, "weekday")]
     if not days or any(one not in _DAYS for one in days):
         raise NotCarriedError(node.line, f"weekday: {shown(node)} is no list of days such as mon, tue")

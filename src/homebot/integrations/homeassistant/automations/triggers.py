@@ -65,11 +65,7 @@ class Triggers:
         }
 
     def read(self, node: Located) -> list[str]:
-        """Return the triggers of *node*, each of which starts the routine.
-
-        Raises:
-            NotCarriedError: It has no counterpart.
-        """
+        """Return the triggers of *node*, each of which starts the routine."""
         fields = fields_of(node, "trigger")
         kinds = [fields[one] for one in ("trigger", "platform") if one in fields]
         kind = text_of(kinds[0], "trigger") if kinds else ""
