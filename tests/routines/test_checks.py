@@ -66,6 +66,7 @@ async def test_nothing_is_said_of_routines_that_work() -> None:
     ("change", "problem"),
     [
         ({"do": ["hull lamp on"]}, "'hull lamp on': no device fits 'hull lamp'; did you mean hall_lamp?"),
+        ({"do": ["scene Film"]}, "'scene Film': there is no scene 'Film'; `homebot scene list` shows them"),
         ({"do": ["lights in garage off"]}, "'lights in garage off': "),
         ({"do": ["heater 40 %"]}, "'heater 40 %': heater: this part takes on, off"),
         ({"do": ["hall lamp closed"]}, "'hall lamp closed': hall_lamp: "),

@@ -6,8 +6,9 @@ from tests.apps.houses import hall, is_on, lamp
 
 from homebot import App
 from homebot.devices import KeyValue
+from homebot.devices.app_messages import ListRoutines, RoutinesRequest
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, CommandDevicesResponse
-from homebot.devices.names import CHANGE_SCENE, COMMAND_DEVICES
+from homebot.devices.names import CHANGE_SCENE, COMMAND_DEVICES, LIST_ROUTINES
 from homebot.devices.scene_client import SceneOutcome
 from homebot.devices.scene_messages import ChangeScene, ChangeSceneRequest
 from homebot.errors import UsageError
@@ -88,3 +89,19 @@ async def test_an_app_applies_a_scene_and_gets_the_outcome_of_each_part() -> Non
         assert {one.name for one in await app.scenes.list()} == {"Film"}
         assert (await app.scenes.undo("Film")).succeeded
         assert not is_on(world, "hall_lamp")
+
+
+async def test_a_routine_that_applies_a_scene_is_checked_by_its_values() -> None:
+    """At one time one turns the lamp off, and the scene of another turns it on."""
+    world = hall()
+    routines = [
+        {"name": "Film", "when": ["18:30"], "do": ["scene Film"]},
+        {"name": "Dark", "when": ["18:30"], "do": ["hall lamp off"]},
+    ]
+    async with virtual_house_of(world=world, config={"routines": routines, "home": {"zone": "UTC"}}) as house:
+        await house.run_until("07:00")
+        await save(house, "Film", hall_lamp="on, 20 %")
+        async with Node(house.runtime.graph, "person") as person:
+            request = RoutinesRequest(check=True)
+            answer = await person.create_client(ListRoutines, LIST_ROUTINES).call(request)
+    assert any("'scene Film'" in hint for one in answer.routines for hint in one.hints)

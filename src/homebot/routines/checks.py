@@ -4,6 +4,7 @@ A device that is not there yet may still come, so these are hints for people and
 """
 
 from collections.abc import AsyncIterator, Iterable, Iterator, Mapping
+from contextlib import closing
 from typing import Final, final
 
 from homebot.command_words.suitable_parts import part_name, settings_by_part
@@ -12,9 +13,11 @@ from homebot.devices import QUERY_DEVICES, KeyValue, QueryDevices
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.names import LIST_SCENES
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.query.terms import And, CanDo, Not, Or, Query, StateIs, leaves
+from homebot.devices.scene_messages import ListScenes, ScenesRequest
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import HomebotError, RefusedError, ServiceError, UsageError
 from homebot.graph import Node
@@ -22,7 +25,7 @@ from homebot.routines.conditions import Matches, read_condition
 from homebot.routines.effects import Effect, RoutineEffects, fights, loops
 from homebot.routines.program import Choice, program_of
 from homebot.routines.settings import RoutineSettings
-from homebot.routines.steps import Do, SendRobot, Wait, WaitUntil
+from homebot.routines.steps import APPLY, Do, SendRobot, Wait, WaitUntil
 from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
 from homebot.support.similar import did_you_mean
 
@@ -38,7 +41,8 @@ class HouseChecks:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._targets = CommandTargets(node, DeviceLookup(node), lambda *_: "")
+        self._lookup = DeviceLookup(node)
+        self._targets = CommandTargets(node, self._lookup, lambda *_: "")
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
 
     async def problems(self, routines: Iterable[RoutineSettings]) -> Mapping[str, list[str]]:
@@ -103,6 +107,8 @@ class HouseChecks:
 
     async def _command(self, step: Do, effects: list[Effect], *, is_prompt: bool) -> list[str]:
         """Return why *step* cannot be carried out, and add its effects."""
+        if step.command == APPLY:
+            return await self._scene(step, effects, is_prompt=is_prompt)
         is_toggled = step.command.casefold() == "toggle"
         request = CommandDevicesRequest(
             target=step.target,
@@ -125,6 +131,17 @@ class HouseChecks:
                 if not is_toggled:
                     effects.append(Effect(step.text, device, part.id, parsed, is_prompt))
         return refused if len(targets) <= 1 or not taken else []
+
+    async def _scene(self, step: Do, effects: list[Effect], *, is_prompt: bool) -> list[str]:
+        """Return why the scene of *step* is unknown, and add the effects of its known values."""
+        with closing(self._node.create_client(ListScenes, LIST_SCENES)) as client:
+            answer = await client.call(ScenesRequest(name=step.target.partition(" ")[2]))
+        devices = {one.id: one for one in await self._lookup.devices()} if answer.scenes else {}
+        for part in (part for scene in answer.scenes for part in scene.parts):
+            if part.settings and part.device in devices:
+                settings = {one.capability: one.value.plain() for one in part.settings}
+                effects.append(Effect(step.text, devices[part.device], part.part, settings, is_prompt))
+        return [] if answer.success else [answer.message]
 
     async def _why_none(self, target: str, problem: str) -> str:
         """Return *problem* unless the target is a state, such as 'open windows', that is only missing now."""

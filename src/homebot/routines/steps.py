@@ -17,11 +17,14 @@ from homebot.routines.triggers import Becomes, read_state
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["Dim", "Do", "Notify", "SendRobot", "Step", "Undo", "Wait", "WaitUntil", "read_step"]
+__all__ = ["APPLY", "Dim", "Do", "Notify", "SendRobot", "Step", "Undo", "Wait", "WaitUntil", "read_step"]
 
 _WAIT_UNTIL: Final = re.compile(r"wait until\s+(?P<state>.+?),?\s+at most\s+(?P<most>.+)", re.IGNORECASE)
 _WAIT: Final = re.compile(r"wait\s+(?P<length>\d.*)", re.IGNORECASE)
 _NOTIFY: Final = re.compile(r"notify:?\s+(?P<text>.+)", re.IGNORECASE)
+APPLY: Final = "apply"
+"""The command to a scene."""
+
 _SCENE: Final = re.compile(r"scene\s+(?P<name>.+?)(?:,\s*over\s+(?P<length>\d.*))?", re.IGNORECASE)
 _DRIVE: Final = re.compile(r"(?P<robot>\w+)\s+(?:go|goes|drive|drives)\s+to\s+(?:the\s+)?(?P<room>.+)", re.IGNORECASE)
 _DIM: Final = re.compile(
@@ -148,7 +151,7 @@ def read_step(text: str) -> Step:
         return Dim(plain, target, parse_query(target), way.casefold(), parse_query(button), event.casefold())
     if (scene := _SCENE.fullmatch(plain)) is not None:
         length = read_duration(scene["length"]) if scene["length"] else 0.0
-        return Do(plain, f"scene {scene['name']}", "apply", transition=length)
+        return Do(plain, f"scene {scene['name']}", APPLY, transition=length)
     return _read_do(plain)
 
 
