@@ -118,3 +118,24 @@ async def test_scenes_of_one_name_in_several_rooms_are_told_apart_by_the_room(ho
     answer = await scenes.apply("Film")
     assert answer.message == "2 scenes are called 'Film'; name one: 'Film in room 0' or 'Film in room 1'"
     assert (await scenes.apply("film in room 0")).success
+
+
+async def test_a_scene_that_names_its_parts_by_their_ids_alone_has_them(home: Home, scenes: Scenes) -> None:
+    """As Home Assistant does, whose entities have ids that are unique in it."""
+    for key in FILM:
+        part = simple_part("light", settable=("on_off",)).model_copy(update={"id": f"light_{key}"})
+        home.gateway.devices.put(GatewayDevice(key, key.title(), (part,)), "it was found")
+    part = scene_part({}).model_copy(update={"id": "scene_film", "members": ("#light_lamp", "#light_gone")})
+    home.gateway.devices.put(GatewayDevice("film", "Film", (part,)), "it was found")
+    assert await scenes.values("Film") == {"Lamp": ""}
+
+
+async def test_a_device_that_keeps_a_scene_of_its_own_is_its_part(home: Home, scenes: Scenes) -> None:
+    """As a Zigbee lamp does."""
+    lamp = simple_part("light", settable=("on_off",)).model_copy(update={"id": "light"})
+    scene = scene_part({}).model_copy(update={"id": "scene_7", "members": ()})
+    home.gateway.devices.put(GatewayDevice("lamp", "Lamp", (lamp, scene)), "it was found")
+    assert await scenes.values("Film") == {"Lamp": ""}
+    answer = await scenes.apply("Film", transition=2.0)
+    assert answer.success, answer.message
+    assert [(one.part, one.capability, one.transition) for one in home.commands] == [("scene_7", "scene", 2.0)]

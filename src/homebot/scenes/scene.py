@@ -124,14 +124,14 @@ class HouseScenes:
 
     def native(self) -> Iterator[Scene]:
         """Yield the scenes that a bridge or device keeps."""
+        parts = ((device, part) for device in self.devices.values() for part in device.parts)
+        keeping = [(device, part) for device, part in parts if _is_scene(part)]
         members = _MembersByName()
-        for device in self.devices.values():
+        for device in self.devices.values() if keeping else ():
             members.add(device)
-        for device in self.devices.values():
-            for part in device.parts:
-                if any(one.name == _RECALL and one.settable for one in part.part.capabilities):
-                    name, scene_id = part.part.name or device.name, target_of(device.id, part.id)
-                    yield Scene(name, scene_id, members.of(device, part), (device, part), device.area)
+        for device, part in keeping:
+            name, scene_id = part.part.name or device.name, target_of(device.id, part.id)
+            yield Scene(name, scene_id, members.of(device, part), (device, part), device.area)
 
     def info(self, scene: Scene) -> SceneInfo:
         """Return *scene* for clients."""
@@ -169,6 +169,10 @@ class HouseScenes:
             asks="" if found is None else why_asked(*found, values),
             is_known=found is not None,
         )
+
+
+def _is_scene(part: DevicePart) -> bool:
+    return any(one.name == _RECALL and one.settable for one in part.part.capabilities)
 
 
 def place_of(target: str) -> Place:

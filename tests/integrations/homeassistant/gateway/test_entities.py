@@ -400,6 +400,7 @@ def test_slats_without_a_position_have_two_ends() -> None:
 def test_a_transition_is_passed_on_and_an_unknown_capability_refused() -> None:
     lamp = only("light.a", "on", supported_color_modes=["brightness"])
     assert lamp.call("level", 50.0, transition=2.0).data == {"brightness": 128, "transition": 2.0}
+    assert only("scene.film", "unknown").call("scene", True, transition=2.0).data == {"transition": 2.0}
     with pytest.raises(RefusedError, match="this part takes on_off, level"):
         lamp.call("color", (1.0, 2.0))
 

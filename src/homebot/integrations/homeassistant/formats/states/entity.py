@@ -23,7 +23,10 @@ __all__ = ["HomeAssistantEntity", "ServiceCall"]
 
 _UNAVAILABLE, _UNKNOWN = "unavailable", "unknown"
 _MOST_SECONDS: Final = 6_553.0
-"""Longest transition of ``light.turn_on``."""
+"""Longest transition of ``light.turn_on`` and ``scene.turn_on``."""
+
+_FADES: Final = frozenset({"light", "scene"})
+"""Domains of which the service takes a transition."""
 
 _JUST_NOW: Final = 5.0
 """Seconds between an event and its state, both by Home Assistant's clock; a restored event is older."""
@@ -185,7 +188,7 @@ class HomeAssistantEntity:
         info = {**self.info, **self._taken, **({"code_format": None} if self.entry.has_code else {})}
         data = dict(writer_of(self._rows.values(), capability)(info, value, code))
         service = str(data.pop("service"))
-        if self.domain == "light" and transition:
+        if self.domain in _FADES and transition:
             data["transition"] = require_transition(transition, _MOST_SECONDS)
         return ServiceCall(self.domain, service, self.entity_id, data)
 
