@@ -256,3 +256,16 @@ async def test_there_is_a_limit_of_scenes(home: Home, scenes: Scenes) -> None:
         assert (await scenes.change(name=f"Scene {number}", change="save", target="lamp")).success
     assert "remove one first" in (await scenes.change(name="More", change="save", target="lamp")).message
     assert (await scenes.change(name="Scene 7", change="save", target="shelf")).success
+
+
+async def test_a_part_whose_device_has_another_id_is_found_by_its_route(home: Home, kept: Kept) -> None:
+    """As after a merge with another announcement of the same device."""
+    home.put("lamp", "light", "on_off")
+    async with served(home, kept) as scenes:
+        await scenes.change(name="Film", change="save", values=[{"key": "lamp", "value": "on"}])
+    assert '"lamp":["memory/lamp#"]' in kept.scenes
+    kept.scenes = kept.scenes.replace('"lamp"', '"lights/gone"')
+    async with served(home, kept) as scenes:
+        assert await scenes.values("Film") == {"Lamp": "on"}
+        await scenes.change(name="Film", change="edit", values=[{"key": "lamp", "value": "off"}])
+        assert await scenes.values("Film") == {"Lamp": "off"}

@@ -17,7 +17,7 @@ from homebot.devices.scene_messages import SceneInfo, ScenePart
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.messages import Time
-from homebot.scenes.scene_book import SceneBook
+from homebot.scenes.scene_book import KeptScene, SceneBook
 from homebot.scenes.scene_words import values_text
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
@@ -102,7 +102,8 @@ class HouseScenes:
         """
         own = self._book.scenes.get(fold(name))
         if own is not None:
-            return Scene(own.name, own.name, {place_of(target): values for target, values in own.parts.items()})
+            parts = self.current(own).parts
+            return Scene(own.name, own.name, {place_of(target): values for target, values in parts.items()})
         native = list(self.native())
         found = [one for one in native if one.id == name] or [
             one for one in native if fold(name) in (fold(one.name), fold(one.full_name))
@@ -115,6 +116,21 @@ class HouseScenes:
             hint = did_you_mean(name, known, "`homebot scene list` shows them")
             raise UsageError(f"there is no scene {name!r}; {hint}")
         return found[0]
+
+    def current(self, scene: KeptScene) -> KeptScene:
+        """Return *scene* with the present ids and routes of its parts; those that are not there now keep theirs."""
+        parts, routes = dict[str, Mapping[str, PlainValue]](), dict[str, tuple[str, ...]]()
+        for target, values in scene.parts.items():
+            known = scene.routes.get(target, ())
+            found = self.place(place_of(target)) or self._reached(known)
+            now = target if found is None else target_of(found[0].id, found[1].id)
+            parts[now], routes[now] = values, known if found is None else tuple(_routes(found[1]))
+        return scene.model_copy(update={"parts": parts, "routes": routes})
+
+    def _reached(self, routes: Sequence[str]) -> tuple[Device, DevicePart] | None:
+        wanted = set(routes)
+        parts = ((device, part) for device in self.devices.values() for part in device.parts) if wanted else ()
+        return next((one for one in parts if not wanted.isdisjoint(_routes(one[1]))), None)
 
     def all(self) -> Iterator[Scene]:
         """Yield all scenes: those of the owner, and then the native ones by room."""
@@ -173,6 +189,10 @@ class HouseScenes:
 
 def _is_scene(part: DevicePart) -> bool:
     return any(one.name == _RECALL and one.settable for one in part.part.capabilities)
+
+
+def _routes(part: DevicePart) -> Iterator[str]:
+    return (f"{one.name}#{one.part}" for one in part.routes)
 
 
 def place_of(target: str) -> Place:

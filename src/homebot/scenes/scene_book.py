@@ -24,12 +24,14 @@ class KeptScene(BaseModel):
 
     Attributes:
         parts: Its values by capability, by the id of a device, with ``#`` and that of a part if it has one.
+        routes: The routes of each part when it was saved, by which it is found after its device was merged or split.
     """
 
     model_config = ConfigDict(frozen=True, extra="ignore", defer_build=True)
 
     name: str
     parts: Mapping[str, Mapping[str, PlainValue]]
+    routes: Mapping[str, tuple[str, ...]] = {}
 
 
 class AppliedScene(BaseModel):
@@ -97,7 +99,7 @@ class SceneBook:
         if fold(name) != fold(known.name) and fold(name) in self.scenes:
             raise UsageError(f"there is a scene {name!r} already")
         del self.scenes[fold(known.name)]
-        scene = KeptScene(name=name, parts=known.parts)
+        scene = known.model_copy(update={"name": name})
         try:
             self.put(scene)
         except BaseException:

@@ -44,8 +44,10 @@ class SceneChanges:
         """
         name, left_out = request.name.strip(), tuple[KeyValue, ...]()
         known = book.scenes.get(fold(name))
+        known = None if known is None else house.current(known)
         if request.change == "save":
             scene, left_out = await self._saved(request, known, house)
+            scene = house.current(scene)
             book.put(scene)
             return scene, left_out
         if known is None:
@@ -58,7 +60,8 @@ class SceneChanges:
         if request.change == "rename":
             return book.rename(known, request.target.strip()), left_out
         parts = {} if request.replaces else dict(known.parts)
-        scene = KeptScene(name=known.name, parts=await self._edited(parts, request.values, house))
+        edited = await self._edited(parts, request.values, house)
+        scene = house.current(known.model_copy(update={"parts": edited}))
         book.put(scene)
         return scene, left_out
 
