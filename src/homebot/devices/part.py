@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from hashlib import blake2b
+from operator import attrgetter
 from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
@@ -40,6 +41,7 @@ _COLOR: Final = "hue (0 to 360) and saturation (0 to 100), such as 0,100 for red
 """The accepted values of a colour, the only capability with several numbers."""
 
 _DIGEST_BYTES = 16
+_MEMBER: Final = attrgetter("member")
 
 
 class Capability(Message):
@@ -154,7 +156,7 @@ def size_of_texts(texts: Iterable[str]) -> int:
 
 def texts_of(part: Part) -> list[str]:
     """Return the topics, members and options of *part*, which dominate its size."""
-    texts = [*part.reads, *part.writes, *part.members, *[one.member for one in part.values]]
+    texts = [*part.reads, *part.writes, *part.members, *map(_MEMBER, part.values)]
     for capability in part.capabilities:
         if capability.options:
             texts += capability.options
