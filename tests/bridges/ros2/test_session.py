@@ -7,7 +7,7 @@ from tests.patience import PATIENCE
 from tests.ports import reserve_port
 from tests.robots_on_wire import house_rights, robot_rights
 
-from homebot.bridges.ros2.session import WireSample, open_session
+from homebot.bridges.ros2.session import WireQuery, WireSample, open_session
 from homebot.graph.qos import HistoryPolicy, QoSProfile
 from homebot.messages.interfaces.settings import RosSettings
 
@@ -56,3 +56,22 @@ async def test_more_messages_than_wait_for_the_loop_are_lost_counted_and_told() 
     taken = [one.payload for one in got if one.payload != b"first"]
     assert taken == [b"%d" % number for number in range(len(taken))]
     assert [(line["event"], line["lost"]) for line in lines] == [("ros2.lost", 1500 - len(taken))]
+
+
+async def test_a_server_that_does_not_answer_in_time_has_not_answered() -> None:
+    """Zenoh has an error for that, which is none of the server."""
+    address, asked = f"tcp/127.0.0.1:{reserve_port()}", list[WireQuery]()
+    listening = RosSettings.model_validate({"listen": address, "import": {"rosie": ("/rosie/*",)}})
+    connecting = RosSettings.model_validate({"connect": (address,), "export": ("/rosie/*",)})
+    async with (
+        open_session(listening, house_rights(listening)) as router,
+        open_session(connecting, robot_rights(connecting, "rosie")) as robot,
+        anyio.create_task_group() as tasks,
+    ):
+        tasks.start_soon(router.run)
+        tasks.start_soon(robot.run)
+        robot.serve("0/rosie/dock/T/H", asked.append)
+        with anyio.fail_after(PATIENCE):
+            while not asked:
+                assert await router.ask("0/rosie/dock/T/H", b"", b"", 0.3) is None
+        tasks.cancel_scope.cancel()

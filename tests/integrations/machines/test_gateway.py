@@ -94,6 +94,16 @@ async def test_after_a_lost_link_all_is_as_at_the_source(tmp_path: Path) -> None
         assert len(wanted) == 200 + 200 + 1
 
 
+async def test_what_is_longer_than_any_announcement_of_a_device_is_refused_and_counted(tmp_path: Path) -> None:
+    async with house(tmp_path) as (far, near):
+        sightings = listen(near.node, Sighting, near.names.received_topics)
+        for key in ("x" * 1001, "<b>", "last"):
+            far.gateway.devices.put(lamp(key), "new")
+        assert [(await until(sightings, "a lamp")).key for _ in range(2)] == ["<b>", "last"]
+        health = await near.node.create_client(GetHealth, near.names.health).call(HealthRequest())
+        assert ("announcements_refused", 1) in {(one.name, one.count) for one in health.counts}
+
+
 async def test_another_secret_is_refused_on_both_sides(tmp_path: Path) -> None:
     async with house(tmp_path, "a guess") as (far, near):
         why = "do not have the same secret: see token_file and password_file"

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from homebot.graph import Node, Subscription
     from homebot.messages.message import Message
 
-__all__ = ["WaitingNews"]
+__all__ = ["MOST_OF_EACH", "WaitingNews"]
 
 _QOS: Final = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _MOST: Final = {GatewayState: 1, CommandAnswer: 1000, RawMessage: 1000}
-_MOST_OF_EACH: Final = 500_000
+MOST_OF_EACH: Final = 500_000
 """Devices and reports: as many as a gateway may keep for late joiners."""
 
 
@@ -99,4 +99,4 @@ class WaitingNews:
 
 
 def _most(kind: type[Message]) -> int:
-    return _MOST.get(kind, _MOST_OF_EACH)
+    return _MOST.get(kind, MOST_OF_EACH)

@@ -45,6 +45,8 @@ _MOST_TOKENS_WAITING = 20_000
 
 _CLOSING, _HEARTBEAT = 0.8, 0.5  # seconds; rmw_zenoh has the same heartbeat
 _ENCODING = "application/cdr"
+_TIMEOUT = b"Timeout"
+"""The answer of Zenoh itself if there is none in time."""
 
 
 class Declared(Protocol):
@@ -202,10 +204,10 @@ class ZenohSession:
                 answer.set_result(value)
 
         def replied(reply: Any) -> None:
-            ok = reply.ok
-            self._to_loop(
-                settle, bytes(reply.err.payload).decode(errors="replace") if ok is None else bytes(ok.payload)
-            )
+            if reply.ok is not None:
+                self._to_loop(settle, bytes(reply.ok.payload))
+            elif (problem := bytes(reply.err.payload)) != _TIMEOUT:
+                self._to_loop(settle, problem.decode(errors="replace"))
 
         self._session.get(
             key,

@@ -195,6 +195,7 @@ class MachineGateway(Gateway):
     async def _health(self, request: HealthRequest) -> HealthResponse:
         gaps = self._link.gaps if self._link is not None else 0
         own = Count.each({"news_missed": gaps}, Severity.LOSS)
+        own += Count.each({"announcements_refused": self._mirror.refused}, Severity.FAULT)
         try:
             health = message_from_cdr(HealthResponse, await self._call("health", request))
         except HomebotError as exc:

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, TypeVar
 
+from homebot.bridges.machines.waiting_news import MOST_OF_EACH
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.gateway_messages import REACHABLE, CommandAnswer, Report
 from homebot.devices.health import Quarantine
 from homebot.devices.value import UNKNOWN
 from homebot.graph import DurabilityPolicy, QoSProfile
+from homebot.messages.message import Message
+from homebot.support.bounded_map import BoundedMap
 
 if TYPE_CHECKING:
     from homebot.bridges.machines.messages import FollowGatewayResponse
@@ -20,26 +23,37 @@ __all__ = ["Mirror"]
 
 HeardT = TypeVar("HeardT", "Sighting", Report)
 
+_MOST = 1000
+"""Characters of a text, and elements of a list, of an announcement: nobody there need be believed."""
+
 _NEWEST_OF_EACH = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Mirror:
-    """Publisher of the devices of another gateway in the name of *gateway*."""
+    """Publisher of the devices of another gateway in the name of *gateway*.
+
+    Attributes:
+        refused: Announcements that are longer than any of a device.
+    """
 
     def __init__(self, gateway: Gateway) -> None:
         self._gateway, self._name = gateway, gateway.node.name
         node, names = gateway.node, gateway.names
         self._answers = node.create_publisher(CommandAnswer, names.answers, 1000)
         self._quarantines = node.create_publisher(Quarantine, names.quarantine, _NEWEST_OF_EACH)
-        self._devices: dict[str, Sighting] = {}
-        self._reports: dict[str, Report] = {}
+        self._devices: BoundedMap[str, Sighting] = BoundedMap(MOST_OF_EACH)
+        self._reports: BoundedMap[str, Report] = BoundedMap(MOST_OF_EACH)
+        self.refused = 0
 
     def take(self, news: FollowGatewayResponse, later: float) -> None:
         """Publish *news* of a machine whose monotonic clock is *later* seconds behind the one here."""
         if news.is_whole:
             self._forget(news)
         for sighting in news.sightings:
-            self._publish_sighting(self._own(sighting, later))
+            if _is_usual(sighting):
+                self._publish_sighting(self._own(sighting, later))
+            else:
+                self.refused += 1
         for report in news.reports:
             self._publish_report(self._own(report, later))
         for answer in news.answers:
@@ -88,3 +102,11 @@ class Mirror:
         for stream in streams:
             self._reports.pop(stream, None)
             self._gateway.reports.dispose(stream)
+
+
+def _is_usual(value: object) -> bool:
+    if isinstance(value, Message):
+        return all(map(_is_usual, value.__dict__.values()))
+    if isinstance(value, tuple):
+        return len(value) <= _MOST and all(map(_is_usual, value))
+    return not isinstance(value, str) or len(value) <= _MOST
