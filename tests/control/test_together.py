@@ -356,3 +356,17 @@ async def test_a_group_whose_members_are_unknown_is_told_itself(home: Home) -> N
 async def test_everything_does_not_count_a_group_beside_its_members(home: Home) -> None:
     await put_lamps(home)
     assert await do(home, "everything") == sorted(LAMPS)
+
+
+async def test_a_group_is_refused_what_one_of_its_members_is_refused(open_home: OpenHome) -> None:
+    async with open_home(approvals=True) as home:
+        _put(home, "lock", ("on_off",))
+        door = simple_part("door_lock", settable=("lock",))
+        home.gateway.devices.put(GatewayDevice("door", "Door", (door,), identifiers=("id:door",)), "it was found")
+        group = simple_part("switch", settable=("on_off",)).model_copy(update={"members": ("id:lock", "id:door")})
+        home.gateway.devices.put(GatewayDevice("all", "All", (group,), identifiers=("id:all",)), "it was found")
+        await anyio.sleep(1)
+        (outcome,) = await command(home, ON, "all")
+        assert isinstance(outcome, Refused)
+        assert outcome.reason.startswith("its member door is refused it: door is unsafe")
+        assert home.commands == []

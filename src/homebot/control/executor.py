@@ -24,7 +24,7 @@ from homebot.control.policy_engine import PolicyEngine
 from homebot.control.questions import Questions
 from homebot.control.sending import OpenCommand, Rehearsal, Sending
 from homebot.control.settings import ControlSettings
-from homebot.control.timeline.cause import Attribution, Cause
+from homebot.control.timeline.cause import Cause
 from homebot.control.timeline.facts import Answered, Decided, Order, Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
@@ -99,8 +99,7 @@ class CommandExecutor:
         self._sending = Sending(node, settings, policies, journal, leases, feed, rehearsal)
         self._together = Together(node, lookup, policies, leases, timelines)
         self._events = node.create_publisher(CommandEvent, COMMAND_EVENTS, 1000)
-        self._limits = TimeLimits()
-        self._open: dict[str, OpenCommand] = {}
+        self._limits, self._open = TimeLimits(), dict[str, OpenCommand]()
         timelines.on_news, timelines.on_undone = self._on_news, self._on_undone
         feed.on_answer = self._on_answer
         self.witnesses = Witnesses(node, settings, feed, lookup)
@@ -127,12 +126,13 @@ class CommandExecutor:
             if request.batch_size > 1:
                 await self._together.join(command, request)
             agreed: IssuedCommand | Outcome = command
-            if request.ask_first or command.is_client:
+            if command.part.part.members:
+                agreed = await self._together.refusal_of_members(command) or command
+            if agreed is command and (request.ask_first or command.is_client):
                 agreed = await self._agreed(command, ask_first=request.ask_first)
-            if isinstance(agreed, Outcome):
-                outcome = agreed
-            else:
-                outcome = self._with_warnings(agreed, await self._carry_out(agreed))
+            if not isinstance(agreed, Outcome):
+                agreed = self._with_warnings(agreed, await self._carry_out(agreed))
+            outcome = agreed
             if command.shared is not None:
                 command.shared.leave(outcome)
         self._journal.decided(request.issuer, place, outcome)
@@ -357,13 +357,13 @@ class CommandExecutor:
             if fact.capability not in progress.wanted or not opened.is_news(fact):
                 return
             cause = self._cause_of_answer(progress, fact)
-        elif not _is_late_answer(progress, fact) or self._cause_of(progress, fact).command != order.id:
+        elif (
+            not _is_late_answer(progress, fact)
+            or self.timelines.cause_of(progress.order.place, fact).command != order.id
+        ):
             return
         setting = Setting.of(fact.capability, fact.value)
         self._journal.reported(order.place, setting, fact.stamp, cause, order.id, order.issuer)
-
-    def _cause_of(self, progress: CommandProgress, fact: Reported) -> Attribution:
-        return self.timelines.cause_of(progress.order.place, fact)
 
     def _cause_of_answer(self, progress: CommandProgress, fact: Reported) -> str:
         """Return the cause of a change while a command waits for its outcome; empty for no change."""
@@ -371,7 +371,7 @@ class CommandExecutor:
             return Cause.COMMAND.value
         if not fact.is_change:
             return ""
-        cause = self._cause_of(progress, fact).cause  # a person, or the device's own answer
+        cause = self.timelines.cause_of(progress.order.place, fact).cause  # a person, or the device's own answer
         return Cause.UNKNOWN.value if cause is Cause.PERSON else cause.value
 
     def _on_undone(self, progress: CommandProgress, undoing: Undoing, cause: Cause) -> None:

@@ -19,6 +19,7 @@ from homebot.devices.command_sender import CommandSender
 from homebot.devices.device import is_commanded
 from homebot.devices.device_lookup import references
 from homebot.devices.obedience import is_same
+from homebot.devices.outcomes import Refused
 from homebot.devices.part import check_setting
 from homebot.devices.query.terms import FactIs, type_is
 from homebot.errors import RefusedError, ServiceError
@@ -86,6 +87,18 @@ class Together:
             await batch.is_complete.wait()
         if self._batches.get(key) is batch:
             del self._batches[key]
+
+    async def refusal_of_members(self, group: IssuedCommand) -> Refused | None:
+        """Return why a policy or a missing approval refuses the command to a member of *group*; None for a scene.
+
+        The rights are those to the group.
+        """
+        is_group = group.part.part.is_group
+        for device, part in await self._lookup.members(group.device, group.part) if is_group else ():
+            command = replace(group, device=device, part=part, rights=ALL_RIGHTS)
+            if (refused := self._policies.check(command, is_recorded=False)) is not None:
+                return replace(refused, reason=f"its member {command.label} is refused it: {refused.reason}")
+        return None
 
     async def _share(self, commands: Sequence[IssuedCommand]) -> None:
         alike: defaultdict[object, list[IssuedCommand]] = defaultdict(list)

@@ -172,7 +172,9 @@ def test_what_homebot_shows_to_home_assistant_does_not_come_back(device: dict[st
         ("switch.all", {"entity_id": ["switch.lamp", "switch.garage_door"]}),
         ("light.hall", {"is_hue_group": True, "lights": ["Hall lamp"]}),
         ("light.hall", {"is_deconz_group": True}),
-        ("light.zha_group", {"group_entities": ["light.hall"]}),
+        ("cover.all", {"entity_id": ["cover.blind", "cover.garage_door"]}),
+        ("light.odd", {"entity_id": ["light.hall", "lock.door"]}),
+        ("fan.all", {"entity_id": ["fan.hall"]}),
     ],
 )
 def test_secrets_groups_and_scenes_that_move_locks_are_left_out(entity_id: str, attributes: dict[str, object]) -> None:
@@ -186,6 +188,25 @@ def test_a_scene_of_lamps_and_plugs_is_read() -> None:
     entities.put("scene.film", state("on", entity_id=["light.garage_door", "switch.projector"]), is_new=True)
     (key,) = entities.regroup()
     assert entities.describe(key).parts[0].members == ("#light_LIGHT.GARAGE_DOOR", "#switch_projector")
+
+
+@pytest.mark.parametrize(
+    ("entity_id", "attribute", "members"),
+    [
+        ("light.hall", "entity_id", ["light.one", "light.garage_door"]),
+        ("light.zha_group", "group_entities", ["light.one"]),
+        ("switch.plugs", "entity_id", ["switch.one", "switch.two"]),
+        ("cover.blinds", "entity_id", ["cover.left", "cover.right"]),
+    ],
+)
+def test_a_group_of_lights_switches_or_covers_is_a_way_to_reach_them(
+    entity_id: str, attribute: str, members: list[str]
+) -> None:
+    entities = home()
+    entities.put(entity_id, state("on", **{attribute: members}), is_new=True)
+    (key,) = entities.regroup()
+    (part,) = entities.describe(key).parts
+    assert (part.is_group, len(part.members)) == (True, len(members))
 
 
 def test_a_group_of_sensors_is_read() -> None:

@@ -90,13 +90,24 @@ class HomeAssistantEntity:
         self._rows: dict[str, EntityRow] = {}
 
     def is_left_out(self, registries: Registries) -> bool:
-        """Return whether homebot does not use it: no type of its domain, a secret, a group, a scene that could hurt."""
+        """Return whether homebot does not use it: no type of its domain, a secret, a scene that could hurt, a group.
+
+        A group of lights, switches or covers with a list of these is used.
+        """
         kind = DOMAINS.get(self.domain)
         if kind is None or self.entry.is_disabled or (self.domain == "sensor" and names_secret(self.name)):
             return True
         if self.domain == "scene":
             return any(map(_may_hurt, self.members))
-        return any(row.write for row in kind.rows) and self.is_group and not self._is_whole(registries)
+        is_set = any(row.write for row in kind.rows) and self.is_group
+        return is_set and not self._is_whole(registries) and not self.reaches_others(registries)
+
+    def reaches_others(self, registries: Registries) -> bool:
+        """Return whether it is a way to reach lights, switches or covers of other devices, none of which may hurt."""
+        named = [one.partition(".") for one in self.members]
+        is_used = self.domain in _GROUPED and bool(named) and {domain for domain, _, _ in named} <= _GROUPED
+        can_hurt = any(domain != "light" and matching_words(name, ALL_THAT_ASK) for domain, _, name in named)
+        return is_used and not can_hurt and not self._is_whole(registries)
 
     def _is_whole(self, registries: Registries) -> bool:
         """Return whether it stands for its own device, as WLED's main light, without which all segments are dark."""
@@ -215,6 +226,9 @@ def _may_hurt(member: str) -> bool:
 
 _GROUP_MARKS: Final = ("is_hue_group", "is_deconz_group")
 """Attributes of groups without a list of members, which are devices themselves: each with its room and approval."""
+
+_GROUPED: Final = frozenset({"cover", "light", "switch"})
+"""Domains of groups that are used, and of their members."""
 
 _CAN_HURT: Final = frozenset(
     {"alarm_control_panel", "climate", "cover", "lawn_mower", "lock", "script", "valve", "water_heater"}
