@@ -9,6 +9,7 @@
     url = "mqtt://192.168.1.10"
     [apps.light_service]             # one table per app
     [[routines]]                     # one table per routine: when, if, do
+    [[scenes]]                       # one table per scene: the values of several devices
     [people.Anna]                    # one table per person: the phones that tell who is at home
     [door]                           # where tools reach this homebot
     [discovery]
@@ -163,6 +164,7 @@ class Config(BaseModel):
         alerts: The table ``[alerts]``: seconds after which people are told of each kind; false for never.
         devices: The tables ``[devices.NAME]``: the owner's limits of readings.
         groups: The tables ``[[groups]]``: names for the devices that fit a query.
+        scenes: The tables ``[[scenes]]``: values of several devices under one name.
         source: The file, or another source of the values, for error messages.
         folder: The base folder of relative paths: that of the file.
     """
@@ -181,6 +183,7 @@ class Config(BaseModel):
     places: Table = Field(default_factory=dict)
     devices: dict[str, Table] = Field(default_factory=dict)
     groups: tuple[Table, ...] = ()
+    scenes: tuple[Table, ...] = ()
     robots: dict[str, Table] = Field(default_factory=dict)
     ros: Table = Field(default_factory=dict)
     source: str = Field(default="configuration", exclude=True)
@@ -214,8 +217,8 @@ def load_tables(path: Path, *, may_be_cut: bool = False) -> dict[str, object]:
             raise ConfigError(
                 source,
                 name,
-                "unknown key; known are home, gateways, apps, routines, groups, people, door, discovery, control, "
-                "history, notify, alerts, places, devices, robots, ros",
+                "unknown key; known are home, gateways, apps, routines, groups, scenes, people, door, discovery, "
+                "control, history, notify, alerts, places, devices, robots, ros",
             )
     return tables
 

@@ -63,6 +63,8 @@ class SceneInfo(Message):
         is_native: Whether a bridge or device keeps it.
         area: The room of a native one; empty if unknown.
         parts: The parts that it sets; empty if a native one does not tell them.
+        is_configured: Whether it is in the configuration, where it is changed.
+        problems: The devices of the configuration that cannot be set, with the reasons.
         can_undo: Whether it was applied, and not undone since.
         applied_at: When it was last applied by homebot; 0 if it was not.
     """
@@ -72,6 +74,8 @@ class SceneInfo(Message):
     is_native: bool = False
     area: str = ""
     parts: tuple[ScenePart, ...] = ()
+    is_configured: bool = False
+    problems: tuple[KeyValue, ...] = ()
     can_undo: bool = False
     applied_at: Time = _NO_TIME
 

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from homebot.messages import Interfaces
     from homebot.messages.interfaces.settings import RosSettings
     from homebot.robots.settings import RobotSettings
+    from homebot.scenes.settings import SceneSettings
 
 __all__ = [
     "Plan",
@@ -105,6 +106,7 @@ class Plan:
         limits: The limits of readings; None for none.
         history: The settings of the history; None for the defaults.
         notify: The settings of notifications of apps; None to only log them.
+        scenes: The scenes of the configuration.
     """
 
     config: Config
@@ -123,6 +125,7 @@ class Plan:
     robots: Mapping[str, RobotSettings] = field(default_factory=dict)
     history: HistorySettings | None = None
     notify: NotifySettings | None = None
+    scenes: tuple[SceneSettings, ...] = ()
 
     @property
     def tokens(self) -> Mapping[str, SecretStr]:
@@ -352,6 +355,14 @@ def _places(config: Config) -> Places:
     return places
 
 
+def _scenes(config: Config) -> tuple[SceneSettings, ...]:
+    if not config.scenes:
+        return ()
+    from homebot.scenes.settings import read_scenes  # noqa: PLC0415 - many homes have none
+
+    return read_scenes(config.scenes, config.source)
+
+
 def _limits(config: Config) -> LimitsOfDevices | None:
     if not config.devices:
         return None
@@ -403,6 +414,7 @@ _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "link": _link,
     "history": _history,
     "notify": _notify,
+    "scenes": _scenes,
 }
 """The values of a plan that are each read from one table."""
 

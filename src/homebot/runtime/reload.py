@@ -42,9 +42,9 @@ _LIVE: Final[Mapping[str, frozenset[str]]] = {
     "devices": frozenset({"limits"}),
     "ros": frozenset({"ca", "cert_file", "connect", "domain", "export", "import", "key_file", "listen", "user"}),
 }
-"""The keys that take effect without a restart; so do all of ``[places]``, ``[devices]`` and ``[[groups]]``."""
+"""The keys that take effect without a restart; so do those of ``[places]``, ``[devices]``, groups and scenes."""
 
-_RELOADED: Final = ("config", "door", "control", "places", "limits", "link")
+_RELOADED: Final = ("config", "door", "control", "places", "limits", "link", "scenes")
 """The parts of a plan that a reload replaces."""
 
 _BY_KEY: Final = frozenset({"control", "door"})
@@ -72,7 +72,7 @@ class RunningParts(NamedTuple):
 
 def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
     """Return the keys that differ and take effect at the next start."""
-    live = {"places", "devices", "groups"}
+    live = {"places", "devices", "groups", "scenes"}
     old, new = before.model_dump(exclude=live), after.model_dump(exclude=live)
     keys = (key for table in old for key in _changed(table, old[table] or {}, new[table] or {}))
     robots = sorted(_robots(new["door"]) - _robots(old["door"]) - {ALL_ROBOTS, *old["robots"], *new["robots"]})

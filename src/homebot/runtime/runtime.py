@@ -412,7 +412,7 @@ class Runtime:
     def _serve_scenes(self, main: Node, name: str) -> None:
         from homebot.scenes.scene_services import SceneServices  # noqa: PLC0415 - many homes have none
 
-        self._scenes = self._scenes or SceneServices(main, lambda: self._index)
+        self._scenes = self._scenes or SceneServices(main, lambda: self._index, lambda: self._plan.scenes)
         self._scenes.serve(name)
 
     async def _detected(self) -> tuple[str, ...]:

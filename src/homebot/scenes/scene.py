@@ -9,7 +9,7 @@ from typing import Final, TypeAlias, final
 
 from homebot.command_words.suitable_parts import part_name
 from homebot.control.policies.rights import is_safe
-from homebot.devices import Device, DevicePart
+from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import is_commanded, target_of
@@ -40,6 +40,8 @@ class Scene:
         id: Its name, or for a native scene the id of the part that recalls it.
         parts: The values by capability of each part; empty values if only the source of a native scene knows them.
         recalled_by: The part that recalls it; None for a scene of the owner.
+        is_configured: Whether it is in the configuration.
+        problems: The devices of the configuration that cannot be set, with the reasons.
     """
 
     name: str
@@ -47,6 +49,8 @@ class Scene:
     parts: Mapping[Place, Mapping[str, PlainValue]]
     recalled_by: tuple[Device, DevicePart] | None = None
     area: str = ""
+    is_configured: bool = False
+    problems: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def full_name(self) -> str:
@@ -88,10 +92,15 @@ class _MembersByName:
 
 @final
 class HouseScenes:
-    """The scenes of a house with *devices*."""
+    """The scenes of a house with *devices*.
+
+    Attributes:
+        configured: The scenes of the configuration by folded name; those of a command outrank them.
+    """
 
     def __init__(self, devices: Sequence[Device], book: SceneBook) -> None:
         self.devices = {one.id: one for one in devices}
+        self.configured: dict[str, Scene] = {}
         self._book = book
 
     def find(self, name: str) -> Scene:
@@ -104,6 +113,8 @@ class HouseScenes:
         if own is not None:
             parts = self.current(own).parts
             return Scene(own.name, own.name, {place_of(target): values for target, values in parts.items()})
+        if (configured := self.configured.get(fold(name))) is not None:
+            return configured
         native = list(self.native())
         found = [one for one in native if one.id == name] or [
             one for one in native if fold(name) in (fold(one.name), fold(one.full_name))
@@ -112,7 +123,8 @@ class HouseScenes:
             ids = " or ".join(repr(one.full_name) for one in found[:_MOST_NAMED])
             raise UsageError(f"{len(found)} scenes are called {name!r}; name one: {ids}")
         if not found:
-            known = [*(one.name for one in self._book.scenes.values()), *(one.name for one in native)]
+            kept = (one.name for one in self._book.scenes.values())
+            known = [*kept, *(one.name for one in (*self.configured.values(), *native))]
             hint = did_you_mean(name, known, "`homebot scene list` shows them")
             raise UsageError(f"there is no scene {name!r}; {hint}")
         return found[0]
@@ -134,7 +146,7 @@ class HouseScenes:
 
     def all(self) -> Iterator[Scene]:
         """Yield all scenes: those of the owner, and then the native ones by room."""
-        for name in sorted(self._book.scenes):
+        for name in sorted({*self._book.scenes, *self.configured}):
             yield self.find(name)
         yield from sorted(self.native(), key=lambda one: (fold(one.area), fold(one.name), one.id))
 
@@ -156,6 +168,8 @@ class HouseScenes:
             name=scene.name,
             id=scene.id,
             is_native=scene.recalled_by is not None,
+            is_configured=scene.is_configured,
+            problems=tuple(KeyValue(key=key, value=problem) for key, problem in scene.problems.items()),
             area=scene.area,
             parts=tuple([self._part(place, values) for place, values in scene.parts.items()]),
             can_undo=applied is not None and bool(applied.before),

@@ -20,7 +20,7 @@ from homebot.devices.command_messages import (
 )
 from homebot.devices.device import target_of
 from homebot.devices.names import PERFORM_COMMAND
-from homebot.devices.outcomes import NoAnswer, Outcome, Refused
+from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
 from homebot.devices.part import check_setting
 from homebot.devices.scene_messages import ApplySceneRequest
 from homebot.devices.value import PlainValue
@@ -102,10 +102,17 @@ class SceneApplying:
             asks = found is not None and not agreed and bool(why_asked(*found, values))
             requests[place] = _request(request, scene, place, values, asks=asks)
         outcomes |= zip(requests, await perform_all(self._outcome, tuple(requests.values())), strict=True)
-        return CommandDevicesResponse.of(
+        gone = ((name, Gone(problem)) for name, problem in scene.problems.items() if not request.undo)
+        lacking = [
+            (CommandedPart(device="", name=one, part="", result=CommandResult.of(why)), why) for one, why in gone
+        ]
+        if not (outcomes or lacking):
+            return CommandDevicesResponse(success=False, message=f"{scene.name} has no part")
+        commanded = [
             (CommandedPart(device=one[0], name=house.name(one), part=one[1], result=CommandResult.of(outcome)), outcome)
             for one, outcome in outcomes.items()
-        )
+        ]
+        return CommandDevicesResponse.of([*commanded, *lacking])
 
     async def _outcome(self, request: CommandRequest) -> Outcome:
         try:

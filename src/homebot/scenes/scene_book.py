@@ -11,7 +11,7 @@ from homebot.errors import RefusedError, UsageError, WireError
 from homebot.support.folding import fold
 from homebot.support.printable import printable
 
-__all__ = ["AppliedScene", "KeptScene", "SceneBook"]
+__all__ = ["AppliedScene", "KeptScene", "SceneBook", "check_scene_name"]
 
 _MOST_SCENES: Final = 300
 _MOST_PARTS: Final = 10_000
@@ -86,8 +86,7 @@ class SceneBook:
             RefusedError: There are too many.
         """
         name = scene.name
-        if not fold(name) or name != name.strip() or printable(name, _LONGEST) != name:
-            raise UsageError(f"{name[:_LONGEST]!r} cannot name a scene: give 1 to {_LONGEST} printable characters")
+        check_scene_name(name)
         others = [one for key, one in self.scenes.items() if key != fold(name)]
         if len(others) >= _MOST_SCENES or sum(len(one.parts) for one in (scene, *others)) > _MOST_PARTS:
             limits = f"there may be {_MOST_SCENES} with {_MOST_PARTS:,} parts in all; remove one first"
@@ -121,3 +120,9 @@ class SceneBook:
         while len(self.applied) > _MOST_APPLIED:
             del self.applied[next(iter(self.applied))]
         return EarlierValues(applied.before)
+
+
+def check_scene_name(name: str) -> None:
+    """Raise UsageError if *name* cannot name a scene."""
+    if not fold(name) or name != name.strip() or printable(name, _LONGEST) != name:
+        raise UsageError(f"{name[:_LONGEST]!r} cannot name a scene: give 1 to {_LONGEST} printable characters")

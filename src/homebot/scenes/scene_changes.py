@@ -15,9 +15,10 @@ from homebot.devices.scene_messages import MOST_PARTS, ChangeSceneRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
-from homebot.scenes.scene import HouseScenes, place_of, why_asked
+from homebot.scenes.scene import HouseScenes, Scene, place_of, why_asked
 from homebot.scenes.scene_book import KeptScene, SceneBook
 from homebot.scenes.scene_words import present_values, read_values
+from homebot.scenes.settings import SceneSettings
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
@@ -50,6 +51,8 @@ class SceneChanges:
             scene = house.current(scene)
             book.put(scene)
             return scene, left_out
+        if known is None and (one := house.configured.get(fold(name))) is not None:
+            raise UsageError(f"the scene {one.name} is in the configuration; change it there, and `homebot reload`")
         if known is None:
             named = [one.name for one in book.scenes.values()]
             hint = did_you_mean(name, named, "`homebot scene list` shows them; `save` makes one")
@@ -64,6 +67,17 @@ class SceneChanges:
         scene = house.current(known.model_copy(update={"parts": edited}))
         book.put(scene)
         return scene, left_out
+
+    async def configured(self, settings: SceneSettings) -> Scene:
+        """Return a scene of the configuration, with the parts that its devices and queries mean now."""
+        parts, problems = dict[str, Mapping[str, PlainValue]](), dict[str, str]()
+        for target, words in settings.values.items():
+            try:
+                parts |= await self._valued(target, words)
+            except (RefusedError, UsageError) as exc:
+                problems[target] = str(exc)
+        values = {place_of(target): values for target, values in parts.items()}
+        return Scene(settings.name, settings.name, values, is_configured=True, problems=problems)
 
     async def _saved(
         self, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Protocol, final
 
@@ -26,6 +26,8 @@ from homebot.scenes.scene import HouseScenes
 from homebot.scenes.scene_applying import SceneApplying
 from homebot.scenes.scene_book import SceneBook
 from homebot.scenes.scene_changes import SceneChanges
+from homebot.scenes.settings import SceneSettings
+from homebot.support.folding import fold
 
 __all__ = ["SceneKeeper", "SceneServices"]
 
@@ -45,9 +47,20 @@ class SceneKeeper(Protocol):
 
 @final
 class SceneServices:
-    """Lists, changes and applies scenes."""
+    """Lists, changes and applies scenes.
 
-    def __init__(self, node: Node, keeper: Callable[[], SceneKeeper | None]) -> None:
+    Args:
+        keeper: Returns what keeps the scenes of commands; None before it runs.
+        configured: Returns the scenes of the configuration.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        keeper: Callable[[], SceneKeeper | None],
+        configured: Callable[[], Sequence[SceneSettings]] = tuple,
+    ) -> None:
+        self._configured = configured
         self._node = node
         self._keeper = keeper
         self._lookup = DeviceLookup(node)
@@ -102,7 +115,10 @@ class SceneServices:
         """Return the scenes; the book is read once the directory has answered, which has read its file by then."""
         devices = await self._lookup.devices()
         book = self._read = self._read or self._read_book()
-        return HouseScenes(devices, book), book
+        house = HouseScenes(devices, book)
+        for one in self._configured():
+            house.configured[fold(one.name)] = await self._changes.configured(one)
+        return house, book
 
     def _read_book(self) -> SceneBook:
         keeper = self._keeper()

@@ -107,6 +107,8 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _kind(scene: SceneInfo) -> str:
+    if scene.is_configured:
+        return "configuration"
     return printable(scene.id.partition("#")[0]) if scene.is_native else "homebot"
 
 
@@ -115,9 +117,11 @@ def _show(door: DoorClient, options: argparse.Namespace) -> int:
     if options.json:
         print(json_text(fields_of(scene)))
         return 0
-    print_line(f"{printable(scene.name)}, kept by {printable(scene.id) if scene.is_native else 'homebot'}")
+    print_line(f"{printable(scene.name)}, kept by {printable(scene.id) if scene.is_native else _kind(scene)}")
     for part in scene.parts:
         print_line(f"  {_part_text(part)}")
+    for one in scene.problems:
+        print_line(f"  {printable(one.key)}: {printable(one.value, 300)}")
     if scene.applied_at.sec:
         undone = "" if scene.can_undo else ", and undone since"
         print_line(f"  applied {ago(scene.applied_at, house_time(door))}{undone}")
@@ -177,8 +181,8 @@ def _edit(door: DoorClient, options: argparse.Namespace) -> int:
     if values:
         return _send(door, options, values)
     scene = _scenes(door, options.name)[0]
-    if scene.is_native:
-        raise UsageError(f"{scene.name} is kept by {scene.id}; change it there")
+    if scene.is_native or scene.is_configured:
+        raise UsageError(f"{scene.name} is kept by {scene.id if scene.is_native else _kind(scene)}; change it there")
     before = {target_of(one.device, one.part): one.text for one in scene.parts}
     lines = (f"# {printable(one.name)}\n{target_of(one.device, one.part)}: {one.text}\n" for one in scene.parts)
     text, path = edited(_TEXT + "".join(lines))

@@ -1,0 +1,49 @@
+"""The tables ``[[scenes]]``. Pure."""
+
+from collections.abc import Mapping, Sequence
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from homebot.config import parse_settings
+from homebot.devices.scene_messages import MOST_PARTS
+from homebot.errors import ConfigError, UsageError
+from homebot.scenes.scene_book import check_scene_name
+from homebot.support.folding import fold
+
+__all__ = ["SceneSettings", "read_scenes"]
+
+_Words = Annotated[str, Field(min_length=1, max_length=1000)]
+
+
+class SceneSettings(BaseModel):
+    """A table ``[[scenes]]``.
+
+    Attributes:
+        name: Its name for people.
+        values: Devices or queries, each with its values in the words of ``homebot do``, such as ``on, 20 %``.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    name: str
+    values: Annotated[dict[_Words, _Words], Field(min_length=1, max_length=MOST_PARTS)]
+
+
+def read_scenes(tables: Sequence[Mapping[str, object]], source: str) -> tuple[SceneSettings, ...]:
+    """Return the scenes in the tables ``[[scenes]]``; their devices may come later.
+
+    Raises:
+        ConfigError: A name or a value is missing, wrong or given twice; the message names the key.
+    """
+    found: dict[str, SceneSettings] = {}
+    for number, table in enumerate(tables):
+        one = parse_settings(SceneSettings, table, source, f"scenes.{number}")
+        try:
+            check_scene_name(one.name)
+        except UsageError as exc:
+            raise ConfigError(source, f"scenes.{number}.name", str(exc)) from exc
+        if fold(one.name) in found:
+            raise ConfigError(source, f"scenes.{number}.name", f"there is a scene {one.name!r} already")
+        found[fold(one.name)] = one
+    return tuple(found.values())
