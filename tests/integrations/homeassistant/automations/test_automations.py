@@ -187,6 +187,19 @@ def test_strange_names_are_written_so_that_homebot_reads_them_again(name: str, m
     assert (step.target, step.command) == (meant, "off")
 
 
+def test_a_plug_of_the_same_name_is_not_the_player() -> None:
+    """Nor is a switch the helper that is called like it."""
+    text = """
+- {trigger: {platform: sun, event: sunset}, action: {service: media_player.turn_off, entity_id: media_player.tv}}
+- {trigger: {platform: sun, event: sunset}, action: {service: input_boolean.turn_on, entity_id: input_boolean.tv}}
+"""
+    found = read(text, [device("TV", part("", "plug", "on_off"))])
+    assert [one.problem for one in found.refused] == [
+        "media_player.tv is nothing that homebot knows",
+        "input_boolean.tv is nothing that homebot knows",
+    ]
+
+
 def test_two_devices_of_one_name_are_told_apart_by_their_ids() -> None:
     lamps = [device("Lamp", part("", "light", "on_off"), entities=f"light.{one}") for one in "ab"]
     lamps = [one.model_copy(update={"id": f"lights/{number}"}) for number, one in enumerate(lamps)]

@@ -25,32 +25,32 @@ _SENSORS: Final = {"binary_sensor": True, "sensor": False}
 _NAMES: Final = {"press": "action"}
 """The names of capabilities in ids of sensors."""
 
-_TYPES: Final = {"light": ("light",), "switch": ("switch", "plug", "pump")}
-"""The types of parts that entities of a domain are."""
-
 _CONTROLS: Final = {
-    "light": "on_off",
-    "switch": "on_off",
-    "input_boolean": "on_off",
-    "fan": "on_off fan_speed",
-    "siren": "on_off",
-    "humidifier": "on_off",
-    "media_player": "playback on_off volume",
-    "cover": "movement position",
-    "lock": "lock",
-    "climate": "thermostat_mode heating_setpoint cooling_setpoint local_temperature",
-    "vacuum": "vacuum",
-    "alarm_control_panel": "alarm",
-    "person": "place",
-    "device_tracker": "place",
-    "event": "press",
-    "scene": "scene",
-    "button": "push",
-    "input_button": "push",
-    "select": "option",
-    "input_select": "option",
+    "light": ("light", "on_off"),
+    "switch": ("switch plug pump", "on_off"),
+    "fan": ("fan", "on_off fan_speed"),
+    "siren": ("siren", "on_off"),
+    "humidifier": ("x_humidifier", "on_off"),
+    "media_player": ("speaker video_player", "playback on_off volume"),
+    "cover": ("window_covering closure", "movement position"),
+    "lock": ("door_lock", "lock"),
+    "climate": ("thermostat room_air_conditioner", "thermostat_mode heating_setpoint cooling_setpoint"),
+    "vacuum": ("robotic_vacuum_cleaner", "vacuum"),
+    "alarm_control_panel": ("x_alarm_panel", "alarm"),
+    "person": ("x_tracker", "place"),
+    "device_tracker": ("x_tracker", "place"),
+    "event": ("generic_switch", "press"),
+    "scene": ("x_scene", "scene"),
+    "button": ("x_setting", "push"),
+    "select": ("x_setting", "option"),
+    **{
+        f"input_{one}": ("x_setting", can)
+        for one, can in (("boolean", "on_off"), ("button", "push"), ("select", "option"))
+    },
 }
-"""The capabilities of which a part has one that is an entity of the domain."""
+"""The types of the parts that are entities of a domain, and the capabilities of which each has one."""
+
+_HELPER: Final = "input_"
 
 
 class KnownEntity(NamedTuple):
@@ -170,9 +170,9 @@ def _meant(device: Device, domain: str, slug: str, *, is_sure: bool = False) -> 
     """Return the parts of *device*, each with its measured capability, that the entity may be.
 
     Args:
-        is_sure: Whether the entity belongs to the device, whatever its name is.
+        is_sure: Whether the entity belongs to the device, whatever its name is; helpers exist in Home Assistant alone.
     """
-    possible = [*_possible(device, domain)]
+    possible = [] if domain.startswith(_HELPER) and not is_sure else [*_possible(device, domain)]
     names = {slug_of(one) for one in _names(device)}
     if len(possible) == 1 and (is_sure or slug in names):
         return possible
@@ -186,13 +186,12 @@ def _meant(device: Device, domain: str, slug: str, *, is_sure: bool = False) -> 
 
 def _possible(device: Device, domain: str) -> Iterator[tuple[DevicePart, str]]:
     """Yield the parts that an entity of *domain* may be, each with the capability that a sensor measures."""
-    kinds = _TYPES.get(domain)
+    kinds, able = _CONTROLS.get(domain, ("", ""))
     for part in device.parts:
         for one in part.part.capabilities if domain in _SENSORS else ():
             is_flag = CAPABILITIES.get(one.name, OWN).kind == "bool" or one.name == "state"
             if one.readable and not one.settable and is_flag is _SENSORS[domain]:
                 yield part, one.name
         abilities = {one.name for one in part.part.capabilities}
-        is_kind = kinds is None or part.part.service_type in kinds
-        if is_kind and not abilities.isdisjoint(_CONTROLS.get(domain, "").split()):
+        if part.part.service_type in kinds.split() and not abilities.isdisjoint(able.split()):
             yield part, ""
