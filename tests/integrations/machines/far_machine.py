@@ -19,6 +19,7 @@ from homebot.bridges.machines.messages import GetGateways, GetGatewaysRequest, m
 from homebot.bridges.machines.on_wire import MachinesOnWire
 from homebot.bridges.machines.wire import MachineWire
 from homebot.bridges.ros2.session import ZenohSession, open_session
+from homebot.clock import LoopClock
 from homebot.errors import LinkError
 from homebot.gateways import GatewayContext
 from homebot.gateways.memory import MemoryGateway
@@ -85,13 +86,17 @@ class FarMachine:
 
 
 @asynccontextmanager
-async def far_machine() -> AsyncIterator[FarMachine]:
-    """Run the machine, and the router of the other one, inside the block."""
+async def far_machine(epoch: float | None = None) -> AsyncIterator[FarMachine]:
+    """Run the machine, and the router of the other one, inside the block.
+
+    Args:
+        epoch: The time of day there at the start, in seconds since 1970; by default the right one.
+    """
     router = f"tcp/127.0.0.1:{reserve_port()}"
     settings = RosSettings.model_validate({"listen": router})
     async with (
         open_session(settings, house_rights(settings, "attic")) as session,
-        Node(Graph(), "memory", namespace="/gateway") as node,
+        Node(Graph(LoopClock(epoch)), "memory", namespace="/gateway") as node,
         anyio.create_task_group() as tasks,
     ):
         gateway, link = MemoryGateway(node), MachinesOnWire()

@@ -94,6 +94,20 @@ async def test_after_a_lost_link_all_is_as_at_the_source(tmp_path: Path) -> None
         assert len(wanted) == 200 + 200 + 1
 
 
+async def test_the_times_of_a_machine_whose_clock_is_wrong_are_those_of_the_clock_here(tmp_path: Path) -> None:
+    async with far_machine(epoch=1e9) as far, Node(Graph(), "attic", namespace="/gateway") as node:
+        near = far.near(node, tmp_path)
+        async with running(near):
+            sightings = listen(node, Sighting, near.names.received_topics)
+            reports = listen(node, Report, near.names.readings)
+            far.gateway.devices.put(lamp("lamp"), "new")
+            await far.gateway.devices.report("lamp", {"on_off": True})
+            sighting, report = await until(sightings, "the lamp"), await until(reports, "its report")
+            assert abs(sighting.seen_at.to_seconds() - node.graph.clock.now()) < PATIENCE
+            assert abs(report.received_at.to_seconds() - node.graph.clock.now()) < PATIENCE
+            assert sighting.expires_at.to_seconds() - sighting.seen_at.to_seconds() == pytest.approx(3600.0)
+
+
 async def test_what_is_longer_than_any_announcement_of_a_device_is_refused_and_counted(tmp_path: Path) -> None:
     async with house(tmp_path) as (far, near):
         sightings = listen(near.node, Sighting, near.names.received_topics)

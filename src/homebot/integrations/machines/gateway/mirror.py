@@ -6,25 +6,30 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, TypeVar
 
 from homebot.bridges.machines.waiting_news import MOST_OF_EACH
+from homebot.devices import Sighting
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.gateway_messages import REACHABLE, CommandAnswer, Report
 from homebot.devices.health import Quarantine
 from homebot.devices.value import UNKNOWN
 from homebot.graph import DurabilityPolicy, QoSProfile
+from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 from homebot.support.bounded_map import BoundedMap
 
 if TYPE_CHECKING:
     from homebot.bridges.machines.messages import FollowGatewayResponse
-    from homebot.devices import Sighting
     from homebot.gateways import Gateway
 
 __all__ = ["Mirror"]
 
-HeardT = TypeVar("HeardT", "Sighting", Report)
+HeardT = TypeVar("HeardT", Sighting, Report)
 
 _MOST = 1000
 """Characters of a text, and elements of a list, of an announcement: nobody there need be believed."""
+
+_STAMPS = {Sighting: ("seen_at", "expires_at"), Report: ("received_at",)}
+_SAME_TIME = 5.0
+"""Seconds by which the time of day there may differ; beyond, the computer has no clock, or a wrong one."""
 
 _NEWEST_OF_EACH = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -39,6 +44,7 @@ class Mirror:
     def __init__(self, gateway: Gateway) -> None:
         self._gateway, self._name = gateway, gateway.node.name
         node, names = gateway.node, gateway.names
+        self._clock = node.graph.clock
         self._answers = node.create_publisher(CommandAnswer, names.answers, 1000)
         self._quarantines = node.create_publisher(Quarantine, names.quarantine, _NEWEST_OF_EACH)
         self._devices: BoundedMap[str, Sighting] = BoundedMap(MOST_OF_EACH)
@@ -72,8 +78,15 @@ class Mirror:
                 self._publish_report(report.model_copy(update={"readings": readings, "address": ""}))
 
     def _own(self, message: HeardT, later: float) -> HeardT:
-        heard_at = max(0.0, message.heard_at + later) if message.heard_at else 0.0
-        return message.model_copy(update={"gateway": self._name, "heard_at": heard_at})
+        """Return *message* as of this gateway, in the time of the clocks here."""
+        own: dict[str, object] = {"gateway": self._name}
+        if message.heard_at:
+            now, stamps = self._clock.monotonic(), {name: getattr(message, name) for name in _STAMPS[type(message)]}
+            heard_at = own["heard_at"] = max(0.0, min(now, message.heard_at + later))
+            behind = self._clock.now() - (now - heard_at) - next(iter(stamps.values())).to_seconds()
+            if abs(behind) > _SAME_TIME:
+                own |= {name: Time.from_seconds(one.to_seconds() + behind) for name, one in stamps.items()}
+        return message.model_copy(update=own)
 
     def _publish_sighting(self, sighting: Sighting) -> None:
         if sighting.kind == "removed":
