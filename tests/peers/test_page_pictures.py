@@ -14,6 +14,7 @@ import anyio
 import pytest
 from anyio import to_thread
 from tests.peers.chromium import Page, chromium
+from tests.peers.test_page_wall import SAVE_SCENE
 
 import homebot
 from homebot.clock import LoopClock
@@ -43,27 +44,46 @@ globalThis.Date = class extends Date {{
 """
 """The clock of the browser, which stands still as that of homebot does."""
 
-SCREEN, PHONE = (1200, 900), (390, 844)
+SCREEN, TABLET, PHONE = (1280, 900), (768, 1024), (390, 844)
 HEAT = "#/device/kitchen_heat"
 HOUR = "button[aria-pressed=false]"
 LOCK = "button[aria-label='show what approving Front lock allows']"
+LAMP = "button[aria-label='more of {} lamp']"
+SCENES = (("Film", "lights in living", "on, 20 %"), ("Dinner", "lights in kitchen", "on, 60 %"))
+ROUTINES = [
+    {
+        "name": "Hall light at night",
+        "when": ["hall motion occupied"],
+        "if": ["after 22:00"],
+        "do": ["hall lamp on, 20 %", "wait until hall motion clear for 2m, at most 30m", "undo"],
+        "mode": "restart",
+    },
+    {"name": "Good night", "when": ["22:30 on weekdays"], "do": ["all lights off", "notify Good night"]},
+]
 
 VIEWS = (
-    ("house", (1200, 1000), "light", "", "Kitchen lamp", ""),
-    ("device", (1200, 820), "light", HEAT, "Why", HOUR),
-    ("plan", SCREEN, "light", "#/plan", "Kitchen lamp", ""),
-    ("approval", (1200, 480), "light", "#/system", "Waiting for your approval", LOCK),
-    ("", SCREEN, "light", "#/device/lamp_meter", "Energy by day", ""),
-    ("", SCREEN, "light", "#/journal", "confirmed after", ""),
-    ("", SCREEN, "light", "#/graph", "/discovery/states", ""),
-    ("phone", PHONE, "dark", "", "Kitchen lamp", ""),
-    ("", PHONE, "dark", HEAT, "Why", HOUR),
-    ("", PHONE, "dark", "#/plan", "Kitchen lamp", ""),
-    ("", PHONE, "dark", "#/system", "Waiting for your approval", LOCK),
-    ("", PHONE, "dark", "#/journal", "confirmed after", ""),
-    ("", PHONE, "dark", "#/graph", "/discovery/states", ""),
+    ("house", (1280, 1000), "light", "en", "", "Kitchen lamp", LAMP.format("Hall")),
+    ("house-de", (1280, 1000), "light", "de", "", "Kitchen lamp", ""),
+    ("room", TABLET, "dark", "en", "#/room/living", "Living lamp", LAMP.format("Living")),
+    ("room-de", TABLET, "dark", "de", "#/room/living", "Living lamp", ""),
+    ("phone", PHONE, "dark", "en", "", "Kitchen lamp", ""),
+    ("phone-de", PHONE, "light", "de", "", "Kitchen lamp", ""),
+    ("plan-phone", PHONE, "light", "en", "#/plan", "Kitchen lamp", ""),
+    ("routines", (1280, 480), "light", "en", "#/routines", "Good night", ""),
+    ("device", (1280, 820), "light", "en", HEAT, "Why", HOUR),
+    ("plan", SCREEN, "light", "en", "#/plan", "Kitchen lamp", ""),
+    ("approval", (1280, 480), "light", "en", "#/system", "Waiting for your approval", LOCK),
+    ("", SCREEN, "light", "fr", "#/device/lamp_meter", "Énergie par jour", ""),
+    ("", SCREEN, "light", "es", "#/journal", "confirmado tras", ""),
+    ("", SCREEN, "light", "nl", "#/graph", "/discovery/states", ""),
+    ("", PHONE, "dark", "it", HEAT, "Perché", HOUR),
+    ("", PHONE, "dark", "de", "#/plan", "Kitchen lamp", ""),
+    ("", PHONE, "dark", "en", "#/system", "Waiting for your approval", LOCK),
+    ("", PHONE, "dark", "fr", "#/journal", "confirmé après", ""),
+    ("", PHONE, "dark", "nl", "#/routines", "Good night", ""),
+    ("", PHONE, "dark", "es", "#/graph", "/discovery/states", ""),
 )
-"""Views: name of the picture, size of the window, color scheme, address, a text that it shows, what is clicked."""
+"""Views: name of the picture, size of the window, color scheme, language, address, a text of it, what is clicked."""
 
 
 @pytest.fixture
@@ -76,6 +96,7 @@ def home() -> Config:
     """The configuration of the family's home at its pace here; the owner has not approved its lock yet."""
     tables = tomllib.loads((FAMILY / "home.toml").read_text("utf-8"))
     tables["door"] = {"port": 0, "token": TOKEN}
+    tables["routines"] = ROUTINES
     tables["gateways"]["mqtt"]["stale_after"] = "50s"
     tables["gateways"]["real"] = {"class": "homebot.gateways.memory:MemoryGateway"}
     tables["apps"]["lights_out"]["quiet_after"] = "45s"
@@ -119,10 +140,14 @@ def look(page: Page) -> None:
     page.resize(*SCREEN)
     page.opened(f"#token={TOKEN}", "Kitchen lamp")
     approve(page, "Kitchen window")
-    for picture, (width, height), scheme, view, shows, clicked in VIEWS:
+    for name, target, value in SCENES:
+        page.browser.execute_async_script(SAVE_SCENE, TOKEN, name, target, value)
+    for picture, (width, height), scheme, language, view, shows, clicked in VIEWS:
         page.prefer(scheme)
         page.resize(width, height)
-        page.opened("#/leave", "no such view")
+        page.opened("#/leave", "family")
+        page.clicked(f"footer option[value={language}]")
+        page.browser.execute_script("document.activeElement.blur()")
         page.opened(view, shows)
         if clicked:
             page.clicked(clicked)

@@ -41,6 +41,7 @@ WARMER = "[role=group][aria-label='heating: heating setpoint'] button[aria-label
 ROUTINES = [
     {"name": "Evening", "when": ["22:00"], "do": ["lamp on, 40 %"], "enabled": False},
 ]
+FILM = ("Film", "lamp", "on, 20 %")
 HANDS = ("mouse", "touch", "keyboard")
 MARKUP = "<img src=x onerror=alert(1)><b>"
 LONG = "x" * 300
@@ -55,6 +56,19 @@ DEVICES: dict[str, dict[str, object]] = {
 NAMES = {"evil": MARKUP, "long": LONG, "turned": TURNED, "smoke": f"Smoke {MARKUP}", "panel": "House alarm"}
 STATES = {"evil": '{"state":"ON","brightness":99,"color":{"h":9,"s":90}}', "smoke": "ON", "panel": "armed_away"}
 OWNER = "hunter2-and-some-more"
+
+
+SAVE_SCENE = """
+const [token, name, target, value, done] = arguments;
+const socket = new WebSocket(`${location.origin.replace(/^http/, "ws")}/?token=${token}`);
+const change = (args) => socket.send(JSON.stringify({ op: "call_service", service: "/scenes/change", args }));
+socket.onopen = () => change({ name, change: "save", target });
+socket.onmessage = () => {
+  socket.onmessage = (event) => socket.close() || done(JSON.parse(event.data).values.message);
+  change({ name, change: "edit", values: [{ key: target, value }] });
+};
+"""
+"""Saves a scene of a device or query, with the values in words."""
 
 
 @pytest.fixture(scope="module")
@@ -179,23 +193,11 @@ async def test_a_form_writes_the_text_of_a_routine_which_is_edited_and_removed(b
         assert own.problems() == []
 
 
-SAVE_SCENE = """
-const [token, done] = arguments;
-const socket = new WebSocket(`${location.origin.replace(/^http/, "ws")}/?token=${token}`);
-const change = (args) => socket.send(JSON.stringify({ op: "call_service", service: "/scenes/change", args }));
-socket.onopen = () => change({ name: "Film", change: "save", target: "lamp" });
-socket.onmessage = () => {
-  socket.onmessage = (event) => socket.close() || done(JSON.parse(event.data).values.message);
-  change({ name: "Film", change: "edit", values: [{ key: "lamp", value: "on, 20 %" }] });
-};
-"""
-
-
 @pytest.mark.parametrize("hand", HANDS)
 async def test_a_scene_is_applied_and_undone_on_the_house_view(browser: Any, world: World, hand: str) -> None:
     async with opened_page(browser, world, token=OWNER) as own:
         await own.open(f"#token={OWNER}", shows="heating")
-        assert await to_thread.run_sync(own.browser.execute_async_script, SAVE_SCENE, OWNER) == ""
+        assert await to_thread.run_sync(own.browser.execute_async_script, SAVE_SCENE, OWNER, *FILM) == ""
         await own.open("#/room/Living_Room", shows="Film")
         await own.open(shows="Film")
         await work(own, hand, "button.scene")
