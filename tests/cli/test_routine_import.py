@@ -10,7 +10,7 @@ from homebot.cli import main
 pytestmark = pytest.mark.rooms("homeassistant")
 
 NOTIFY = """
-- alias: Noon
+- alias: "No\\u202eon"
   trigger: {platform: time, at: '12:00'}
   action: {service: notify.notify, data: {message: Lunch}}
 - alias: "Lamp\\e[31m"
@@ -30,7 +30,7 @@ def test_what_is_carried_over_is_printed_apart_from_what_is_not(
 ) -> None:
     assert imported(homebot, tmp_path, NOTIFY) == 0
     out, err = capsys.readouterr()
-    assert out.endswith('[[routines]]\nname = "Noon"\nwhen = ["12:00"]\ndo = ["notify Lunch"]\n')
+    assert out.endswith('[[routines]]\nname = "No\\U0000202eon"\nwhen = ["12:00"]\ndo = ["notify Lunch"]\n')
     assert "line 7, Lamp" in err
     assert "light.lamp is nothing that homebot knows" in err
     assert "1 of 2 automations are carried over; look at each" in err

@@ -30,7 +30,8 @@ def import_routines(door: DoorClient, file: str) -> int:
         raise UsageError(f"{file} cannot be read: {exc}") from exc
     reader: AutomationReader = load_plugin(IMPORTERS, names[0])()
     found = reader.read(document, file, all_devices(door, lambda one: one))
-    print(printable_lines("\n".join(found.texts)), end="")
+    for line in "\n".join(found.texts).splitlines():
+        print("".join(one if one.isprintable() else f"\\U{ord(one):08x}" for one in line))  # as in texts of TOML
     for one in sorted(found.refused):
         print(
             f"{printable(file)}, line {one.line}, {printable(one.name)}: {printable(one.problem, 500)}", file=sys.stderr
@@ -40,8 +41,3 @@ def import_routines(door: DoorClient, file: str) -> int:
     advice = "" if not found.texts else "; look at each, then: homebot routine try FILE, homebot routine new FILE"
     print(f"{carried}{advice}", file=sys.stderr)
     return 0 if found.texts else 1
-
-
-def printable_lines(text: str) -> str:
-    """Return *text* with its lines, which no terminal mistakes for commands."""
-    return "".join(f"{printable(one, 1000)}\n" for one in text.splitlines())
