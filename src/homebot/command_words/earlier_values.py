@@ -23,6 +23,9 @@ RESTORED: Final = (
 _SETTLES: Final = 10.0
 """Seconds after a command in which further changes are still its own, such as the last steps of a dimmer."""
 
+_ROUNDING: Final = 1e-5
+"""Seconds by which the clock of a replay may be ahead of the stamps of devices."""
+
 KnownStates: TypeAlias = "Mapping[tuple[str, str, str], State]"
 """Values by device, part and capability."""
 
@@ -71,7 +74,7 @@ class EarlierValues:
 def _is_own(state: State, entry: list[Any]) -> bool:
     """Return whether the command of *entry* brought about the value of *state*."""
     _, given_at, ended_at = entry
-    return bool(given_at <= state.since.to_seconds() <= ended_at + _SETTLES)
+    return bool(given_at - _ROUNDING <= state.since.to_seconds() <= ended_at + _SETTLES)
 
 
 def _plain(value: Any) -> PlainValue:

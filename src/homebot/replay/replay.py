@@ -7,12 +7,13 @@ house and its clock, and not on the network, files, chance, or the time of the c
 import tomllib
 from collections import deque
 from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from random import Random
 from typing import ClassVar, final
 
 import anyio
 
+from homebot.apps.notifier import Notification
 from homebot.clock import LoopClock
 from homebot.config import UNNAMED, Config, Table, parse_config
 from homebot.control.command import IssuedCommand
@@ -50,6 +51,8 @@ class Replayed:
         crashes: The crashes of apps, by name.
         devices: The devices in the directory at the end.
         changes: The journal's entries of changes that no command explains, at most 100,000.
+        notifications: The last hundred messages of apps to people.
+        hints: By routine, why it cannot work in the house as it was at the end.
     """
 
     commands: tuple[TimedCommand, ...]
@@ -57,6 +60,8 @@ class Replayed:
     crashes: Mapping[str, str]
     devices: tuple[Device, ...] = ()
     changes: tuple[JournalEntry, ...] = ()
+    notifications: tuple[Notification, ...] = ()
+    hints: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
 
 def replay_config(
@@ -125,11 +130,13 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
             doings = ReplayPeople(node, recording, feed)
             people.start_soon(doings.run)
             await feed.play(doings.ask_directory)
+            hints = await runtime.app_host.routine_problems()
             people.cancel_scope.cancel()
             devices = (await node.create_client(FindDevices, FIND_DEVICES).call(FindDevicesRequest())).devices
     issuers = tuple(f"/{name}" for name in config.apps)
     crashes = {name: one.last for name, one in runtime.supervisor.crashes.items()}
-    return Replayed(journal.commands_of(issuers), issuers, crashes, devices, tuple(journal.changes))
+    told = tuple(runtime.app_host.notifier.recent)
+    return Replayed(journal.commands_of(issuers), issuers, crashes, devices, tuple(journal.changes), told, hints)
 
 
 @final

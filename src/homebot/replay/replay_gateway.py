@@ -125,7 +125,7 @@ class ReplayFeed:
 
     Messages of one moment are published together, like a burst from the network, unless there was a command or a
     statement of the owner in between, which later messages may be effects of. Messages at the time of a timer come
-    after the timer.
+    after the timer, for which they wait a microsecond, as the times of lines are rounded.
 
     Args:
         settle: Returns when everything has happened that is due now.
@@ -173,7 +173,7 @@ class ReplayFeed:
             await tell(message)
 
     async def _wait_until(self, at: float) -> None:
-        await anyio.sleep(max(0.0, at - self.now))
+        await anyio.sleep(max(0.0, at + _MOMENT - self.now))
         await self._settle()
 
 

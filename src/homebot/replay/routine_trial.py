@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from homebot.config import ROUTINE, Config
+from homebot.config import ROUTINE, Config, Table
 from homebot.control.timeline.cause import Cause
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.wording.journal_words import settings_text
@@ -12,7 +12,7 @@ from homebot.errors import UsageError
 from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.replay import Replayed, replay_config
 
-__all__ = ["TriedCommand", "trial_config", "tried"]
+__all__ = ["TriedCommand", "routines_of", "trial_config", "tried"]
 
 _AGAINST: Final = 600.0
 """Seconds after a command in which a person's change of the same part says something about it."""
@@ -42,10 +42,17 @@ def trial_config(recording: Recording, given: Config) -> Config:
         UsageError: There is none, or the recording is damaged.
         ConfigError: A routine is wrong.
     """
-    routines = {name: table for name, table in given.apps.items() if table.get("class") == ROUTINE}
+    routines = dict(routines_of(given))
     if not routines:
         raise UsageError(f"{given.source} has no table [[routines]]")
     return replay_config(recording, (), given, routines)
+
+
+def routines_of(config: Config) -> Iterator[tuple[str, Table]]:
+    """Yield the tables of the routines of *config*, by the names of their apps; they are enabled for the trial."""
+    for name, table in config.apps.items():
+        if table.get("class") == ROUTINE:
+            yield name, {**table, "enabled": True}
 
 
 def tried(recording: Recording, replayed: Replayed) -> Iterator[TriedCommand]:

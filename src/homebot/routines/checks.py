@@ -3,17 +3,19 @@
 A device that is not there yet may still come, so these are hints for people and no errors.
 """
 
-from collections.abc import AsyncIterator, Iterable, Iterator, Mapping
-from contextlib import closing
+from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping
+from contextlib import closing, suppress
 from typing import Final, final
 
 from homebot.command_words.suitable_parts import part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError
-from homebot.devices import QUERY_DEVICES, KeyValue, QueryDevices
+from homebot.devices import QUERY_DEVICES, Device, KeyValue, QueryDevices
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import LIST_SCENES
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import fits
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.query.terms import And, CanDo, Not, Or, Query, StateIs, leaves
@@ -29,7 +31,7 @@ from homebot.routines.steps import APPLY, Do, SendRobot, Wait, WaitUntil
 from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
 from homebot.support.similar import did_you_mean
 
-__all__ = ["HouseChecks"]
+__all__ = ["HouseChecks", "asked_about"]
 
 _MOST: Final = 200
 """Devices with events that are compared with that of a trigger."""
@@ -173,12 +175,26 @@ def _states(routine: RoutineSettings) -> Iterator[tuple[str, Query, str]]:
                 yield text, query, value
     choices = [one for one in routine.do if isinstance(one, Choice)]
     for text in (*routine.conditions, *(text for one in choices for text in one.conditions)):
-        condition = read_condition(text)
-        if isinstance(condition, Matches):
-            yield text, condition.state.query, ""
+        match read_condition(text):
+            case Matches(state=state):
+                yield text, state.query, ""
+            case Press(query=query, value=value):
+                yield text, query, value
     for line in program_of(routine.do):
         if isinstance(line.step, WaitUntil):
             yield line.text, line.step.state.query, ""
+
+
+def asked_about(routines: Iterable[RoutineSettings]) -> Callable[[Device], bool]:
+    """Return the test for devices with states that *routines* ask for, or that they command."""
+    queries = []
+    for one in routines:
+        queries += [_stateless(query) for _, query, _ in _states(one)]
+        for line in program_of(one.do):
+            if isinstance(line.step, Do):
+                with suppress(UsageError):
+                    queries.append(_stateless(parse_query(line.step.target)))
+    return lambda device: any(fits(query, facets_of(device)) for query in queries)
 
 
 def _stateless(query: Query) -> Query:

@@ -8,7 +8,7 @@ from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.routines.people import check_known, read_person
 from homebot.routines.times import TimeSpan, read_days_of_week
-from homebot.routines.triggers import Becomes, read_state
+from homebot.routines.triggers import Becomes, Press, read_press, read_state
 
 __all__ = ["Condition", "Matches", "OnDays", "SunIs", "read_condition"]
 
@@ -44,7 +44,8 @@ class Matches:
     is_none: bool = False
 
 
-Condition: TypeAlias = SunIs | OnDays | TimeSpan | Matches
+Condition: TypeAlias = SunIs | OnDays | TimeSpan | Matches | Press
+"""A press holds in the run that it started."""
 
 
 def read_condition(text: str) -> Condition:
@@ -63,6 +64,8 @@ def read_condition(text: str) -> Condition:
     if (found := _NOBODY.fullmatch(plain)) is not None:
         seen = _IN_BED if found["sleeps"] else _PRESENCE
         return Matches(read_state(f"{seen} {found['room']}"), found["word"].casefold() == "nobody")
+    if (press := read_press(plain)) is not None:
+        return press
     none = None if read_person(plain) else _NONE.fullmatch(plain)
     state = read_state(none["state"] if none else plain)
     if none is not None:

@@ -12,6 +12,7 @@ from homebot.apps import App
 from homebot.apps.run_modes import HandlerRuns
 from homebot.devices.app_messages import RoutineChange, RoutineInfo, RoutineNote
 from homebot.devices.command_messages import CommandDevices
+from homebot.devices.house_view import HouseView
 from homebot.devices.names import COMMAND_DEVICES, QUERY_DEVICES
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.services import QueryDevices, QueryDevicesRequest
@@ -25,7 +26,7 @@ from homebot.routines.settings import RoutineSettings
 from homebot.routines.text import routine_text
 from homebot.routines.times import DaysAndTime, SunMoment, TimeSpan
 from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
-from homebot.routines.watches import ArrivalWatch, PersonWatch, PressWatch, begun
+from homebot.routines.watches import ArrivalWatch, PersonWatch, PressWatch, begun, is_press
 
 __all__ = ["Routine"]
 
@@ -172,6 +173,8 @@ class Routine(App[RoutineSettings]):
                 query = QueryDevicesRequest(query=query_terms(condition.state.query))
                 answer = await self._query.call(query)
                 return bool(answer.results) is not condition.is_none
+            case Press():
+                return is_press(HouseView.of(self.node), condition, CURRENT_CAUSE.get())
             case _:
                 assert_never(condition)
 

@@ -10,7 +10,7 @@ from homebot.errors import UsageError
 from homebot.routines.people import AT_HOME, check_known, may_begin, read_move, read_person
 from homebot.routines.times import DaysAndTime, SunMoment, read_duration
 
-__all__ = ["Becomes", "Press", "RobotArrival", "Trigger", "read_state", "read_trigger"]
+__all__ = ["Becomes", "Press", "RobotArrival", "Trigger", "read_press", "read_state", "read_trigger"]
 
 _LASTING: Final = re.compile(r"(?P<state>.+?)\s+for\s+(?P<length>\d[^,]*)")
 _BY_PLACE: Final = re.compile(r"(?P<what>.+?)\s+in\s+(?P<area>.+?)\s+(?P<limit>(?:below|above|<=?|>=?)\s*\S.*)")
@@ -87,12 +87,23 @@ def read_trigger(text: str) -> Trigger:
         return PersonMoves(plain, person.person, person.is_home)
     if (found := _ARRIVAL.fullmatch(plain)) is not None:
         return RobotArrival(found["robot"].casefold(), found["room"], leaves=found["word"].casefold() == "leaves")
-    if (pressed := _PRESS.fullmatch(plain)) is not None:
-        return Press(plain, parse_query(pressed["query"]), (pressed["value"] or "").strip("\"'").casefold())
+    if (press := read_press(plain)) is not None:
+        return press
     state = read_state(plain)
     if AT_HOME in state.capabilities and not (state.lasting and may_begin(state.query)):
         raise UsageError(f"{text!r} may only have been unknown before; start by 'Anna arrives' or 'everybody has left'")
     return state
+
+
+def read_press(text: str) -> Press | None:
+    """Return the event *text*, such as ``hall button press double``; None if it is none.
+
+    Raises:
+        UsageError: Its device is not a query.
+    """
+    if (pressed := _PRESS.fullmatch(text)) is None:
+        return None
+    return Press(text, parse_query(pressed["query"]), (pressed["value"] or "").strip("\"'").casefold())
 
 
 def read_state(text: str) -> Becomes:

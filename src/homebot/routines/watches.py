@@ -21,7 +21,7 @@ from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
 from homebot.support.timer_queue import TimerQueue
 
-__all__ = ["ArrivalWatch", "Begun", "OnStart", "PersonWatch", "PressWatch", "begun"]
+__all__ = ["ArrivalWatch", "Begun", "OnStart", "PersonWatch", "PressWatch", "begun", "is_press"]
 
 OnStart: TypeAlias = Callable[[object], None]
 """Called with the cause."""
@@ -76,6 +76,15 @@ def _matched_at(device: Device, state: Becomes, since: float, now: float) -> flo
     return -math.inf if newest.is_first and since > -math.inf else newest.since.to_seconds()
 
 
+def is_press(view: HouseView, press: Press, change: object) -> bool:
+    """Return whether *change* is the event *press*."""
+    if not isinstance(change, StateChange) or not change.is_event:
+        return False
+    known, value = view.get(change.device), str(change.readings[0].value.plain()).casefold()
+    is_meant = known is not None and change.live and fits(press.query, facets_of(known.current()))
+    return is_meant and press.value in {"", value}
+
+
 @final
 class PressWatch(HouseWatcher):
     """Calls a function with each event that fits a trigger."""
@@ -89,11 +98,7 @@ class PressWatch(HouseWatcher):
 
     def on_event(self, change: StateChange) -> None:
         """Start the routine if the device and the event are meant."""
-        known = self._view.get(change.device)
-        value = change.readings[0].value.plain()
-        if self._press.value and self._press.value != str(value).casefold():
-            return
-        if known is not None and change.live and fits(self._press.query, facets_of(known.current())):
+        if is_press(self._view, self._press, change):
             self._on_start(change)
 
 

@@ -6,7 +6,7 @@ import argparse
 from functools import partial
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.arguments import add_verb, add_verbs, set_command
+from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient, set_door_command
@@ -36,7 +36,8 @@ _EXAMPLES = """\
   homebot routine edit 'Hall light'        change it in your editor
   homebot routine remove 'Hall light'
   homebot routine import automations.yaml > new.toml    those of another program; lists what it leaves out
-  homebot routine try new.toml --on day.jsonl.gz    what the routines of a file would have done on a recorded day
+  homebot routine try new.toml --on last-week       what the routines of a file would have done, by the history
+  homebot routine try new.toml --on day.jsonl.gz    the same on a recorded day, also with events such as presses
 
 Routines are the tables [[routines]] of homebot.toml, which you change there (`homebot app reload hall_light` reads one
 again), and those that `new` adds, which homebot keeps. All but `list`, `show` and `try` need the right `manage`.
@@ -70,9 +71,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(command, _show, _EXAMPLES)
     command.add_argument("name", metavar="NAME", help="its name")
     command = add_verb(verbs, "try", "print what the routines of a file would have done on recorded days")
-    set_command(command, _try, _EXAMPLES)
+    set_client_command(command, _try, _EXAMPLES)
     command.add_argument("file", metavar="FILE", help="configuration with the routines")
-    command.add_argument("--on", metavar="RECORDING", nargs="+", required=True, help="recording of `homebot record`")
+    command.add_argument(
+        "--on",
+        metavar="RECORDING|TIME",
+        nargs="+",
+        help="recording of `homebot record`, or last-week (default), last-day, 3d or 12h of the house's history",
+    )
     command = add_verb(verbs, "new", "add routines, which homebot keeps")
     set_door_command(command, _new, _EXAMPLES)
     command.add_argument("file", metavar="FILE", nargs="?", help="tables [[routines]]; - for the standard input")

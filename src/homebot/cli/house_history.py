@@ -1,0 +1,48 @@
+"""The last days of a running homebot as a recording, from its history and its journal."""
+
+from collections.abc import Callable
+from typing import Final
+
+from homebot.cli.device_queries import house_time
+from homebot.cli.door_client import DoorClient
+from homebot.devices import Device, FindDevices
+from homebot.devices.history_messages import MOST_POINTS, HistorySeries, ReadHistory
+from homebot.devices.journal_messages import ReadJournalResponse
+from homebot.devices.names import FIND_DEVICES, READ_HISTORY, READ_JOURNAL
+from homebot.errors import PeerError
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.json import message_from_json
+from homebot.recording.recording import Recording
+from homebot.replay.history_recording import history_recording
+
+__all__ = ["read_house_history"]
+
+_LONGEST: Final = 60.0
+
+
+def read_house_history(door: DoorClient, seconds: float, is_wanted: Callable[[Device], bool]) -> Recording:
+    """Return the last *seconds* of the house, with the values of the devices that are wanted.
+
+    Raises:
+        PeerError: No history is kept.
+    """
+    until = house_time(door)
+    since = until - seconds
+    span = {"since": _json(since), "until": _json(until)}
+    devices = message_from_json(
+        FindDevices.Response, door.call(FIND_DEVICES, {}, _LONGEST), ignore_unknown=True
+    ).devices
+    series: list[HistorySeries] = []
+    for one in filter(is_wanted, devices):
+        answer = door.call(READ_HISTORY, {"device": one.id, "points": MOST_POINTS, **span}, _LONGEST)
+        if not answer["success"]:
+            raise PeerError(str(answer["message"]))
+        series += message_from_json(ReadHistory.Response, answer, ignore_unknown=True).series
+    journal = message_from_json(
+        ReadJournalResponse, door.call(READ_JOURNAL, {"since": span["since"]}, _LONGEST), ignore_unknown=True
+    )
+    return history_recording(door.home, devices, series, journal.entries, since, until)
+
+
+def _json(at: float) -> dict[str, int]:
+    return Time.from_seconds(at).model_dump()

@@ -1,0 +1,124 @@
+"""A recording made of the history of a house, for times that nobody recorded. Pure.
+
+It has the states and numbers of all devices as the history kept them: no events, such as presses of buttons, no
+pauses, and after two days only the means of five minutes.
+"""
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final
+
+from homebot.devices import Device, Endpoint, Sighting
+from homebot.devices.gateway_messages import Report
+from homebot.devices.history_messages import HistorySeries
+from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.names import ALIAS_DEVICE, TAG_DEVICE
+from homebot.devices.places_messages import OwnerRequest
+from homebot.devices.value import PlainValue, Reading, Value
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.message import Message
+from homebot.recording.lines import FORMAT, RecordedCommand, RecordingHeader
+from homebot.recording.recording import RecordedEvent, Recording, TimedCommand
+from homebot.version import __version__
+
+__all__ = ["history_recording"]
+
+_GATEWAY: Final = "history"
+_FOREVER: Final = 400 * 86_400.0
+_FLAGS: Final = {"true": True, "false": False}
+
+
+def history_recording(
+    home: str,
+    devices: Sequence[Device],
+    series: Iterable[HistorySeries],
+    commands: Iterable[JournalEntry],
+    since: float,
+    until: float,
+) -> Recording:
+    """Return the recording of the time from *since* to *until*, in seconds since the Unix epoch.
+
+    Args:
+        commands: Entries of the journal; those of the kind ``requested`` count.
+    """
+    began = Time.from_seconds(since)
+    recording = Recording(RecordingHeader(format=FORMAT, version=__version__, home=home, started_at=began))
+    known = {one.id: one for one in devices}
+    recording.devices = {one.id: _with_one_endpoint(one) for one in devices}
+    messages = [(since, message) for one in devices for message in _announcements(one, began)]
+    for one in series:
+        if one.device in known:
+            messages += ((max(since, at), message) for at, message in _reports(one))
+    messages.sort(key=lambda one: one[0])
+    recording.events = [RecordedEvent(at - since, message, line) for line, (at, message) in enumerate(messages)]
+    recording.commands = [_command(one, since) for one in commands if one.kind == "requested"]
+    recording.ends_at, recording.is_whole = until - since, True
+    return recording
+
+
+def _key(device: str) -> str:
+    return f"{_GATEWAY}:{device}"
+
+
+def _with_one_endpoint(device: Device) -> Device:
+    endpoint = Endpoint.model_validate(
+        device.endpoints[0].model_dump() | {"gateway": _GATEWAY, "key": _key(device.id), "address": _key(device.id)}
+    )
+    return device.model_copy(update={"endpoints": (endpoint,)})
+
+
+def _announcements(device: Device, at: Time) -> Iterator[Message]:
+    """Yield the announcement of *device*, and its names and tags by the owner."""
+    yield Sighting(
+        gateway=_GATEWAY,
+        key=_key(device.id),
+        kind="appeared",
+        why="it is in the history",
+        name=device.name,
+        service_type=device.service_type,
+        address=_key(device.id),
+        command_address=_key(device.id),
+        metadata=device.metadata,
+        whole_device=True,
+        native=True,
+        area=device.area,
+        parts=tuple(one.part.model_copy(update={"id": one.id}) for one in device.parts),
+        seen_at=at,
+        expires_at=Time.from_seconds(at.to_seconds() + _FOREVER),
+        confirmed=True,
+    )
+    for name in device.names:
+        if name not in {device.name, device.id}:
+            yield _asked(at, ALIAS_DEVICE, device=device.id, alias=name)
+    for tag in device.tags:
+        yield _asked(at, TAG_DEVICE, device=device.id, tag=tag)
+
+
+def _asked(at: Time, service: str, **request: str) -> OwnerRequest:
+    return OwnerRequest(at=at, service=service, request=json.dumps(request))
+
+
+def _reports(series: HistorySeries) -> Iterator[tuple[float, Report]]:
+    values: Iterable[PlainValue] = series.values
+    if series.words:
+        values = (_FLAGS.get(word, word) for word in series.words)
+    for at, value in zip(series.times, values, strict=False):
+        reading = Reading(part=series.part, capability=series.capability, value=Value.of(value))
+        yield (
+            at,
+            Report(
+                gateway=_GATEWAY,
+                key=_key(series.device),
+                readings=(reading,),
+                stream=f"{_key(series.device)} {series.part} {series.capability}",
+                retained=False,
+                received_at=Time.from_seconds(at),
+            ),
+        )
+
+
+def _command(entry: JournalEntry, since: float) -> TimedCommand:
+    command = RecordedCommand(
+        id=entry.command, issuer=entry.issuer, device=entry.device, part=entry.part, settings=entry.settings
+    )
+    return TimedCommand(entry.at.to_seconds() - since, command)

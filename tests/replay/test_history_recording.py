@@ -1,0 +1,88 @@
+"""A trial of routines by the history of a house, where nothing was recorded."""
+
+import asyncio
+
+import pytest
+from tests.apps.houses import hall
+
+from homebot.config import parse_config
+from homebot.devices import FIND_DEVICES, Device, FindDevices
+from homebot.devices.history_messages import HistorySeries, ReadHistory, ReadHistoryRequest
+from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
+from homebot.devices.names import READ_HISTORY, READ_JOURNAL, TAG_DEVICE
+from homebot.devices.places_messages import TagDevice
+from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.terms import And
+from homebot.devices.services import FindDevicesRequest
+from homebot.graph import Node
+from homebot.messages import Time
+from homebot.replay.history_recording import history_recording
+from homebot.replay.replay import Replayed, replay
+from homebot.replay.routine_trial import trial_config, tried
+from homebot.testing import VirtualTimeLoop, virtual_house_of
+
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
+
+ROUTINES = {
+    "home": {"zone": "UTC"},
+    "routines": [
+        {"name": "Light", "when": ["hall motion occupied"], "do": ["my lamps on", "wait 4m", "undo"]},
+        {"name": "Told", "when": ["hall lamp on for 2m"], "if": ["hall motion clear"], "do": ["notify It is on"]},
+    ],
+}
+
+
+async def lived() -> tuple[tuple[Device, ...], tuple[HistorySeries, ...], tuple[JournalEntry, ...], float, float]:
+    """Half an hour in which Anna comes twice; the owner has tagged the lamp, and turns it on and off by hand."""
+    world = hall(("08:05", "hall"), ("08:06", "outside"), ("08:20", "hall"))
+    config = {"history": {"enabled": True}}
+    async with (
+        virtual_house_of(world=world, start="2026-01-01 08:00", config=config) as house,
+        Node(house.runtime.graph, "owner") as owner,
+    ):
+        await house.run_until("08:01")
+        tag = TagDevice.Request(device="hall_lamp", tag="my lamps")
+        assert (await owner.create_client(TagDevice, TAG_DEVICE).call(tag)).success
+        await house.run_until("08:12")
+        await house.press("hall_lamp", "on")
+        await house.run_until("08:16")
+        await house.press("hall_lamp", "off")
+        await house.run_until("08:30")
+        until = house.now.timestamp()
+        since = until - 29.5 * 60
+        devices = (await owner.create_client(FindDevices, FIND_DEVICES).call(FindDevicesRequest())).devices
+        begin, end = Time.from_seconds(since), Time.from_seconds(until)
+        asked = ReadHistoryRequest(query=query_terms(And(())), points=5000, since=begin, until=end)
+        history = await owner.create_client(ReadHistory, READ_HISTORY).call(asked)
+        assert history.success, history.message
+        journal = await owner.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest())
+        return devices, history.series, journal.entries, since, until
+
+
+@pytest.fixture(scope="module")
+def replayed() -> Replayed:
+    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+        recording = history_recording("home425", *runner.run(lived()))
+    config = trial_config(recording, parse_config(ROUTINES, "new.toml"))
+    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+        loop = runner.get_loop()
+        assert isinstance(loop, VirtualTimeLoop)
+        found = runner.run(replay(recording, config, loop.settled))
+    assert [one.change for one in tried(recording, found)] == ["on", ""]  # by hand, within ten minutes
+    return found
+
+
+def test_commands_come_when_the_history_has_their_triggers(replayed: Replayed) -> None:
+    assert replayed.crashes == {}
+    assert [(one.command.device, round(one.at / 60)) for one in replayed.commands] == [
+        ("hall_lamp", 4),
+        ("hall_lamp", 20),
+    ]
+
+
+def test_a_state_that_lasted_starts_a_routine_too(replayed: Replayed) -> None:
+    assert [(one.message, f"{one.time:%H:%M}") for one in replayed.notifications] == [("It is on", "08:14")]
+
+
+def test_names_and_tags_of_the_owner_count(replayed: Replayed) -> None:
+    assert dict(replayed.hints) == {}
