@@ -153,6 +153,13 @@ def test_a_group_that_was_listed_before_its_members_is_described_with_them() -> 
     assert [one.key for one in events if isinstance(one, DeviceAnnounced)] == [f"attic/{LAMP}", "attic/group/4"]
 
 
+def test_a_group_has_none_of_the_settings_of_its_lamps() -> None:
+    convention = bridge()
+    setting = {"type": "composite", "name": "level_config", "property": "level_config", "access": 7, "features": []}
+    heard(convention, lamp(LAMP, "ceiling", BRIGHTNESS, setting))
+    assert [one.part.id for one in only(groups(convention, group(LAMP))).parts] == ["light"]
+
+
 def test_the_scenes_of_a_group_are_its_parts() -> None:
     convention = bridge()
     heard(convention, lamp(LAMP, "ceiling"), lamp(PLUG, "shelf"))

@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeAlias
 from homebot.conventions.description import Codec, DescribedPart, Publication, Publications
 from homebot.conventions.payload import as_fields, compact_json, parse_object
 from homebot.integrations.zigbee2mqtt.formats.bridge_device import BridgeDevice, read_bridge_device
+from homebot.integrations.zigbee2mqtt.formats.expose import SPECIFIC_TYPES
 from homebot.integrations.zigbee2mqtt.formats.parts import build_parts
 
 __all__ = ["ExposesOfEndpoints", "GroupMember", "build_group", "exposes_of_groups"]
@@ -55,8 +56,8 @@ def exposes_of_groups(device: BridgeDevice) -> ExposesOfEndpoints:
     for one in map(as_fields, device.exposes if isinstance(device.exposes, list) else ()):
         kind, endpoint, features = one.get("type"), one.get("endpoint", ""), one.get("features")
         if kind in _TYPES and isinstance(endpoint, str) and isinstance(features, list):
-            named = {str(each.get("name")): _without_endpoint(each) for each in map(as_fields, features)}
-            found.setdefault(endpoint, {})[str(kind)] = named
+            own = [one for one in map(as_fields, features) if one.get("name") in SPECIFIC_TYPES[str(kind)]]
+            found.setdefault(endpoint, {})[str(kind)] = {str(one["name"]): _without_endpoint(one) for one in own}
     return found
 
 
