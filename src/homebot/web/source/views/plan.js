@@ -77,7 +77,7 @@ function Room({ room, unit, ids, isTurned }) {
   const listed = devices.filter((one) => !one.position.length);
   const isNamed = !isNarrow.value || width > 9 * unit;
   const [begin, rowHeight, columnWidth] = isNamed ? [3.8, 1.8, 16] : [3.2, 2, 2]; // in heights of a line of text
-  const perColumn = Math.max(1, Math.floor(((top - Math.min(...first.y)) / unit - begin - 1) / rowHeight) + 1);
+  const perColumn = Math.max(1, Math.floor(((top - Math.min(...first.y)) / unit - begin - 0.6) / rowHeight) + 1);
   const columns = Math.max(1, Math.floor(width / unit / columnWidth));
   const most = perColumn * columns;
   const shown = listed.slice(0, most < listed.length ? most - 1 : most); // the last place says how many more there are
@@ -109,9 +109,13 @@ function Dot({ device, at: [x, y], unit, most }) {
   const [state] = text.split(" · ");
   return html`<a href=${`#/device/${encodeURIComponent(device.id)}`} aria-label=${`${device.name}: ${text}`}>
     <circle class=${isActive(device) ? "dot on" : "dot"} cx=${x} cy=${y} r=${unit * (most ? 0.45 : 0.7)}><title>${`${device.name}: ${text}`}</title></circle>
-    ${most > 0 && html`<text x=${x + unit} y=${y + unit * 0.35}>${device.name} ${(device.name + state).length * 0.55 + 3 < most && html`<tspan class="quiet">${state}</tspan>`}</text>`}
+    ${most > 0 && html`<text x=${x + unit} y=${y + unit * 0.35}>${cut(device.name, most)} ${widthOf(device.name + state) < most && html`<tspan class="quiet">${state}</tspan>`}</text>`}
   </a>`;
 }
+
+/** The width of a name behind its dot, in heights of a line, and a name that is no wider than that. */
+const widthOf = (name) => name.length * 0.55 + 3;
+const cut = (name, most) => (widthOf(name) < most ? name : `${name.slice(0, Math.floor((most - 3) / 0.55))}…`);
 
 /** A point of the house in the picture. */
 const pointOf = ([x, y], isTurned) => (isTurned ? [y, x] : [x, -y]);
