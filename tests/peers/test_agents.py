@@ -16,7 +16,7 @@ from homebot.bridges.home_api.routes import openapi_text
 
 FOUR_LAMPS = 440  # bytes
 
-TOOLS = {"home", "find_devices", "command", "why", "history", "scenes", "apply_scene"}
+TOOLS = {"home", "find_devices", "command", "why", "history", "scenes", "apply_scene", "propose_routine"}
 
 
 def arguments(api: Api, folder: Path, token: str) -> list[str]:
@@ -26,6 +26,18 @@ def arguments(api: Api, folder: Path, token: str) -> list[str]:
 def test_the_description_is_valid_openapi() -> None:
     validator: Any = pytest.importorskip("openapi_spec_validator")
     validator.validate(json.loads(openapi_text()))
+
+
+async def check_proposal(session: Any, api: Api) -> None:
+    """An agent proposes a routine with a trial; a wrong one is refused with the reason."""
+    text = f'name = "Agent {api.port} {id(session)}"\nwhen = ["lamp1 on"]\ndo = ["lamp2 of"]\n'
+    wrong = await session.call_tool("propose_routine", {"text": text})
+    assert (wrong.is_error, "did you mean off" in wrong.content[0].text) == (True, True)
+    done = await session.call_tool("propose_routine", {"text": text.replace("lamp2 of", "lamp2 off")})
+    answer = json.loads(done.content[0].text)
+    assert answer["text"].startswith("proposed Agent")
+    assert "the owner enables it" in answer["text"]
+    assert "would have given" in answer["trial"][-1] or answer["trial"][-1].startswith("no trial: ")
 
 
 @pytest.mark.parametrize("mode", ["auto", "legacy"])
@@ -56,7 +68,7 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
         async with client("keys", elicitation_callback=person) as session:
             tools = (await session.list_tools()).tools
             assert {one.name for one in tools} == TOOLS
-            assert sum(len(one.model_dump_json(exclude_none=True)) for one in tools) < 3000
+            assert sum(len(one.model_dump_json(exclude_none=True)) for one in tools) < 3600
             found = await session.call_tool("find_devices", {"query": "light"})
             assert len(found.content[0].text) < FOUR_LAMPS
             assert (await call(session, "command", device="lamp1", do="on"))["outcome"] == "confirmed"
@@ -66,6 +78,7 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
             too_long = await session.call_tool("why", {"device": "x" * 501})
             assert "at most 500 characters" in too_long.content[0].text
 
+            await check_proposal(session, api)
             declined = await call(session, "command", device="front_door", do="unlock")
             assert declined == {
                 "outcome": "refused",

@@ -7,18 +7,22 @@ from pathlib import Path
 import pytest
 from structlog.testing import capture_logs
 
+from homebot.bridges.rosbridge.access import right_to_call
 from homebot.config import parse_config
 from homebot.devices.app_messages import (
     ChangeRoutine,
     ChangeRoutineRequest,
     ChangeRoutineResponse,
     ListRoutines,
+    ProposeRoutine,
+    ProposeRoutineRequest,
     RoutineChange,
     RoutineInfo,
     RoutinesRequest,
 )
+from homebot.devices.client_rights import Right
 from homebot.devices.health import GetHealth, HealthRequest
-from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES, RUNTIME_HEALTH
+from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES, PROPOSE_ROUTINE, RUNTIME_HEALTH
 from homebot.graph import Node
 from homebot.runtime import Runtime
 from homebot.runtime.plan import plan_errors, without_wrong_routines
@@ -35,11 +39,15 @@ class Owner:
 
     def __init__(self, node: Node) -> None:
         self._change = node.create_client(ChangeRoutine, CHANGE_ROUTINE)
+        self._propose = node.create_client(ProposeRoutine, PROPOSE_ROUTINE)
         self._list = node.create_client(ListRoutines, LIST_ROUTINES)
         self._health = node.create_client(GetHealth, RUNTIME_HEALTH)
 
     async def change(self, change: RoutineChange, name: str = "", text: str = "") -> ChangeRoutineResponse:
         return await self._change.call(ChangeRoutineRequest(name=name, change=change, text=text))
+
+    async def propose(self, request: ProposeRoutineRequest) -> ChangeRoutineResponse:
+        return await self._propose.call(request)
 
     async def routines(self) -> dict[str, RoutineInfo]:
         return {one.name: one for one in (await self._list.call(RoutinesRequest())).routines}
@@ -173,3 +181,38 @@ def test_all_mistakes_of_a_configuration_are_listed_once() -> None:
     wrong = CONFIGURED | {"when": ["noon o'clock"], "do": ["lamp onn"]}
     errors = plan_errors(parse_config({"routines": [wrong]}, "homebot.toml"))
     assert [one.key for one in errors] == ["routines.noon.when.0", "routines.noon.do.0"]
+
+
+async def test_a_proposal_waits_for_the_owner_and_says_whose_it_is(tmp_path: Path) -> None:
+    proposal = ProposeRoutineRequest(text=EVENING, issuer="client:agent")
+    async with homebot(tmp_path) as owner:
+        answer = await owner.propose(proposal)
+        assert answer.message.startswith("proposed Evening; but 'all lights off': no device fits")
+        assert answer.message.endswith("the owner enables it: homebot routine enable 'Evening'")
+        assert not (await owner.propose(proposal)).success
+    async with homebot(tmp_path) as owner:
+        found = (await owner.routines())["Evening"]
+        assert (found.proposed_by, found.enabled) == ("client:agent", False)
+        await owner.change("edit", "Evening", EVENING.replace("22:30", "22:45"))
+        found = (await owner.routines())["Evening"]
+        assert (found.proposed_by, found.enabled, found.when) == ("client:agent", False, ("22:45",))
+        await owner.change("enable", "Evening")
+    async with homebot(tmp_path) as owner:
+        found = (await owner.routines())["Evening"]
+        assert (found.proposed_by, found.enabled) == ("", True)
+
+
+async def test_proposals_are_limited_and_come_one_at_a_time(tmp_path: Path) -> None:
+    async with homebot(tmp_path) as owner:
+        both = f"{EVENING}\n[[routines]]\n{MORNING}"
+        assert "propose one at a time" in (await owner.propose(ProposeRoutineRequest(text=both))).message
+        for number in range(20):
+            text = EVENING.replace("Evening", f"Evening {number}")
+            assert (await owner.propose(ProposeRoutineRequest(text=text))).success
+        answer = await owner.propose(ProposeRoutineRequest(text=EVENING))
+        assert answer.message == "20 proposals wait for the owner, which is the limit"
+
+
+def test_a_client_may_propose_with_the_right_to_act_and_write_with_that_to_manage() -> None:
+    rights = [right_to_call(name) for name in (LIST_ROUTINES, PROPOSE_ROUTINE, CHANGE_ROUTINE)]
+    assert rights == [Right.READ, Right.ACT, Right.MANAGE]

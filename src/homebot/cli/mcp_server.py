@@ -8,11 +8,13 @@ functions.
 
 import json
 from collections.abc import Mapping
+from functools import partial
 from http import HTTPStatus
 from typing import Annotated, Any, Final, TypeAlias
 from urllib.parse import quote, unquote, urlencode
 
 import httpx2
+from anyio import to_thread
 from mcp.server.elicitation import AcceptedElicitation, ElicitationResult
 from mcp.server.mcpserver import Context, MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
@@ -23,6 +25,7 @@ from pydantic import BaseModel, Field
 from homebot.cli.door_address import DoorAddress
 from homebot.devices.names import HOME_HEADER
 from homebot.devices.outcomes import OUTCOMES
+from homebot.errors import HomebotError
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 from homebot.version import __version__
@@ -42,6 +45,9 @@ _LONGEST: Final = 900.0
 """Seconds; homebot answers sooner, after the usual response time of the slowest device."""
 
 _MOST: Final = 4 * 1024 * 1024
+
+_MOST_LINES: Final = 40
+"""The newest lines of a trial that an agent gets."""
 
 _MOST_AT_ONCE: Final = 32
 """Requests that homebot is sent at the same time; it takes 64 clients."""
@@ -73,7 +79,7 @@ class ApiClient:
     """Client of the homebot at an address."""
 
     def __init__(self, address: DoorAddress) -> None:
-        self._address = address
+        self.address = address
         host, port, token, _, _ = address
         self._http = httpx2.AsyncClient(
             base_url=httpx2.URL(scheme="http", host=host, port=port),
@@ -97,7 +103,7 @@ class ApiClient:
         return await self._ask("POST", path, json.dumps(body).encode())
 
     async def _ask(self, method: str, target: str, body: bytes | None = None) -> str:
-        host, port, _, _, home = self._address
+        host, port, _, _, home = self.address
         found = b""
         try:
             async with self._http.stream(method, target, content=body) as response:
@@ -188,6 +194,7 @@ def house_server(api: ApiClient) -> MCPServer:
         server.add_tool(tool, annotations=_READS, structured_output=False)
     server.add_tool(command, annotations=_ACTS, structured_output=False)
     _add_scenes(server, api)
+    _add_routines(server, api)
     return server
 
 
@@ -202,6 +209,27 @@ def _add_scenes(server: MCPServer, api: ApiClient) -> None:
 
     server.add_tool(scenes, annotations=_READS, structured_output=False)
     server.add_tool(apply_scene, annotations=_ACTS, structured_output=False)
+
+
+def _add_routines(server: MCPServer, api: ApiClient) -> None:
+    async def propose_routine(text: str, days: float = 7.0) -> str:
+        """Propose a rule to the owner, who enables it or not; returns what it would have done in the last days.
+
+        TOML: `name="Hall"`, `when=["hall motion occupied", "22:00"]`, `if=["sun is down"]`,
+        `do=["hall lamp on, 20 %", "wait 5m", "undo"]`.
+        """
+        from homebot.cli.routine_trial import text_trial  # noqa: PLC0415 - a replay needs the whole runtime
+
+        answer = json.loads(await api.post("/api/routines", {"text": text}))
+        if "outcome" in answer:
+            raise _MistakeError(json.dumps(answer))
+        try:
+            trial = await to_thread.run_sync(partial(text_trial, api.address, text, days * 86_400.0))
+        except HomebotError as exc:
+            trial = [f"no trial: {exc}"]
+        return json.dumps({**answer, "trial": trial[-_MOST_LINES:]}, ensure_ascii=False)
+
+    server.add_tool(propose_routine, annotations=_ACTS, structured_output=False)
 
 
 def _targets(details: list[Any], named: str | list[str]) -> list[str]:

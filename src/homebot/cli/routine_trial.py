@@ -3,16 +3,19 @@
 import argparse
 import asyncio
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final, cast
 
 from homebot.cli.commands.replay import command_text
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_address import DoorAddress
+from homebot.cli.door_client import DoorClient, open_door, with_client
 from homebot.cli.house_history import read_house_history
-from homebot.config import Config, load_config, parse_settings
+from homebot.config import Config, load_config, parse_config, parse_settings
 from homebot.devices.device import part_names
+from homebot.devices.names import LIST_ROUTINES
+from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import age_text
 from homebot.errors import UsageError
 from homebot.log import configure_logging
@@ -21,11 +24,15 @@ from homebot.replay.replay import Replayed, replay
 from homebot.replay.routine_trial import TriedCommand, routines_of, trial_config, tried
 from homebot.routines.checks import asked_about
 from homebot.routines.settings import RoutineSettings
+from homebot.routines.text import read_routines
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.units import parse_duration
 
-__all__ = ["LAST", "print_trial", "try_on_history", "try_routines"]
+if TYPE_CHECKING:
+    from homebot.devices.app_messages import RoutinesResponse
+
+__all__ = ["LAST", "given_of", "history_lines", "text_trial", "trial_lines", "try_routines"]
 
 
 LAST: Final = {"last-day": 86_400.0, "last-week": 7 * 86_400.0}
@@ -37,27 +44,61 @@ def try_routines(options: argparse.Namespace) -> int:
     for source in options.on or ["last-week"]:
         seconds = LAST.get(source) or (parse_duration(source) if source[-1] in "dh" and source[:-1].isdigit() else 0.0)
         if seconds:
-            try_on_history(options, given, seconds, source)
+            _try_on_history(options, given, seconds, source)
         else:
-            print_trial(source, load_recording(Path(source)), given)
+            _print(trial_lines(source, load_recording(Path(source)), given))
     return 0
 
 
-def try_on_history(options: argparse.Namespace, given: Config, seconds: float, title: str) -> None:
-    """Print what the routines of *given* would have done in the last *seconds* of a running homebot."""
-    wanted = asked_about(parse_settings(RoutineSettings, one, given.source, name) for name, one in routines_of(given))
-    recordings: list[Recording] = []
+def _print(lines: Iterable[str]) -> None:
+    for line in lines:
+        print(line)
 
-    def read(door: DoorClient, _: argparse.Namespace) -> int:
-        recordings.append(read_house_history(door, seconds, wanted))
+
+def _try_on_history(options: argparse.Namespace, given: Config, seconds: float, title: str) -> None:
+    """Print what the routines of *given* would have done in the last *seconds* of a running homebot."""
+
+    def show(door: DoorClient, _: argparse.Namespace) -> int:
+        _print(history_lines(door, given, seconds, title))
         return 0
 
-    with_client(options, read)
-    print_trial(title, recordings[0], given)
+    with_client(options, show)
 
 
-def print_trial(title: str, recording: Recording, given: Config) -> None:
-    """Print what the routines of *given* would have done in the time of *recording*.
+def history_lines(door: DoorClient, given: Config, seconds: float, title: str) -> list[str]:
+    """Return what the routines of *given* would have done in the last *seconds* of the house behind *door*.
+
+    Raises:
+        HomebotError: No history is kept, or a routine is wrong or crashed.
+    """
+    wanted = asked_about(parse_settings(RoutineSettings, one, given.source, name) for name, one in routines_of(given))
+    return trial_lines(title, read_house_history(door, seconds, wanted), given)
+
+
+def text_trial(address: DoorAddress, text: str, seconds: float) -> list[str]:
+    """Return what the routines in *text* would have done in the last *seconds* of the house at *address*.
+
+    Raises:
+        HomebotError: As :func:`history_lines`.
+    """
+    with open_door(address) as door:
+        return history_lines(door, given_of(door, text, "the text"), seconds, "then")
+
+
+def given_of(door: DoorClient, text: str, source: str) -> Config:
+    """Return the routines in *text* as a configuration of the home behind *door*.
+
+    Raises:
+        ConfigError: A routine is wrong.
+    """
+    answer = cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {})))
+    home: dict[str, object] = {"zone": answer.zone} | dict(zip(("latitude", "longitude"), answer.place, strict=False))
+    routines = [{**one.table, "name": one.name} for one in read_routines(text, source)]
+    return parse_config({"home": home, "routines": routines}, source)
+
+
+def trial_lines(title: str, recording: Recording, given: Config) -> list[str]:
+    """Return what the routines of *given* would have done in the time of *recording*, and last a summary of each.
 
     Raises:
         UsageError: A routine crashed.
@@ -72,9 +113,7 @@ def print_trial(title: str, recording: Recording, given: Config) -> None:
         name, error = next(iter(replayed.crashes.items()))
         raise UsageError(f"{name} crashed: {error}")
     found = tuple(tried(recording, replayed))
-    for line in _lines(recording, replayed, found):
-        print(line)
-    _summarize(title, replayed, found)
+    return [*_lines(recording, replayed, found), *_summary(title, replayed, found)]
 
 
 def _lines(recording: Recording, replayed: Replayed, found: Sequence[TriedCommand]) -> Iterator[str]:
@@ -96,11 +135,14 @@ def _stamp(at: datetime) -> str:
     return f"{at.astimezone():%Y-%m-%d %H:%M:%S}"
 
 
-def _summarize(path: str, replayed: Replayed, found: Sequence[TriedCommand]) -> None:
+def _summary(title: str, replayed: Replayed, found: Sequence[TriedCommand]) -> Iterator[str]:
     commands = Counter(one.given.command.issuer for one in found)
     changed = Counter(one.given.command.issuer for one in found if one.change)
     for issuer in replayed.issuers:
         count, against = commands[issuer], changed[issuer]
         given = "1 command" if count == 1 else f"{count:,} commands"
         note = f", {against:,} of which somebody changed within ten minutes" if against else ""
-        print(f"{printable(path)}: {issuer.removeprefix('/')} would have given {given}{note}")
+        app = issuer.removeprefix("/")
+        told = sum(one.app == app for one in replayed.notifications)
+        people = f", and told people {'once' if told == 1 else f'{told} times'}" if told else ""
+        yield f"{printable(title)}: {app} would have given {given}{note}{people}"

@@ -21,6 +21,8 @@ __all__ = [
     "ListApps",
     "ListRoutines",
     "LoadApp",
+    "ProposeRoutine",
+    "ProposeRoutineRequest",
     "Reload",
     "ReloadApp",
     "ReloadRequest",
@@ -164,10 +166,12 @@ class RoutinesResponse(Message):
 
     Attributes:
         zone: The IANA name of the home's time zone; empty if it has none.
+        place: Its latitude and longitude to a tenth of a degree, for the sun; empty if unknown.
     """
 
     routines: tuple[RoutineInfo, ...] = ()
     zone: ShortText = ""
+    place: Annotated[tuple[float, ...], Field(max_length=2)] = ()
 
 
 class ChangeRoutineRequest(Message):
@@ -196,6 +200,18 @@ class ChangeRoutineResponse(Message):
     message: str = ""
 
 
+class ProposeRoutineRequest(Message):
+    """Request to keep a routine that does not start until the owner enables it.
+
+    Attributes:
+        text: Its table ``[[routines]]`` in TOML.
+        issuer: The client that proposes it; set by the door.
+    """
+
+    text: Annotated[str, Field(max_length=60_000)]
+    issuer: str = ""
+
+
 class ReloadRequest(Message):
     """Request to reload the configuration.
 
@@ -212,4 +228,5 @@ ReloadApp = ServiceType("homebot/srv/ReloadApp", ChangeAppRequest, ChangeAppResp
 ListApps = ServiceType("homebot/srv/ListApps", AppsRequest, AppsResponse)
 ListRoutines = ServiceType("homebot/srv/ListRoutines", RoutinesRequest, RoutinesResponse)
 ChangeRoutine = ServiceType("homebot/srv/ChangeRoutine", ChangeRoutineRequest, ChangeRoutineResponse)
+ProposeRoutine = ServiceType("homebot/srv/ProposeRoutine", ProposeRoutineRequest, ChangeRoutineResponse)
 Reload = ServiceType("homebot/srv/Reload", ReloadRequest, ChangeAppResponse)

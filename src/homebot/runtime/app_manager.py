@@ -31,12 +31,22 @@ from homebot.devices.app_messages import (
     ListApps,
     ListRoutines,
     LoadApp,
+    ProposeRoutine,
+    ProposeRoutineRequest,
     ReloadApp,
     RoutinesRequest,
     RoutinesResponse,
     UnloadApp,
 )
-from homebot.devices.names import CHANGE_ROUTINE, LIST_APPS, LIST_ROUTINES, LOAD_APP, RELOAD_APP, UNLOAD_APP
+from homebot.devices.names import (
+    CHANGE_ROUTINE,
+    LIST_APPS,
+    LIST_ROUTINES,
+    LOAD_APP,
+    PROPOSE_ROUTINE,
+    RELOAD_APP,
+    UNLOAD_APP,
+)
 from homebot.errors import HomebotError, UsageError
 from homebot.graph import Node
 from homebot.messages import Time
@@ -221,6 +231,7 @@ class AppManager:
         node.create_service(ListApps, LIST_APPS, self._list)
         node.create_service(ListRoutines, LIST_ROUTINES, self._list_routines)
         node.create_service(ChangeRoutine, CHANGE_ROUTINE, self._change_routine)
+        node.create_service(ProposeRoutine, PROPOSE_ROUTINE, self._propose_routine)
 
     @cached_property
     def _routines(self) -> RoutineServices:
@@ -238,6 +249,9 @@ class AppManager:
 
     async def _change_routine(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
         return await self._routines.change(request)
+
+    async def _propose_routine(self, request: ProposeRoutineRequest) -> ChangeRoutineResponse:
+        return await self._routines.propose(request)
 
     async def _start_kept_routines(self) -> None:
         """Start the routines that the owner wrote by a command; a wrong one stays out."""

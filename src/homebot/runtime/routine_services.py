@@ -1,12 +1,13 @@
 """Services for clients about the routines: those that run, and those that the owner keeps by a command."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Awaitable, Iterator, Sequence
 from typing import Final, Protocol, final
 
 from homebot.clock import zone_name
 from homebot.devices.app_messages import (
     ChangeRoutineRequest,
     ChangeRoutineResponse,
+    ProposeRoutineRequest,
     RoutineInfo,
     RoutinesRequest,
     RoutinesResponse,
@@ -40,6 +41,15 @@ class _Apps(Protocol):
         """Restart an app with its current settings."""
 
 
+async def _answer(change: Awaitable[str], issuer: str) -> ChangeRoutineResponse:
+    try:
+        message = await change
+    except HomebotError as exc:
+        return ChangeRoutineResponse(success=False, message=str(exc))
+    _log.info(CHANGED, message=f"{issuer or 'a program'} {message}", client=issuer)
+    return ChangeRoutineResponse(message=message)
+
+
 @final
 class RoutineServices:
     """Lists and changes the routines of *host*."""
@@ -53,16 +63,26 @@ class RoutineServices:
         """Return all routines."""
         hints = await self._host.routine_problems() if request.check else {}
         infos = tuple(one.model_copy(update={"hints": tuple(hints.get(one.name, ()))}) for one in self._infos())
-        return RoutinesResponse(routines=infos, zone=zone_name(self._host.context.zone_name))
+        context = self._host.context
+        known = (one for one in (context.latitude, context.longitude) if one is not None)
+        place = tuple(round(one, 1) for one in known)
+        return RoutinesResponse(routines=infos, zone=zone_name(context.zone_name), place=place)
 
     async def change(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
         """Start a routine, switch it on or off, or write it."""
-        try:
-            message = await self._change(request)
-        except HomebotError as exc:
-            return ChangeRoutineResponse(success=False, message=str(exc))
-        _log.info(CHANGED, message=f"{request.issuer or 'a program'} {message}", client=request.issuer)
-        return ChangeRoutineResponse(message=message)
+        return await _answer(self._change(request), request.issuer)
+
+    async def propose(self, request: ProposeRoutineRequest) -> ChangeRoutineResponse:
+        """Keep a routine, which waits for the owner to enable it."""
+        return await _answer(self._propose(request), request.issuer)
+
+    async def _propose(self, request: ProposeRoutineRequest) -> str:
+        routines = read_routines(request.text, _SOURCE)
+        if len(routines) != 1:
+            raise UsageError(f"{_SOURCE} has {len(routines)} routines; propose one at a time")
+        added = await self._add(routines, request.issuer or "a program")
+        name = routines[0].name
+        return f"{added.replace('added', 'proposed', 1)}; the owner enables it: homebot routine enable {name!r}"
 
     async def _change(self, request: ChangeRoutineRequest) -> str:
         if request.change == "new":
@@ -102,7 +122,7 @@ class RoutineServices:
         if len(routines) != 1:
             raise UsageError(f"{_SOURCE} has {len(routines)} routines; {meant.name} is edited alone")
         if routines[0].app != meant.app:
-            await self._add(routines)
+            await self._add(routines, meant.proposed_by)
             await self._remove(meant)
             return f"renamed {meant.name} to {routines[0].name}"
         with self._kept.restored_on_error(meant.app):

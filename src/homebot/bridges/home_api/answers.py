@@ -44,7 +44,17 @@ if TYPE_CHECKING:
     from homebot.devices.scene_messages import ScenesResponse
     from homebot.devices.services import ListedDevice
 
-__all__ = ["apply_scene", "command", "device_details", "find_devices", "history", "home_in_short", "list_scenes", "why"]
+__all__ = [
+    "apply_scene",
+    "command",
+    "device_details",
+    "find_devices",
+    "history",
+    "home_in_short",
+    "list_scenes",
+    "propose_routine",
+    "why",
+]
 
 _MOST_STEPS: Final = 12
 _MOST_NAMED: Final = 20
@@ -175,6 +185,12 @@ def _outcome(
         command_id=worst.command_id,
         parts={name_of(one): one.result.text for one in answer.results} if len(results) > 1 else {},
     )
+
+
+async def propose_routine(home: HomeCalls, asked: shapes.RoutineQuestion) -> shapes.ProposalAnswer:
+    """Propose a routine to the owner, who enables it or not, and return what in it cannot work in the house now."""
+    answer = await _answered(home, names.PROPOSE_ROUTINE, {"text": asked.text})
+    return shapes.ProposalAnswer(text=str(answer.message))
 
 
 async def why(home: HomeCalls, asked: shapes.WhyQuestion) -> shapes.WhyAnswer:

@@ -112,6 +112,12 @@ class SceneQuestion(_Question):
     transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
 
 
+class RoutineQuestion(_Question):
+    """A routine to propose: its table `[[routines]]` in TOML."""
+
+    text: Annotated[str, Field(max_length=20_000)]
+
+
 class DeviceLine(_Answer):
     """A device and its values, by capability: `on`, `level`, `temperature`; with several parts by `PART.CAPABILITY`."""
 
@@ -180,6 +186,12 @@ class SceneList(_Answer):
     """The scenes of the house."""
 
     scenes: tuple[SceneLine, ...]
+
+
+class ProposalAnswer(_Answer):
+    """The result of a proposal; the routine does not start until the owner enables it."""
+
+    text: _Told
 
 
 class WhyAnswer(_Answer):

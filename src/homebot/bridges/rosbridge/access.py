@@ -65,6 +65,7 @@ _ACTING: Final = frozenset(
         names.HOLD_PART,
         names.PERFORM_COMMAND,
         names.PERFORM_COMMANDS,
+        names.PROPOSE_ROUTINE,
         names.RELEASE_LEASE,
         names.RENEW_LEASE,
         names.SEND_TEXT,

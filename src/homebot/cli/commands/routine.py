@@ -16,7 +16,7 @@ from homebot.cli.text_editor import edited, read_text
 from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES
 from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.devices.wording.time_format import ago
-from homebot.errors import PeerError, UsageError
+from homebot.errors import HomebotError, PeerError, UsageError
 from homebot.support.folding import fold
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
@@ -144,7 +144,8 @@ def _show(door: DoorClient, options: argparse.Namespace) -> int:
         print_line(f"{printable(found.name)} does not run: {printable(found.problem, 500)}", "yellow")
         print(printable(found.text, 5000))
         return 0
-    print_line(f"{printable(found.name)}{'' if found.enabled else ', disabled'} ({found.mode})")
+    by = f", proposed by {printable(found.proposed_by)}" if found.proposed_by else ""
+    print_line(f"{printable(found.name)}{by}{'' if found.enabled else ', disabled'} ({found.mode})")
     for word, texts in (("when", found.when), ("if", found.conditions), ("do", found.steps)):
         for text in texts:
             print_line(f"  {word:<5}{printable(text)}")
@@ -191,7 +192,20 @@ def _import(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _change(change: str, door: DoorClient, options: argparse.Namespace) -> int:
+    if change == "enable":
+        _print_trial(door, _named(door, options.name))
     return _ask(door, {"name": options.name, "change": change})
+
+
+def _print_trial(door: DoorClient, routine: RoutineInfo) -> None:
+    """Print a summary of what a routine would have done in the last week, if a history is kept."""
+    from homebot.cli.routine_trial import LAST, given_of, history_lines  # noqa: PLC0415 - a replay needs the runtime
+
+    try:
+        lines = history_lines(door, given_of(door, routine.text, routine.name), LAST["last-week"], "the last week")
+    except HomebotError as exc:
+        lines = [f"no trial: {exc}"]
+    print_line(printable(lines[-1], 500))
 
 
 def _ask(door: DoorClient, request: dict[str, object]) -> int:
