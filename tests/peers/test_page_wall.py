@@ -254,6 +254,7 @@ async def test_the_page_installs_on_a_tablet_and_begins_with_the_room_of_its_wal
         await to_thread.run_sync(browser.get, "about:blank")
         await own.open("?installed", shows="Big cover")
         assert browser.current_url.endswith("#/room/living_room")
+        assert browser.title == "Living room · villa"
         assert own.problems() == []
 
 

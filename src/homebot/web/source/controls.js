@@ -102,7 +102,7 @@ function Field({ name, now, unit, least, most, capability, send }) {
   </form>`;
 }
 
-const Code = () => html`<label>${say("code, if it needs one")} <input name="code" type="password" inputmode="numeric" autocomplete="off" maxlength="255" /></label>`;
+const Code = () => html`<label>${say("code, if it needs one")} <input name="code" type="password" inputmode="numeric" autocomplete="one-time-code" maxlength="255" /></label>`;
 
 /** The code beside a button or in a form, which is used once. */
 function codeBeside(element) {

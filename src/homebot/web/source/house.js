@@ -27,6 +27,10 @@ export const rooms = computed(() => {
 /** The signal of a device; undefined without one. */
 export const deviceOf = (id) => devices.get(id);
 
+/** The tag of a device that the owner hides in the house and on the plan. */
+export const HIDDEN = "hidden";
+export const isHidden = (id) => devices.get(id)?.peek().tags.includes(HIDDEN);
+
 export const nameOf = (id) => devices.get(id)?.value.name ?? id;
 
 export function follow() {

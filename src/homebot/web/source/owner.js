@@ -2,10 +2,8 @@
 import { useEffect, useState } from "preact/hooks";
 import { call } from "./door.js";
 import { html } from "./html.js";
-import { rooms } from "./house.js";
+import { HIDDEN, rooms } from "./house.js";
 import { say } from "./language.js";
-
-export const HIDDEN = "hidden"; // the tag of a device that the House view leaves out
 
 const wordsIn = (text) => text.split(",").map((one) => one.trim()).filter(Boolean);
 

@@ -3,7 +3,7 @@ import { effect, signal } from "@preact/signals";
 import { render } from "preact";
 import { outcome } from "./acting.js";
 import { connect, connection, logIn, logOut, missing, token } from "./door.js";
-import { count, follow } from "./house.js";
+import { count, follow, isLoaded, nameOf } from "./house.js";
 import { html } from "./html.js";
 import { LANGUAGES, choose, language, say } from "./language.js";
 import { Questions } from "./questions.js";
@@ -15,7 +15,7 @@ import { Plan } from "./views/plan.js";
 import { Rates } from "./views/rates.js";
 import { Routines } from "./views/routines.js";
 import { System } from "./views/system.js";
-import { loadVocabulary } from "./words.js";
+import { loadVocabulary, spoken } from "./words.js";
 
 const VIEWS = {
   house: ["House", House],
@@ -100,7 +100,11 @@ effect(() => {
   const { view, id } = place.value;
   if (view === "house" || view === "room") localStorage.setItem(START, `${view}/${encodeURIComponent(id)}`);
 });
-effect(() => (document.title = connection.value.home || "homebot"));
+effect(() => {
+  const { view, id } = place.value;
+  const shown = view === "device" ? isLoaded.value && nameOf(id) : view === "room" ? spoken(id) : say(VIEWS[view]?.[0] ?? "");
+  document.title = [shown, connection.value.home || "homebot"].filter(Boolean).join(" · ");
+});
 loadVocabulary();
 follow();
 connect();

@@ -7,7 +7,9 @@ import { say } from "./language.js";
 import { label, unitOf, valueText } from "./words.js";
 
 const QUIET = 700; // ms after the last press
-const USUAL = { step: 0.5, least: 5, most: 35 }; // °C, of a thermostat that does not say its own
+/** Of a device that does not say its own: degrees of a thermostat, and per cent. */
+const USUAL = { step: 0.5, least: 5, most: 35 };
+const PERCENT = { step: 1, least: 0, most: 100 };
 
 const steps = new Map(); // by target and capability, asked for at the first press
 
@@ -16,8 +18,9 @@ async function stepsOf(id, part, capability) {
   if (!steps.has(key)) {
     const { devices } = await call("/discovery/find_devices", { ids: [id] });
     const found = devices[0]?.parts.find((one) => one.id === part)?.part.capabilities.find((one) => one.name === capability);
-    const [least = USUAL.least, most = USUAL.most] = found?.bounds ?? [];
-    steps.set(key, { least, most, step: found?.grid[1] || USUAL.step });
+    const usual = capability === "humidity_setpoint" ? PERCENT : USUAL;
+    const [least = usual.least, most = usual.most] = found?.bounds ?? [];
+    steps.set(key, { least, most, step: found?.grid[1] || usual.step });
   }
   return steps.get(key);
 }

@@ -5,10 +5,10 @@ import { useEffect, useState } from "preact/hooks";
 import { Alerts } from "../alerts.js";
 import { Controls } from "../controls.js";
 import { call } from "../door.js";
-import { count, deviceOf, isLoaded, rooms } from "../house.js";
+import { count, deviceOf, isHidden, isLoaded, rooms } from "../house.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
-import { HIDDEN, Owner } from "../owner.js";
+import { Owner } from "../owner.js";
 import { Quick, stepped } from "../quick.js";
 import { Scenes } from "../scenes.js";
 import { hasWords, label, spoken, summary } from "../words.js";
@@ -17,7 +17,6 @@ const MANY = 30; // devices from which on they can be searched
 
 const sought = signal("");
 const showsHidden = signal(false);
-const isHidden = (id) => deviceOf(id)?.peek().tags.includes(HIDDEN);
 const hidden = computed(() => rooms.value.flatMap(([, ids]) => ids.filter(isHidden)).length);
 const found = computed(() => {
   const fits = (id, room) => {

@@ -2,7 +2,7 @@
 import { computed, signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { call, connection, subscribe } from "../door.js";
-import { deviceOf, rooms as devicesOf } from "../house.js";
+import { deviceOf, isHidden, rooms as devicesOf } from "../house.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
 import { isActive, spoken, summary } from "../words.js";
@@ -43,7 +43,7 @@ export function Plan() {
     ${floors.length > 1 && html`<p class="choices">${floors.map((one) => html`<button key=${one} type="button" aria-pressed=${one === shown} onClick=${() => setFloor(one)}>${one || say("Ground")}</button>`)}</p>`}
     <div class="scroll" role="region" tabindex="0" aria-label=${say("plan")}>
       <svg class="plan" viewBox=${`${box.left} ${-box.top} ${box.width} ${box.height}`} font-size=${unit} stroke-width=${unit / 9} role="group" aria-label=${say("plan with {count} rooms", { count: rooms.length })}>
-        ${rooms.map((room) => html`<${Room} key=${room.name} room=${room} unit=${unit} ids=${inside.get(room.name) ?? []} isTurned=${isTurned} />`)}
+        ${rooms.map((room) => html`<${Room} key=${room.name} room=${room} unit=${unit} ids=${(inside.get(room.name) ?? []).filter((id) => !isHidden(id))} isTurned=${isTurned} />`)}
         ${doors.filter((door) => door.rooms.some((one) => names.has(one))).map((door) => html`<${Doorway} key=${door.name} door=${door} rooms=${rooms} unit=${unit} />`)}
         <${Robots} unit=${unit} floor=${floors.length < 2 ? null : shown} isTurned=${isTurned} />
       </svg>
