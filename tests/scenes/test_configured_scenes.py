@@ -64,7 +64,7 @@ async def test_a_command_does_not_change_the_file_but_a_saved_scene_outranks_it(
         await house.run_until("07:00")
         refused = await change(house, name="Dinner", change="remove")
         assert refused.message == "the scene Dinner is in the configuration; change it there, and `homebot reload`"
-        assert (await change(house, name="Dinner", change="save", target="hall lamp")).success
+        assert (await change(house, name="Dinner", change="save")).success
         (dinner,) = await listed(house)
         assert not dinner.is_configured
         assert (await change(house, name="Dinner", change="remove")).success

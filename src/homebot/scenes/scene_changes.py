@@ -85,7 +85,8 @@ class SceneChanges:
         if request.target:
             found = await self._found(request.target)
         else:
-            places = map(place_of, () if known is None else known.parts)
+            configured = house.configured.get(fold(request.name.strip()))
+            places = [*map(place_of, known.parts)] if known is not None else configured.parts if configured else ()
             found = [one for place in places if (one := house.place(place)) is not None]
             if not (found or request.values):
                 raise UsageError("say what the scene is of, such as 'lights in living'")
