@@ -1,8 +1,9 @@
 """What was before commands comes back, except where something else has changed it since."""
 
 from homebot.command_words.earlier_values import EarlierValues, KnownStates
-from homebot.devices.command_messages import Setting
+from homebot.devices.command_messages import CommandedPart, CommandResult, Setting
 from homebot.devices.device import State
+from homebot.devices.outcomes import AlreadySo, Confirmed, Evidence, NoAnswer, Outcome, Refused
 from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time
 
@@ -20,7 +21,7 @@ def lamp(since: float, **values: PlainValue) -> KnownStates:
 def undone(before: KnownStates, now: KnownStates) -> dict[tuple[str, str], tuple[Setting, ...]]:
     """Undo a command that was given at 100 and ended at 101."""
     earlier = EarlierValues()
-    earlier.add(before, [LAMP], 100.0, 101.0)
+    earlier.add_parts(before, [LAMP], 100.0, 101.0)
     return earlier.take(now)
 
 
@@ -50,8 +51,8 @@ def test_a_cover_goes_back_to_its_position_without_a_word_for_its_movement() -> 
 
 def test_a_second_command_keeps_what_was_before_the_first() -> None:
     earlier = EarlierValues()
-    earlier.add(lamp(1.0, level=20.0), [LAMP], 100.0, 101.0)
-    earlier.add(lamp(100.5, level=80.0), [LAMP], 200.0, 201.0)
+    earlier.add_parts(lamp(1.0, level=20.0), [LAMP], 100.0, 101.0)
+    earlier.add_parts(lamp(100.5, level=80.0), [LAMP], 200.0, 201.0)
     assert earlier.take(lamp(200.5, level=50.0)) == {LAMP: (Setting.of("level", 20.0),)}
     assert earlier.take(lamp(200.5, level=50.0)) == {}, "an undo is done once"
 
@@ -59,3 +60,26 @@ def test_a_second_command_keeps_what_was_before_the_first() -> None:
 def test_it_can_be_kept_as_json() -> None:
     earlier = EarlierValues({"lamp color": [[120.0, 50.0], 100.0, 101.0]})
     assert earlier.take(lamp(100.5, color=(0.0, 100.0))) == {LAMP: (Setting.of("color", (120.0, 50.0)),)}
+
+
+def commanded(outcome: Outcome) -> CommandedPart:
+    return CommandedPart(device="lamp", name="Lamp", part="", result=CommandResult.of(outcome))
+
+
+def undone_after(outcome: Outcome, now: KnownStates) -> list[tuple[str, str]]:
+    """Undo a command that turned the lamp on, was given at 100 and ended at 101, with this outcome."""
+    earlier = EarlierValues()
+    earlier.add(lamp(1.0, on_off=False, level=20.0), [commanded(outcome)], 100.0, 101.0)
+    return list(earlier.take(now))
+
+
+def test_what_a_person_changed_a_moment_after_the_report_of_the_device_stays() -> None:
+    confirmed = Confirmed(0.5, Evidence.REPORTED, reported={"level": 80.0})
+    assert undone_after(confirmed, lamp(103.0, level=30.0)) == []
+    assert undone_after(confirmed, lamp(103.0, level=80.5)) == [LAMP], "the last step of a dimmer"
+
+
+def test_a_command_without_an_effect_has_nothing_to_bring_back() -> None:
+    assert undone_after(AlreadySo(), lamp(103.0, level=80.0)) == []
+    assert undone_after(Refused("lease", "it is held"), lamp(103.0, level=80.0)) == []
+    assert undone_after(NoAnswer(2.0), lamp(103.0, level=80.0)) == [LAMP], "it obeyed late"

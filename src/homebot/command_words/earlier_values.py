@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import Device, State, target_of
+from homebot.devices.obedience import fits
 
 if TYPE_CHECKING:
+    from homebot.devices.command_messages import CommandedPart
     from homebot.devices.value import PlainValue
 
 __all__ = ["RESTORED", "EarlierValues", "KnownStates", "known_states"]
@@ -26,6 +28,10 @@ _SETTLES: Final = 10.0
 _ROUNDING: Final = 1e-5
 """Seconds by which the clock of a replay may be ahead of the stamps of devices."""
 
+_TOLD: Final = 3
+_WITHOUT_EFFECT: Final = frozenset({"refused", "gone"})
+_NOT_SENT: Final = "already_so"
+
 KnownStates: TypeAlias = "Mapping[tuple[str, str, str], State]"
 """Values by device, part and capability."""
 
@@ -40,22 +46,43 @@ class EarlierValues:
     """The values before some commands.
 
     Args:
-        entries: As JSON, for a store: by part and capability, the value before, and when the command was given and
-            ended, in seconds since the Unix epoch; it is updated.
+        entries: As JSON, for a store: by part and capability, the value before, when the command was given and ended,
+            in seconds since the Unix epoch, and the value that was reported as commanded; it is updated.
     """
 
     def __init__(self, entries: dict[str, list[Any]] | None = None) -> None:
         self.entries = {} if entries is None else entries
 
-    def add(self, states: KnownStates, parts: Iterable[tuple[str, str]], given_at: float, ended_at: float) -> None:
-        """Add the *states* before a command to *parts*, or those before an earlier one that brought these about."""
-        for device, part in parts:
-            for capability in RESTORED:
-                if (state := states.get((device, part, capability))) is not None:
-                    key = f"{target_of(device, part)} {capability}"
-                    earlier = self.entries.pop(key, None)
-                    was, since = earlier[:2] if earlier and _is_own(state, earlier) else (state.value.plain(), given_at)
-                    self.entries[key] = [was, since, ended_at]
+    def add(self, states: KnownStates, commanded: Iterable[CommandedPart], given_at: float, ended_at: float) -> None:
+        """Add the *states* before commands, or those before earlier ones that brought these about."""
+        for one in commanded:
+            kind = one.result.outcome
+            if kind not in _WITHOUT_EFFECT:
+                told = {each.capability: each.value.plain() for each in one.result.reported}
+                until = ended_at - _SETTLES if kind == _NOT_SENT else ended_at  # no later change is its own
+                self._add(states, (one.device, one.part), given_at, until, told)
+
+    def add_parts(
+        self, states: KnownStates, parts: Iterable[tuple[str, str]], given_at: float, ended_at: float
+    ) -> None:
+        """Add the *states* before a command of which the outcome for each of *parts* is not known."""
+        for place in parts:
+            self._add(states, place, given_at, ended_at, {})
+
+    def _add(
+        self,
+        states: KnownStates,
+        place: tuple[str, str],
+        given_at: float,
+        ended_at: float,
+        told: Mapping[str, PlainValue],
+    ) -> None:
+        for capability in RESTORED:
+            if (state := states.get((*place, capability))) is not None:
+                key = f"{target_of(*place)} {capability}"
+                earlier = self.entries.pop(key, None)
+                was, since = earlier[:2] if earlier and _is_own(state, earlier) else (state.value.plain(), given_at)
+                self.entries[key] = [was, since, ended_at, told.get(capability)]
 
     def take(self, states: KnownStates) -> dict[tuple[str, str], tuple[Setting, ...]]:
         """Return the settings by part that bring back the values that nothing else has changed since; forget all."""
@@ -73,8 +100,11 @@ class EarlierValues:
 
 def _is_own(state: State, entry: list[Any]) -> bool:
     """Return whether the command of *entry* brought about the value of *state*."""
-    _, given_at, ended_at = entry
-    return bool(given_at - _ROUNDING <= state.since.to_seconds() <= ended_at + _SETTLES)
+    given_at, ended_at, told = entry[1], entry[2], _plain(entry[3]) if len(entry) > _TOLD else None
+    at = state.since.to_seconds()
+    if not given_at - _ROUNDING <= at <= ended_at + _SETTLES:
+        return False
+    return at <= ended_at or told is None or fits(state.capability, told, state.value.plain())
 
 
 def _plain(value: Any) -> PlainValue:

@@ -107,8 +107,7 @@ class RoutineRun:
         states = await self._states() if self._is_undone else {}
         given_at = self._clock.now()
         answer = await self._give(step)
-        places = ((one.device, one.part) for one in answer.results)
-        self._before.add(states, places, given_at, self._clock.now())
+        self._before.add(states, answer.results, given_at, self._clock.now())
         return answer.success
 
     async def _dim(self, step: Dim) -> None:

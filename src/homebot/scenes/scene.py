@@ -172,7 +172,7 @@ class HouseScenes:
             problems=tuple(KeyValue(key=key, value=problem) for key, problem in scene.problems.items()),
             area=scene.area,
             parts=tuple([self._part(place, values) for place, values in scene.parts.items()]),
-            can_undo=applied is not None and bool(applied.before),
+            can_undo=applied is not None and not applied.is_undone,
             applied_at=Time.from_seconds(applied.at if applied is not None else 0.0),
         )
 

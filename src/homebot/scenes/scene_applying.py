@@ -59,13 +59,15 @@ class SceneApplying:
             wanted = {place_of(scene.id): {"scene": True}}
         earlier = book.begin(scene.id, given_at)
         known = dict(earlier.entries)
-        earlier.add(before, scene.parts, given_at, given_at)
+        earlier.add_parts(before, scene.parts, given_at, given_at)
         await keep()  # in case homebot ends before the outcomes are known
         answer = await self._command(request, scene, house, wanted)
-        changed = [(one.device, one.part) for one in answer.results if one.result.outcome != "refused"]
         earlier.entries.clear()
         earlier.entries.update(known)
-        earlier.add(before, changed if is_told else scene.parts if changed else (), given_at, self._clock.now())
+        if is_told:
+            earlier.add(before, answer.results, given_at, self._clock.now())
+        elif answer.outcome != Refused.kind:
+            earlier.add_parts(before, scene.parts, given_at, self._clock.now())
         return answer
 
     async def undo(
@@ -73,10 +75,11 @@ class SceneApplying:
     ) -> CommandDevicesResponse:
         """Bring back the values before *scene*, where nothing else has changed them since."""
         applied = book.applied.get(scene.id)
-        if applied is None or not applied.before:
+        if applied is None or applied.is_undone:
             problem = f"there is nothing to undo: {scene.name} was not applied, or was undone since"
             return CommandDevicesResponse(success=False, message=problem)
         due = book.begin(scene.id, applied.at).take(known_states(house.devices.values()))
+        applied.is_undone = True
         if not due:
             return CommandDevicesResponse(
                 success=True, message=f"nothing that {scene.name} changed is left to bring back"

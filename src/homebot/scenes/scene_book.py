@@ -39,13 +39,15 @@ class AppliedScene(BaseModel):
 
     Attributes:
         at: When it was applied, in seconds since the Unix epoch.
-        before: See :class:`homebot.command_words.earlier_values.EarlierValues`; empty after an undo.
+        before: See :class:`homebot.command_words.earlier_values.EarlierValues`.
+        is_undone: Whether it was undone since.
     """
 
     model_config = ConfigDict(extra="ignore", defer_build=True)
 
     at: float
     before: dict[str, list[Any]] = {}
+    is_undone: bool = False
 
 
 class _BookRecord(BaseModel):
@@ -115,7 +117,7 @@ class SceneBook:
     def begin(self, scene_id: str, at: float) -> EarlierValues:
         """Return the values before the scene with this id, for those before another time."""
         applied = self.applied.pop(scene_id, None) or AppliedScene(at=at)
-        applied.at = at
+        applied.at, applied.is_undone = at, False
         self.applied[scene_id] = applied
         while len(self.applied) > _MOST_APPLIED:
             del self.applied[next(iter(self.applied))]
