@@ -10,7 +10,7 @@ from typing import TypeVar
 import yaml
 
 from homebot.errors import WireError
-from homebot.routines.imports import Located
+from homebot.support.located import Located
 
 __all__ = ["load_located", "load_yaml"]
 

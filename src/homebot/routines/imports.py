@@ -4,24 +4,12 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple, Protocol
 
 from homebot.devices.device import Device
+from homebot.support.located import Located
 
-__all__ = ["IMPORTERS", "AutomationReader", "ImportedRoutines", "Located", "Refusal"]
+__all__ = ["IMPORTERS", "AutomationReader", "ImportedRoutines", "Refusal"]
 
 IMPORTERS: Final = "homebot.automation_readers"
 """The entry-point group."""
-
-
-class Located(NamedTuple):
-    """A value of a file of YAML.
-
-    Attributes:
-        value: A dict or list of located values, or a plain one.
-        tag: Its own tag, such as ``!secret``; empty for none.
-    """
-
-    value: object
-    line: int
-    tag: str = ""
 
 
 class Refusal(NamedTuple):

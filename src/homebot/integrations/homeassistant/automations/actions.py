@@ -22,7 +22,7 @@ from homebot.integrations.homeassistant.automations.fields import (
 from homebot.integrations.homeassistant.automations.services import steps_of_service
 from homebot.integrations.homeassistant.automations.states import state_text
 from homebot.integrations.homeassistant.automations.triggers import StateTrigger, Triggers
-from homebot.routines.imports import Located
+from homebot.support.located import Located
 
 __all__ = ["Actions", "Step"]
 

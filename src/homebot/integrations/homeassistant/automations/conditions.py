@@ -21,7 +21,7 @@ from homebot.integrations.homeassistant.automations.fields import (
 )
 from homebot.integrations.homeassistant.automations.states import limit_text, state_text
 from homebot.integrations.homeassistant.automations.times import clock_time, days_text
-from homebot.routines.imports import Located
+from homebot.support.located import Located
 
 __all__ = ["NEVER", "Condition", "Conditions"]
 

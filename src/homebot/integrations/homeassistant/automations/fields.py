@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from homebot.errors import UsageError
-from homebot.routines.imports import Located
+from homebot.support.located import Located
 
 __all__ = [
     "NotCarriedError",

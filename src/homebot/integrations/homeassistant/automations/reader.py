@@ -23,8 +23,9 @@ from homebot.integrations.homeassistant.automations.fields import (
     walk,
 )
 from homebot.integrations.homeassistant.automations.triggers import Triggers
-from homebot.routines.imports import ImportedRoutines, Located, Refusal
+from homebot.routines.imports import ImportedRoutines, Refusal
 from homebot.routines.text import read_routines, routine_text
+from homebot.support.located import Located
 
 __all__ = ["HomeAssistantAutomations"]
 

@@ -20,8 +20,8 @@ from homebot.integrations.homeassistant.automations.fields import (
     text_of,
     texts_of,
 )
-from homebot.routines.imports import Located
 from homebot.routines.steps import Do, Notify, read_step
+from homebot.support.located import Located
 
 __all__ = ["steps_of_service"]
 

@@ -4,7 +4,7 @@ import re
 from typing import Final
 
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, shown, text_of, texts_of
-from homebot.routines.imports import Located
+from homebot.support.located import Located
 
 __all__ = ["clock_time", "days_text"]
 

@@ -22,8 +22,8 @@ from homebot.integrations.homeassistant.automations.fields import (
 )
 from homebot.integrations.homeassistant.automations.states import OPPOSITES, limit_text, state_text
 from homebot.integrations.homeassistant.automations.times import clock_time, days_text
-from homebot.routines.imports import Located
 from homebot.routines.triggers import Becomes, Press, read_trigger
+from homebot.support.located import Located
 
 __all__ = ["StateTrigger", "Triggers"]
 
