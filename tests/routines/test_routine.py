@@ -74,6 +74,17 @@ async def test_a_condition_holds_it_back() -> None:
         assert not is_on(world, "hall_lamp")
 
 
+async def test_a_trigger_that_is_held_back_leaves_the_run_that_waits() -> None:
+    """It made the hall too bright for the second motion, which ended the first run: the light stayed on for ever."""
+    world = hall(("08:00", "hall"), ("08:01", "study"), ("08:05", "hall"), ("08:06", "study"))
+    routine = NIGHT_LIGHT | {"if": ["not hall lamp on"]}
+    async with virtual_house_of(world=world, config=config(routine)) as house:
+        await house.run_until("08:07")
+        assert is_on(world, "hall_lamp")
+        await house.run_until("08:30")
+        assert not is_on(world, "hall_lamp")
+
+
 async def test_a_time_of_day_starts_it() -> None:
     world = hall()
     routine = {"name": "Evening", "when": ["18:30"], "do": ["hall lamp on"]}

@@ -27,7 +27,7 @@ from homebot.errors import HomebotError, ServiceError
 from homebot.graph import Client, Node
 from homebot.routines.conditions import Condition
 from homebot.routines.program import Branch, Line, Skip
-from homebot.routines.steps import Dim, Do, Notify, SendRobot, Undo, Wait, WaitUntil
+from homebot.routines.steps import Dim, Do, Notify, SendRobot, Step, Undo, Wait, WaitUntil
 from homebot.routines.watches import begun
 
 __all__ = ["RoutineOwner", "RoutineRun"]
@@ -64,18 +64,18 @@ class RoutineRun:
     """A run.
 
     Args:
-        program: All steps of the routine.
+        program: All steps of the routine; without it, an app calls :meth:`take`.
         before: The values before the earlier steps, as :class:`EarlierValues` has them; it is updated.
     """
 
     def __init__(
-        self, owner: RoutineOwner, program: tuple[Line, ...], before: dict[str, list[Any]] | None = None
+        self, owner: RoutineOwner, program: tuple[Line, ...] = (), before: dict[str, list[Any]] | None = None
     ) -> None:
         self._owner = owner
         self._program = program
         self._clock = owner.node.graph.clock
         self._before = EarlierValues(before)
-        self._is_undone = any(isinstance(one.step, Undo) for one in program)
+        self._is_undone = not program or any(isinstance(one.step, Undo) for one in program)
 
     async def perform(self, first: int = 0, until: float = 0.0) -> None:
         """Perform the program from line *first* on; its wait ends at *until*, in seconds since the Unix epoch."""
@@ -83,25 +83,31 @@ class RoutineRun:
         while place < len(self._program):
             step = self._program[place].step
             match step:
-                case Do():
-                    await self._do(step)
-                case Dim():
-                    await self._dim(step)
-                case SendRobot():
-                    await self._drive(step)
-                case Notify():
-                    await self._owner.notify(step.text)
-                case Wait():
-                    await self._sleep(place, step.seconds, until)
-                case WaitUntil():
-                    await self._wait_until(place, step, until)
-                case Undo():
-                    await self._undo()
                 case Branch():
                     place += step.over if await self._owner.unmet(step.conditions) else 0
                 case Skip():
                     place += step.over
+                case _:
+                    await self.take(step, place, until)
             place, until = place + 1, 0.0
+
+    async def take(self, step: Step, place: int = 0, until: float = 0.0) -> None:
+        """Take one *step*; a wait ends at *until*, in seconds since the Unix epoch, if that is given."""
+        match step:
+            case Do():
+                await self._do(step)
+            case Dim():
+                await self._dim(step)
+            case SendRobot():
+                await self._drive(step)
+            case Notify():
+                await self._owner.notify(step.text)
+            case Wait():
+                await self._sleep(place, step.seconds, until)
+            case WaitUntil():
+                await self._wait_until(place, step, until)
+            case Undo():
+                await self._undo()
 
     async def _do(self, step: Do) -> bool:
         states = await self._states() if self._is_undone else {}

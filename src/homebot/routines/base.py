@@ -1,0 +1,133 @@
+"""The common base of routines as data and of those that were exported as apps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, Final, assert_never
+
+from pydantic import BaseModel
+from typing_extensions import TypeVar
+
+from homebot.apps import App
+from homebot.apps.run_modes import HandlerRuns
+from homebot.devices.command_messages import CommandDevices
+from homebot.devices.house_view import HouseView
+from homebot.devices.names import COMMAND_DEVICES, QUERY_DEVICES
+from homebot.devices.query.term_messages import query_terms
+from homebot.devices.services import QueryDevices, QueryDevicesRequest
+from homebot.graph import Node
+from homebot.graph.current_cause import CURRENT_CAUSE
+from homebot.routines.conditions import Condition, Matches, OnDays, SunIs
+from homebot.routines.times import DaysAndTime, SunMoment, TimeSpan
+from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
+from homebot.routines.watches import ArrivalWatch, PersonWatch, PressWatch, begun, is_press
+
+__all__ = ["RoutineBase"]
+
+DONE: Final = "routine.step_done"
+HELD_BACK: Final = "routine.held_back"
+FAILED: Final = "routine.step_failed"
+
+SettingsT_co = TypeVar("SettingsT_co", bound=BaseModel, default=BaseModel, covariant=True)
+_Conditions = Sequence[tuple[str, Condition]]
+
+
+class RoutineBase(App[SettingsT_co]):
+    """Starts runs by triggers, if conditions hold.
+
+    Conditions are checked before a running one is cancelled: a trigger that is held back changes nothing.
+
+    Attributes:
+        title: Its name in the log.
+    """
+
+    def __init__(self, node: Node, settings: SettingsT_co) -> None:
+        super().__init__(node, settings)
+        self.title = node.name
+        self.commands = node.create_client(CommandDevices, COMMAND_DEVICES)
+        self._query = node.create_client(QueryDevices, QUERY_DEVICES)
+        self._checks = HandlerRuns(node, self.start_task, "conditions", "queued", is_quiet=True)
+
+    def watch(self, triggers: Sequence[str], on_start: Callable[[object], None]) -> None:
+        """Call *on_start* with the cause whenever one of *triggers* comes."""
+        since = self.clock.now()
+
+        def start() -> None:
+            on_start(CURRENT_CAUSE.get())
+
+        for text in triggers:
+            trigger = read_trigger(text)
+            match trigger:
+                case DaysAndTime():
+                    self.daily(trigger.time, start, days=trigger.days, name=text)
+                case SunMoment():
+                    self.at(trigger.event, start, offset=trigger.offset, name=text)
+                case Becomes():
+                    self.start_task(partial(self._follow, trigger, since, on_start))
+                case Press():
+                    PressWatch(self.node, trigger, on_start)
+                case PersonMoves():
+                    PersonWatch(self.node, trigger, on_start)
+                case RobotArrival():
+                    ArrivalWatch(self.node, trigger, on_start)
+                case _:
+                    assert_never(trigger)
+
+    def start_if(self, conditions: _Conditions, start: Callable[[object], object], cause: object) -> None:
+        """Call *start* with the *cause* if *conditions* hold."""
+        if conditions:
+            self._checks.start(partial(self._check, conditions, start, cause), cause)
+        else:
+            start(cause)
+
+    async def unmet(self, conditions: _Conditions) -> str:
+        """Return the first of *conditions* that does not hold; empty if all do."""
+        for text, condition in conditions:
+            if not await self._holds(condition):
+                return text
+        return ""
+
+    def keep(self, place: int, until: float, before: dict[str, list[Any]]) -> None:
+        """Store how far a run is, for a restart."""
+
+    def record(self, text: str) -> None:
+        """Add a line to the last runs."""
+
+    def log_done(self, step: str) -> None:
+        """Log that a step that no device's journal knows was done."""
+        self.record(f"done: {step!r}")
+        self.log_limited(DONE, f"{self.title}: {step!r} is done")
+
+    def log_failure(self, step: str, problem: str) -> None:
+        """Log that a step failed; the next ones follow all the same."""
+        self.record(f"{step!r} failed: {problem}")
+        self.log_limited(FAILED, f"{self.title}: {step!r} failed: {problem}")
+
+    async def _follow(self, trigger: Becomes, since: float, on_start: Callable[[object], None]) -> None:
+        async for one in begun(self.node, trigger, since):
+            on_start(one.cause)
+
+    async def _check(self, conditions: _Conditions, start: Callable[[object], object], cause: object) -> None:
+        if text := await self.unmet(conditions):
+            self.record(f"held back: not {text!r}")
+            self.log_limited(HELD_BACK, f"{self.title} did not run: {text!r} does not hold")
+        else:
+            start(cause)
+
+    async def _holds(self, condition: Condition) -> bool:
+        match condition:
+            case SunIs():
+                return self.sun_is_up() is condition.is_up
+            case OnDays():
+                return self.now().weekday() in condition.days
+            case TimeSpan():
+                return condition.contains(self.now())
+            case Matches():
+                query = QueryDevicesRequest(query=query_terms(condition.state.query))
+                answer = await self._query.call(query)
+                return bool(answer.results) is not condition.is_none
+            case Press():
+                return is_press(HouseView.of(self.node), condition, CURRENT_CAUSE.get())
+            case _:
+                assert_never(condition)
