@@ -73,11 +73,18 @@ class FarMachine:
         self._on_wire, self._lost = anyio.CancelScope(), anyio.Event()
         await self._tasks.start(partial(self._serve, gateways))
 
-    async def _serve(self, gateways: tuple[str, ...], *, task_status: TaskStatus[None]) -> None:
+    async def copy(self) -> None:
+        """Run a second machine with the same configuration."""
+        self._on_wire = anyio.CancelScope()
+        await self._tasks.start(partial(self._serve, ("memory",), Graph()))
+
+    async def _serve(
+        self, gateways: tuple[str, ...], graph: Graph | None = None, *, task_status: TaskStatus[None]
+    ) -> None:
         with self._on_wire:
             async with (
                 open_session(self._settings, robot_rights(self._settings, "attic")) as session,
-                Node(self.gateway.node.graph, "machine") as node,
+                Node(graph or self.gateway.node.graph, "machine") as node,
             ):
                 node.create_task(session.run)
                 wire = MachineWire(node, session, SecretStr(SECRET))

@@ -227,6 +227,16 @@ async def test_a_machine_says_whether_a_homebot_follows_its_gateways(tmp_path: P
             assert not (await health.call(HealthRequest())).troubles
 
 
+async def test_two_machines_with_one_name_are_told_of(tmp_path: Path) -> None:
+    """As from a copied card: no command is carried out twice, but each answer is of another one."""
+    async with house(tmp_path) as (far, near):
+        states = listen(near.node, GatewayState, near.names.state)
+        await active(states)
+        await far.copy()
+        why = "two machines answer as attic; stop one"
+        await until(states, why, lambda state: why in state.reason)
+
+
 async def test_two_homes_on_one_network_do_not_mix(tmp_path: Path) -> None:
     async with (
         far_machine() as far,

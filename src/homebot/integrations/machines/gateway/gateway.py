@@ -19,7 +19,7 @@ from homebot.devices.gateway_messages import Command, SendCommand, SendCommandRe
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import ONLY_OBSERVES, PairingNames
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.errors import HomebotError, LinkError, PeerError, RefusedError, UnansweredError
+from homebot.errors import HomebotError, LinkError, PeerError, RefusedError, UnansweredError, UsageError
 from homebot.gateways.base import Gateway, GatewayContext, GatewaySettings
 from homebot.gateways.pairing import Pair, PairResponse, Unpair
 from homebot.gateways.password_settings import read_password
@@ -44,6 +44,9 @@ NOT_SENT = "gateway.command_failed"
 
 _AGAIN: Final = 0.5
 """Seconds between two attempts to reach the machine; one costs a third of a millisecond while it is away."""
+
+_MENDED: Final = 10.0
+"""The same while somebody has to mend a configuration."""
 
 _ANSWERS_WITHIN, _PAIRS_WITHIN = 5.0, 120.0  # seconds
 
@@ -100,14 +103,15 @@ class MachineGateway(Gateway):
         """Follow the gateway until cancelled, again and again."""
         try:
             while True:
+                is_mistake = False
                 try:
                     await self._follow(task_status)
                 except HomebotError as exc:
-                    self._problem = str(exc)
+                    self._problem, is_mistake = str(exc), isinstance(exc, UsageError)
                 self.publish_state("unavailable", self._problem)
                 self._mirror.on_link_loss()
                 self.mark_ready(task_status)
-                await anyio.sleep(_AGAIN)
+                await anyio.sleep(_MENDED if is_mistake else _AGAIN)
         finally:
             if self._link is not None:
                 self._link.close()

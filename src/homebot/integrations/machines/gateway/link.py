@@ -45,6 +45,7 @@ class MachineLink:
         self._wire, self._clock = wire, clock
         self._home, self._machine, self._gateway = home, machine, gateway
         self._follower, self._session, self._number = "", "", 0
+        self._earlier: set[str] = set()  # sessions of machines that were started anew since
         self._ids = count()
         self.later = 0.0
         self.gaps = 0
@@ -75,11 +76,19 @@ class MachineLink:
 
         Raises:
             LinkError, PeerError: As :meth:`join`.
+            UsageError: A second machine has the same name.
         """
         asked = FollowGatewayRequest(follower=self._follower, number=self._number)
         news = await self._wire.ask(self._name("follow"), FollowGateway, asked, LONGEST_QUIET + _LATE)
         if self._number and news.is_whole:
             self.gaps += 1
+        if news.session in self._earlier:
+            self._earlier.clear()
+            raise UsageError(
+                f"two machines answer as {self._machine}; stop one, or give it a name: homebot join --new NAME"
+            )
+        if news.session != self._session:
+            self._earlier.add(self._session)
         self._number, self._session = news.number, news.session
         self.later = self._clock.monotonic() - news.now
         return news
