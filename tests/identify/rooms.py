@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import exp
 from random import Random
 
-from homebot.identify.belief import Belief, Seen
+from homebot.identify.belief import Seen, begun
 from homebot.identify.codes import next_code
 from homebot.identify.conclusion import Conclusion
 
@@ -22,13 +22,14 @@ DAYLIGHT = 5.0
 
 @dataclass(frozen=True, slots=True)
 class Rooms:
-    """A kind of room; a room of it is drawn with a seed."""
+    """A kind of room; a room of it is drawn with a seed. The least effect may be unknown: 0."""
 
     count: int = 8
     noise: float = 0.25
     late: float = 0.4
     reflections: float = 0.2
     is_in_view: bool = True
+    least: float = 0.45
 
 
 class Room:
@@ -86,7 +87,11 @@ def identify(kind: Rooms, seed: int) -> Found:
     random = Random(seed)  # noqa: S311 - a simulation
     room = Room(kind, random)
     look = looks(room)
-    belief, conclusion = Belief(look(), 0.45, 1.0), Conclusion(0.99)
+    room.set([False] * kind.count)
+    first = look()
+    room.set([True] * kind.count)
+    second = look()
+    belief, conclusion = begun(first, second, kind.least), Conclusion(0.99)
     for _ in range(MOST_SLOTS):
         room.set(next_code(belief, random))
         belief.add(look())

@@ -27,13 +27,16 @@ from homebot.devices.question_messages import AnswerQuestion, GetQuestions
 from homebot.graph import Node, QoSProfile
 
 if TYPE_CHECKING:
+    from datetime import time
+
     from homebot.control.actions import ControlActions
     from homebot.control.control_layer import ControlLayer
     from homebot.control.sending import Rehearsal
     from homebot.control.settings import ControlSettings
+    from homebot.devices import Device, DevicePart
     from homebot.devices.command_messages import CommandRequest
     from homebot.devices.misspelt_names import ConfiguredNames
-    from homebot.devices.outcomes import Outcome
+    from homebot.devices.outcomes import Outcome, Refused
     from homebot.journal.store import JournalStore
 
 __all__ = ["Control"]
@@ -155,6 +158,15 @@ class Control:
     def perform(self, request: CommandRequest) -> Awaitable[Outcome]:
         """Carry out a command to one part, and return its outcome."""
         return self._layer.executor.perform(request)
+
+    def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
+        """Return why a command would be refused now; None if it would not."""
+        return self._layer.executor.preview(request, device, part)
+
+    def quiet_hours(self) -> tuple[tuple[time, time], ...]:
+        """Return the quiet hours, each with its local start and end."""
+        settings = self._given_settings
+        return () if settings is None else tuple((one.start, one.end) for one in settings.quiet_hours)
 
     def update_policies(self, settings: ControlSettings | None) -> bool:
         """Use the policies of *settings*; changes of its other keys wait for a restart.

@@ -12,10 +12,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import erf, exp, log, pi, sqrt
+from math import erf, exp, inf, log, pi, sqrt
 from typing import Final, final
 
-__all__ = ["Belief", "Seen"]
+__all__ = ["Belief", "Seen", "begun"]
 
 _IN_VIEW: Final = (0.45, 1.3)
 """The effects of what is in view, as shares of the family's."""
@@ -32,6 +32,14 @@ _JUMPS: Final = 0.02
 _INEXACT: Final = 0.03
 """What the sensor's own error is at least, as such a share."""
 
+_SHARE: Final = 0.05
+"""The least effect of a candidate in view, as a share of what is seen, if it is unknown."""
+
+_MORE: Final = 1.2
+_CLEARLY: Final = 1.0
+"""How many times the effect of any other candidate that of the one in view is, by how many standard deviations."""
+
+_TINY: Final = 1e-6
 _ALTERNATIVES: Final = 5
 _MOST_FAMILIES: Final = 8
 
@@ -65,11 +73,14 @@ class Belief:
 
     def __init__(self, first: Seen, least: float, most: float) -> None:
         self.count = len(first.levels)
+        self._dropped: set[int] = set()
         effect, effects = least / _IN_VIEW[0], list[float]()
         while not effects or (effect < 2 * most and len(effects) < _MOST_FAMILIES):
             effects.append(effect)
             effect *= 2
-        self._families = [_Family(first, one, share * one) for one in effects for share in _REFLECTIONS]
+        self._families = [
+            _Family(first, one, share * one, may_be_none=one == effects[0]) for one in effects for share in _REFLECTIONS
+        ]
         self._weigh()
 
     def add(self, seen: Seen) -> None:
@@ -78,10 +89,21 @@ class Belief:
             one.add(seen)
         self._weigh()
 
+    def drop(self, candidate: int) -> None:
+        """Rule a candidate out, as it does not change any more."""
+        self._dropped.add(candidate)
+
     def effect(self, candidate: int) -> tuple[float, float]:
         """Return by how much a candidate changes what is seen, and the standard deviation."""
-        track = self._best.tracks[0]
-        return track.mean[candidate], sqrt(max(track.covariance[candidate][candidate], 0.0))
+        return self._families[-1].effect(candidate)  # that which supposes least
+
+    def stands_out(self, candidate: int) -> bool:
+        """Return whether a candidate clearly has more effect than each other one: two in view are never told apart."""
+        effect, deviation = self._best.effect(candidate)
+        others = (self._best.effect(one) for one in range(self.count) if one not in {candidate, *self._dropped})
+        return all(
+            effect - _MORE * other > _CLEARLY * sqrt(deviation**2 + (_MORE * spread) ** 2) for other, spread in others
+        )
 
     def gain(self, levels: Sequence[float]) -> float:
         """Return how much is learnt about the likely candidates from what is seen with these levels."""
@@ -97,7 +119,21 @@ class Belief:
         self._best = self._families[sums.index(max(sums))]
         whole = _log_sum(sums)
         self.none, *rest = (exp(_log_sum(column) - whole) for column in zip(*each, strict=True))
-        self.each = tuple(rest)
+        each_left = [0.0 if number in self._dropped else one for number, one in enumerate(rest)]
+        total = self.none + sum(each_left)
+        self.none, self.each = self.none / total, tuple(one / total for one in each_left)
+
+
+def begun(dark: Seen, bright: Seen, least: float = 0.0) -> Belief:
+    """Return what is known after a look with all candidates dark, and one with all bright.
+
+    Args:
+        least: The least effect of a candidate in view; 0 for a share of what is seen.
+    """
+    least = least or _SHARE * max(abs(dark.value), abs(bright.value), _TINY)
+    belief = Belief(dark, least, max(2 * abs(bright.value - dark.value), least))
+    belief.add(bright)
+    return belief
 
 
 @dataclass(slots=True)
@@ -118,7 +154,8 @@ class _Track:
 class _Family:
     """One effect of what is in view with one strength of the reflections."""
 
-    def __init__(self, first: Seen, effect: float, strongest: float) -> None:
+    def __init__(self, first: Seen, effect: float, strongest: float, *, may_be_none: bool) -> None:
+        self._may_be_none = may_be_none  # in the others, what is none has more than the least effect
         self._effect = effect
         self._mean = strongest / 2
         self._variance = (_SCATTER * strongest) ** 2
@@ -145,16 +182,33 @@ class _Family:
         tracks.sort(key=lambda one: _log_sum(one.hypotheses), reverse=True)
         self.tracks = tracks[:_ALTERNATIVES]
 
+    def effect(self, candidate: int) -> tuple[float, float]:
+        """Return an effect and its deviation in the likeliest alternative."""
+        track = self.tracks[0]
+        return track.mean[candidate], sqrt(max(track.covariance[candidate][candidate], 0.0))
+
     def hypotheses(self) -> Iterator[float]:
         """Yield the logarithm of the likelihood of none and of each candidate."""
-        for column in zip(*(one.hypotheses for one in self.tracks), strict=True):
-            yield _log_sum(column)
+        none, *each = zip(*(one.hypotheses for one in self.tracks), strict=True)
+        yield _log_sum(none) if self._may_be_none else -inf
+        yield from map(_log_sum, each)
 
     def _weighed(self, track: _Track) -> _Track:
-        count = len(track.mean) - 1
-        ratios = (self._ratio(track.mean[one], track.covariance[one][one]) for one in range(count))
-        track.hypotheses = [track.weight, *(track.weight + one for one in ratios)]
+        places = range(len(track.mean) - 1)
+        limits = [self._limit(track.mean[one], track.covariance[one][one]) for one in places]
+        none = track.weight + sum(limits)
+        ratios = (self._ratio(track.mean[one], track.covariance[one][one]) for one in places)
+        track.hypotheses = [none, *(none - limit + one for limit, one in zip(limits, ratios, strict=True))]
         return track
+
+    def _limit(self, mean: float, variance: float) -> float:
+        """Return the logarithm of how much likelier a reflection is below the effects in view than before."""
+        least = _IN_VIEW[0] * self._effect
+        shares = (
+            _below((least - one) / sqrt(spread)) for one, spread in ((mean, variance), (self._mean, self._variance))
+        )
+        now, before = (log(max(share, 1e-300)) for share in shares)
+        return now - before
 
     def _ratio(self, mean: float, variance: float) -> float:
         """Return the logarithm of how much likelier the candidate is in view than a reflection.
@@ -169,7 +223,7 @@ class _Family:
         seen = (mean / variance - self._mean / self._variance) / learnt  # without what was assumed before
         spread = sqrt(1 / learnt)
         in_view = (_below((most - seen) / spread) - _below((least - seen) / spread)) / (most - least)
-        reflected = _density(seen, self._mean, self._variance + spread**2) * _below((least - mean) / sqrt(variance))
+        reflected = _density(seen, self._mean, self._variance + spread**2)
         return log(max(in_view, 1e-300)) - log(max(reflected, 1e-300))
 
 

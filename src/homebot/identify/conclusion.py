@@ -35,6 +35,8 @@ class Conclusion:
         best = max(range(belief.count), key=each.__getitem__)
         probability, found = max((belief.none, None), (each[best], best), key=lambda one: one[0])
         self._looks += 1
+        if found is not None and not belief.stands_out(found):
+            probability = 0.0
         self._row = (self._row if found == self.found else 0) + 1 if probability >= self._sure else 0
         self.found = found
         return self._row >= _IN_A_ROW and self._looks >= _LEAST

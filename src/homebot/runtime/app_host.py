@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Any, final
 
 import anyio
 from anyio.abc import TaskStatus
@@ -21,7 +21,7 @@ from homebot.support.counters import Severity
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator, Mapping
+    from collections.abc import AsyncIterator, Iterator, Mapping, MutableMapping
 
     from homebot.apps.notifier import Notifier
     from homebot.apps.stores import AppStores
@@ -36,7 +36,8 @@ STORE_FILE = "apps.sqlite"
 
 _ROUTINE_MODULE = "homebot.routines.routine"
 _KEPT_ROUTINES = "routines"
-"""The name of their store, which no app can have."""
+_IDENTIFY = "identify/values"
+"""The names of stores that no app can have."""
 
 
 @final
@@ -101,6 +102,23 @@ class AppHost:
     def has_kept_routines(self) -> bool:
         """True if there are any."""
         return self._stores is not None and bool(self._stores.of(_KEPT_ROUTINES))
+
+    @property
+    def identify_store(self) -> MutableMapping[str, Any]:
+        """The values before identifications that are not back yet."""
+        return self._app_stores().of(_IDENTIFY)
+
+    @property
+    def has_identify_store(self) -> bool:
+        """True if there are any."""
+        return self._stores is not None and bool(self._stores.of(_IDENTIFY))
+
+    async def write_stores(self) -> str:
+        """Write all changes now; return the problem, empty for none."""
+        if self._stores is None:
+            return ""
+        await self._stores.flush()
+        return self._stores.trouble
 
     def with_kept_routines(self, config: Config) -> Config:
         """Return *config* with the kept routines, if there are any."""

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import KW_ONLY, dataclass, field, replace
 from datetime import datetime
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from http import HTTPStatus
 from importlib import import_module
 from pathlib import Path
@@ -31,7 +31,7 @@ from homebot.devices.app_messages import ChangeAppResponse, Reload
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.devices.health import GetHealth
-from homebot.devices.names import COPY_FILES, LIST_TOKENS, RELOAD, SCENE_SERVICES, START_RECORDER
+from homebot.devices.names import COPY_FILES, IDENTIFY_DEVICE, LIST_TOKENS, RELOAD, SCENE_SERVICES, START_RECORDER
 from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import UsageError
 from homebot.gateways import Gateway, GatewayContext
@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from homebot.devices.services import IndexRow
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
+    from homebot.runtime.identify_starter import IdentifyStarter
     from homebot.runtime.link_starter import LinkStarter
     from homebot.runtime.run_recording import RunRecording
     from homebot.runtime.simulated_house import HouseOfRun
@@ -318,6 +319,7 @@ class Runtime:
         running = self.supervisor.running
         yield running("discovery", self._directory)
         yield running("control", self._control)
+        yield running("identify", self._identify)  # stopped before control, to put everything back
         if self.record_into is not None:
             yield running("recorder", partial(self._recording.record_into, self.record_into))
         yield self.app_manager.running(self._plan.apps, lambda: self._start_is_cut)
@@ -381,6 +383,21 @@ class Runtime:
                 detected=self.detected,
             )
             await run_as(node.full_name, partial(self._controller.serve, task_status=task_status))
+
+    async def _identify(self, *, task_status: TaskStatus[None]) -> None:
+        async with Node(self.graph, "identify") as node:
+
+            @cache
+            def starter() -> IdentifyStarter:
+                from homebot.runtime.identify_starter import IdentifyStarter  # noqa: PLC0415 - few homes identify
+
+                return IdentifyStarter(node, self.app_host, lambda: self._controller, self._context.random)
+
+            node.offer_action("homebot/action/IdentifyDevice", IDENTIFY_DEVICE, lambda: starter().serve())
+            if self.app_host.has_identify_store:
+                starter()
+            task_status.started()
+            await anyio.sleep_forever()
 
     async def _alerts(self, *, task_status: TaskStatus[None]) -> None:
         task_status.started()

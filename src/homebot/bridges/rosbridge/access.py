@@ -63,6 +63,7 @@ _ACTING: Final = frozenset(
         names.DEFINE_TYPE,
         names.HOLD_DEVICE,
         names.HOLD_PART,
+        names.IDENTIFY_DEVICE,
         names.PERFORM_COMMAND,
         names.PERFORM_COMMANDS,
         names.PROPOSE_ROUTINE,

@@ -1,0 +1,152 @@
+"""``homebot identify``."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Final, cast
+
+from homebot.cli.arguments import duration, set_client_command
+from homebot.cli.device_json import json_text
+from homebot.cli.door_client import DoorClient, ReceivedMessage, with_client
+from homebot.devices.names import IDENTIFY_DEVICE
+from homebot.devices.wording.json_message import JsonMessage
+from homebot.errors import PeerError
+from homebot.support.printable import printable
+
+if TYPE_CHECKING:
+    from homebot.devices.identify_messages import IdentifyDeviceFeedback, IdentifyDeviceResult
+
+__all__ = ["add_arguments", "add_options", "identify"]
+
+_EXAMPLES = """\
+  homebot identify 'lights in hall' --with /rosie/light
+  homebot identify 'lights in hall' --with /rosie/image --region 200,120,80,80
+  homebot identify 'lamp 5 or lamp 6 or lamp 7' --with 'Hall light sensor'
+
+The candidates change all together, each in its own code, never three times in a second; the sensor has to see only one
+of them well. Then all are as before. Exit code 0 means that the answer is sure, also if it is none of them; 1 that it
+is not.
+"""
+_TYPE: Final = "homebot/action/IdentifyDevice"
+_BARS: Final = "▁▂▃▄▅▆▇█"
+_MOST_SHOWN: Final = 3
+_CANCEL_WITHIN: Final = 25.0
+_LONGEST_NAME: Final = 30
+_WIDEST: Final = 1000
+_HALF: Final = 0.5
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    set_client_command(parser, partial(identify, is_check=False), _EXAMPLES, acts=True)
+    parser.add_argument("candidates", metavar="QUERY", help="the candidates, as for `homebot do`: 1 to 32")
+    add_options(parser)
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that both commands have."""
+    parser.add_argument(
+        "--with",
+        dest="topic",
+        metavar="TOPIC",
+        required=True,
+        help="a topic with a number or pictures, or a device with a light sensor",
+    )
+    parser.add_argument("--region", metavar="X,Y,W,H", type=_region, default=[], help="of pictures, in pixels")
+    parser.add_argument(
+        "--least", metavar="NUMBER", type=float, default=0.0, help="the least change by a device in view; default: 5 %%"
+    )
+    parser.add_argument("--night", action="store_true", help="change devices at night and in quiet hours too")
+    parser.add_argument(
+        "--seconds", metavar="TIME", type=partial(duration, most=600), default=60.0, help="the time limit; default: 60"
+    )
+    parser.add_argument("--robot", metavar="NAME", default="", help="the robot of the sensor, to keep the position")
+    parser.add_argument("--bearing", metavar="DEGREES", type=float, default=0.0, help="from its heading, to the left")
+    parser.add_argument("--distance", metavar="METRES", type=float, default=0.0, help="from the robot")
+    parser.add_argument("--json", action="store_true", help="print the result as JSON")
+
+
+def _region(text: str) -> list[int]:
+    try:
+        x, y, width, height = map(int, text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not X,Y,WIDTH,HEIGHT in pixels, such as 200,120,80,80") from None
+    return [x, y, width, height]
+
+
+def identify(options: argparse.Namespace, *, is_check: bool) -> int:
+    """Identify, and print the answer; return 0 if it is sure, and for a check if it is the device."""
+    goal = {
+        "candidates": options.candidates,
+        "topic": options.topic,
+        "region": options.region,
+        "least_effect": options.least,
+        "at_night": options.night,
+        "seconds": options.seconds,
+        "robot": options.robot,
+        "bearing": math.radians(options.bearing),
+        "distance": options.distance,
+    }
+
+    def run(door: DoorClient, _: argparse.Namespace) -> int:
+        identifier = door.send_goal(IDENTIFY_DEVICE, _TYPE, goal)
+        try:
+            values = _follow(iter(door.next, None), is_shown=not options.json)
+        except KeyboardInterrupt:
+            print("Cancelled; everything is put back", file=sys.stderr)
+            door.cancel_goal(IDENTIFY_DEVICE, identifier)
+            _follow(door.until(_CANCEL_WITHIN), is_shown=False)
+            raise
+        result = cast("IdentifyDeviceResult", JsonMessage(values))
+        if options.json:
+            print(json_text(values))
+        else:
+            _print_result(result)
+        return 0 if result.success and (result.device or not is_check) else 1
+
+    return with_client(options, run)
+
+
+def _follow(received: Iterable[ReceivedMessage], *, is_shown: bool) -> Mapping[str, object]:
+    """Print the feedback in *received*; return the result, empty if there is none."""
+    for _, frame, _ in received:
+        values = frame.get("values")
+        if not isinstance(values, dict):
+            raise PeerError(f"the identification failed: {values}")
+        if frame["op"] == "action_result":
+            return values
+        if is_shown:
+            _print_look(cast("IdentifyDeviceFeedback", JsonMessage(values)))
+    return {}
+
+
+def _print_look(feedback: IdentifyDeviceFeedback) -> None:
+    likely = sorted(feedback.candidates, key=lambda one: one.probability, reverse=True)[:_MOST_SHOWN]
+    texts = [f"{printable(one.name, _LONGEST_NAME)} {one.probability:.0%}" for one in likely]
+    look = feedback.look
+    print(f"{look.at:5.1f} s  {look.value:8.4g}  {', '.join(texts)}, none {feedback.none:.0%}", flush=True)
+
+
+def _print_result(result: IdentifyDeviceResult) -> None:
+    if not result.candidates:
+        raise PeerError(result.message)
+    width = max(len("seen"), *(len(printable(one.name, _LONGEST_NAME)) for one in result.candidates))
+    print(f"\n{'seen':{width}}  {_sparkline([one.value for one in result.looks])}")
+    for place, one in enumerate(result.candidates):
+        code = "".join("█" if look.levels[place] > _HALF else "·" for look in result.looks)
+        effect = f"{one.effect:+.3g} ± {one.deviation:.2g}"
+        print(f"{printable(one.name, _LONGEST_NAME):{width}}  {code}  {one.probability:6.1%}  {effect}")
+    for left in result.left_out:
+        print(f"left out: {printable(left.key)}: {printable(left.value, _WIDEST)}")
+    sure = f" ({result.probability:.1%})" if result.success else ""
+    print(f"{printable(result.message, _WIDEST)}{sure}")
+    if result.at:
+        print(f"it is at {printable(result.at)}, which is kept")
+
+
+def _sparkline(values: Sequence[float]) -> str:
+    least, most = min(values), max(values)
+    return "".join(_BARS[round((one - least) / ((most - least) or 1.0) * (len(_BARS) - 1))] for one in values)

@@ -1,0 +1,162 @@
+"""Candidates of an identification: parts with two levels that may change now."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from datetime import time
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from homebot.command_words.suitable_parts import part_name, settings_by_part
+from homebot.command_words.targets import CommandTargets, NoTargetError
+from homebot.control.policies.quiet_hours import is_within
+from homebot.devices import Device, DevicePart, KeyValue
+from homebot.devices.always_ask import why_it_asks
+from homebot.devices.command_messages import CommandDevicesRequest, CommandRequest, Setting
+from homebot.devices.identify_messages import MOST_CANDIDATES, IdentifyDeviceGoal
+from homebot.devices.query.parse import parse_query
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, UsageError
+from homebot.support.folding import fold
+
+if TYPE_CHECKING:
+    from homebot.devices.device_lookup import DeviceLookup
+    from homebot.devices.outcomes import Refused
+    from homebot.graph import Node
+
+__all__ = ["NIGHT", "CandidatePart", "Preview", "check_time", "find_candidates"]
+
+Preview: TypeAlias = Callable[[CommandRequest, Device, DevicePart], "Refused | None"]
+"""Returns the refusal of a command by rights and policies, if it were given now."""
+
+NIGHT: Final = (time(22), time(7))
+
+_MOST_NAMED: Final = 8
+_IN_BED: Final = "tag=bed occupied"
+"""As in routines: the sensors that the owner tagged as those of a bed."""
+
+
+@dataclass(eq=False)
+class CandidatePart:
+    """A part that changes between two levels.
+
+    Attributes:
+        dark: The lower value of *capability*.
+        before: The value to put back.
+        level: The level of the last look, from 0 to 1.
+        wanted: The value of the last command; *before* until the first one.
+        set_at: The time of that command, in seconds since the Unix epoch; 0 for none.
+        lease: The name of its lease; empty for none.
+        problem: Why it takes part no more; empty if it does.
+    """
+
+    device: Device
+    part: DevicePart
+    capability: str
+    dark: PlainValue
+    bright: PlainValue
+    before: PlainValue
+    level: float = 0.0
+    wanted: PlainValue = None
+    set_at: float = 0.0
+    lease: str = ""
+    problem: str = ""
+
+    @property
+    def place(self) -> tuple[str, str]:
+        """The ids of the device and the part."""
+        return self.device.id, self.part.id
+
+    @property
+    def name(self) -> str:
+        """Its name for people."""
+        return part_name(self.device, self.part)
+
+    def level_of(self, value: PlainValue) -> float:
+        """Return the level that is *value*, from 0 to 1."""
+        return (
+            float(value) / 100
+            if self.capability == "level" and isinstance(value, float | int)
+            else float(value is True)
+        )
+
+
+def check_time(goal: IdentifyDeviceGoal, now: time, quiet: Iterable[tuple[time, time]]) -> None:
+    """Refuse a *goal* at night and in *quiet* hours, unless it is for them.
+
+    Raises:
+        RefusedError: It is night.
+    """
+    for start, end in () if goal.at_night else (NIGHT, *quiet):
+        if is_within(now, start, end):
+            reason = f"it is {now:%H:%M}, and people sleep from {start:%H:%M} to {end:%H:%M}"
+            raise RefusedError("the identification", f"{reason}; `at_night` (`--night`) allows it")
+
+
+async def find_candidates(
+    node: Node, lookup: DeviceLookup, goal: IdentifyDeviceGoal, preview: Preview
+) -> tuple[list[CandidatePart], tuple[KeyValue, ...]]:
+    """Return the candidates of *goal*, and what is left out, with the reasons.
+
+    Raises:
+        UsageError: There is none, there are too many, or the query is wrong.
+    """
+    request = CommandDevicesRequest(target=goal.candidates, command="on", issuer=goal.issuer, scope=goal.scope)
+    try:
+        targets = await CommandTargets(node, lookup, lambda *_: "").find(request)
+    except NoTargetError as exc:
+        raise UsageError(str(exc)) from exc
+    asleep = {fold(one.area) for one in await lookup.devices(parse_query(_IN_BED)) if one.area}
+    found, left_out = list[CandidatePart](), list[KeyValue]()
+    for device, parts in targets:
+        for part, parsed in settings_by_part(request, device, parts):
+            candidate = None if isinstance(parsed, RefusedError) else _candidate(device, part)
+            if candidate is None:
+                problem = "it has no two levels whose state is known"
+            else:
+                problem = _why_left_out(candidate, goal, asleep, preview)
+            if candidate is not None and not problem:
+                found.append(candidate)
+            else:
+                left_out.append(KeyValue(key=part_name(device, part), value=problem))
+    if not found:
+        reasons = "; ".join(f"{one.key}: {one.value}" for one in left_out[:_MOST_NAMED])
+        raise UsageError(f"nothing of {goal.candidates!r} can be identified; {reasons}")
+    if len(found) > MOST_CANDIDATES:
+        raise UsageError(f"{len(found)} parts fit {goal.candidates!r}; at most {MOST_CANDIDATES} can be told apart")
+    return found, tuple(left_out)
+
+
+def _candidate(device: Device, part: DevicePart) -> CandidatePart | None:
+    settable = {one.name: one for one in part.part.capabilities if one.settable}
+    values = {one.capability: one.value.plain() for one in device.states if one.part == part.id}
+    if isinstance(before := values.get("on_off"), bool) and "on_off" in settable:
+        return CandidatePart(device, part, "on_off", dark=False, bright=True, before=before, wanted=before)
+    if isinstance(before := values.get("level"), float) and "level" in settable:
+        low, high = settable["level"].bounds or (0.0, 100.0)
+        dark, bright = settable["level"].nearest(max(low, 1.0)), high
+        return CandidatePart(device, part, "level", dark=dark, bright=bright, before=before, wanted=before)
+    return None
+
+
+def _why_left_out(candidate: CandidatePart, goal: IdentifyDeviceGoal, asleep: set[str], preview: Preview) -> str:
+    device, part = candidate.device, candidate.part
+    if part.part.is_group:
+        return "it is a group"
+    if reason := why_it_asks(device, part):
+        return f"it always asks: {reason}"
+    if device.reachable.state == "no" or device.freshness == "stale" or part.id in device.offline_parts:
+        return "it cannot be reached"
+    if fold(device.area) in asleep:
+        return f"somebody sleeps in {device.area}"
+    for value in (candidate.dark, candidate.bright):
+        request = CommandRequest(
+            device=device.id,
+            part=part.id,
+            settings=(Setting.of(candidate.capability, value),),
+            issuer=goal.issuer,
+            scope=goal.scope,
+        )
+        if (refused := preview(request, device, part)) is not None:
+            return refused.reason
+    return ""

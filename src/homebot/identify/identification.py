@@ -1,0 +1,234 @@
+"""One identification: the candidates change, each in its own code, and a sensor looks when all have settled.
+
+A look takes a second, and the wait for the devices 0.8 s more, so that nothing ever flashes three times in a second,
+which is dangerous for people with photosensitive epilepsy. Each value is held by a lease, so that nothing but a person
+changes it meanwhile. A candidate that does not obey, or that a person changes, takes part no more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import count
+from random import Random
+from typing import TYPE_CHECKING, Final, final
+
+import anyio
+
+from homebot.devices.command_messages import Setting
+from homebot.devices.identify_messages import CandidateState, IdentifyDeviceFeedback, IdentifyDeviceGoal, LookRecord
+from homebot.devices.lease_messages import HolderRequest, HoldPart, HoldRequest, ReleaseLease, RenewLease
+from homebot.devices.names import HOLD_PART, RELEASE_LEASE, RENEW_LEASE
+from homebot.devices.value import PlainValue
+from homebot.errors import ServiceError, UsageError
+from homebot.identify.belief import Belief, Seen, begun
+from homebot.identify.codes import next_code
+from homebot.identify.conclusion import Conclusion
+from homebot.identify.sight import Look, Looker
+
+if TYPE_CHECKING:
+    from homebot.devices.device_lookup import DeviceLookup
+    from homebot.graph import Node
+    from homebot.identify.candidates import CandidatePart
+    from homebot.identify.kept_values import KeptValues
+
+__all__ = ["Identification"]
+
+_SETTLES: Final = 0.8
+"""Seconds of a usual transition, after which a lamp has the brightness that it reported."""
+
+_COMMAND: Final = 20.0
+"""Seconds after which a device that has not answered takes part no more."""
+
+
+@final
+class Identification:
+    """Finds the candidate in view.
+
+    Args:
+        run: Its id.
+        by: Its name for people, as the holder of the leases.
+        on_look: Called after each look.
+
+    Attributes:
+        looks: The looks so far.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        run: str,
+        by: str,
+        goal: IdentifyDeviceGoal,
+        candidates: Sequence[CandidatePart],
+        lookup: DeviceLookup,
+        looker: Looker,
+        kept: KeptValues,
+        random: Random,
+        on_look: Callable[[IdentifyDeviceFeedback], None],
+    ) -> None:
+        self._run_id, self._by = run, by
+        self._goal, self._candidates = goal, candidates
+        self._clock = node.graph.clock
+        self._lookup, self._looker, self._kept = lookup, looker, kept
+        self._random, self._on_look = random, on_look
+        self._hold = node.create_client(HoldPart, HOLD_PART)
+        self._renew = node.create_client(RenewLease, RENEW_LEASE)
+        self._release = node.create_client(ReleaseLease, RELEASE_LEASE)
+        self._numbers = count(1)
+        self._belief: Belief | None = None
+        self._began = self._last_at = self._clock.monotonic()
+        self.looks: list[LookRecord] = []
+
+    @property
+    def none(self) -> float:
+        """The probability of none of the candidates."""
+        return 1 / (len(self._candidates) + 1) if self._belief is None else self._belief.none
+
+    def states(self) -> tuple[CandidateState, ...]:
+        """Return the states of the candidates."""
+        return tuple(map(self._state, range(len(self._candidates)), self._candidates))
+
+    async def run(self) -> tuple[bool, CandidatePart | None]:
+        """Return whether it is sure, and the candidate; None for none of them.
+
+        Raises:
+            UsageError: The sensor sees nothing, or no candidate obeys.
+        """
+        deadline = self._clock.monotonic() + self._goal.seconds
+        conclusion, count, is_sure = Conclusion(self._goal.sure), len(self._candidates), False
+        first, second = await self._look_at([False] * count), await self._look_at([True] * count)
+        belief = self._belief = begun(first, second, self._goal.least_effect)
+        self._publish()
+        while not is_sure and self._clock.monotonic() < deadline:
+            seen = await self._look_at(next_code(belief, self._random))
+            is_sure = self._learn(belief, seen, conclusion)
+        found = conclusion.found
+        return is_sure, None if not is_sure or found is None else self._candidates[found]
+
+    def close(self) -> None:
+        """Leave the graph."""
+        for client in (self._hold, self._renew, self._release):
+            client.close()
+
+    async def end(self) -> None:
+        """Release all leases, and put everything back."""
+        for one in self._candidates:
+            await self._let_go(one)
+        await self._kept.end(self._run_id)
+
+    def _learn(self, belief: Belief, seen: Seen, conclusion: Conclusion) -> bool:
+        for number, one in enumerate(self._candidates):
+            if one.problem:
+                belief.drop(number)
+        belief.add(seen)
+        is_sure = conclusion.add(belief)
+        self._publish()
+        return is_sure
+
+    async def _look_at(self, code: Sequence[bool]) -> Seen:
+        """Return what is seen once each candidate that still takes part is as *code* says, and has settled."""
+        async with anyio.create_task_group() as tasks:
+            for one, is_bright in zip(self._candidates, code, strict=True):
+                tasks.start_soon(self._set, one, one.bright if is_bright else one.dark)
+        await anyio.sleep(_SETTLES)
+        while True:
+            look, before = await self._looker.look(), self._taking_part()
+            for one in before:
+                await self._check(one)
+            if self._taking_part() == before:
+                return await self._seen(look)
+
+    def _taking_part(self) -> list[CandidatePart]:
+        found = [one for one in self._candidates if not one.problem]
+        if not found:
+            reasons = "; ".join(f"{one.name}: {one.problem}" for one in self._candidates)
+            raise UsageError(f"no candidate takes part any more: {reasons}")
+        return found
+
+    async def _seen(self, look: Look) -> Seen:
+        if any(one.problem for one in self._candidates):
+            known = {
+                (device.id, state.part, state.capability): state.value.plain()
+                for device in await self._lookup.devices()
+                for state in device.states
+            }
+            for one in self._candidates:
+                one.level = one.level_of(known.get((*one.place, one.capability), one.wanted))
+        else:
+            for one in self._candidates:
+                one.level = one.level_of(one.wanted)
+        levels, seconds = tuple(one.level for one in self._candidates), look.at - self._last_at
+        self._last_at = look.at
+        record = LookRecord(at=look.at - self._began, value=look.value, deviation=look.variance**0.5, levels=levels)
+        self.looks.append(record)
+        if len(self.looks) == 1:
+            self._publish()
+        return Seen(levels, look.value, look.variance, seconds)
+
+    async def _set(self, candidate: CandidatePart, value: PlainValue) -> None:
+        """Hold *candidate* at *value*, if it takes part; it does not any more if it does not obey."""
+        if candidate.problem or (candidate.lease and candidate.wanted == value):
+            return
+        if candidate.lease and not await self._check(candidate):
+            return
+        await self._let_go(candidate)
+        candidate.wanted, candidate.set_at = value, self._clock.now()
+        candidate.lease = f"{self._run_id}-{next(self._numbers)}"
+        self._kept.command(self._run_id, candidate)
+        device, part = candidate.place
+        request = HoldRequest(
+            device=device,
+            part=part,
+            setting=Setting.of(candidate.capability, value),
+            lease=candidate.lease,
+            by=self._by,
+            ttl=self._goal.seconds + _COMMAND,
+            is_open_ended=True,
+            issuer=self._goal.issuer,
+            scope=self._goal.scope,
+        )
+        try:
+            outcome = (await self._hold.call(request, timeout=_COMMAND, cancel_with_caller=True)).outcome
+        except ServiceError as exc:
+            await self._drop(candidate, str(exc))
+        else:
+            if not outcome.succeeded:
+                await self._drop(candidate, outcome.text)
+
+    async def _check(self, candidate: CandidatePart) -> bool:
+        """Return whether *candidate* is still held as it was set; if not, it takes part no more."""
+        state = await self._renew.call(self._holder(candidate))
+        if state.held and state.outcome.succeeded:
+            return True
+        await self._drop(candidate, state.outcome.text)
+        return False
+
+    async def _drop(self, candidate: CandidatePart, problem: str) -> None:
+        await self._let_go(candidate)
+        is_changed = await self._kept.leave_changed(self._run_id, candidate)
+        candidate.problem = f"it was changed meanwhile: {problem}" if is_changed else problem
+
+    async def _let_go(self, candidate: CandidatePart) -> None:
+        if candidate.lease:
+            await self._release.call(self._holder(candidate))
+            candidate.lease = ""
+
+    def _holder(self, candidate: CandidatePart) -> HolderRequest:
+        return HolderRequest(lease=candidate.lease, by=self._by, issuer=self._goal.issuer)
+
+    def _state(self, number: int, candidate: CandidatePart) -> CandidateState:
+        belief = self._belief
+        effect, deviation = (0.0, 0.0) if belief is None else belief.effect(number)
+        device, part = candidate.place
+        return CandidateState(
+            device=device,
+            part=part,
+            name=candidate.name,
+            probability=self.none if belief is None else belief.each[number],
+            effect=effect,
+            deviation=deviation,
+            problem=candidate.problem,
+        )
+
+    def _publish(self) -> None:
+        self._on_look(IdentifyDeviceFeedback(look=self.looks[-1], none=self.none, candidates=self.states()))

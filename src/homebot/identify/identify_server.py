@@ -1,0 +1,157 @@
+"""The server of the action that identifies devices. Loaded when used."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Iterable
+from contextlib import closing
+from datetime import UTC, datetime, time
+from random import Random
+from typing import TYPE_CHECKING, Final, TypeAlias, final
+
+import anyio
+
+from homebot.clock import home_time
+from homebot.command_words.command_service import UNNAMED_CLIENT
+from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.identify_messages import (
+    IdentifyDevice,
+    IdentifyDeviceFeedback,
+    IdentifyDeviceGoal,
+    IdentifyDeviceResult,
+)
+from homebot.devices.names import IDENTIFY_DEVICE
+from homebot.devices.wording.journal_words import issuer_text
+from homebot.errors import HomebotError
+from homebot.graph.actions import ActionServer, Preemption, ServerGoal
+from homebot.identify.candidates import CandidatePart, Preview, check_time, find_candidates
+from homebot.identify.identification import Identification
+from homebot.identify.kept_values import KeptValues
+from homebot.identify.sight import Looker, open_sight
+
+if TYPE_CHECKING:
+    from homebot.devices.device import KeyValue
+    from homebot.graph import Node
+
+__all__ = ["IdentifyServer"]
+
+_TELLING: Final = 5.0
+"""Seconds for which an identification waits until people are told."""
+
+_PUTTING_BACK: Final = 20.0
+"""Seconds for which the end waits; what is not back by then is tried again."""
+
+_MOST_NAMED: Final = 8
+
+IdentifyGoal: TypeAlias = ServerGoal[IdentifyDeviceGoal, IdentifyDeviceResult, IdentifyDeviceFeedback]
+
+
+@final
+class IdentifyServer:
+    """Identifies one device after the other: two at once would disturb each other.
+
+    Args:
+        kept: Puts back the values before.
+        preview: Returns the refusal of a command.
+        notify: Tells people a message with a title.
+        quiet: Returns the quiet hours.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        kept: KeptValues,
+        preview: Preview,
+        notify: Callable[[str, str], Awaitable[object]],
+        quiet: Callable[[], Iterable[tuple[time, time]]],
+        random: Random,
+    ) -> None:
+        self._node = node
+        self._lookup = DeviceLookup(node)
+        self._kept = kept
+        self._preview, self._notify, self._quiet, self._random = preview, notify, quiet, random
+        ActionServer(node, IdentifyDevice, IDENTIFY_DEVICE, self._execute, preemption=Preemption.QUEUE)
+
+    async def _execute(self, goal: IdentifyGoal) -> IdentifyDeviceResult:
+        request = goal.request.model_copy(update={"issuer": goal.request.issuer or UNNAMED_CLIENT})
+        try:
+            result = await self._identify(goal, request)
+        except HomebotError as exc:
+            result = IdentifyDeviceResult(success=False, message=str(exc))
+        except anyio.get_cancelled_exc_class():
+            if goal.is_cancel_requested:
+                message = "cancelled; everything is as before"
+                goal.canceled(IdentifyDeviceResult(success=False, message=message))
+            raise
+        (goal.succeed if result.success else goal.abort)()
+        return result
+
+    async def _identify(self, goal: IdentifyGoal, request: IdentifyDeviceGoal) -> IdentifyDeviceResult:
+        check_time(request, self._local_time(), self._quiet())
+        candidates, left_out = await find_candidates(self._node, self._lookup, request, self._preview)
+        run, by = goal.goal_id.uuid.hex(), f"identify by {issuer_text(request.issuer).removeprefix('the client ')}"
+        with await open_sight(self._node, self._lookup, request.topic, request.region) as sight:
+            looker = Looker(sight, self._node.graph.clock.monotonic)
+            await looker.look()  # a sensor that sees nothing is found before anything changes
+            await self._announce(by, request, candidates)
+            await self._kept.keep(run, by, request.issuer, request.scope, candidates)
+            identification = Identification(
+                self._node,
+                run,
+                by,
+                request,
+                candidates,
+                self._lookup,
+                looker,
+                self._kept,
+                self._random,
+                goal.publish_feedback,
+            )
+            with closing(identification):
+                try:
+                    is_sure, found = await identification.run()
+                finally:
+                    with anyio.move_on_after(_PUTTING_BACK, shield=True):
+                        await identification.end()
+        return _result(identification, found, left_out, is_sure=is_sure)
+
+    async def _announce(self, by: str, request: IdentifyDeviceGoal, candidates: list[CandidatePart]) -> None:
+        names = [one.name for one in candidates]
+        more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+        text = f"{by}: {', '.join(names[:_MOST_NAMED])}{more} change for up to {request.seconds:g} s, and are put back"
+        with anyio.move_on_after(_TELLING):
+            await self._notify(text, "Identify")
+
+    def _local_time(self) -> time:
+        local = home_time.get()
+        now = datetime.fromtimestamp(self._node.graph.clock.now(), UTC) if local is None else local()
+        return now.time()
+
+
+def _result(
+    identification: Identification, found: CandidatePart | None, left_out: tuple[KeyValue, ...], *, is_sure: bool
+) -> IdentifyDeviceResult:
+    states, none = identification.states(), identification.none
+    best = max(states, key=lambda one: one.probability)
+    if found is not None:
+        message = f"{found.name} is in view"
+    elif is_sure:
+        message = "none of the candidates is in view"
+    else:
+        likeliest = "none of them" if none > best.probability else best.name
+        percent = 100 * max(none, best.probability)
+        message = f"not sure: {likeliest}, by {percent:.0f} %; look longer, come nearer, or give fewer candidates"
+    if problems := "; ".join(f"{one.name} took no part to the end: {one.problem}" for one in states if one.problem):
+        message = f"{message}; {problems}"
+    device, part = found.place if found is not None else ("", "")
+    return IdentifyDeviceResult(
+        success=is_sure,
+        message=message,
+        device=device,
+        part=part,
+        name="" if found is None else found.name,
+        probability=max(none, best.probability),
+        none=none,
+        candidates=states,
+        looks=tuple(identification.looks),
+        left_out=left_out,
+    )

@@ -1,0 +1,184 @@
+"""Values before an identification, kept in a store until they are back: after its end, and after a kill of homebot."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, MutableMapping, Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Final, final
+
+import anyio
+
+from homebot.command_words.earlier_values import KnownStates, known_states
+from homebot.devices.batch import perform_all
+from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
+from homebot.devices.device import State, target_of
+from homebot.devices.names import PERFORM_COMMAND
+from homebot.devices.obedience import fits
+from homebot.devices.outcomes import NoAnswer, Outcome
+from homebot.devices.trigger import Trigger
+from homebot.errors import LinkError, ServiceError
+
+if TYPE_CHECKING:
+    from homebot.devices.device_lookup import DeviceLookup
+    from homebot.graph import Node
+    from homebot.identify.candidates import CandidatePart
+
+__all__ = ["KeptValues"]
+
+LEFT = "identify.left"
+PUT_BACK = "identify.put_back"
+
+_LONGEST: Final = 60.0
+"""Seconds after which a command is given up, and repeated later."""
+
+_FIRST: Final = 60.0
+"""Seconds after a start in which devices report; a silent one is commanded then."""
+
+_AGAIN: Final = 5.0
+_OLD: Final = 3600.0
+"""Seconds after an identification in which values are put back: later, a person may have changed them since."""
+
+_CAPABILITY, _BEFORE, _WANTED, _SET_AT = range(4)
+
+
+@final
+class KeptValues:
+    """Puts values back that nothing else has changed since.
+
+    Args:
+        store: By run, the issuer and the values; kept across restarts.
+        flush: Writes the store now; returns the problem, empty for none.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        lookup: DeviceLookup,
+        store: MutableMapping[str, Any],
+        flush: Callable[[], Awaitable[str]],
+    ) -> None:
+        self._node = node
+        self._clock = node.graph.clock
+        self._lookup = lookup
+        self._store = store
+        self._flush = flush
+        self._perform = node.create_client(PerformCommand, PERFORM_COMMAND)
+        self._started_at = self._clock.now()
+        self._running: set[str] = set()
+        self._has_left = anyio.Event()
+        if store:
+            self._has_left.set()
+
+    async def keep(
+        self, run: str, by: str, issuer: str, scope: Sequence[str], candidates: Sequence[CandidatePart]
+    ) -> None:
+        """Keep the values of *candidates*, before the first change.
+
+        Raises:
+            LinkError: They cannot be written.
+        """
+        values = {target_of(*one.place): [one.capability, one.before, one.wanted, one.set_at] for one in candidates}
+        at = self._clock.now()
+        self._store[run] = {"by": by, "issuer": issuer, "scope": [*scope], "at": at, "values": values}
+        self._running.add(run)
+        if problem := await self._flush():
+            del self._store[run]
+            raise LinkError(f"nothing was changed, as the values to put back cannot be kept: {problem}")
+
+    def command(self, run: str, candidate: CandidatePart) -> None:
+        """Record that *candidate* is given the value that it wants."""
+        kept = self._store[run]["values"][target_of(*candidate.place)]
+        kept[_WANTED], kept[_SET_AT] = candidate.wanted, candidate.set_at
+
+    async def leave_changed(self, run: str, candidate: CandidatePart) -> bool:
+        """Forget a value if a person has changed it; return whether one has."""
+        target, values = target_of(*candidate.place), self._store[run]["values"]
+        states = known_states(await self._lookup.devices())
+        if not self._is_foreign(values[target], states.get((*candidate.place, candidate.capability))):
+            return False
+        del values[target]
+        await self._flush()
+        return True
+
+    async def end(self, run: str) -> None:
+        """Put the values of a run back; what cannot be now is tried again."""
+        self._running.discard(run)
+        with suppress(ServiceError):
+            await self._put_back(run)
+        if run in self._store:
+            self._has_left.set()
+        await self._flush()
+
+    async def run(self) -> None:
+        """Put back what is left of earlier runs, until cancelled."""
+        while True:
+            await self._has_left.wait()
+            self._has_left = anyio.Event()
+            while left := [one for one in self._store if one not in self._running]:
+                for run in left:
+                    with suppress(ServiceError):
+                        await self._put_back(run)
+                await self._flush()
+                await anyio.sleep(_AGAIN)
+
+    async def _put_back(self, run: str) -> None:
+        kept = self._store[run]
+        values: dict[str, list[Any]] = kept["values"]
+        if values and kept["at"] + _OLD < self._clock.now():
+            message = f"{', '.join(values)} may still be as {kept['by']} left them: that was long ago"
+            self._node.log.warning(LEFT, message=message)
+            values.clear()
+        due = self._due(values, known_states(await self._lookup.devices()))
+        requests = [
+            CommandRequest(
+                device=target.partition("#")[0],
+                part=target.partition("#")[2],
+                settings=(Setting.of(values[target][_CAPABILITY], values[target][_BEFORE]),),
+                issuer=kept["issuer"],
+                scope=tuple(kept["scope"]),
+                trigger=Trigger(kind="lease", text=kept["by"]),
+            )
+            for target in due
+        ]
+        for target in due:
+            values[target][_WANTED], values[target][_SET_AT] = values[target][_BEFORE], self._clock.now()
+        outcomes = await perform_all(self._outcome, requests)
+        for target, outcome in zip(due, outcomes, strict=True):
+            if outcome.succeeded:
+                values.pop(target, None)
+            else:
+                text = f"{target} is not yet as before {kept['by']}: {outcome.text}; it is tried again"
+                self._node.log.warning(PUT_BACK, message=text)
+        if not values:
+            del self._store[run]
+
+    def _due(self, values: dict[str, list[Any]], states: KnownStates) -> list[str]:
+        """Return what has to be commanded now; forget what is back, and what a person changed."""
+        due = []
+        for target, kept in tuple(values.items()):
+            device, _, part = target.partition("#")
+            state = states.get((device, part, kept[_CAPABILITY]))
+            is_back = state is not None and fits(kept[_CAPABILITY], kept[_BEFORE], state.value.plain())
+            if kept[_SET_AT] < self._started_at:  # of an earlier homebot, which may have known less than the device
+                has_told = state is not None and state.told_at.to_seconds() >= self._started_at
+                if not has_told and self._clock.now() < self._started_at + _FIRST:
+                    continue
+                is_done = has_told and is_back
+            else:
+                is_done = (is_back and kept[_WANTED] == kept[_BEFORE]) or self._is_foreign(kept, state)
+            if is_done:
+                del values[target]
+            elif state is not None:
+                due.append(target)
+        return due
+
+    def _is_foreign(self, kept: Sequence[Any], state: State | None) -> bool:
+        """Return whether something else has changed a value since it was commanded."""
+        is_other = state is not None and not fits(kept[_CAPABILITY], kept[_WANTED], state.value.plain())
+        return state is not None and is_other and state.since.to_seconds() > kept[_SET_AT]
+
+    async def _outcome(self, request: CommandRequest) -> Outcome:
+        try:
+            return await self._perform.call(request, timeout=_LONGEST)
+        except ServiceError as exc:
+            return NoAnswer(0.0, str(exc))

@@ -1,0 +1,200 @@
+"""Looks at a topic, or at a device: the mean of its value for a second."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+from functools import partial
+from statistics import fmean
+from typing import TYPE_CHECKING, Any, Final, Protocol
+
+import anyio
+
+from homebot.errors import UsageError
+from homebot.graph.qos import qos_profile_sensor_data
+from homebot.identify.pictures import Region, brightness, compressed_brightness
+from homebot.messages.definition import fields_of
+from homebot.support.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from homebot.devices.device_lookup import DeviceLookup
+    from homebot.graph import Node
+    from homebot.messages.message import Message
+
+__all__ = ["Look", "Looker", "Sight", "open_sight"]
+
+_LOOK: Final = 1.0
+"""Seconds of a look."""
+
+_LONGEST: Final = 5.0
+"""Seconds without a value after which the sensor is too slow, or dead."""
+
+_MOST: Final = 200
+_MOST_PICTURES: Final = 10
+"""Values of a look: a picture costs some milliseconds."""
+
+_SILENT: Final = 3
+_AGAIN: Final = 0.2
+"""Seconds between two questions for the state of a device."""
+
+_MARGIN: Final = 1.2
+"""Factor of the variance, as it is known from few values."""
+
+_PICTURES: Final = {"sensor_msgs/msg/Image": brightness, "sensor_msgs/msg/CompressedImage": compressed_brightness}
+_NUMBERS: Final = frozenset({f"{kind}{bits}" for kind in ("int", "uint", "float") for bits in (8, 16, 32, 64)})
+_NO_VALUES: Final = frozenset({"variance", "stamp", "header"})
+
+
+class Sight(Protocol):
+    """View of a sensor."""
+
+    async def values(self) -> Sequence[float]:
+        """Return the values of a second, at least one.
+
+        Raises:
+            UsageError: There is none in five seconds, or they cannot be read.
+        """
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """The value of a look, with its variance, and the time of its middle."""
+
+    value: float
+    variance: float
+    at: float
+
+
+class Looker:
+    """Looks by a sight; the variance is that of the values of all looks, each about its own mean."""
+
+    def __init__(self, sight: Sight, monotonic: Callable[[], float]) -> None:
+        self._sight = sight
+        self._monotonic = monotonic
+        self._squares, self._spare = 0.0, 0
+
+    async def look(self) -> Look:
+        """Look for a second."""
+        began = self._monotonic()
+        values = await self._sight.values()
+        mean = fmean(values)
+        self._squares += sum((one - mean) ** 2 for one in values)
+        self._spare += len(values) - 1
+        least = (1e-3 * mean) ** 2 + 1e-12
+        variance = _MARGIN * self._squares / self._spare / len(values) if self._spare else 0.0
+        return Look(mean, max(variance, least), (began + self._monotonic()) / 2)
+
+
+async def open_sight(node: Node, lookup: DeviceLookup, topic: str, region: Region) -> AbstractContextManager[Sight]:
+    """Return the sight of *topic*, to be entered: a topic, or the id or the name of a device.
+
+    Raises:
+        UsageError: There is no such topic or device, or it has no value that can be read.
+    """
+    devices = await lookup.called(topic)
+    if len(devices) == 1 and any(one.capability == "illuminance" for one in devices[0].states):
+        return _of_device(node, lookup, devices[0].id)
+    name = node.resolve_name(topic)
+    message_type = node.graph.get_message_type(name)
+    if message_type is None:
+        known = [one for one, ros_type in node.graph.get_topic_names_and_types().items() if _may_fit(ros_type)]
+        seeing = [one.name for one in await lookup.devices() if "light_sensor" in one.service_types]
+        hint = did_you_mean(topic, [*known, *seeing], "a robot has to publish it first")
+        raise UsageError(f"there is no topic {name}, nor a device with a light sensor; {hint}")
+    return _of_topic(node, name, message_type, region)
+
+
+def _may_fit(ros_type: str) -> bool:
+    return ros_type.startswith(("sensor_msgs/", "std_msgs/"))
+
+
+@contextmanager
+def _of_topic(node: Node, name: str, message_type: type[Message], region: Region) -> Iterator[Sight]:
+    sight = _TopicSight(node, name, message_type, region)
+    subscription = node.create_subscription(message_type, name, sight.on_message, qos_profile_sensor_data)
+    try:
+        yield sight
+    finally:
+        subscription.close()
+
+
+@contextmanager
+def _of_device(node: Node, lookup: DeviceLookup, device_id: str) -> Iterator[Sight]:
+    yield _DeviceSight(node, lookup, device_id)
+
+
+class _TopicSight:
+    def __init__(self, node: Node, name: str, message_type: type[Message], region: Region) -> None:
+        self._name = name
+        self._clock = node.graph.clock
+        read = _PICTURES.get(message_type.ros_type)
+        self._read: Callable[[Any], float] = _number_of(message_type) if read is None else partial(read, region=region)
+        self._gap = 0.9 * _LOOK / (_MOST if read is None else _MOST_PICTURES)
+        self._messages: list[Any] | None = None
+        self._last_at = 0.0
+        self._has_come = anyio.Event()
+
+    def on_message(self, message: Message) -> None:
+        """Keep *message* for a look that is under way."""
+        now = self._clock.monotonic()
+        if self._messages is not None and now - self._last_at >= self._gap:
+            self._messages.append(message)
+            self._last_at = now
+            self._has_come.set()
+
+    async def values(self) -> Sequence[float]:
+        messages = self._messages = []
+        self._has_come, self._last_at = anyio.Event(), -_LOOK
+        try:
+            await anyio.sleep(_LOOK)
+            with anyio.move_on_after(_LONGEST - _LOOK):
+                await self._has_come.wait()
+        finally:
+            self._messages = None
+        if not messages:
+            raise UsageError(f"nothing was published on {self._name} within {_LONGEST:g} s; is its robot on?")
+        return [self._read(one) for one in messages]
+
+
+class _DeviceSight:
+    """View of a sensor that may report changes alone: what it does not report in five seconds has not changed."""
+
+    def __init__(self, node: Node, lookup: DeviceLookup, device_id: str) -> None:
+        self._clock = node.graph.clock
+        self._lookup = lookup
+        self._device = device_id
+        self._silent_looks = 0
+
+    async def values(self) -> Sequence[float]:
+        began, passed, known, found = self._clock.now(), 0.0, 0.0, dict[float, float]()
+        while passed < _LOOK or (not found and passed < _LONGEST):
+            await anyio.sleep(_AGAIN)
+            device, passed = await self._lookup.device(self._device), self._clock.now() - began
+            for one in () if device is None else device.states:
+                value = one.value.plain()
+                if one.capability == "illuminance" and isinstance(value, float):
+                    known, at = value, one.told_at.to_seconds()
+                    found |= {at: value} if at > began else {}
+        if found:
+            self._silent_looks = -_MOST
+        self._silent_looks += 1
+        if self._silent_looks >= _SILENT:  # the first, one with all dark, and one with all bright
+            raise UsageError(f"{self._device} reported nothing while all changed: it sees none of them, or is too slow")
+        return [*found.values()] or [known]
+
+
+def _number_of(message_type: type[Message]) -> Callable[[Any], float]:
+    """Return what reads the only number of a message.
+
+    Raises:
+        UsageError: It has none, or several.
+    """
+    fields = fields_of(message_type)
+    found = [one.name for one in fields if one.ros_type in _NUMBERS and not one.is_array and one.name not in _NO_VALUES]
+    if len(found) != 1:
+        raise UsageError(
+            f"{message_type.ros_type} has {len(found) or 'no'} numbers; take a topic with one, such as "
+            "sensor_msgs/Illuminance or std_msgs/Float64, or with pictures"
+        )
+    return lambda message: float(getattr(message, found[0]))

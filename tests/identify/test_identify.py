@@ -1,0 +1,155 @@
+"""The device in view is identified, and everything is put back; in virtual time."""
+
+from __future__ import annotations
+
+from datetime import time
+
+import anyio
+import pytest
+from tests.control.conftest import ignore, obey_after
+from tests.identify.conftest import Room
+
+from homebot.devices.names import TAG_DEVICE
+from homebot.devices.places_messages import TagDevice, TagDeviceRequest
+from homebot.graph.actions import GoalState
+
+pytestmark = pytest.mark.virtual_time
+
+
+async def test_the_lamp_in_view_is_found_and_all_are_as_before(room: Room) -> None:
+    await room.lamps(5, 10, 60, 3)
+    before = await room.is_on()
+    found = await room.identify()
+    assert (found.success, found.name, found.message) == (True, "Lamp2", "Lamp2 is in view")
+    assert found.probability >= 0.99
+    effect = found.candidates[2]
+    assert abs(effect.effect - 60) < 3 * effect.deviation < 60
+    assert await room.is_on() == before
+    assert await room.home.leases() == ()
+    assert room.store == {}
+    assert room.feedback[-1].candidates == found.candidates
+
+
+async def test_none_of_them_is_an_answer(room: Room) -> None:
+    await room.lamps(2, 1, 2, 1)
+    found = await room.identify()
+    assert (found.success, found.device, found.message) == (True, "", "none of the candidates is in view")
+    assert found.none >= 0.99
+
+
+async def test_one_device_is_verified(room: Room) -> None:
+    await room.lamps(5, 60)
+    assert (await room.identify(candidates="Lamp1")).name == "Lamp1"
+    assert (await room.identify(candidates="Lamp0")).message == "none of the candidates is in view"
+
+
+async def test_lamps_that_are_as_like_are_not_sure(room: Room) -> None:
+    await room.lamps(60, 60)
+    before = await room.is_on()
+    found = await room.identify(seconds=20)
+    assert not found.success
+    assert found.message.startswith("not sure: ")
+    assert await room.is_on() == before
+
+
+async def test_a_lamp_that_does_not_obey_drops_out_and_the_rest_is_identified(room: Room) -> None:
+    await room.lamps(5, 10, 60, 3)
+    room.home.behaviours["lamp1"] = ignore
+    before = await room.is_on()
+    found = await room.identify()
+    assert found.name == "Lamp2"
+    assert "Lamp1 took no part to the end: no answer" in found.message
+    assert await room.is_on() == before
+
+
+async def test_slow_lamps_are_awaited(room: Room) -> None:
+    await room.lamps(5, 10, 60, 3)
+    for number in range(4):
+        room.home.behaviours[f"lamp{number}"] = obey_after(2.0)
+    assert (await room.identify()).name == "Lamp2"
+
+
+async def test_a_lamp_that_a_person_switches_drops_out_and_stays_as_the_person_left_it(room: Room) -> None:
+    await room.lamps(5, 10, 60, 3)
+    goal = await room.begin()
+    await anyio.sleep(5.0)
+    is_on = (await room.is_on())["Lamp0"]
+    await room.by_person("lamp0", is_on=not is_on)
+    found = (await goal.result())[1]
+    assert found.name == "Lamp2"
+    assert "it was changed meanwhile" in found.candidates[0].problem
+    assert await room.is_on() == {"Lamp0": not is_on, "Lamp1": True, "Lamp2": False, "Lamp3": True}
+
+
+async def test_a_cancelled_goal_leaves_everything_as_before(room: Room) -> None:
+    await room.lamps(5, 10, 60, 3)
+    before = await room.is_on()
+    goal = await room.begin()
+    await anyio.sleep(4.4)
+    goal.request_cancel()
+    state, found = await goal.result()
+    assert (state, found.message) == (GoalState.CANCELED, "cancelled; everything is as before")
+    assert await room.is_on() == before
+    assert await room.home.leases() == ()
+
+
+async def test_a_sensor_that_sees_nothing_is_an_error_before_anything_changes(room: Room) -> None:
+    await room.lamps(5, 60)
+    room.is_seeing = False
+    found = await room.identify()
+    assert found.message == "nothing was published on /rosie/light within 5 s; is its robot on?"
+    assert room.home.commands == []
+
+
+async def test_a_topic_that_is_not_there_is_an_error_with_the_nearest_name(room: Room) -> None:
+    await room.lamps(60)
+    found = await room.identify(topic="/rosie/ligth")
+    assert found.message.endswith("did you mean /rosie/light?")
+
+
+async def test_people_are_told_before_it_begins(room: Room) -> None:
+    await room.lamps(60)
+    goal = await room.begin()
+    await anyio.sleep(1.5)
+    assert room.told == ["Identify: identify by rosie: Lamp0 change for up to 60 s, and are put back"]
+    await goal.result()
+
+
+@pytest.mark.parametrize("now", ["22:00", "03:00", "06:59"])
+async def test_nothing_is_changed_at_night_unless_asked(room: Room, now: str) -> None:
+    await room.lamps(60)
+    room.now = now
+    found = await room.identify()
+    assert found.message == (
+        f"the identification was refused: it is {now}, and people sleep from 22:00 to 07:00; "
+        "`at_night` (`--night`) allows it"
+    )
+    assert room.home.commands == []
+    assert (await room.identify(at_night=True)).name == "Lamp0"
+
+
+async def test_nothing_is_changed_in_quiet_hours_unless_asked(room: Room) -> None:
+    await room.lamps(60)
+    room.quiet = [(time(11), time(14))]
+    assert "people sleep from 11:00 to 14:00" in (await room.identify()).message
+
+
+async def test_what_may_not_change_is_left_out_with_the_reason(room: Room) -> None:
+    home = room.home
+    await room.lamp("lamp", 60)
+    await room.lamp("cot", 60, area="nursery")
+    home.put("bed", "occupancy_sensor", readable=("occupancy",), area="nursery")
+    home.put("new", "light", "on_off", area="hall")
+    home.put("oven", "plug", "on_off", area="hall", name="Oven")
+    await home.report("oven", "on_off", True)
+    await home.report("bed", "occupancy", True)
+    await anyio.sleep(0.1)
+    bed = next(one for one in await home.devices.find() if one.name == "Bed")
+    await home.app.create_client(TagDevice, TAG_DEVICE).call(TagDeviceRequest(device=bed.id, tag="bed"))
+    found = await room.identify(candidates="light or plug")
+    assert found.name == "Lamp"
+    assert {one.key: one.value for one in found.left_out} == {
+        "Cot": "somebody sleeps in nursery",
+        "New": "it has no two levels whose state is known",
+        "Oven": "it always asks: the name 'Oven' says 'oven'",
+    }

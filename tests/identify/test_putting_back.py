@@ -1,0 +1,127 @@
+"""Whatever interrupts an identification, everything is as before; in virtual time."""
+
+from __future__ import annotations
+
+import copy
+
+import anyio
+import pytest
+from tests.control.conftest import Home, OpenHome, ignore, obey_after
+from tests.identify.conftest import Room, served
+from tests.one_task import in_one_task
+from tests.sizes import size
+
+from homebot.graph.actions import GoalState
+
+pytestmark = pytest.mark.virtual_time
+
+RUNS = size(40, 1000)
+
+
+async def interrupted(room: Room, number: int) -> None:
+    """Cancel a run after a random time; the lamps answer after random times."""
+    for key in room.effects:
+        room.home.behaviours[key] = obey_after(room.random.uniform(0.0, 1.5))
+    before = await room.is_on()
+    goal = await room.begin(seconds=30)
+    await anyio.sleep(room.random.uniform(0.5, 15.0))
+    goal.request_cancel()
+    await goal.result()
+    await anyio.sleep(3.0)
+    assert await room.is_on() == before, number
+
+
+async def test_interrupted_runs_leave_no_lamp_changed(room: Room) -> None:
+    await room.lamps(5, 10, 60, 3)
+    for number in range(RUNS):
+        await interrupted(room, number)
+    assert room.store == {}
+    assert await room.home.leases() == ()
+
+
+async def test_a_kill_is_put_back_at_the_next_start(open_home: OpenHome) -> None:
+    """The store of a killed homebot is as before the first change, and nothing was released."""
+    async with in_one_task(open_home()) as home:
+        room = Room(home)
+        await room.lamps(5, 10, 60, 3)
+        for number in range(size(10, 200)):
+            before = await room.is_on()
+            left: dict[str, object] = {}
+            async with served(room):
+                goal = await room.begin(seconds=30)
+                await anyio.sleep(room.random.uniform(2.0, 12.0))
+                left = copy.deepcopy(room.store)
+                changed = await room.is_on()
+                goal.request_cancel()
+                await goal.result()
+            for key, is_on in changed.items():  # the kill leaves them so
+                await home.report(key.casefold(), "on_off", is_on)
+            await anyio.sleep(1.0)
+            room.store = left
+            async with served(room):
+                await anyio.sleep(0.1)
+                for key, is_on in changed.items():  # devices report after the start
+                    await home.report(key.casefold(), "on_off", is_on)
+                await anyio.sleep(12.0)
+                assert await room.is_on() == before, number
+                assert room.store == {}
+
+
+async def test_a_silent_device_is_put_back_a_minute_after_the_start(home: Home) -> None:
+    room = Room(home)
+    await room.lamps(60)
+    values = {"lamp0": ["on_off", True, False, 1.0]}
+    kept = {"by": "identify by rosie", "issuer": "client:rosie", "scope": [], "values": values}
+    room.store["run"] = kept | {"at": room.home.graph.clock.now()}
+    async with served(room):
+        await anyio.sleep(70.0)
+        assert await room.is_on() == {"Lamp0": True}
+
+
+async def test_what_was_left_long_ago_is_not_put_back(home: Home) -> None:
+    room = Room(home)
+    await room.lamps(60)
+    values = {"lamp0": ["on_off", True, False, 1.0]}
+    kept = {"by": "identify by rosie", "issuer": "client:rosie", "scope": [], "values": values}
+    room.store["run"] = kept | {"at": room.home.graph.clock.now() - 7200}
+    async with served(room):
+        await anyio.sleep(70.0)
+        assert await room.is_on() == {"Lamp0": False}
+        assert room.store == {}
+
+
+async def test_the_end_of_homebot_puts_back(home: Home) -> None:
+    room = Room(home)
+    await room.lamps(5, 60)
+    before = await room.is_on()
+    async with served(room):
+        await room.begin()
+        await anyio.sleep(4.5)
+        assert await room.is_on() != before
+    assert await room.is_on() == before
+    assert room.store == {}
+
+
+async def test_nothing_is_changed_if_the_values_cannot_be_kept(room: Room) -> None:
+    await room.lamps(60)
+    room.problem = "the disk is full"
+    found = await room.identify()
+    assert found.message == "nothing was changed, as the values to put back cannot be kept: the disk is full"
+    assert room.home.commands == []
+    assert room.store == {}
+
+
+async def test_what_cannot_be_put_back_is_tried_again(room: Room) -> None:
+    await room.lamps(60)
+    goal = await room.begin()
+    await anyio.sleep(4.0)
+    assert await room.is_on() == {"Lamp0": True}
+    room.home.behaviours["lamp0"] = ignore
+    goal.request_cancel()
+    state, _ = await goal.result()
+    assert state is GoalState.CANCELED
+    assert await room.is_on() == {"Lamp0": True}
+    del room.home.behaviours["lamp0"]
+    await anyio.sleep(30.0)
+    assert await room.is_on() == {"Lamp0": False}
+    assert room.store == {}
