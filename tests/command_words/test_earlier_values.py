@@ -22,7 +22,7 @@ def undone(before: KnownStates, now: KnownStates) -> dict[tuple[str, str], tuple
     """Undo a command that was given at 100 and ended at 101."""
     earlier = EarlierValues()
     earlier.add_parts(before, [LAMP], 100.0, 101.0)
-    return earlier.take(now)
+    return earlier.due(now)
 
 
 def test_a_value_that_the_command_brought_about_comes_back() -> None:
@@ -53,13 +53,13 @@ def test_a_second_command_keeps_what_was_before_the_first() -> None:
     earlier = EarlierValues()
     earlier.add_parts(lamp(1.0, level=20.0), [LAMP], 100.0, 101.0)
     earlier.add_parts(lamp(100.5, level=80.0), [LAMP], 200.0, 201.0)
-    assert earlier.take(lamp(200.5, level=50.0)) == {LAMP: (Setting.of("level", 20.0),)}
-    assert earlier.take(lamp(200.5, level=50.0)) == {}, "an undo is done once"
+    assert earlier.due(lamp(200.5, level=50.0)) == {LAMP: (Setting.of("level", 20.0),)}
+    assert earlier.due(lamp(200.5, level=50.0)) == {}, "an undo is done once"
 
 
 def test_it_can_be_kept_as_json() -> None:
     earlier = EarlierValues({"lamp color": [[120.0, 50.0], 100.0, 101.0]})
-    assert earlier.take(lamp(100.5, color=(0.0, 100.0))) == {LAMP: (Setting.of("color", (120.0, 50.0)),)}
+    assert earlier.due(lamp(100.5, color=(0.0, 100.0))) == {LAMP: (Setting.of("color", (120.0, 50.0)),)}
 
 
 def commanded(outcome: Outcome) -> CommandedPart:
@@ -70,7 +70,7 @@ def undone_after(outcome: Outcome, now: KnownStates) -> list[tuple[str, str]]:
     """Undo a command that turned the lamp on, was given at 100 and ended at 101, with this outcome."""
     earlier = EarlierValues()
     earlier.add(lamp(1.0, on_off=False, level=20.0), [commanded(outcome)], 100.0, 101.0)
-    return list(earlier.take(now))
+    return list(earlier.due(now))
 
 
 def test_what_a_person_changed_a_moment_after_the_report_of_the_device_stays() -> None:

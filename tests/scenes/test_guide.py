@@ -2,11 +2,14 @@
 
 import ast
 import re
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from tests.shell import Homebot, homebot_in
+
+from homebot.scenes.settings import read_scenes
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
 
@@ -37,6 +40,12 @@ def test_a_command_of_the_guide_runs(home: Homebot, command: str) -> None:
     """In the order of the guide."""
     done = home.run(command)
     assert (done.returncode, done.stdout != "") == (0, True), done
+
+
+def test_the_scene_of_the_configuration_is_read() -> None:
+    (shown,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
+    (scene,) = read_scenes(tomllib.loads(shown)["scenes"], "homebot.toml")
+    assert scene.name == "Dinner"
 
 
 def test_the_program_of_the_guide_is_python() -> None:

@@ -84,7 +84,7 @@ class EarlierValues:
                 was, since = earlier[:2] if earlier and _is_own(state, earlier) else (state.value.plain(), given_at)
                 self.entries[key] = [was, since, ended_at, told.get(capability)]
 
-    def take(self, states: KnownStates) -> dict[tuple[str, str], tuple[Setting, ...]]:
+    def due(self, states: KnownStates) -> dict[tuple[str, str], tuple[Setting, ...]]:
         """Return the settings by part that bring back the values that nothing else has changed since; forget all."""
         found: dict[tuple[str, str], dict[str, PlainValue]] = {}
         for key, entry in self.entries.items():

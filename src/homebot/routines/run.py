@@ -164,7 +164,7 @@ class RoutineRun:
 
     async def _undo(self) -> None:
         """Bring back the values from before, of each part at once, where nothing else has changed them since."""
-        due = self._before.take(await self._states())
+        due = self._before.due(await self._states())
         requests = [
             CommandRequest(
                 device=device,

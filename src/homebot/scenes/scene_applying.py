@@ -78,7 +78,7 @@ class SceneApplying:
         if applied is None or applied.is_undone:
             problem = f"there is nothing to undo: {scene.name} was not applied, or was undone since"
             return CommandDevicesResponse(success=False, message=problem)
-        due = book.begin(scene.id, applied.at).take(known_states(house.devices.values()))
+        due = book.begin(scene.id, applied.at).due(known_states(house.devices.values()))
         applied.is_undone = True
         if not due:
             return CommandDevicesResponse(

@@ -93,7 +93,7 @@ class SceneServices:
         except HomebotError as exc:
             return ChangeSceneResponse(success=False, message=str(exc))
         scenes: tuple[SceneInfo, ...] = () if scene is None else (house.info(house.find(scene.name)),)
-        problem = await self._keep(book, at_once=True)
+        problem = await self._store(book, at_once=True)
         message = f"a restart would lose this, as it was not written: {problem}" if problem else ""
         return ChangeSceneResponse(success=True, message=message, scenes=scenes, left_out=left_out)
 
@@ -103,7 +103,7 @@ class SceneServices:
             scene = house.find(request.name)
         except HomebotError as exc:
             return CommandDevicesResponse(success=False, message=str(exc))
-        keep = partial(self._keep, book, at_once=False)
+        keep = partial(self._store, book, at_once=False)
         if request.undo:
             answer = await self._applying.undo(request, scene, house, book)
         else:
@@ -128,6 +128,6 @@ class SceneServices:
             self._node.log.error(UNREADABLE, message=f"the scenes of the owner cannot be read: {exc}")
             return SceneBook()
 
-    async def _keep(self, book: SceneBook, *, at_once: bool) -> str:
+    async def _store(self, book: SceneBook, *, at_once: bool) -> str:
         keeper = self._keeper()
         return "" if keeper is None else await keeper.keep_scenes(book.record(), at_once=at_once)
