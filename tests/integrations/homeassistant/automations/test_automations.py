@@ -216,6 +216,21 @@ def test_a_name_that_two_devices_may_have_made_is_refused() -> None:
     assert [one.problem for one in found.refused] == ["light.a_b may be several parts of what homebot knows"]
 
 
+@pytest.mark.parametrize(("mode", "is_asked_before"), [("single", True), ("restart", False), ("queued", False)])
+def test_actions_that_begin_with_a_condition_end_or_await_the_run_before(mode: str, *, is_asked_before: bool) -> None:
+    text = f"""
+- mode: {mode}
+  trigger: {{platform: time, at: '12:00'}}
+  action:
+    - {{condition: state, entity_id: light.hall_lamp, state: 'off'}}
+    - {{service: light.turn_on, entity_id: light.hall_lamp}}
+    - {{delay: 60}}
+"""
+    (routine,) = read_routines(read(text).texts[0], SOURCE)
+    assert ("if" in routine.table) is is_asked_before
+    assert isinstance(cast("list[object]", routine.table["do"])[0], dict) is not is_asked_before
+
+
 def test_parts_of_an_automation_with_ids_do_not_wait() -> None:
     """As routines of their own they would no longer end each other."""
     text = """

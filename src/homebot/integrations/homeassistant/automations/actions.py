@@ -57,6 +57,22 @@ class Actions:
         self._is_split = is_split
         self._has_waited = False
 
+    def all_of(
+        self, nodes: Sequence[Located], mode: str, problems: list[NotCarriedError]
+    ) -> tuple[list[Condition], list[Step]]:
+        """Return the conditions of the automation that its actions begin with, and its steps.
+
+        A new run ends the one before it, or waits for it, before its actions ask for anything.
+        """
+        first, steps = self.read(nodes, problems)
+        if not first or not self._has_waited or mode not in {"restart", "queued"}:
+            return first, steps
+        try:
+            return [], _choice(first, steps, [], nodes[0].line)
+        except NotCarriedError as exc:
+            problems.append(exc)
+            return [], []
+
     def read(self, nodes: Sequence[Located], problems: list[NotCarriedError]) -> tuple[list[Condition], list[Step]]:
         """Return the conditions at the beginning, and the steps; each problem is added to *problems*."""
         first: list[Condition] = []

@@ -159,10 +159,11 @@ def _table(
             problems.append(exc)
     started_by = triggers.states if len(triggers.states) == len(part.nodes) and mode != "queued" else []
     actions = Actions(entities, conditions, started_by, is_split=is_split)
-    first, steps = actions.read(_listed(fields, "action"), problems)
-    if NEVER in (*held, *first) or not steps or not when:
+    first, steps = actions.all_of(_listed(fields, "action"), mode, problems)
+    held += first
+    if NEVER in held or not steps or not when:
         return {}
-    texts = [*dict.fromkeys(one.text for one in (*held, *first))]
+    texts = [*dict.fromkeys(one.text for one in held)]
     return {"when": when, **({"if": texts} if texts else {}), "do": steps}
 
 
