@@ -38,7 +38,8 @@ HEADINGS = (
     "frame p99",
     "aim",
     "longest",
-    "all listed after",
+    "first paint, all listed after",
+    "heap",
 )
 LAG = 20.0  # ms
 FRAME = 50.0  # ms
@@ -91,7 +92,7 @@ def _unseen(homebot: Worker, port: int, seconds: int) -> tuple[str, ...]:
     homebot.start("report")
     homebot.result()
     _change(port, seconds, CLOSED)
-    return ("closed", *_loop(homebot), "", "", "", "", "")
+    return ("closed", *_loop(homebot), "", "", "", "", "", "")
 
 
 def _seen(homebot: Worker, port: int, seconds: int) -> tuple[str, ...]:
@@ -110,7 +111,9 @@ def _seen(homebot: Worker, port: int, seconds: int) -> tuple[str, ...]:
             f"{frames['p99']:.1f} ms",
             _verdict(frames["p99"], FRAME),
         )
-        return (*row, f"{frames['longest']:.1f} ms", f"{browser.greeting['listed']:.2f} s")
+        shown = browser.greeting
+        times = f"{shown['painted']:.2f} s, {shown['listed']:.2f} s"
+        return (*row, f"{frames['longest']:.1f} ms", times, f"{shown['heap']:.1f} MB")
 
 
 def _change(port: int, seconds: int, level: int) -> None:

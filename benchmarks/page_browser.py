@@ -1,8 +1,8 @@
 """The page of a running homebot in Debian's Chromium, in the environment of the tests.
 
-``python page_browser.py URL DEVICES`` prints a JSON line with ``listed``, the seconds until the page shows all devices;
-for each line on its input one with the ``changes`` of texts since then, and ``p99`` and ``longest`` of its frames in
-milliseconds. The end of its input ends it.
+``python page_browser.py URL DEVICES`` prints a JSON line with the seconds until it ``painted`` first and has ``listed``
+all devices, and the ``heap`` of its program then, in MB; for each line on its input one with the ``changes`` of texts
+since then, and ``p99`` and ``longest`` of its frames in milliseconds. The end of its input ends it.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import WebDriverWait
 
 FLAGS = ("--headless=new", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run", "--window-size=1200,900")
+PAINTED = "return performance.getEntriesByName('first-contentful-paint')[0].startTime"
 WATCH = """
 window.frames_of_bench = [];
 let last = performance.now();
@@ -41,7 +42,11 @@ def main(url: str, devices: int) -> None:
         WebDriverWait(browser, 60, 0.02).until(
             lambda page: f"{devices} devices" in page.find_element(By.CSS_SELECTOR, "[role=status]").text
         )
-        print(json.dumps({"listed": time.perf_counter() - started}), flush=True)
+        listed = time.perf_counter() - started
+        painted = browser.execute_script(PAINTED) / 1e3
+        browser.execute_cdp_cmd("HeapProfiler.collectGarbage", {})
+        heap = browser.execute_cdp_cmd("Runtime.getHeapUsage", {})["usedSize"] / 1e6
+        print(json.dumps({"listed": listed, "painted": painted, "heap": heap}), flush=True)
         browser.execute_script(WATCH)
         for _line in sys.stdin:
             frames = sorted(browser.execute_script("return window.frames_of_bench.splice(0)")) or [0.0]

@@ -193,7 +193,7 @@ function verdictText(verdict) {
 function triggerText(trigger) {
   if (!trigger.kind) return "";
   if (trigger.kind === "report" && trigger.readings.length)
-    return say(", because {device} reported {values}", { device: trigger.device.split("/").pop(), values: settingsText(trigger.readings) });
+    return say(", because {device} reported {values}", { device: spoken(trigger.device.split("/").pop()), values: settingsText(trigger.readings) });
   return trigger.text ? say(", because of {what}", { what: trigger.text }) : "";
 }
 
