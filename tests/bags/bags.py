@@ -17,7 +17,7 @@ START = 1_700_000_000_000_000_000
 
 
 def topic(name: str, message_type: type[Message] = String, qos: QoSProfile | None = None) -> BagTopic:
-    offered = qos_text([qos or QoSProfile()])
+    offered = qos_text([(qos or QoSProfile()).to_plain()])
     return BagTopic.of(name, message_type.ros_type, definition_text(message_type), offered)
 
 

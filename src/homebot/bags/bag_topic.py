@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final, NamedTuple, final
 
-from homebot.graph import QoSProfile
 from homebot.messages.interfaces import Interfaces
 from homebot.messages.interfaces.interface_text import split_definitions
 from homebot.messages.message import Message
@@ -15,7 +14,7 @@ from homebot.messages.type_hash import type_hash
 
 __all__ = ["BagMessage", "BagTopic", "qos_text"]
 
-_POLICIES: Final = ("history", "reliability", "durability", "liveliness")
+_POLICIES: Final = ("history", "reliability", "durability", "liveliness", "depth")
 _SPANS: Final = ("deadline", "lifespan", "liveliness_lease_duration")
 _INFINITE: Final = {"sec": 9_223_372_036, "nsec": 854_775_807}
 
@@ -73,17 +72,14 @@ class BagMessage(NamedTuple):
     data: bytes
 
 
-def qos_text(offered: Iterable[QoSProfile]) -> str:
-    """Return the profiles that publishers *offered* in the form of rosbag2, as a text of YAML."""
+def qos_text(offered: Iterable[Mapping[str, Any]]) -> str:
+    """Return the profiles that publishers *offered*, as :meth:`QoSProfile.to_plain`, in the form of rosbag2: YAML."""
     return json.dumps([_profile(one) for one in offered])
 
 
-def _profile(qos: QoSProfile) -> dict[str, Any]:
-    return (
-        {name: getattr(qos, name).name.lower() for name in _POLICIES}
-        | {"depth": qos.depth, "avoid_ros_namespace_conventions": False}
-        | {name: _span(getattr(qos, name)) for name in _SPANS}
-    )
+def _profile(plain: Mapping[str, Any]) -> dict[str, Any]:
+    kept = {name: plain[name] for name in _POLICIES} | {"avoid_ros_namespace_conventions": False}
+    return kept | {name: _span(plain[name]) for name in _SPANS}
 
 
 def _span(seconds: float) -> dict[str, int]:

@@ -48,4 +48,4 @@ def recorded_messages(recording: Recording) -> Iterator[BagMessage]:
 
 @lru_cache(maxsize=1024)
 def _topic(name: str, message_type: type[Message]) -> BagTopic:
-    return BagTopic.of(name, message_type.ros_type, definition_text(message_type), qos_text([QoSProfile()]))
+    return BagTopic.of(name, message_type.ros_type, definition_text(message_type), qos_text([QoSProfile().to_plain()]))

@@ -17,8 +17,8 @@ from homebot.bags.bag_writer import BagWriter
 from homebot.bags.public_message import without_raw_secrets
 from homebot.cli.graph_queries import entities, is_hidden, not_yet
 from homebot.cli.stop_signals import stop_signals
+from homebot.devices.wording.json_message import fields_of
 from homebot.errors import HomebotError, LinkError
-from homebot.graph import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from homebot.support.name_patterns import fits_any
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ class _Recorder:
         texts = dict(zip(known["topics"], known["typedefs_full_text"], strict=True))
         for name, ends in offered.items():
             if name in texts:  # else its publisher has just left
-                qos = qos_text(map(_profile, ends))
+                qos = qos_text(map(fields_of, ends))
                 self.topics[name] = BagTopic.of(name, ends[0].type, texts[name], qos)
                 self._door.subscribe(name, "cbor-raw")
 
@@ -100,16 +100,3 @@ class _Recorder:
         fields: Mapping[str, Any] = received.message
         at = fields["secs"] * 1_000_000_000 + fields["nsecs"]
         self._bag.put(without_raw_secrets(BagMessage(self.topics[received.topic], at, fields["bytes"])))
-
-
-def _profile(end: EndpointDetails) -> QoSProfile:
-    return QoSProfile(
-        depth=end.depth,
-        history=HistoryPolicy[end.history.upper()],
-        reliability=ReliabilityPolicy[end.reliability.upper()],
-        durability=DurabilityPolicy[end.durability.upper()],
-        lifespan=end.lifespan,
-        deadline=end.deadline,
-        liveliness=LivelinessPolicy[end.liveliness.upper()],
-        liveliness_lease_duration=end.liveliness_lease_duration,
-    )

@@ -3,7 +3,7 @@
 Names, defaults and rules are those of ROS 2 (rclpy ``qos.py``, rmw ``qos_profiles.h``) and DDS.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 from typing import TypeAlias
 
@@ -93,6 +93,12 @@ class QoSProfile:
     def queue_depth(self) -> int:
         """The real bound of the queue."""
         return self.depth if self.history is HistoryPolicy.KEEP_LAST else KEEP_ALL_LIMIT
+
+    def to_plain(self) -> dict[str, str | int | float]:
+        """Return its fields by name, policies as texts such as ``keep_last``, and the real bound as depth."""
+        values = {one.name: getattr(self, one.name) for one in fields(self)}
+        plain = {name: one.name.lower() if isinstance(one, IntEnum) else float(one) for name, one in values.items()}
+        return plain | {"depth": self.queue_depth}
 
 
 QoSLike: TypeAlias = QoSProfile | int

@@ -1,16 +1,13 @@
 """A service of our own: everything on the graph in one answer, with its quality of service."""
 
 from functools import partial
-from typing import Any, Final
+from typing import Any
 
 from homebot.errors import RefusedError
 from homebot.graph import EndpointInfo, EntityKind, Graph, Node
 from homebot.messages.message import Message, ServiceType
 
 __all__ = ["FindEndpoints", "serve"]
-
-_POLICIES: Final = ("reliability", "durability", "history", "liveliness")
-_SPANS: Final = ("lifespan", "deadline", "liveliness_lease_duration")
 
 
 class EndpointDetails(Message):
@@ -81,11 +78,7 @@ def _find_endpoints(graph: Graph, request: FindEndpointsRequest) -> FindEndpoint
 
 
 def _details(info: EndpointInfo) -> EndpointDetails:
-    policies: dict[str, Any] = {}
-    if (qos := info.qos) is not None:
-        policies = {name: getattr(qos, name).name.lower() for name in _POLICIES}
-        policies |= {name: float(getattr(qos, name)) for name in _SPANS}
-        policies["depth"] = qos.queue_depth
+    policies: dict[str, Any] = {} if info.qos is None else info.qos.to_plain()
     return EndpointDetails(kind=info.kind.value, node=info.node, name=info.name, type=info.ros_type, **policies)
 
 
