@@ -4,15 +4,18 @@ import asyncio
 import re
 import tomllib
 from collections import Counter
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 from tests.routines.week import ROUTINES, Week, week
 
-from homebot.config import load_config
+from homebot.config import Config, Table, load_config
 from homebot.recording.recording import TimedCommand
-from homebot.replay.replay import Replayed, replay
+from homebot.replay.replay import Replayed, replay, replay_config
 from homebot.replay.routine_trial import trial_config
+from homebot.routines.export import app_text, class_name
+from homebot.routines.text import read_routines, read_settings
 from homebot.testing import VirtualTimeLoop
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800), pytest.mark.rooms("homeassistant")]
@@ -29,7 +32,10 @@ def lived() -> Week:
 
 @pytest.fixture(scope="module")
 def tried(lived: Week) -> Replayed:
-    config = trial_config(lived.recording, load_config(ROUTINES))
+    return replayed(lived, trial_config(lived.recording, load_config(ROUTINES)))
+
+
+def replayed(lived: Week, config: Config) -> Replayed:
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
         loop = runner.get_loop()
         assert isinstance(loop, VirtualTimeLoop)
@@ -66,6 +72,20 @@ def test_a_trial_of_them_gives_the_same_commands_because_of_the_same_triggers(li
     assert [(one.app, one.message) for one in tried.notifications] == [
         (one.app, one.message) for one in lived.notifications
     ]
+
+
+def test_the_same_as_exported_apps_do_the_same(lived: Week, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(tmp_path)
+    apps: dict[str, Table] = {}
+    for table in TABLES:
+        text = f"[[routines]]\n{table}"
+        settings, app = read_settings(text, "test"), read_routines(text, "test")[0].app
+        (tmp_path / f"{app}.py").write_text(app_text(settings))
+        import_module(app)  # a file is not read on the event loop
+        apps[app] = {"class": f"{app}:{class_name(settings)}"}
+    found = replayed(lived, replay_config(lived.recording, (), load_config(ROUTINES), apps))
+    assert found.crashes == {}
+    assert [*map(in_words, found.commands)] == [*map(in_words, lived.recording.commands)]
 
 
 def test_nothing_is_said_against_them(tried: Replayed) -> None:

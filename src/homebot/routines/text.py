@@ -10,7 +10,7 @@ from homebot.routines.settings import RoutineSettings
 from homebot.support.toml_file import parse_toml
 from homebot.support.toml_text import toml_value
 
-__all__ = ["WrittenRoutine", "read_routines", "routine_text"]
+__all__ = ["WrittenRoutine", "read_routines", "read_settings", "routine_text"]
 
 _HEAD: Final = re.compile(r"^(?=[ \t]*\[\[\s*routines\s*\]\])", re.MULTILINE)
 _WIDTH: Final = 100
@@ -51,6 +51,16 @@ def read_routines(text: str, source: str) -> tuple[WrittenRoutine, ...]:
             source, "routines", "must be written as tables with the head [[routines]] in a line of its own"
         )
     return tuple(map(_checked, [source] * len(apps), apps, apps.values(), texts))
+
+
+def read_settings(text: str, source: str) -> RoutineSettings:
+    """Return the only routine in *text*.
+
+    Raises:
+        ConfigError: As :func:`read_routines`.
+    """
+    (routine,) = read_routines(text, source)
+    return parse_settings(RoutineSettings, routine.table, source, f"routines.{routine.app}")
 
 
 def _checked(source: str, app: str, table: Table, text: str) -> WrittenRoutine:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
@@ -35,6 +37,7 @@ _EXAMPLES = """\
   homebot routine new evening.toml         add the routines of a file; without one, write one in your editor
   homebot routine edit 'Hall light'        change it in your editor
   homebot routine remove 'Hall light'
+  homebot routine export 'Hall light'      write it as an app in Python, hall_light.py, and its test
   homebot routine import automations.yaml > new.toml    those of another program; lists what it leaves out
   homebot routine try new.toml --on last-week       what the routines of a file would have done, by the history
   homebot routine try new.toml --on day.jsonl.gz    the same on a recorded day, also with events such as presses
@@ -89,6 +92,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     command = add_verb(verbs, "import", "print the automations of another program as routines")
     set_door_command(command, _import, _EXAMPLES)
     command.add_argument("file", metavar="FILE", help="its automations, such as automations.yaml; - for standard input")
+    command = add_verb(verbs, "export", "write a routine as an app in Python, and its test")
+    set_door_command(command, _export, _EXAMPLES)
+    command.add_argument("name", metavar="NAME", help="its name")
     for change, summary in _CHANGES.items():
         command = add_verb(verbs, change, summary)
         set_door_command(command, partial(_change, change), _EXAMPLES)
@@ -189,6 +195,23 @@ def _import(door: DoorClient, options: argparse.Namespace) -> int:
     from homebot.cli.routine_import import import_routines  # noqa: PLC0415 - reads YAML
 
     return import_routines(door, options.file)
+
+
+def _export(door: DoorClient, options: argparse.Namespace) -> int:
+    from homebot.routines.export import app_text, class_name, pytest_text  # noqa: PLC0415 - reads routines
+    from homebot.routines.text import read_settings  # noqa: PLC0415 - as before
+
+    found = _named(door, options.name)
+    settings = read_settings(found.text, found.name)
+    files = {f"{found.app}.py": app_text(settings), f"test_{found.app}.py": pytest_text(settings, found.app)}
+    if there := [name for name in files if Path(name).exists()]:
+        raise UsageError(f"{' and '.join(there)} is here already; move it, or export in another folder")
+    for name, text in files.items():
+        Path(name).write_text(text, "utf-8")
+    print(f"wrote {' and '.join(files)}; run it in place of the routine:")
+    print(f"  pytest {list(files)[1]} && homebot routine disable {shlex.quote(found.name)}")
+    print(f'  and in homebot.toml: [apps.{found.app}_app] class = "{found.app}.py:{class_name(settings)}"')
+    return 0
 
 
 def _change(change: str, door: DoorClient, options: argparse.Namespace) -> int:

@@ -1,0 +1,106 @@
+"""A routine as an app in Python, with its test. Pure."""
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+from typing import Final
+
+from homebot.routines.program import Choice
+from homebot.routines.settings import RoutineSettings
+from homebot.support.folding import words_of
+
+__all__ = ["app_text", "class_name", "pytest_text"]
+
+_INDENT: Final = " " * 8
+_MOST_CHOICES: Final = 3
+"""Choices of which the test takes every way; of more, only two."""
+
+
+def class_name(routine: RoutineSettings) -> str:
+    """Return the name of the class, such as ``HallLight``."""
+    name = "".join(word.title() for word in words_of(routine.name) if word.isascii())
+    return name if name[:1].isalpha() else f"Routine{name}"
+
+
+def app_text(routine: RoutineSettings) -> str:
+    """Return the file of the app."""
+    facts = [f"when = {_tuple(routine.when)}"]
+    if routine.conditions:
+        facts.append(f"conditions = {_tuple(routine.conditions)}")
+    if routine.mode != "single":
+        facts.append(f'mode = "{routine.mode}"')
+    lines = [
+        f'"""{_prose(routine.name)}: a routine as an app, which you may change."""',
+        "",
+        "from homebot.routines.routine_app import RoutineApp",
+        "",
+        "",
+        f"class {class_name(routine)}(RoutineApp):",
+        *(f"    {fact}" for fact in facts),
+        "",
+        "    async def perform(self) -> None:",
+        *_body(routine.do),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def pytest_text(routine: RoutineSettings, module: str) -> str:
+    """Return the file of its test, which expects the steps of the routine on every way through its choices."""
+    name = class_name(routine)
+    choices = [one for one in routine.do if isinstance(one, Choice)]
+    ways = list(product((True, False), repeat=len(choices)))
+    ways = ways if len(choices) <= _MOST_CHOICES else [ways[0], ways[-1]]
+    checks = dict(_way(routine.do, one) for one in ways)
+    lines = [
+        f'"""The app {name} takes the steps of the routine."""',
+        "",
+        "import asyncio",
+        "",
+        f"from {module} import {name}",
+        "",
+        "from homebot.testing import steps_of",
+        "",
+        "",
+        "def test_it_takes_the_steps_of_the_routine() -> None:",
+    ]
+    for holds, steps in checks.items():
+        given = f", holds={_list(holds)}" if holds else ""
+        lines += [f"    assert asyncio.run(steps_of({name}{given})) == {_list(steps)}"]
+    return "\n".join(lines) + "\n"
+
+
+def _body(steps: Sequence[str | Choice]) -> Iterator[str]:
+    for one in steps:
+        if isinstance(one, str):
+            yield f"{_INDENT}await self.step({one!r})"
+            continue
+        yield f"{_INDENT}if await self.holds({', '.join(map(repr, one.conditions))}):"
+        yield from (f"{_INDENT}    await self.step({text!r})" for text in one.do)
+        if one.otherwise:
+            yield f"{_INDENT}else:"
+            yield from (f"{_INDENT}    await self.step({text!r})" for text in one.otherwise)
+
+
+def _way(steps: Sequence[str | Choice], taken: Sequence[bool]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the conditions that hold on a way through the choices, and its steps."""
+    choices = [one for one in steps if isinstance(one, Choice)]
+    holds = {text for one, is_taken in zip(choices, taken, strict=True) if is_taken for text in one.conditions}
+    found: list[str] = []
+    for one in steps:
+        if isinstance(one, str):
+            found.append(one)
+        else:
+            found += one.do if holds.issuperset(one.conditions) else one.otherwise
+    return tuple(sorted(holds)), tuple(found)
+
+
+def _tuple(texts: Sequence[str]) -> str:
+    return f"({', '.join(map(repr, texts))},)"
+
+
+def _list(texts: Sequence[str]) -> str:
+    return f"[{', '.join(map(repr, texts))}]"
+
+
+def _prose(text: str) -> str:
+    """Return *text* for a docstring."""
+    return text.replace("\\", "/").replace('"', "'")

@@ -1,0 +1,28 @@
+"""The steps that an exported routine takes, for its test."""
+
+from collections.abc import Collection
+
+from homebot.routines.routine_app import RoutineApp
+
+__all__ = ["steps_of"]
+
+
+async def steps_of(kind: type[RoutineApp], holds: Collection[str] = ()) -> list[str]:
+    """Return the steps that an app takes in one run, without a house.
+
+    Args:
+        holds: The conditions that hold; all others do not.
+    """
+    taken: list[str] = []
+
+    class Noted(kind):  # type: ignore[valid-type, misc]
+        """Takes down its steps."""
+
+        async def step(self, text: str) -> None:
+            taken.append(text)
+
+        async def holds(self, *conditions: str) -> bool:
+            return set(conditions) <= set(holds)
+
+    await Noted.perform(object.__new__(Noted))
+    return taken
