@@ -91,12 +91,19 @@ class Entities:
     """The entities that the gateway of Home Assistant lists, and those whose name leads to one device alone.
 
     Home Assistant makes ids of the names of devices and entities, unless their owner changes one of them later.
+
+    Attributes:
+        used: Those that were found since it was last emptied, by id.
     """
 
     def __init__(self, devices: Iterable[Device]) -> None:
         self._devices = tuple(devices)
         self._names = Counter(name for one in self._devices for name in _names(one))
         self._listed = {entity: (one, unit) for one in self._devices for entity, unit in _entities_of(one)}
+        self._by_slug: dict[str, dict[str, Device]] = {}
+        for one in self._devices:
+            for name in map(slug_of, _names(one)):
+                self._by_slug.setdefault(name, {})[one.id] = one
         self.used: dict[str, KnownEntity] = {}
 
     def find(self, entity_id: str, line: int) -> KnownEntity:
@@ -137,7 +144,10 @@ class Entities:
         if listed is not None:
             meant = [(listed[0], *one) for one in _meant(listed[0], domain, slug, is_sure=True)]
         else:
-            meant = [(device, *one) for device in self._devices for one in _meant(device, domain, slug)]
+            words = slug.split("_")
+            names = ("_".join(words[:count]) for count in range(1, len(words) + 1))
+            named = {one.id: one for name in names for one in self._by_slug.get(name, {}).values()}
+            meant = [(device, *one) for device in named.values() for one in _meant(device, domain, slug)]
         if len(meant) == 1:
             ((device, part, capability),) = meant
             return KnownEntity(entity_id, device, part, capability, self.name_of(device), listed[1] if listed else "")

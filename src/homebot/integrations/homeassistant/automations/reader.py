@@ -59,9 +59,10 @@ class HomeAssistantAutomations:
         texts: list[str] = []
         refused: list[Refusal] = []
         names: set[str] = set()
+        entities = Entities(devices)
         for node in nodes:
             name = _name_of(node)
-            entities = Entities(devices)
+            entities.used.clear()
             problems: list[NotCarriedError] = []
             tables = [*_tables(node, name, entities, problems)]
             written = [] if problems else _written(tables, names, node.line, source, entities, problems)
