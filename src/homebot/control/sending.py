@@ -202,7 +202,7 @@ class Sending:
         order_of, routes, is_unacknowledged = _orders(sent, plan, began), list[str](), False
         try:
             if shared is not None:
-                if await _share(sent, shared, order_of):
+                if await _share(sent, shared, order_of) or sent.progress.superseded_by:
                     return None
                 self._journal.record("sent", command)
             for capability, value in command.settings.items():
@@ -268,7 +268,8 @@ async def _share(sent: OpenCommand, shared: SharedSending, order_of: Callable[..
     with anyio.CancelScope() as scope:
         sent.acknowledging = scope
         settings = sent.command.settings
-        is_carried = await shared.carry([order_of(capability=one, value=Value.of(settings[one])) for one in settings])
+        orders = [order_of(capability=one, value=Value.of(settings[one])) for one in settings]
+        is_carried = await shared.carry(orders, sent.progress)
     if scope.cancelled_caught or is_carried:
         return True
     sendings.echoed = frozenset()

@@ -12,6 +12,7 @@ from homebot.errors import HomebotError, LinkError, RefusedError, UnansweredErro
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from homebot.control.timeline.progress import CommandProgress
     from homebot.devices import Device, DevicePart
     from homebot.devices.command_messages import Setting
     from homebot.devices.command_sender import CommandSender
@@ -57,6 +58,7 @@ class SharedSending:
         self._node, self._sender, self._may_send = node, sender, may_send
         self._awaited = awaited
         self._orders: list[Sequence[Command]] = []
+        self._progress: list[CommandProgress] = []
         self._decided, self._ended = anyio.Event(), anyio.Event()
         self._problem: HomebotError | None = LinkError("it was not sent")
 
@@ -65,16 +67,18 @@ class SharedSending:
         """True until it was sent or given up."""
         return not self._decided.is_set()
 
-    async def carry(self, orders: Sequence[Command]) -> bool:
+    async def carry(self, orders: Sequence[Command], progress: CommandProgress) -> bool:
         """Wait for the other commands, have one message sent for all of them, and return whether it was.
 
         Args:
             orders: The same for each of the commands to a group, except for their times.
+            progress: That of the command: none may be replaced by a newer one meanwhile.
 
         Raises:
             UnansweredError: It was sent, but its network has not acknowledged it.
         """
         self._orders.append(orders)
+        self._progress.append(progress)
         self._send_if_complete()
         with anyio.move_on_after(_PATIENCE):
             await self._decided.wait()
@@ -96,7 +100,8 @@ class SharedSending:
     def _send_if_complete(self) -> None:
         if not self.is_possible or len(self._orders) < self._awaited:
             return
-        if len(self._orders) < 2 or not self._may_send():
+        is_outdated = any(one.superseded_by for one in self._progress)
+        if is_outdated or len(self._orders) < 2 or not self._may_send():
             self._give_up()
             return
         self._decided.set()

@@ -30,6 +30,7 @@ __all__ = [
     "Publications",
     "TakesCode",
     "TextEndpoint",
+    "as_group",
     "begin_message",
     "work_left",
 ]
@@ -242,6 +243,8 @@ class DeviceRequest(NamedTuple):
 class GroupsListed(NamedTuple):
     """The members of all groups of a bridge, which announces the groups elsewhere; it replaces the last list.
 
+    The bridge reports values for members unheard.
+
     Attributes:
         source: The topic of the list.
         members: See :attr:`homebot.devices.part.Part.members`; by identifier of the group's device.
@@ -262,3 +265,9 @@ work_left: Final = ContextVar[int | None]("work_left", default=None)
 
 begin_message: Final[Callable[[], object]] = partial(work_left.set, MOST_WORK)
 """Let the readers of the next message, in this task, have :data:`MOST_WORK` to share."""
+
+
+def as_group(described: DescribedPart, members: tuple[str, ...]) -> DescribedPart:
+    """Return a part as a group of *members* whose bridge reports values for these unheard."""
+    echoed = tuple([one.model_copy(update={"echoed": one.readable}) for one in described.part.capabilities])
+    return described._replace(part=described.part.model_copy(update={"capabilities": echoed, "members": members}))

@@ -39,6 +39,8 @@ _PASSING: Final = (StateIs, FreshnessIs, ReachableIs, IsNear, IsDisputed, IsUnap
 """Terms whose matches change from moment to moment."""
 
 _SOURCE: Final = "configuration"
+_MOST: Final = 100
+"""The limit of groups: each is a fact of its members, of which a device has 200."""
 
 
 class GroupSettings(BaseModel):
@@ -62,6 +64,8 @@ def read_groups(tables: Sequence[Mapping[str, object]], source: str) -> Mapping[
         ConfigError: A name is missing, wrong or given twice, or *members* is no query, or depends on states or, by way
             of other groups, on the group itself; the message names the key.
     """
+    if len(tables) > _MOST:
+        raise ConfigError(source, "groups", f"there are {len(tables)} groups; {_MOST} is the limit")
     found: dict[str, str] = {}
     for number, table in enumerate(tables):
         one = parse_settings(GroupSettings, table, source, f"groups.{number}")

@@ -13,6 +13,7 @@ from homebot.conventions.description import (
     DeviceRequest,
     DeviceWithdrawn,
     GroupsListed,
+    as_group,
 )
 from homebot.conventions.payload import DuplicateKeys
 from homebot.errors import WireError
@@ -214,8 +215,7 @@ class AnnouncementHandler:
         members = next((one for one in found if one is not None), None)
         if members is None:
             return described
-        parts = [one._replace(part=one.part.model_copy(update={"members": members})) for one in described.parts]
-        return described._replace(parts=tuple(parts))
+        return described._replace(parts=tuple([as_group(one, members) for one in described.parts]))
 
     def _publish(self, change: RegistryChange, message: MqttMessage) -> None:
         """Publish the change made by *message*, and have the device's topics subscribed to and its state requested."""

@@ -64,6 +64,13 @@ def test_a_group_of_lamps_is_a_lamp_that_says_what_it_has_not_heard() -> None:
     assert part.state_requests == ()
 
 
+def test_a_group_of_lamps_and_plugs_is_turned_on_and_off() -> None:
+    convention = bridge()
+    heard(convention, lamp(LAMP, "ceiling", BRIGHTNESS), entry(PLUG, "plug"))
+    (part,) = only(groups(convention, group(LAMP, PLUG))).parts
+    assert (part.part.id, [one.name for one in part.part.capabilities]) == ("switch", ["on_off"])
+
+
 def test_the_members_are_asked_for_what_a_command_changes() -> None:
     convention = bridge()
     heard(convention, lamp(LAMP, "ceiling", BRIGHTNESS), lamp(PLUG, "shelf", BRIGHTNESS))
@@ -116,7 +123,6 @@ LOCK = {"type": "lock", "features": [{**STATE, "value_on": "LOCK", "value_off": 
     "other",
     [
         entry(PLUG, "door", definition={"exposes": [LOCK]}),
-        entry(PLUG, "plug"),
         {**entry(PLUG, "old"), "definition": None},
         COORDINATOR := {"ieee_address": PLUG, "type": "Coordinator", "friendly_name": "Coordinator"},
     ],

@@ -57,7 +57,11 @@ def exposes_of_groups(device: BridgeDevice) -> ExposesOfEndpoints:
         kind, endpoint, features = one.get("type"), one.get("endpoint", ""), one.get("features")
         if kind in _TYPES and isinstance(endpoint, str) and isinstance(features, list):
             own = [one for one in map(as_fields, features) if one.get("name") in SPECIFIC_TYPES[str(kind)]]
-            found.setdefault(endpoint, {})[str(kind)] = {str(one["name"]): _without_endpoint(one) for one in own}
+            named = {str(one["name"]): _without_endpoint(one) for one in own}
+            of_endpoint = found.setdefault(endpoint, {})
+            of_endpoint[str(kind)] = named
+            if kind == "light" and "state" in named:  # in a group with plugs
+                of_endpoint.setdefault("switch", {"state": named["state"]})
     return found
 
 
@@ -69,11 +73,12 @@ def build_group(
     Raises:
         WireError: Its name cannot be a topic of its own.
     """
-    exposes = [_common(kind, members) for kind in _TYPES if members and all(kind in one.exposes for one in members)]
+    kinds = [kind for kind in _TYPES if members and all(kind in one.exposes for one in members)]
+    exposes = [_common(kind, members) for kind in kinds[:1]]
     listed = {"endpoints": {"1": {"name": "1", "scenes": entry.get("scenes")}}, "power_source": "Battery"}
     device = read_bridge_device(base, {**entry, **listed, "definition": {"exposes": exposes}})
     parts = build_parts(device) if exposes else ()
-    return device, tuple(_of_group(one, members) for one in parts)
+    return device, tuple([one._replace(codec=_GroupCodec(one.codec, members)) for one in parts])
 
 
 def _without_endpoint(feature: Mapping[str, object]) -> Mapping[str, object]:
@@ -93,13 +98,6 @@ def _narrowest(features: Sequence[Mapping[str, object]]) -> dict[str, object]:
         if numbers := [bound for one in features if isinstance(bound := one.get(key), int | float)]:
             found[key] = pick(numbers)
     return found
-
-
-def _of_group(described: DescribedPart, members: Sequence[GroupMember]) -> DescribedPart:
-    part = described.part
-    echoed = tuple([one.model_copy(update={"echoed": one.readable}) for one in part.capabilities])
-    part = part.model_copy(update={"capabilities": echoed})
-    return described._replace(part=part, codec=_GroupCodec(described.codec, members))
 
 
 class _GroupCodec:

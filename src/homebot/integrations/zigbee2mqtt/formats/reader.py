@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from itertools import islice
 
-from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, GroupsListed
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, GroupsListed, as_group
 from homebot.conventions.long_json import parse_list
 from homebot.conventions.payload import as_fields, clean_text, parse_object, shown
 from homebot.devices.identity import identifiers
@@ -209,7 +209,7 @@ class Zigbee2MqttReader:
             whole_device=True,
             identifiers=(_group_id(base, entry),),
             name=clean_text(device.name),
-            parts=tuple(one._replace(part=one.part.model_copy(update={"members": names})) for one in parts),
+            parts=tuple([as_group(one, names) for one in parts]),
             topic=f"{base}/bridge/groups",
             facts={"origin": "Zigbee2MQTT"},
             owns=(device.topic,),
