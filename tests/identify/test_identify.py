@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from datetime import time
 
 import anyio
@@ -9,9 +10,11 @@ import pytest
 from tests.control.conftest import ignore, obey_after
 from tests.identify.conftest import Room
 
-from homebot.devices.names import TAG_DEVICE
+from homebot.devices.names import TAG_DEVICE, WHERE_IS_ROBOT
 from homebot.devices.places_messages import TagDevice, TagDeviceRequest
+from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotResponse
 from homebot.graph.actions import GoalState
+from homebot.messages import Time
 
 pytestmark = pytest.mark.virtual_time
 
@@ -153,3 +156,31 @@ async def test_what_may_not_change_is_left_out_with_the_reason(room: Room) -> No
         "New": "it has no two levels whose state is known",
         "Oven": "it always asks: the name 'Oven' says 'oven'",
     }
+
+
+async def test_the_position_of_what_is_found_is_kept_from_the_pose_of_the_robot(room: Room) -> None:
+    pose = RobotPose(
+        robot="rosie",
+        has_position=True,
+        x=1.0,
+        y=2.0,
+        yaw=math.pi / 2,
+        error=0.4,
+        received_at=Time(sec=0, nanosec=0),
+        limit=5.0,
+    )
+    answer = WhereIsRobotResponse(success=True, pose=(pose,))
+    room.home.app.create_service(WhereIsRobot, WHERE_IS_ROBOT, lambda _: answer)
+    await room.lamps(60)
+    found = await room.identify(robot="rosie", bearing=math.pi / 2, distance=2.0)
+    assert (found.message, found.at) == ("Lamp0 is in view", "-1.00,2.00 ±0.50 m")
+    (lamp,) = await room.home.devices.find()
+    assert [one.value for one in lamp.facts if one.name == "position"] == ["-1,2 ±0.5 m"]
+
+
+async def test_a_robot_that_is_lost_keeps_no_position(room: Room) -> None:
+    await room.lamps(60)
+    found = await room.identify(robot="rosie", distance=2.0)
+    assert found.success
+    assert found.message.startswith("Lamp0 is in view; its position is not kept: ")
+    assert found.at == ""

@@ -129,6 +129,9 @@ GROUP = "group"
 OWNER = "owner"
 """The convention of facts that the owner states."""
 
+SEEN = "seen"
+"""The gateway of positions at which a robot saw a device."""
+
 TAG = "tag"
 """The convention of facts from an NFC tag or a code on the device."""
 

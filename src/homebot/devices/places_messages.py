@@ -165,17 +165,19 @@ class GetPlacesResponse(Message):
 
 
 class TeachPlaceRequest(Message):
-    """The room of a device according to a tag on it; it counts if neither the owner nor the device states one.
+    """The place of a device according to a tag on it or a robot; it counts if neither owner nor device states one.
 
     Attributes:
         tag: The key of the tag; empty for a code.
         room: The room that the tag or code states; the room of the tag itself, if known, takes precedence.
+        at: The position at which a robot saw it, as for :class:`PlaceDeviceRequest`, instead of a tag.
     """
 
     device: str
     gateway: str
     tag: str = ""
     room: str = ""
+    at: str = ""
 
 
 class TeachPlaceResponse(ServiceAnswer):

@@ -10,7 +10,7 @@ import homebot.places
 from homebot.devices import DevicePart, Fact, KeyValue, Sighting
 from homebot.devices.always_ask import APPROVED, CHANGED, CLAIMED_MODEL, MAKE, PANEL
 from homebot.devices.device_types import wanted_types
-from homebot.devices.names import OWNER, PREFER, SEVERAL_NAMES, TAG
+from homebot.devices.names import OWNER, PREFER, SEEN, SEVERAL_NAMES, TAG
 from homebot.devices.words import SIREN, matching_words
 from homebot.discovery.approvals import Approval
 from homebot.discovery.endpoints import Addresses, addresses, preferred_routes, rank_in
@@ -206,6 +206,7 @@ def position_of(facts: Iterable[Fact]) -> Position | None:
     for fact in facts:
         if fact.name in _POSITIONS:
             source = fact.key if fact.convention == OWNER else fact.convention or fact.gateway
+            source = SEEN if fact.gateway == SEEN else source
             try:
                 return read_position(fact.value, _ANNOUNCED_ERROR, source)
             except UsageError:  # a device's own use of the key for something else

@@ -98,25 +98,30 @@ class PlacesEditor:
         for key, facts in self._table.owner.unknown(known):
             yield from ((key, fact.value) for fact in facts if fact.name == "area")
 
-    def teach(self, device_id: str, gateway: str, tag: str, room: str, now: float) -> tuple[str, bool]:
+    def teach(self, device_id: str, gateway: str, tag: str, room: str, now: float, *, at: str = "") -> tuple[str, bool]:
         """Learn the place of a device from a tag attached to it; it counts if neither owner nor device state one.
 
         It is the place of the tag, as far as known.
 
         Args:
             room: The room written on the tag; the known room of the tag outranks it.
+            at: The position at which a robot saw the device, instead of a tag; empty for none.
 
         Returns:
             The resulting room of the device, and whether the place learnt from the tag is new.
         """
         entry, stated = self._entry(device_id), self.stated(self._entry(device_id))
-        facts = self._taught(entry, gateway, tag, room, now)
+        if at:
+            facts = [OwnerFact("taught_position", stated_position(at, self._table.owner.plan), gateway, now)]
+        else:
+            facts = self._taught(entry, gateway, tag, room, now)
         before = {(fact.name, fact.value) for fact in stated if fact.name in _TAUGHT}
         is_new = before != {(fact.name, fact.value) for fact in facts}
         if is_new:
             others = [one for one in stated if one.name not in _TAUGHT]
             where = " at ".join(fact.value for fact in reversed(facts))
-            self.state(entry, [*others, *facts], f"a tag says that it is in {where}")
+            why = f"a robot saw it at {where}" if at else f"a tag says that it is in {where}"
+            self.state(entry, [*others, *facts], why)
         return entry.to_device(self._table.topics).area, is_new
 
     def _taught(self, entry: Entry, gateway: str, tag: str, room: str, now: float) -> list[OwnerFact]:

@@ -124,7 +124,7 @@ class PlacesServices:
 
     def _teach(self, request: messages.TeachPlaceRequest) -> messages.TeachPlaceResponse:
         teach, now = self._index.places.teach, self._clock.now()
-        room, is_new = teach(request.device, request.gateway, request.tag, request.room, now)
+        room, is_new = teach(request.device, request.gateway, request.tag, request.room, now, at=request.at)
         return messages.TeachPlaceResponse(success=True, room=room, is_new=is_new)
 
     async def _change_room(self, request: messages.ChangeRoomRequest) -> messages.ChangeRoomResponse:

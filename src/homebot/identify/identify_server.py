@@ -26,6 +26,7 @@ from homebot.graph.actions import ActionServer, Preemption, ServerGoal
 from homebot.identify.candidates import CandidatePart, Preview, check_time, find_candidates
 from homebot.identify.identification import Identification
 from homebot.identify.kept_values import KeptValues
+from homebot.identify.seen_places import keep_seen
 from homebot.identify.sight import Looker, open_sight
 
 if TYPE_CHECKING:
@@ -112,7 +113,10 @@ class IdentifyServer:
                 finally:
                     with anyio.move_on_after(_PUTTING_BACK, shield=True):
                         await identification.end()
-        return _result(identification, found, left_out, is_sure=is_sure)
+        at, problem = "", ""
+        if found is not None and request.robot and request.distance:
+            at, problem = await keep_seen(self._node, request, found.device.id)
+        return _result(identification, found, left_out, is_sure=is_sure, at=at, problem=problem)
 
     async def _announce(self, by: str, request: IdentifyDeviceGoal, candidates: list[CandidatePart]) -> None:
         names = [one.name for one in candidates]
@@ -128,12 +132,18 @@ class IdentifyServer:
 
 
 def _result(
-    identification: Identification, found: CandidatePart | None, left_out: tuple[KeyValue, ...], *, is_sure: bool
+    identification: Identification,
+    found: CandidatePart | None,
+    left_out: tuple[KeyValue, ...],
+    *,
+    is_sure: bool,
+    at: str,
+    problem: str,
 ) -> IdentifyDeviceResult:
     states, none = identification.states(), identification.none
     best = max(states, key=lambda one: one.probability)
     if found is not None:
-        message = f"{found.name} is in view"
+        message = f"{found.name} is in view{problem and f'; its position is not kept: {problem}'}"
     elif is_sure:
         message = "none of the candidates is in view"
     else:
@@ -151,6 +161,7 @@ def _result(
         name="" if found is None else found.name,
         probability=max(none, best.probability),
         none=none,
+        at=at,
         candidates=states,
         looks=tuple(identification.looks),
         left_out=left_out,

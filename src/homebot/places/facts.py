@@ -62,10 +62,10 @@ class OwnerFact(NamedTuple):
 
     Attributes:
         name: ``area`` for the room, ``position`` as :attr:`Position.text`, ``name`` for an alias, ``tag``, or
-            ``taught_area`` and ``taught_position`` from an NFC tag or a code on the device, used only without any other
-            statement.
+            ``taught_area`` and ``taught_position`` from an NFC tag or a code on the device, or from a robot that
+            saw it, used only without any other statement.
         source: How it was stated: ``configuration``, ``command`` or ``import``; for a taught room, the gateway and the
-        number of the tag, separated by ``/``.
+        number of the tag, separated by ``/``, or ``seen``.
         said_at: When it was stated, in seconds since the Unix epoch.
     """
 

@@ -19,7 +19,7 @@ from homebot.cli.device_queries import (
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import print_line, print_rows
 from homebot.devices.capabilities import EVENTS
-from homebot.devices.names import OWNER, PREFER, TAG
+from homebot.devices.names import OWNER, PREFER, SEEN, TAG
 from homebot.devices.wording.time_format import ago
 from homebot.devices.wording.values import is_topic, life, plain_value, span, step_of, type_text, value_text
 from homebot.support.printable import printable
@@ -189,6 +189,6 @@ def _by(source: Route | Fact) -> str:
     if not gateway and convention == OWNER:
         return f"by the owner{_STATED_BY.get(key, '')}"
     if convention == TAG:
-        return f"by the tag {key} at {gateway}"
+        return "as a robot saw it" if gateway == SEEN else f"by the tag {key} at {gateway}"
     named = key if not convention or key.startswith(f"{convention}:") else f"{convention}:{key}"
     return f"via {gateway} as {named}" if gateway else f"as {named}"
