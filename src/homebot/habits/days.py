@@ -1,0 +1,135 @@
+"""Recorded days, as the search for habits reads them: what happened, and what held at each time. Pure."""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Final, final
+
+__all__ = ["DAY", "Days", "Happening", "Happenings"]
+
+DAY: Final = 86_400.0
+
+
+@dataclass(frozen=True, slots=True)
+class Happening:
+    """One change or press.
+
+    Attributes:
+        at: In seconds since the Unix epoch.
+        device: The id of its device; no habit has its cause and its action at the same device.
+        what: The part and the capability; with the device, the place whose value it is.
+        text: The new value as a trigger of a routine, such as ``hall motion occupied``.
+        step: What a person did, as a step of a routine, such as ``hall lamp on``; empty if no person did it.
+        is_press: Whether it is over at once, so that no place has this value later.
+    """
+
+    at: float
+    device: str
+    what: str
+    text: str
+    step: str = ""
+    is_press: bool = False
+
+
+@final
+class Days:
+    """Some days of a house.
+
+    Args:
+        events: In the order of time.
+        midnight: Returns the local midnight before a time, both in seconds since the Unix epoch.
+        conditions: By text of a routine's condition, whether it held at a time.
+        moments: By text of a routine's trigger with a place for an offset, such as ``sunset{}``, the time of that
+            moment on the day that begins at a midnight; None if it has none.
+    """
+
+    def __init__(
+        self,
+        events: Iterable[Happening],
+        midnight: Callable[[float], float],
+        conditions: Mapping[str, Callable[[float], bool]],
+        moments: Mapping[str, Callable[[float], float | None]],
+    ) -> None:
+        self.events = tuple(events)
+        self.midnight = midnight
+        self.conditions = conditions
+        self.moments = moments
+
+    def recent(self, count: int) -> Days:
+        """Return the last *count* days."""
+        since = self.midnights[-count] if count else float("inf")
+        return Days(self.between(since, float("inf")), self.midnight, self.conditions, self.moments)
+
+    @cached_property
+    def midnights(self) -> tuple[float, ...]:
+        """The beginnings of the days."""
+        return tuple(sorted({self.midnight(one.at) for one in self.events}))
+
+    @cached_property
+    def by_text(self) -> Mapping[str, Happenings]:
+        """The events of each trigger."""
+        kinds: defaultdict[str, Happenings] = defaultdict(Happenings)
+        for one in self.events:
+            kind = kinds[one.text]
+            kind.text, kind.device, kind.what = one.text, one.device, one.what
+            kind.times.append(one.at)
+            if one.step:
+                kind.step = one.step
+                kind.done.append(one.at)
+        return dict(kinds)
+
+    def number(self, at: float) -> int:
+        """Return the number of the day of *at*."""
+        return bisect_right(self.midnights, at) - 1
+
+    def between(self, since: float, until: float) -> tuple[Happening, ...]:
+        """Return the events from *since* on and before *until*."""
+        return self.events[bisect_left(self._times, since) : bisect_left(self._times, until)]
+
+    def held(self, at: float) -> frozenset[str]:
+        """Return the conditions that held at *at*."""
+        return frozenset(text for text, held in self.conditions.items() if held(at))
+
+    def is_so(self, kind: Happenings, at: float) -> bool:
+        """Return whether the place of *kind* had its value already before *at*."""
+        times, texts = self._values[kind.device, kind.what]
+        place = bisect_left(times, at)
+        return place > 0 and texts[place - 1] == kind.text
+
+    @cached_property
+    def _times(self) -> tuple[float, ...]:
+        return tuple(one.at for one in self.events)
+
+    @cached_property
+    def _values(self) -> Mapping[tuple[str, str], tuple[list[float], list[str]]]:
+        values: defaultdict[tuple[str, str], tuple[list[float], list[str]]] = defaultdict(lambda: ([], []))
+        for one in self.events:
+            times, texts = values[one.device, one.what]
+            times.append(one.at)
+            texts.append("" if one.is_press else one.text)
+        return dict(values)
+
+
+@dataclass(slots=True)
+class Happenings:
+    """All events with the same text.
+
+    Attributes:
+        done: The times at which a person did it.
+    """
+
+    text: str = ""
+    device: str = ""
+    what: str = ""
+    step: str = ""
+    times: list[float] = field(default_factory=list)
+    done: list[float] = field(default_factory=list)
+
+    def first(self, since: float, until: float) -> float | None:
+        """Return when a person first did it in a span; None for never."""
+        place = bisect_right(self.done, since)
+        return self.done[place] if place < len(self.done) and self.done[place] <= until else None

@@ -1,0 +1,57 @@
+"""A habit, with the occasions that prove it. Pure."""
+
+from dataclasses import dataclass
+from math import sqrt
+
+__all__ = ["FoundHabit", "Occasion", "sure_share"]
+
+
+@dataclass(frozen=True, slots=True)
+class Occasion:
+    """One time at which a routine would have acted.
+
+    Attributes:
+        at: In seconds since the Unix epoch.
+        done_at: When a person did the same; None if nobody did.
+    """
+
+    at: float
+    done_at: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class FoundHabit:
+    """A step that people do after something else, or at a time of day.
+
+    Attributes:
+        when: The trigger of the routine that would do it.
+        conditions: Its conditions.
+        do: Its step.
+        within: Seconds within which people do it.
+        occasions: All of them, in the order of time.
+        precision: The share of occasions on which people do it, as measured on days that were not used to find it.
+        recall: The share of the times that people do it which follow the trigger.
+    """
+
+    when: str
+    conditions: tuple[str, ...]
+    do: str
+    within: float
+    occasions: tuple[Occasion, ...]
+    precision: float
+    recall: float
+
+    @property
+    def done(self) -> int:
+        """The number of occasions on which a person did it."""
+        return sum(one.done_at is not None for one in self.occasions)
+
+
+def sure_share(done: int, of: int) -> float:
+    """Return the share that is at least so with 95 % certainty: the lower bound of E. B. Wilson (1927)."""
+    if not of:
+        return 0.0
+    z2 = 1.645**2
+    share = done / of
+    spread = sqrt(z2 * (share * (1 - share) / of + z2 / (4 * of * of)))
+    return (share + z2 / (2 * of) - spread) / (1 + z2 / of)

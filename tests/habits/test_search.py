@@ -1,0 +1,62 @@
+"""Habits of a simulated family are found, and nothing else is taken for one."""
+
+import pytest
+from tests.habits.family import HABITS, Family, Planted, days_of
+from tests.sizes import size
+
+from homebot.habits.days import DAY, Days
+from homebot.habits.habit import FoundHabit, sure_share
+from homebot.habits.search import find_habits, occasions_after
+
+SEEDS = range(size(2, 20))
+HOLIDAYS = range(9, 12)
+BLIND = HABITS[4]
+
+
+def found_in(days: Days) -> list[FoundHabit]:
+    return [one for one in find_habits(days) if one is not None]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_habits_of_a_family_are_found_in_three_weeks(seed: int) -> None:
+    """With holidays, in which nothing happens; one habit changes after the first ten days."""
+    family = Family(seed, holidays=HOLIDAYS)
+    family.changed = (10, BLIND, Planted("21.5", BLIND.do))
+    habits = found_in(family.days(21))
+    assert len({one.do for one in habits} & {one.do for one in HABITS}) >= 11
+    (blind,) = (one for one in habits if one.do == BLIND.do)
+    assert blind.when in {"21:20", "21:25", "21:30", "21:35", "21:40"}
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_no_habit_is_found_where_there_is_none(seed: int) -> None:
+    assert len(found_in(Family(seed, habits=()).days(100))) <= 1
+
+
+def test_the_precision_that_is_promised_is_what_comes() -> None:
+    promised, came = [], []
+    for seed in range(size(4, 20)):
+        days = Family(seed, holidays=HOLIDAYS).days(42)
+        later = days.recent(21)
+        for one in found_in(days_of([event for event in days.events if event.at < 21 * DAY], HOLIDAYS)):
+            if one.when in later.by_text and one.do in later.by_text:
+                occasions = occasions_after(later, one)
+                promised += [one.precision] * len(occasions)
+                came += [occasion.done_at is not None for occasion in occasions]
+    assert len(came) > 100
+    assert sum(promised) / len(promised) == pytest.approx(sum(came) / len(came), abs=0.05)
+
+
+def test_a_habit_has_its_conditions_and_every_occasion() -> None:
+    days = Family(1, holidays=HOLIDAYS).days(21)
+    (hall,) = (one for one in found_in(days) if one.do == "hall lamp on")
+    assert (hall.when, hall.conditions, hall.within) == ("hall motion occupied", ("sun is down",), 60.0)
+    assert hall.done >= 0.8 * len(hall.occasions)
+    for one in hall.occasions:
+        assert days.held(one.at) >= {"sun is down"}
+        assert one.done_at is None or 0 < one.done_at - one.at <= 60
+
+
+@pytest.mark.parametrize(("done", "of", "share"), [(0, 0, 0.0), (5, 5, 0.649), (14, 15, 0.749), (50, 100, 0.419)])
+def test_the_sure_share_is_the_bound_of_wilson(done: int, of: int, share: float) -> None:
+    assert sure_share(done, of) == pytest.approx(share, abs=0.001)
