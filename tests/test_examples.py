@@ -81,13 +81,15 @@ def test_the_robot_turns_on_the_nearest_lamp_by_the_way_through_the_door() -> No
     until = ("found hall_lamp", "found kitchen_lamp", "the robot is in hall")
     with homebot_in(folder, "--config", "homebot.toml", "--house", "house.toml", until=until) as homebot:
         done = homebot.run("python robot.py")
-        homebot.run("python robot.py")
+        other = homebot.run("python robot.py")
         dark = homebot.run("python robot.py")
     assert (dark.returncode, dark.stderr[:12]) == (1, "rosie was in"), dark.stderr  # no lamp is off any more
+    assert "none of the candidates is in view\nkitchen_lamp is on" in other.stdout  # it is behind the wall
     assert done.returncode == 0, done.stderr
-    hall, kitchen, outcome = done.stdout.splitlines()
+    hall, kitchen, seen, outcome = done.stdout.splitlines()
     assert hall.startswith("hall_lamp - ")
     assert kitchen.startswith("kitchen_lamp - ")
+    assert seen == "hall_lamp is in view"
     assert outcome.startswith("hall_lamp is on: confirmed")
 
 

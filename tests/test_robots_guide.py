@@ -126,7 +126,8 @@ def test_the_programs_of_the_guide_run_with_its_token(running: Homebot) -> None:
         [sys.executable, "-c", f"{program}\nros.terminate()"], capture_output=True, text=True, timeout=120, check=False
     )
     assert done.returncode == 0, done.stderr
-    outcome, type_hash = done.stdout.splitlines()
+    seen, outcome, type_hash = done.stdout.splitlines()
+    assert seen == "hall_lamp is in view"
     assert outcome == "confirmed"
     assert type_hash.startswith("RIHS01_")
 
