@@ -160,11 +160,17 @@ async def test_a_dead_lamp_of_a_group_whose_bridge_speaks_for_it_gave_no_answer(
     assert [type(one) for one in outcomes] == [Confirmed, NoAnswer, Confirmed]
 
 
-async def test_the_read_back_value_of_a_lamp_that_missed_it_has_it_told_by_itself(home: Home) -> None:
+@pytest.mark.parametrize("tells_old_first", [False, True])
+async def test_the_read_back_value_of_a_lamp_that_missed_it_has_it_told_by_itself(
+    home: Home, *, tells_old_first: bool
+) -> None:
+    """Also if the lamp said what it was just before its bridge spoke for it."""
     await put_lamps(home, echoed=True)
 
     async def repeat(home: Home, command: Command) -> None:
         for name in LAMPS:
+            if tells_old_first:
+                home.later(0.005, name, command.capability, False)
             home.later(0.01, name, command.capability, command.value.plain())
             home.later(0.4, name, command.capability, name != "two")
 

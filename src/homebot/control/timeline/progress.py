@@ -262,7 +262,8 @@ class CommandProgress:
         if not wanted.shows_obedience(fact.value):
             return self._not_met(wanted, fact)
         if self.transmission.echoed and self._is_of_group(fact):
-            return ReportRole.ECHO  # without a trace in *wanted*: the part itself is still to be heard
+            wanted.seen = NOTHING if wanted.met_at is None else wanted.seen  # the part itself is still to be heard
+            return ReportRole.ECHO
         if not (self.has_echo and self._is_echo(wanted, fact)):
             wanted.meet(fact, self.transmission.sent_at)
             return ReportRole.EFFECT

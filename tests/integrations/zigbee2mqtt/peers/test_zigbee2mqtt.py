@@ -65,9 +65,11 @@ async def lamps_at(url: str, program: Path, folder: Path, seed: int) -> AsyncIte
     command = ["node", "lamps.mjs", str(folder), url, str(len(LAMPS)), "0.3", str(seed)]
     async with await anyio.open_process(command, cwd=program, stderr=subprocess.STDOUT) as process:
         lamps = Lamps(process)
-        await lamps.until("ready")
-        yield lamps
-        process.kill()
+        try:
+            await lamps.until("ready")
+            yield lamps
+        finally:
+            process.kill()
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
