@@ -122,11 +122,12 @@ async def test_message_details_describe_nested_types_too(ask: Asker) -> None:
         "homebot/DevicePart",
         "homebot/Part",
         "homebot/Capability",
+        "homebot/SceneValue",
+        "homebot/Value",
         "homebot/Route",
         "homebot/Fact",
         "homebot/Reachability",
         "homebot/State",
-        "homebot/Value",
     ]
     device = typedefs[0]
     assert device["fieldnames"] == list(Device.model_fields)
