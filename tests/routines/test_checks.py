@@ -107,6 +107,20 @@ async def test_a_routine_that_starts_itself_by_a_query_is_named() -> None:
     assert found["A"] == ("it would start itself: 'hall lamp 40 %' of A starts A",)
 
 
+async def test_the_routines_of_a_device_are_those_that_command_it() -> None:
+    tables = {
+        "routines": [DAILY, DAILY | {"name": "B", "do": ["lights off"]}, DAILY | {"name": "C", "do": ["wait 1m"]}]
+    }
+    world = hall(study_lamp=lamp("study"))
+    async with virtual_house_of(world=world, config=tables) as house, Node(house.runtime.graph, "owner") as owner:
+        await house.run_for("1m")
+        listing = owner.create_client(ListRoutines, LIST_ROUTINES)
+        found = (await listing.call(RoutinesRequest(device="study_lamp"))).routines
+        assert [one.name for one in found] == ["B"]
+        found = (await listing.call(RoutinesRequest(device="hall_lamp"))).routines
+        assert [one.name for one in found] == ["A", "B"]
+
+
 @pytest.mark.parametrize(
     ("one", "other"),
     [

@@ -156,9 +156,11 @@ class RoutinesRequest(Message):
 
     Attributes:
         check: Whether to compare them with the devices of the house, and with each other.
+        device: Only those that command the device with this id; empty for all.
     """
 
     check: bool = False
+    device: ShortText = ""
 
 
 class RoutinesResponse(Message):

@@ -66,6 +66,17 @@ class HouseChecks:
             found[name].append(problem)
         return {name: [*dict.fromkeys(problems)] for name, problems in found.items() if problems}
 
+    async def commanding(self, routines: Iterable[RoutineSettings], device: str) -> frozenset[str]:
+        """Return the names of those of *routines* that command the device with the id *device*."""
+        found: set[str] = set()
+        for one in routines:
+            effects: list[Effect] = []
+            async for _ in self._of(one, effects):
+                pass
+            if any(effect.device.id == device for effect in effects):
+                found.add(one.name)
+        return frozenset(found)
+
     async def _of(self, routine: RoutineSettings, effects: list[Effect]) -> AsyncIterator[str]:
         """Yield the problems of one routine, and add the effects of its steps to *effects*."""
         for text, query, value in _states(routine):

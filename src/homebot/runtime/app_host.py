@@ -124,6 +124,10 @@ class AppHost:
         """Return *config* with the kept routines, if there are any."""
         return self.kept_routines.added_to(config) if self.has_kept_routines else config
 
+    async def routines_commanding(self, device: str) -> frozenset[str]:
+        """Return the names of the routines that command a device."""
+        return await self._checks.commanding((one.settings for one in self.routines.values()), device)
+
     @cached_property
     def _checks(self) -> HouseChecks:
         from homebot.routines.checks import HouseChecks  # noqa: PLC0415 - many homes have none

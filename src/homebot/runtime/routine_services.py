@@ -63,6 +63,9 @@ class RoutineServices:
         """Return all routines."""
         hints = await self._host.routine_problems() if request.check else {}
         infos = tuple(one.model_copy(update={"hints": tuple(hints.get(one.name, ()))}) for one in self._infos())
+        if request.device:
+            meant = await self._host.routines_commanding(request.device) if infos else frozenset()
+            infos = tuple(one for one in infos if one.name in meant)
         context = self._host.context
         known = (one for one in (context.latitude, context.longitude) if one is not None)
         place = tuple(round(one, 1) for one in known)

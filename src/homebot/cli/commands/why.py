@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, cast
 
 from homebot.cli.device_json import json_text
@@ -12,7 +13,7 @@ from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.terminal import print_line, print_rows
-from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE, UNREADABLE
+from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE, LIST_ROUTINES, UNREADABLE
 from homebot.devices.wording.journal_words import (
     Chain,
     ago_text,
@@ -25,13 +26,15 @@ from homebot.devices.wording.journal_words import (
     trigger_text,
     was_obeyed,
 )
+from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import iso
 from homebot.devices.wording.values import state_text
-from homebot.errors import UsageError
+from homebot.errors import PeerError, UsageError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices import Device
+    from homebot.devices.app_messages import RoutinesResponse
     from homebot.devices.journal_messages import (
         ExplainDeviceResponse,
         ExplainMissingStateResponse,
@@ -137,7 +140,20 @@ def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
             print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
     elif not found.is_so:
         print(_unasked(device, options, found, now))
+    if not found.is_so:
+        _print_held_back(door, device, now)
     return 0
+
+
+def _print_held_back(door: DoorClient, device: Device, now: float) -> None:
+    """Print which routines for *device* are switched off, or were held back by a condition the last time."""
+    with suppress(PeerError):  # an older homebot has none
+        for one in cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {"device": device.id}))).routines:
+            name, note = printable(one.name), one.notes[-1] if one.notes else None
+            if not one.enabled:
+                print_line(f"The routine {name} is disabled: homebot routine enable {shlex.quote(name)}")
+            elif note is not None and note.text.startswith("held back"):
+                print_line(f"The routine {name} was {printable(note.text, 300)}, {ago_text(note.at, now)}.")
 
 
 def _print_asked(
