@@ -13,6 +13,7 @@ from tests.identify.conftest import Room
 from homebot.devices.names import TAG_DEVICE, WHERE_IS_ROBOT
 from homebot.devices.places_messages import TagDevice, TagDeviceRequest
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotResponse
+from homebot.errors import RefusedError
 from homebot.graph.actions import GoalState
 from homebot.messages import Time
 
@@ -63,6 +64,20 @@ async def test_a_lamp_that_does_not_obey_drops_out_and_the_rest_is_identified(ro
     assert found.name == "Lamp2"
     assert "Lamp1 took no part to the end: no answer" in found.message
     assert await room.is_on() == before
+
+
+async def test_lamps_that_refuse_are_named_and_not_put_back(room: Room) -> None:
+    await room.lamps(60, 5)
+
+    async def refuse(*_: object) -> None:
+        raise RefusedError("a command", "the gateway only observes")
+
+    room.home.behaviours |= {"lamp0": refuse, "lamp1": refuse}
+    found = await room.identify()
+    assert found.message.startswith("no candidate takes part any more: Lamp")
+    assert "the gateway only observes" in found.message
+    assert room.store == {}
+    assert len(room.home.commands) == 1 + 1
 
 
 async def test_slow_lamps_are_awaited(room: Room) -> None:

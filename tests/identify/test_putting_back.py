@@ -67,7 +67,7 @@ async def test_a_kill_is_put_back_at_the_next_start(open_home: OpenHome) -> None
                 assert room.store == {}
 
 
-async def test_a_silent_device_is_put_back_a_minute_after_the_start(home: Home) -> None:
+async def test_a_silent_device_is_put_back_soon_after_the_start(home: Home) -> None:
     room = Room(home)
     await room.lamps(60)
     values = {"lamp0": ["on_off", True, False, 1.0]}

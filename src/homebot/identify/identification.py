@@ -172,6 +172,7 @@ class Identification:
         if candidate.lease and not await self._check(candidate):
             return
         await self._let_go(candidate)
+        before = candidate.wanted, candidate.set_at
         candidate.wanted, candidate.set_at = value, self._clock.now()
         candidate.lease = f"{self._run_id}-{next(self._numbers)}"
         self._kept.command(self._run_id, candidate)
@@ -193,6 +194,9 @@ class Identification:
             await self._drop(candidate, str(exc))
         else:
             if not outcome.succeeded:
+                if not outcome.was_sent:
+                    candidate.wanted, candidate.set_at = before
+                    self._kept.command(self._run_id, candidate)
                 await self._drop(candidate, outcome.text)
 
     async def _check(self, candidate: CandidatePart) -> bool:

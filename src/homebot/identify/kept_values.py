@@ -31,10 +31,11 @@ PUT_BACK = "identify.put_back"
 _LONGEST: Final = 60.0
 """Seconds after which a command is given up, and repeated later."""
 
-_FIRST: Final = 60.0
+_FIRST: Final = 10.0
 """Seconds after a start in which devices report; a silent one is commanded then."""
 
 _AGAIN: Final = 5.0
+_SELDOM: Final = 60.0
 _OLD: Final = 3600.0
 """Seconds after an identification in which values are put back: later, a person may have changed them since."""
 
@@ -113,13 +114,14 @@ class KeptValues:
         """Put back what is left of earlier runs, until cancelled."""
         while True:
             await self._has_left.wait()
-            self._has_left = anyio.Event()
+            self._has_left, pause = anyio.Event(), _AGAIN
             while left := [one for one in self._store if one not in self._running]:
                 for run in left:
                     with suppress(ServiceError):
                         await self._put_back(run)
                 await self._flush()
-                await anyio.sleep(_AGAIN)
+                await anyio.sleep(pause)
+                pause = min(2 * pause, _SELDOM)
 
     async def _put_back(self, run: str) -> None:
         kept = self._store[run]
