@@ -108,6 +108,9 @@ function valueOf(cluster, id, values) {
 
 function obey(values, frame) {
   const { name } = frame.command;
+  const { sceneid } = frame.payload;
+  if (name === "store") values[`scene ${sceneid}`] = { onOff: values.onOff, currentLevel: values.currentLevel };
+  if (name === "recall") Object.assign(values, values[`scene ${sceneid}`]);
   if (name === "on") values.onOff = 1;
   if (name === "off") values.onOff = 0;
   if (name.startsWith("moveToLevel")) {
