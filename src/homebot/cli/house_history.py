@@ -1,5 +1,6 @@
 """The last days of a running homebot as a recording, from its history and its journal."""
 
+import sys
 from collections.abc import Callable
 from typing import Final
 
@@ -14,6 +15,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.json import message_from_json
 from homebot.recording.recording import Recording
 from homebot.replay.history_recording import history_recording
+from homebot.support.printable import printable
 
 __all__ = ["read_house_history"]
 
@@ -37,7 +39,10 @@ def read_house_history(door: DoorClient, seconds: float, is_wanted: Callable[[De
         answer = door.call(READ_HISTORY, {"device": one.id, "points": MOST_POINTS, **span}, _LONGEST)
         if not answer["success"]:
             raise PeerError(str(answer["message"]))
-        series += message_from_json(ReadHistory.Response, answer, ignore_unknown=True).series
+        found_series = message_from_json(ReadHistory.Response, answer, ignore_unknown=True).series
+        if not all(each.complete for each in found_series):
+            print(f"of {printable(one.name)} only the newest {MOST_POINTS:,} values are tried", file=sys.stderr)
+        series += found_series
     journal = message_from_json(
         ReadJournalResponse, door.call(READ_JOURNAL, {"since": span["since"]}, _LONGEST), ignore_unknown=True
     )

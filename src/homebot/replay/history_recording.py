@@ -43,7 +43,8 @@ def history_recording(
     """
     began = Time.from_seconds(since)
     recording = Recording(RecordingHeader(format=FORMAT, version=__version__, home=home, started_at=began))
-    known = {one.id: one for one in devices}
+    devices = [one for one in devices if one.endpoints]
+    known = {one.id for one in devices}
     recording.devices = {one.id: _with_one_endpoint(one) for one in devices}
     messages = [(since, message) for one in devices for message in _announcements(one, began)]
     for one in series:

@@ -8,7 +8,7 @@ from contextlib import closing, suppress
 from typing import Final, final
 
 from homebot.command_words.suitable_parts import part_name, settings_by_part
-from homebot.command_words.targets import CommandTargets, NoTargetError
+from homebot.command_words.targets import CommandTargets, NoTargetError, Target
 from homebot.devices import QUERY_DEVICES, Device, KeyValue, QueryDevices
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.command_messages import CommandDevicesRequest
@@ -46,11 +46,15 @@ class HouseChecks:
         self._lookup = DeviceLookup(node)
         self._targets = CommandTargets(node, self._lookup, lambda *_: "")
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
+        self._answers: dict[tuple[str, int], QueryDevicesResponse] = {}
+        self._targeted: dict[Do, list[Target]] = {}
 
     async def problems(self, routines: Iterable[RoutineSettings]) -> Mapping[str, list[str]]:
         """Return the problems of each of *routines*, by its name; none if the directory does not answer."""
         found: dict[str, list[str]] = {}
         known: list[RoutineEffects] = []
+        self._answers.clear()
+        self._targeted.clear()
         try:
             for one in routines:
                 effects: list[Effect] = []
@@ -69,6 +73,8 @@ class HouseChecks:
     async def commanding(self, routines: Iterable[RoutineSettings], device: str) -> frozenset[str]:
         """Return the names of those of *routines* that command the device with the id *device*."""
         found: set[str] = set()
+        self._answers.clear()
+        self._targeted.clear()
         for one in routines:
             effects: list[Effect] = []
             async for _ in self._of(one, effects):
@@ -129,7 +135,9 @@ class HouseChecks:
             values=tuple(KeyValue(key=name, value=value) for name, value in step.values),
         )
         try:
-            targets = await self._targets.find(request)
+            if step not in self._targeted:
+                self._targeted[step] = await self._targets.find(request)
+            targets = self._targeted[step]
         except NoTargetError as exc:
             return [*filter(None, [await self._why_none(step.target, str(exc))])]
         except UsageError as exc:
@@ -173,7 +181,10 @@ class HouseChecks:
         return ""
 
     async def _ask(self, query: Query, limit: int = 1) -> QueryDevicesResponse:
-        return await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=limit))
+        key = repr(query), limit  # many routines ask for the same
+        if key not in self._answers:
+            self._answers[key] = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=limit))
+        return self._answers[key]
 
 
 def _states(routine: RoutineSettings) -> Iterator[tuple[str, Query, str]]:

@@ -108,7 +108,7 @@ def _try(options: argparse.Namespace) -> int:
 
 
 def _routines(door: DoorClient) -> RoutinesResponse:
-    return cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {"check": True})))
+    return cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {"check": True}, _LONGEST)))
 
 
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
