@@ -40,7 +40,7 @@ NOW = Time.from_seconds(0.0)
 
 
 def part(part_id: str, kind: str, *names: str, name: str = "") -> DevicePart:
-    bounds = {"heating_setpoint": (5.0, 30.0)}
+    bounds = {"heating_setpoint": (5.0, 30.0), "color_temperature": (2000.0, 6500.0)}
     able = tuple(
         Capability(name=one, settable=one in SETTABLE, options=OPTIONS.get(one, ()), bounds=bounds.get(one, ()))
         for one in names
@@ -245,3 +245,24 @@ def test_parts_of_an_automation_with_ids_do_not_wait() -> None:
       else: [{service: light.turn_on, entity_id: light.hall_lamp}]
 """
     assert [one.problem.partition(":")[0] for one in read(text).refused] == ["a wait in an automation with `condition"]
+
+
+@pytest.mark.parametrize(
+    ("trigger", "data", "problem"),
+    [
+        ("trigger: time, at: '7:00'", "color_temp: 0", "color_temperature from"),
+        ("trigger: time, at: '7:00'", "brightness: .nan", "brightness: nan is not a number"),
+        ("trigger: time, at: '7:00'", "transition: .inf", "transition: inf is not a number"),
+        ("trigger: state, entity_id: light.floor_lamp, to: 'on', for: 5:00", "", "5:00 may be minutes or hours"),
+        ("trigger: sun, event: sunset, offset: '-1:30'", "", "-1:30 may be minutes or hours"),
+        ("trigger: state, entity_id: media_player.kitchen_radio, to: 'on'", "", "knows no state 'on'"),
+    ],
+)
+def test_what_has_two_meanings_or_none_is_refused(trigger: str, data: str, problem: str) -> None:
+    """YAML 1.1 reads 5:00 as 300; a player that plays is not ``on`` in Home Assistant, and is in homebot."""
+    target = "target: {entity_id: light.hall_lamp}"
+    action = f"{{action: light.turn_on, {target}, data: {{{data}}}}}"
+    text = f"- alias: A\n  triggers: [{{{trigger}}}]\n  actions: [{action}]"
+    found = read(text)
+    assert not found.texts
+    assert problem in found.refused[0].problem

@@ -3,6 +3,7 @@
 All functions of this package raise :class:`NotCarriedError` for what no routine can do, or homebot does not know.
 """
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from typing import Final
@@ -30,6 +31,9 @@ __all__ = [
 
 _TEMPLATE: Final = ("{{", "{%", "{#")
 _CLOCK: Final = re.compile(r"(?P<sign>[+-]?)(?P<hours>\d+):(?P<minutes>\d{1,2})(?::(?P<seconds>\d{1,2}))?")
+_EITHER: Final = re.compile(r"[+-]?[1-9]\d*:\d\d?")
+"""Without quotation marks YAML 1.1, which Home Assistant reads, has 5:00 as a number to the base of 60."""
+
 _UNITS: Final = {"days": 86_400, "hours": 3600, "minutes": 60, "seconds": 1}
 _NO: Final = frozenset({"false", "no", "off", "disable"})
 _YES: Final = frozenset({"true", "yes", "on", "enable"})
@@ -89,9 +93,12 @@ def number_of(node: Located, what: str) -> float:
     """Return a number."""
     text = text_of(node, what)
     try:
-        return float(text)
+        number = float(text)
     except ValueError:
-        raise NotCarriedError(node.line, f"{what}: {shown(node)} is not a number") from None
+        number = math.nan
+    if not math.isfinite(number):
+        raise NotCarriedError(node.line, f"{what}: {shown(node)} is not a number")
+    return number
 
 
 def needed(node: Located, fields: Mapping[str, Located], key: str) -> Located:
@@ -141,6 +148,8 @@ def _seconds_of(node: Located, what: str) -> float:
         check_keys(node, what, *_UNITS)
         return sum(number_of(one, f"{what}: {unit}") * _UNITS[unit] for unit, one in fields.items())
     text = text_of(node, what)
+    if _EITHER.fullmatch(text):
+        raise NotCarriedError(node.line, f"{what}: {text} may be minutes or hours; write it as hh:mm:ss")
     if (clock := _CLOCK.fullmatch(text)) is not None:
         hours, minutes, seconds = (int(clock[one] or 0) for one in ("hours", "minutes", "seconds"))
         return (-1 if clock["sign"] == "-" else 1) * (3600 * hours + 60 * minutes + seconds)

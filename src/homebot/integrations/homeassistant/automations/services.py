@@ -217,7 +217,7 @@ def _kelvin(data: _Data) -> float | None:
     for key in ("kelvin", "color_temp_kelvin"):
         if key in data:
             return number_of(data[key], key)
-    return _MIREDS / number_of(data["color_temp"], "color_temp") if "color_temp" in data else None
+    return _MIREDS / max(1.0, number_of(data["color_temp"], "color_temp")) if "color_temp" in data else None
 
 
 def _color(data: _Data, line: int) -> tuple[float, float] | None:

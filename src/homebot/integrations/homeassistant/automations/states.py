@@ -69,7 +69,8 @@ def _meaning(entity: KnownEntity, state: str, line: int) -> tuple[str, Operator,
         raise NotCarriedError(line, f"{entity.id}: {state!r} is no state that a routine can ask for")
     if domain == "binary_sensor" and state in _FLAGS:
         return entity.capability, "=", _FLAGS[state]
-    if domain in _DOMAINS_ON_OFF and state in _SWITCHED and entity.has("on_off"):
+    is_playing_or_idle = domain == "media_player" and state == "on"  # in homebot, what plays is on as well
+    if domain in _DOMAINS_ON_OFF and state in _SWITCHED and entity.has("on_off") and not is_playing_or_idle:
         return _SWITCHED[state]
     if domain == "media_player" and state in _PLAYING and entity.has("playback"):
         return "playback", "=", state
