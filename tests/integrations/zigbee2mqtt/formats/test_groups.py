@@ -20,6 +20,7 @@ from homebot.conventions.description import (
     AsksMembers,
     DeviceAnnounced,
     DeviceWithdrawn,
+    GroupsListed,
     Publication,
 )
 from homebot.integrations.zigbee2mqtt.formats import Zigbee2Mqtt
@@ -164,6 +165,34 @@ def test_a_group_has_none_of_the_settings_of_its_lamps() -> None:
     setting = {"type": "composite", "name": "level_config", "property": "level_config", "access": 7, "features": []}
     heard(convention, lamp(LAMP, "ceiling", BRIGHTNESS, setting))
     assert [one.part.id for one in only(groups(convention, group(LAMP))).parts] == ["light"]
+
+
+@pytest.mark.parametrize("number", [-1, 0x10000, 10**300, True, None, "4", 4.0])
+def test_a_number_that_no_group_has_is_left_out(number: object) -> None:
+    convention = bridge()
+    heard(convention, lamp(LAMP, "ceiling"))
+    assert groups(convention, {**group(LAMP), "id": number}) == []
+
+
+def test_the_gangs_of_a_group_that_was_listed_before_its_devices_are_named_again() -> None:
+    convention = bridge()
+    exposes = [{**SWITCH, "endpoint": one, "features": [{**STATE, "property": f"state_{one}"}]} for one in SIDES]
+    endpoints = {"1": {"name": "left"}, "2": {"name": "right"}}
+    groups(convention, group(PLUG))
+    events = heard(convention, entry(PLUG, "wall", definition={"exposes": exposes}, endpoints=endpoints))
+    (listed,) = (one for one in events if isinstance(one, GroupsListed))
+    assert list(listed.members.values()) == [("eui64:00158d0001abcde0#switch_left",)]
+
+
+def test_a_group_of_a_device_that_is_unknown_for_a_while_is_not_gone_for_good() -> None:
+    convention = bridge()
+    heard(convention, lamp(LAMP, "ceiling"))
+    groups(convention, group(LAMP))
+    events = heard(convention)
+    assert [(one.key, one.is_final) for one in events if isinstance(one, DeviceWithdrawn)] == [
+        (LAMP, True),
+        ("group/4", False),
+    ]
 
 
 def test_the_scenes_of_a_group_are_its_parts() -> None:

@@ -4,7 +4,6 @@ Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
 """
 
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from itertools import islice
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, GroupsListed, as_group
@@ -34,6 +33,9 @@ MAX_BRIDGE_BYTES = 32 * 1024 * 1024
 
 _MAX_GROUPS_BYTES = 1024 * 1024
 """Longest list of groups; a member has about 60 bytes."""
+
+_MAX_GROUP = 0xFFFF
+"""The largest number of a group in Zigbee."""
 
 MAX_DEVICES = 5_000
 """Most devices of one bridge; the largest known networks have some hundreds."""
@@ -118,7 +120,7 @@ class Zigbee2MqttReader:
         listed = {ieee_address(entry) for entry in entries}
         yield from (_withdrawn(one, ieee in listed) for ieee, one in before.items() if ieee not in devices)
         yield from devices.values()
-        yield from self._describe_groups(base)
+        yield from self._describe_groups(base, f"{base}/bridge/groups")
 
     def _describe_all(
         self, base: str, topic: str, entries: list[object], found: dict[str, DeviceAnnounced]
@@ -170,28 +172,37 @@ class Zigbee2MqttReader:
         """Read the groups, and their members under the identifiers with which the bridge announces them."""
         groups: list[Mapping[str, object]] = []
         for entry in islice(parse_list(payload, _MAX_GROUPS_BYTES) if payload else (), MAX_DEVICES):
-            if isinstance(as_fields(entry).get("id"), int):
+            number = as_fields(entry).get("id")
+            if type(number) is int and 0 <= number <= _MAX_GROUP:
                 groups.append(as_fields(entry))
             yield None
         self._group_lists[base] = groups
-        members = {_group_id(base, one): tuple(self._names_in(base, one)) for one in groups}
-        yield GroupsListed(topic, members)
-        yield from self._describe_groups(base)
+        yield from self._describe_groups(base, topic)
 
     def _names_in(self, base: str, group: Mapping[str, object]) -> dict[str, None]:
         return dict.fromkeys(name for one in _members_of(group) for name in self._names_of(base, one))
 
-    def _describe_groups(self, base: str) -> Iterator[AnnouncementEvent | None]:
-        """Describe the groups of which all members are known, and have a feature in common."""
+    def _describe_groups(self, base: str, topic: str) -> Iterator[AnnouncementEvent | None]:
+        """List all groups, and describe those of which all members are known, and have a feature in common."""
+        groups = self._group_lists.get(base)
+        if groups is None:
+            return
+        yield GroupsListed(topic, {_group_id(base, one): tuple(self._names_in(base, one)) for one in groups})
         before, found = self._groups[base], dict[str, DeviceAnnounced]()
-        for entry in self._group_lists.get(base, ()):
+        for entry in groups:
             yield None
-            with suppress(WireError):
-                if described := self._describe_group(base, entry):
-                    found[described.key] = described
+            try:
+                described = self._describe_group(base, entry)
+            except WireError:
+                self.rejected += 1
+                continue
+            if described is not None:
+                found[described.key] = described
         self._groups[base] = found
+        listed = {_group_key(base, one) for one in groups}
         for key in before.keys() - found.keys():
-            yield DeviceWithdrawn(key, "its bridge lists no such group of lamps, switches or covers", is_final=True)
+            why = "its bridge lists no such group of lamps, switches or covers"
+            yield DeviceWithdrawn(key, why, is_final=key not in listed)
         yield from found.values()
 
     def _describe_group(self, base: str, entry: Mapping[str, object]) -> DeviceAnnounced | None:
@@ -201,9 +212,8 @@ class Zigbee2MqttReader:
         if not parts:
             return None
         names = tuple(self._names_in(base, entry))
-        key = f"group/{entry['id']}"
         described = DeviceAnnounced(
-            key=key if base == _DEFAULT_BASE else f"{base}/{key}",
+            key=_group_key(base, entry),
             convention="zigbee2mqtt",
             native=True,
             whole_device=True,
@@ -269,6 +279,11 @@ class Zigbee2MqttReader:
 def _members_of(group: Mapping[str, object]) -> list[Mapping[str, object]]:
     listed = group.get("members")
     return [as_fields(one) for one in listed[:MAX_DEVICES]] if isinstance(listed, list) else []
+
+
+def _group_key(base: str, group: Mapping[str, object]) -> str:
+    key = f"group/{group['id']}"
+    return key if base == _DEFAULT_BASE else f"{base}/{key}"
 
 
 def _group_id(base: str, group: Mapping[str, object]) -> str:
