@@ -69,7 +69,7 @@ async def homebot(folder: Path, **tables: object) -> AsyncIterator[Owner]:
 async def test_a_new_one_runs_at_once_and_after_a_restart_with_its_comments(tmp_path: Path) -> None:
     async with homebot(tmp_path) as owner:
         answer = await owner.change("new", text=EVENING)
-        assert answer.message.startswith("added Evening; but 'all lights off': no device fits")
+        assert answer.message.startswith("added Evening\nEvening: 'all lights off': no device fits")
         assert (await owner.routines())["Evening"].next.sec
     async with homebot(tmp_path) as owner:
         found = (await owner.routines())["Evening"]
@@ -82,7 +82,7 @@ async def test_several_are_added_at_once_or_none(tmp_path: Path) -> None:
         assert "routines.morning.when.0: '27:00' is not a time of day" in wrong.message
         assert [*await owner.routines()] == ["Noon"]
         answer = await owner.change("new", text=f"# mine\n{EVENING}\n[[routines]]\n{MORNING}")
-        assert answer.message.startswith("added Evening, Morning; but ")
+        assert answer.message.startswith("added Evening, Morning\nEvening: ")
         assert (await owner.routines())["Morning"].text == f"[[routines]]\n{MORNING}"
 
 
@@ -91,7 +91,7 @@ async def test_it_is_edited_renamed_and_removed(tmp_path: Path) -> None:
         await owner.change("new", text=EVENING)
         await owner.change("disable", "Evening")
         changed = await owner.change("edit", "evening", EVENING.replace("22:30", "23:30"))
-        assert changed.message.startswith("changed Evening; but ")
+        assert changed.message.startswith("changed Evening\nEvening: ")
         found = (await owner.routines())["Evening"]
         assert (found.when, found.enabled) == (("23:30",), False)
         renamed = await owner.change("edit", "Evening", EVENING.replace("Evening", "Late"))
@@ -187,8 +187,9 @@ async def test_a_proposal_waits_for_the_owner_and_says_whose_it_is(tmp_path: Pat
     proposal = ProposeRoutineRequest(text=EVENING, issuer="client:agent")
     async with homebot(tmp_path) as owner:
         answer = await owner.propose(proposal)
-        assert answer.message.startswith("proposed Evening; but 'all lights off': no device fits")
-        assert answer.message.endswith("the owner enables it: homebot routine enable 'Evening'")
+        first, hint = answer.message.splitlines()
+        assert first == "proposed Evening; the owner enables it: homebot routine enable 'Evening'"
+        assert hint.startswith("Evening: 'all lights off': no device fits")
         assert not (await owner.propose(proposal)).success
     async with homebot(tmp_path) as owner:
         found = (await owner.routines())["Evening"]

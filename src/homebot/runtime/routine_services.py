@@ -46,7 +46,7 @@ async def _answer(change: Awaitable[str], issuer: str) -> ChangeRoutineResponse:
         message = await change
     except HomebotError as exc:
         return ChangeRoutineResponse(success=False, message=str(exc))
-    _log.info(CHANGED, message=f"{issuer or 'a program'} {message}", client=issuer)
+    _log.info(CHANGED, message=f"{issuer or 'a program'} {message.splitlines()[0]}", client=issuer)
     return ChangeRoutineResponse(message=message)
 
 
@@ -83,13 +83,16 @@ class RoutineServices:
         routines = read_routines(request.text, _SOURCE)
         if len(routines) != 1:
             raise UsageError(f"{_SOURCE} has {len(routines)} routines; propose one at a time")
-        added = await self._add(routines, request.issuer or "a program")
         name = routines[0].name
-        return f"{added.replace('added', 'proposed', 1)}; the owner enables it: homebot routine enable {name!r}"
+        await self._add(routines, request.issuer or "a program")
+        text = f"proposed {name}; the owner enables it: homebot routine enable {name!r}"
+        return await self._with_hints(text, *routines)
 
     async def _change(self, request: ChangeRoutineRequest) -> str:
         if request.change == "new":
-            return await self._add(read_routines(request.text, _SOURCE))
+            routines = read_routines(request.text, _SOURCE)
+            await self._add(routines)
+            return await self._with_hints(f"added {', '.join(one.name for one in routines)}", *routines)
         meant = self._named(request.name)
         match request.change:
             case "edit":
@@ -104,7 +107,7 @@ class RoutineServices:
             raise UsageError(f"{meant.name} does not run: {meant.problem or 'it was unloaded'}")
         return running.change(request.change)
 
-    async def _add(self, routines: Sequence[WrittenRoutine], proposed_by: str = "") -> str:
+    async def _add(self, routines: Sequence[WrittenRoutine], proposed_by: str = "") -> None:
         for one in routines:
             if one.app in self._host.running or one.app in self._kept:
                 raise UsageError(f"a routine or app {one.app} is there already; choose another name, or edit that one")
@@ -112,12 +115,11 @@ class RoutineServices:
             with self._kept.restored_on_error(one.app):
                 self._kept.put(one, proposed_by)
                 await self._apps.load(one.app)
-        return await self._with_hints(f"added {', '.join(one.name for one in routines)}", *routines)
 
     async def _with_hints(self, text: str, *routines: WrittenRoutine) -> str:
-        """Return *text* with the problems of *routines* in the house as it is now."""
+        """Return *text* and the problems of *routines* in the house as it is now, each on its line."""
         hints = await self._host.routine_problems()
-        return "; but ".join((text, *(hint for one in routines for hint in hints.get(one.name, ()))))
+        return "\n".join((text, *(f"{one.name}: {hint}" for one in routines for hint in hints.get(one.name, ()))))
 
     async def _edit(self, meant: RoutineInfo, text: str) -> str:
         self._check_kept(meant)

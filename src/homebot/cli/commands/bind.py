@@ -53,7 +53,9 @@ def _bind(door: DoorClient, options: argparse.Namespace) -> int:
     answer = door.call(CHANGE_ROUTINE, {"change": "new", "text": text}, timeout=_LONGEST)
     if not answer["success"]:
         raise PeerError(printable(str(answer["message"]), 2000))
-    print(printable(f"{answer['message']}: {step}"))
+    first, *hints = str(answer["message"]).splitlines()
+    for line in (f"{first}: {step}", *hints):
+        print(printable(line))
     return 0
 
 

@@ -233,8 +233,8 @@ def _print_trial(door: DoorClient, routine: RoutineInfo) -> None:
 
 def _ask(door: DoorClient, request: dict[str, object]) -> int:
     answer = door.call(CHANGE_ROUTINE, request, timeout=_LONGEST)
-    text = printable(str(answer["message"]), 2000)
     if not answer["success"]:
-        raise PeerError(text)
-    print(text)
+        raise PeerError(printable(str(answer["message"]), 2000))
+    for line in str(answer["message"]).splitlines():
+        print(printable(line, 2000))
     return 0
