@@ -37,7 +37,7 @@ def test_a_device_has_no_other_names_than_those_that_it_is_given(index: DeviceIn
     assert (device.name, device.names) == ("Bedroom", ("Bedroom",))
 
 
-@pytest.mark.parametrize(("part_name", "name", "device_id"), [("Wet", "Wet", "wet"), ("", "node_h", "node_h")])
+@pytest.mark.parametrize(("part_name", "name", "device_id"), [("Wet", "Wet", "wet"), ("", "Node h", "node_h")])
 def test_a_device_without_name_is_called_as_its_part_or_its_key(
     index: DeviceIndex, part_name: str, name: str, device_id: str
 ) -> None:

@@ -17,6 +17,8 @@ MAX_TOMBSTONES = 10_000
 """Most removed devices remembered; the oldest is forgotten."""
 
 _NO_LETTERS = re.compile(r"[^a-z0-9]+")
+_FOR_PROGRAMS = re.compile(r"[a-z]+(?:_[a-z0-9]+)+")
+"""A name as in ``kitchen_lamp``, which people say in words."""
 _LONGEST_SLUG = 60
 _SHORTEST_SUFFIX = 4
 
@@ -45,8 +47,10 @@ def _longer_ids(slug: str, identity: str) -> Iterator[str]:
 
 
 def name_without(sighting: Sighting) -> str:
-    """Return a name for an unnamed device: that of a part, or the end of the key."""
-    return next((part.name for part in sighting.parts if part.name), "") or sighting.key.rpartition("/")[2]
+    """Return a name for an unnamed device: that of a part, or the end of the key, as people say it."""
+    key = sighting.key.rpartition("/")[2]
+    spoken = key.capitalize().replace("_", " ") if _FOR_PROGRAMS.fullmatch(key) else key
+    return next((part.name for part in sighting.parts if part.name), "") or spoken
 
 
 def id_of_name(name: str) -> str:
