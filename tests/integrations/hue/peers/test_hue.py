@@ -78,6 +78,11 @@ async def main(host):
         await until(lambda: not strip.gradient.points and strip.color.xy.x == 0.5)
         await bridge.lights.turn_on(plug.id)
         await until(lambda: plug.is_on)
+        group = next(iter(bridge.groups.room)).grouped_light
+        await bridge.groups.grouped_light.set_state(group, on=False)
+        await until(lambda: not (light.is_on or strip.is_on or plug.is_on))
+        await bridge.groups.grouped_light.set_state(group, on=True, brightness=70)
+        await until(lambda: light.brightness == strip.brightness == 70 and plug.is_on)
         scene = next(one for one in bridge.scenes if one.metadata.name == "Dimmed")
         await bridge.scenes.recall(scene.id)
         await until(lambda: scene.status.active.value == "static" and light.brightness == 30)
