@@ -41,6 +41,21 @@ async def test_the_rights_of_a_client_count_for_each_part(home: Home, scenes: Sc
 
 
 @pytest.mark.virtual_time
+async def test_an_undo_that_was_refused_can_still_be_made_by_somebody_else(home: Home, scenes: Scenes) -> None:
+    for key, area in (("lamp", "hall"), ("shelf", "study")):
+        home.put(key, "light", "on_off", area=area)
+        await home.report(key, "on_off", False)
+    await scenes.change(name="Bright", change="save", values=[{"key": "light", "value": "on"}])
+    assert (await scenes.apply("Bright", scope=["act: all"])).success
+    answer = await scenes.apply("Bright", undo=True, issuer="client:guest", scope=["act: light in hall"])
+    assert [(one.name, one.result.outcome) for one in answer.results] == [("Lamp", "confirmed"), ("Shelf", "refused")]
+    assert (await scenes.shown("Bright")).can_undo
+    answer = await scenes.apply("Bright", undo=True, scope=["act: all"])
+    assert [(one.name, one.result.outcome) for one in answer.results] == [("Shelf", "confirmed")]
+    assert not (await scenes.shown("Bright")).can_undo
+
+
+@pytest.mark.virtual_time
 async def test_what_always_asks_is_asked_for_unless_the_person_at_the_client_has_agreed(
     home: Home, scenes: Scenes
 ) -> None:

@@ -34,6 +34,8 @@ __all__ = ["SceneApplying"]
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
 
+_NOT_DONE: Final = frozenset({Refused.kind, Gone.kind, NoAnswer.kind})
+
 
 @final
 class SceneApplying:
@@ -73,11 +75,15 @@ class SceneApplying:
     async def undo(
         self, request: ApplySceneRequest, scene: Scene, house: HouseScenes, book: SceneBook
     ) -> CommandDevicesResponse:
-        """Bring back the values before *scene*, where nothing else has changed them since."""
+        """Bring back the values before *scene*, where nothing else has changed them since.
+
+        Parts that were not reached, or refused it, can be brought back by another undo.
+        """
         applied = book.applied.get(scene.id)
         if applied is None or applied.is_undone:
             problem = f"there is nothing to undo: {scene.name} was not applied, or was undone since"
             return CommandDevicesResponse(success=False, message=problem)
+        entries = dict(applied.before)
         due = book.begin(scene.id, applied.at).due(known_states(house.devices.values()))
         applied.is_undone = True
         if not due:
@@ -85,7 +91,13 @@ class SceneApplying:
                 success=True, message=f"nothing that {scene.name} changed is left to bring back"
             )
         wanted = {place: {one.capability: one.value.plain() for one in settings} for place, settings in due.items()}
-        return await self._command(request, scene, house, wanted)
+        answer = await self._command(request, scene, house, wanted)
+        bad = {target_of(one.device, one.part) for one in answer.results if one.result.outcome in _NOT_DONE}
+        for key, entry in entries.items() if bad else ():
+            if key.rpartition(" ")[0] in bad:
+                applied.before.setdefault(key, entry)
+                applied.is_undone = False
+        return answer
 
     async def _command(
         self,
