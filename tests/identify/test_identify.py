@@ -199,3 +199,36 @@ async def test_a_robot_that_is_lost_keeps_no_position(room: Room) -> None:
     assert found.success
     assert found.message.startswith("Lamp0 is in view; its position is not kept: ")
     assert found.at == ""
+
+
+async def test_a_client_changes_nothing_that_it_may_not_command(room: Room) -> None:
+    await room.lamps(60, 5)
+    found = await room.identify(scope=("act: light in kitchen",))
+    assert found.message.startswith("nothing of 'light in hall' can be identified; Lamp0: ")
+    assert room.home.commands == []
+
+
+async def test_a_lamp_that_is_gone_in_the_middle_drops_out(room: Room) -> None:
+    await room.lamps(5, 10, 60, 3)
+    goal = await room.begin()
+    await anyio.sleep(4.5)
+    room.home.gateway.devices.remove("lamp1", "the test says so")
+    found = (await goal.result())[1]
+    assert found.name == "Lamp2"
+    assert await room.is_on() == {"Lamp0": False, "Lamp2": False, "Lamp3": True}
+
+
+async def test_two_goals_run_one_after_the_other(room: Room) -> None:
+    await room.lamps(5, 60)
+    first, second = await room.begin(candidates="Lamp1"), await room.begin(candidates="Lamp0")
+    assert (await first.result())[1].name == "Lamp1"
+    assert (await second.result())[1].message == "none of the candidates is in view"
+
+
+async def test_a_dimmer_without_a_switch_changes_between_two_levels(room: Room) -> None:
+    room.home.put("lamp", "light", "level", area="hall")
+    await room.home.report("lamp", "level", 40.0)
+    found = await room.identify(seconds=10)
+    assert found.looks, found.message
+    assert {one.value.plain() for one in room.home.commands} == {1.0, 100.0, 40.0}
+    assert found.looks[1].levels == (1.0,)

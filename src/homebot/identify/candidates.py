@@ -109,8 +109,8 @@ async def find_candidates(
     asleep = {fold(one.area) for one in await lookup.devices(parse_query(_IN_BED)) if one.area}
     found, left_out = list[CandidatePart](), list[KeyValue]()
     for device, parts in targets:
-        for part, parsed in settings_by_part(request, device, parts):
-            candidate = None if isinstance(parsed, RefusedError) else _candidate(device, part)
+        for part, _ in settings_by_part(request, device, parts):
+            candidate = _candidate(device, part)
             if candidate is None:
                 problem = "it has no two levels whose state is known"
             else:

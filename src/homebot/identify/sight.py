@@ -34,6 +34,9 @@ _MOST: Final = 200
 _MOST_PICTURES: Final = 10
 """Values of a look: a picture costs some milliseconds."""
 
+_PROMPT: Final = 2.0
+"""Seconds for a device that has reported since the last look."""
+
 _SILENT: Final = 3
 _AGAIN: Final = 0.2
 """Seconds between two questions for the state of a device."""
@@ -164,11 +167,12 @@ class _DeviceSight:
         self._clock = node.graph.clock
         self._lookup = lookup
         self._device = device_id
+        self._last_at = self._clock.now()
         self._silent_looks = 0
 
     async def values(self) -> Sequence[float]:
-        began, passed, known, found = self._clock.now(), 0.0, 0.0, dict[float, float]()
-        while passed < _LOOK or (not found and passed < _LONGEST):
+        began, passed, known, found, longest = self._clock.now(), 0.0, 0.0, dict[float, float](), _LONGEST
+        while passed < _LOOK or (not found and passed < longest):
             await anyio.sleep(_AGAIN)
             device, passed = await self._lookup.device(self._device), self._clock.now() - began
             for one in () if device is None else device.states:
@@ -176,9 +180,9 @@ class _DeviceSight:
                 if one.capability == "illuminance" and isinstance(value, float):
                     known, at = value, one.told_at.to_seconds()
                     found |= {at: value} if at > began else {}
-        if found:
-            self._silent_looks = -_MOST
-        self._silent_looks += 1
+                    longest = _LONGEST if at < self._last_at else _PROMPT
+        is_silent = not found and longest == _LONGEST
+        self._last_at, self._silent_looks = self._clock.now(), self._silent_looks + 1 if is_silent else -_MOST
         if self._silent_looks >= _SILENT:  # the first, one with all dark, and one with all bright
             raise UsageError(f"{self._device} reported nothing while all changed: it sees none of them, or is too slow")
         return [*found.values()] or [known]
