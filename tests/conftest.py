@@ -159,7 +159,8 @@ def blocking_is_an_error() -> Iterator[None]:
         for function in blockbuster.functions.values():
             # Start-up: plug-ins and passwords are read before anything is served.
             function.can_block_in(
-                "homebot/plugins.py", {"_entry_point", "_entry_points", "_load_entry_point", "_load_class"}
+                "homebot/plugins.py",
+                {"_entry_point", "_entry_points", "_own_entry_points", "_load_entry_point", "_load_class"},
             )
             function.can_block_in("homebot/integrations/sensor_libraries/formats.py", {"_libraries"})
             function.can_block_in("homebot/gateways/mqtt/settings.py", {"check_files"})
