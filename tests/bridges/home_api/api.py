@@ -20,6 +20,7 @@ TOKENS = {
     "agent": ("agent-token-1234567", ["read", "act: harmless"]),
     "asker": ("asker-token-1234567", ["read", "act: harmless", "ask: lock"]),
     "keys": ("keys-token-12345678", ["read", "act: all"]),
+    "reader": ("reader-token-123456", ["read"]),
 }
 
 
@@ -47,6 +48,9 @@ class Api:
 
     async def scene(self, name: str, *, undo: bool = False, **headers: str) -> Answer:
         return await self._ask("POST", "/api/scene", headers, json={"scene": name, "undo": undo})
+
+    async def propose(self, text: str, **headers: str) -> Answer:
+        return await self._ask("POST", "/api/routines", headers, json={"text": text})
 
     async def save(self, name: str, values: dict[str, str]) -> None:
         """Save a scene at the door, as the person who has its rights."""

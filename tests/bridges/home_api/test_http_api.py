@@ -140,3 +140,18 @@ async def test_scenes_are_listed_applied_and_undone_with_the_outcome_of_each_par
         undone = await api.scene("film", undo=True)
         assert undone.values["outcome"] == "confirmed"
         assert sorted(undone.values["parts"]) == ["lamp1", "lamp2"]
+
+
+@pytest.mark.rooms("thesis")
+async def test_a_routine_is_proposed_by_who_may_act_and_mistakes_are_named(tmp_path: Path) -> None:
+    async with running_api(tmp_path) as api:
+        text = 'name = "Late"\nwhen = ["23:00"]\ndo = ["lamp1 off"]\n'
+        done = await api.propose(text, Authorization=bearer("agent"))
+        assert (done.status, done.values) == (
+            200,
+            {"text": "proposed Late; the owner enables it: homebot routine enable 'Late'"},
+        )
+        wrong = await api.propose(text.replace("off", "of"), Authorization=bearer("agent"))
+        assert (wrong.status, "did you mean off" in wrong.values["detail"]) == (400, True)
+        refused = await api.propose(text, Authorization=bearer("reader"))
+        assert (refused.status, refused.values["outcome"]) == (403, "refused")
