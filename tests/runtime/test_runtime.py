@@ -155,6 +155,7 @@ async def test_parts_start_in_order_and_stop_in_reverse() -> None:
         "/gateway/mqtt",
         "/discovery",
         "/control",
+        "/goals",
         "/identify",
         "/first",
         "/second",

@@ -35,6 +35,7 @@ COMMANDS: Final = {
     "devices": "list the devices in the house",
     "find": "find devices by type, capability, state, room or name",
     "do": "command devices, and print the outcomes",
+    "achieve": "plan how to reach a goal such as 'kitchen lit and rosie in kitchen', and do it",
     "identify": "find which of several devices a sensor sees: they blink, and it looks",
     "verify": "check whether a device is the one that a sensor sees",
     "show": "show everything known about a device",

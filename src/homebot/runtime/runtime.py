@@ -31,7 +31,16 @@ from homebot.devices.app_messages import ChangeAppResponse, Reload
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.devices.health import GetHealth
-from homebot.devices.names import COPY_FILES, IDENTIFY_DEVICE, LIST_TOKENS, RELOAD, SCENE_SERVICES, START_RECORDER
+from homebot.devices.names import (
+    ACHIEVE,
+    ACHIEVE_WORDS,
+    COPY_FILES,
+    IDENTIFY_DEVICE,
+    LIST_TOKENS,
+    RELOAD,
+    SCENE_SERVICES,
+    START_RECORDER,
+)
 from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import UsageError
 from homebot.gateways import Gateway, GatewayContext
@@ -53,6 +62,7 @@ if TYPE_CHECKING:
     from homebot.bridges.machines.on_wire import MachinesOnWire
     from homebot.control.sending import Rehearsal
     from homebot.devices.services import IndexRow
+    from homebot.goals.achieve_server import AchieveServer
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.identify_starter import IdentifyStarter
@@ -319,6 +329,7 @@ class Runtime:
         running = self.supervisor.running
         yield running("discovery", self._directory)
         yield running("control", self._control)
+        yield running("goals", self._goals)
         yield running("identify", self._identify)  # stopped before control, to put everything back
         if self.record_into is not None:
             yield running("recorder", partial(self._recording.record_into, self.record_into))
@@ -383,6 +394,20 @@ class Runtime:
                 detected=self.detected,
             )
             await run_as(node.full_name, partial(self._controller.serve, task_status=task_status))
+
+    async def _goals(self, *, task_status: TaskStatus[None]) -> None:
+        async with Node(self.graph, "goals") as node:
+
+            @cache
+            def server() -> AchieveServer:
+                from homebot.goals.achieve_server import AchieveServer  # noqa: PLC0415 - few homes plan
+
+                return AchieveServer(node, lambda: self._controller)
+
+            node.offer_action("homebot/action/Achieve", ACHIEVE, lambda: server().serve_goals())
+            node.offer_service("homebot/srv/AchieveWords", ACHIEVE_WORDS, lambda: server().serve_words())
+            task_status.started()
+            await anyio.sleep_forever()
 
     async def _identify(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "identify") as node:

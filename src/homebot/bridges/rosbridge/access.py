@@ -57,6 +57,8 @@ _READING: Final = frozenset(
 )
 _ACTING: Final = frozenset(
     {
+        names.ACHIEVE,
+        names.ACHIEVE_WORDS,
         names.ANSWER_QUESTION,
         names.APPLY_SCENE,
         names.COMMAND_DEVICES,

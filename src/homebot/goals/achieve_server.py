@@ -1,0 +1,112 @@
+"""The server of the action and the service that achieve goals. Loaded when used."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from itertools import count
+from typing import TYPE_CHECKING, TypeAlias, final
+
+import anyio
+
+from homebot.command_words.command_service import UNNAMED_CLIENT
+from homebot.devices.achieve_messages import (
+    Achieve,
+    AchieveFeedback,
+    AchieveGoal,
+    AchieveRequest,
+    AchieveResponse,
+    AchieveResult,
+    AchieveWords,
+)
+from homebot.devices.command_messages import PerformCommand
+from homebot.devices.names import ACHIEVE, ACHIEVE_WORDS, PERFORM_COMMAND
+from homebot.devices.wording.journal_words import issuer_text
+from homebot.errors import HomebotError
+from homebot.goals.achievement import Achievement
+from homebot.goals.house_now import HouseReader
+from homebot.graph.actions import ActionServer, ServerGoal
+
+if TYPE_CHECKING:
+    from homebot.control import Control
+    from homebot.devices import Device, DevicePart
+    from homebot.devices.command_messages import CommandRequest
+    from homebot.devices.outcomes import Refused
+    from homebot.graph import Node
+
+__all__ = ["AchieveServer"]
+
+_Goal: TypeAlias = ServerGoal[AchieveGoal, AchieveResult, AchieveFeedback]
+
+
+@final
+class AchieveServer:
+    """Achieves goals; one that is against another under way is refused.
+
+    Args:
+        control: Returns the control layer, whose rights and policies limit the plans.
+    """
+
+    def __init__(self, node: Node, control: Callable[[], Control | None]) -> None:
+        self._node, self._control = node, control
+        self._reader = HouseReader(node)
+        self._commands = node.create_client(PerformCommand, PERFORM_COMMAND)
+        self._numbers = count(1)
+        self._under_way: dict[Achievement, str] = {}
+
+    def serve_goals(self) -> None:
+        """Create the server of the action."""
+        ActionServer(self._node, Achieve, ACHIEVE, self._execute)
+
+    def serve_words(self) -> None:
+        """Create the service."""
+        self._node.create_service(AchieveWords, ACHIEVE_WORDS, self._serve)
+
+    def _preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
+        control = self._control()
+        return None if control is None else control.preview(request, device, part)  # then nothing can be sent either
+
+    async def _serve(self, request: AchieveRequest) -> AchieveResponse:
+        return await self._achieve(request, lambda _: None)
+
+    async def _execute(self, goal: _Goal) -> AchieveResult:
+        shown = AchieveFeedback(steps=())
+
+        def on_plan(feedback: AchieveFeedback) -> None:
+            nonlocal shown
+            shown = feedback
+            goal.publish_feedback(feedback)
+
+        try:
+            response = await self._achieve(goal.request, on_plan)
+        except anyio.get_cancelled_exc_class():
+            if goal.is_cancel_requested:
+                message = (
+                    f"cancelled; {sum(bool(one.outcome) for one in shown.steps)} of {len(shown.steps)} steps are done"
+                )
+                goal.canceled(AchieveResult(success=False, message=message, steps=shown.steps, tried=shown.tried))
+            raise
+        (goal.succeed if response.success else goal.abort)()
+        return AchieveResult(**dict(response))
+
+    async def _achieve(self, asked: AchieveRequest, on_plan: Callable[[AchieveFeedback], None]) -> AchieveResponse:
+        request = asked.model_copy(update={"issuer": asked.issuer or UNNAMED_CLIENT})
+
+        def fight(claimed: Mapping[str, str]) -> str:
+            for other, by in self._under_way.items():
+                for place, text in claimed.items():
+                    if other is not achievement and other.claimed.get(place, text) != text:
+                        return (
+                            f"{by} needs the opposite of {text!r} now: {other.claimed[place]!r}; wait, or cancel that"
+                        )
+            return ""
+
+        run = f"{next(self._numbers)}-{self._node.graph.clock.now():.0f}"
+        achievement = Achievement(self._reader, self._commands, run, request, self._preview, fight, on_plan)
+        if not request.is_dry_run:
+            self._under_way[achievement] = f"the goal {request.goal[:200]!r} of {issuer_text(request.issuer)}"
+        try:
+            return await achievement.run()
+        except HomebotError as exc:
+            return AchieveResponse(success=False, message=str(exc), steps=tuple(achievement.steps))
+        finally:
+            self._under_way.pop(achievement, None)

@@ -1,0 +1,47 @@
+"""The fact that is in the way of a goal without a plan. Pure."""
+
+from homebot.goals.operators import GoalProblem, Operator, Step, reachable
+
+__all__ = ["why_not"]
+
+_MOST_NAMED = 3
+
+
+def why_not(problem: GoalProblem) -> str:
+    """Return why there is no plan for *problem*, in words."""
+    allowed = list(problem.allowed())
+    known = reachable(problem.facts, allowed)
+    if not (missing := [one for one in problem.goal if one not in known]):
+        return f"each wish can be reached, but not all at once: {' and '.join(problem.goal)}"
+    blocked = [one for one in problem.operators if one.blocked and one.step is not None]
+    for one in blocked:
+        if problem.goal.keys() <= reachable(known, [*allowed, *_like(one, blocked)]):
+            return _refusal(problem, one)
+    for fact in sorted(_needed(problem, allowed) - known):
+        if problem.goal.keys() <= reachable({*known, fact}, allowed):
+            return f"{problem.contrary.get(fact, f'not so: {fact}')}, and nothing here can change that"
+    with_all = reachable(known, problem.operators)
+    reasons = [_refusal(problem, one) for one in blocked if one.needs <= with_all and not one.gives <= known]
+    hopeless = [problem.contrary[one] for one in missing if one not in with_all]
+    if hopeless:
+        return f"{'; '.join(hopeless[:_MOST_NAMED])}, and nothing here can change that"
+    return "; ".join(dict.fromkeys(reasons[:_MOST_NAMED]))
+
+
+def _needed(problem: GoalProblem, allowed: list[Operator]) -> set[str]:
+    return {fact for one in allowed for fact in one.needs if fact in problem.contrary}
+
+
+def _like(blocked: Operator, others: list[Operator]) -> list[Operator]:
+    """Return those of *others* that are blocked for the same place and reason: the drives of one robot, for example."""
+    return [one for one in others if _place(one.step) == _place(blocked.step) and one.blocked == blocked.blocked]
+
+
+def _place(step: Step | None) -> str:
+    return "" if step is None else step.place
+
+
+def _refusal(problem: GoalProblem, blocked: Operator) -> str:
+    facts = [problem.contrary[one] for one in sorted(blocked.gives - problem.facts) if one in problem.contrary]
+    now = f"{facts[0]}, and " if facts else ""
+    return f"{now}{blocked.step.text if blocked.step else ''} is not possible: {blocked.blocked}"

@@ -1,0 +1,118 @@
+"""Operators: possible changes of facts of the house. Facts are clauses such as ``front door is open``. Pure."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from homebot.devices.device import Device, DevicePart
+from homebot.devices.value import PlainValue
+
+__all__ = ["CommandStep", "DriveStep", "GoalProblem", "Operator", "Step", "is_plan", "reachable"]
+
+
+@dataclass(frozen=True, slots=True)
+class CommandStep:
+    """A command to a part.
+
+    Attributes:
+        asks: The reason to ask a person first; empty for none.
+    """
+
+    text: str
+    device: Device
+    part: DevicePart
+    capability: str
+    value: PlainValue
+    asks: str = ""
+
+    @property
+    def place(self) -> str:
+        """The id of the part or the robot that it changes."""
+        return f"{self.device.id}#{self.part.id}"
+
+
+@dataclass(frozen=True, slots=True)
+class DriveStep:
+    """A drive of a robot."""
+
+    text: str
+    robot: str
+    room: str
+    asks: str = ""
+
+    @property
+    def place(self) -> str:
+        """The id of the part or the robot that it changes."""
+        return self.robot
+
+
+Step: TypeAlias = CommandStep | DriveStep
+
+
+@dataclass(frozen=True, slots=True)
+class Operator:
+    """A possible change.
+
+    Attributes:
+        needs: The facts without which it cannot be done.
+        gives: The facts that hold afterwards.
+        takes: The facts that hold no more.
+        step: How it is done; None for a fact that follows from others.
+        blocked: The reason against it; empty for none.
+    """
+
+    needs: frozenset[str]
+    gives: frozenset[str]
+    takes: frozenset[str] = frozenset()
+    step: Step | None = None
+    blocked: str = ""
+
+    def after(self, facts: AbstractSet[str]) -> frozenset[str]:
+        """Return the *facts* that hold afterwards."""
+        return frozenset(facts - self.takes | self.gives)
+
+
+@dataclass(slots=True)
+class GoalProblem:
+    """The facts, the wished facts and the possible changes.
+
+    Attributes:
+        contrary: For each fact, the words for its absence.
+    """
+
+    facts: set[str] = field(default_factory=set)
+    goal: dict[str, None] = field(default_factory=dict)
+    operators: list[Operator] = field(default_factory=list)
+    contrary: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def missing(self) -> list[str]:
+        """The wished facts that are not so."""
+        return [one for one in self.goal if one not in self.facts]
+
+    def allowed(self) -> Iterator[Operator]:
+        """Yield the operators that are not blocked."""
+        return (one for one in self.operators if not one.blocked)
+
+
+def reachable(facts: Iterable[str], operators: Iterable[Operator]) -> set[str]:
+    """Return all facts that can hold at some time, if nothing that is done undid another."""
+    found, waiting = set(facts), list(operators)
+    while True:
+        ready = [one for one in waiting if one.needs <= found]
+        if not ready:
+            return found
+        waiting = [one for one in waiting if not one.needs <= found]
+        for one in ready:
+            found |= one.gives
+
+
+def is_plan(problem: GoalProblem, operators: Sequence[Operator]) -> bool:
+    """Return whether *operators* in this order lead to the goal."""
+    facts: AbstractSet[str] = problem.facts
+    for one in operators:
+        if not one.needs <= facts:
+            return False
+        facts = one.after(facts)
+    return problem.goal.keys() <= facts
