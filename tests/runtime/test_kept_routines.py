@@ -3,6 +3,7 @@
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
+from shutil import copytree
 
 import pytest
 from structlog.testing import capture_logs
@@ -74,6 +75,20 @@ async def test_a_new_one_runs_at_once_and_after_a_restart_with_its_comments(tmp_
     async with homebot(tmp_path) as owner:
         found = (await owner.routines())["Evening"]
         assert (found.text, found.is_kept, found.next.sec > 0) == (EVENING, True, True)
+
+
+async def test_a_change_is_on_the_disk_when_it_is_answered(tmp_path: Path) -> None:
+    """A power cut at once neither loses a routine, nor starts one that was disabled or removed."""
+    async with homebot(tmp_path / "home") as owner:
+        await owner.change("new", text=f"{EVENING}[[routines]]\n{MORNING}")
+        copytree(tmp_path / "home", tmp_path / "added")
+        await owner.change("disable", "Evening")
+        await owner.change("remove", "Morning")
+        copytree(tmp_path / "home", tmp_path / "removed")
+    async with homebot(tmp_path / "added") as owner:
+        assert [*await owner.routines()] == ["Noon", "Evening", "Morning"]
+    async with homebot(tmp_path / "removed") as owner:
+        assert {name: one.enabled for name, one in (await owner.routines()).items()} == {"Noon": True, "Evening": False}
 
 
 async def test_several_are_added_at_once_or_none(tmp_path: Path) -> None:

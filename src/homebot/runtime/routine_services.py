@@ -41,15 +41,6 @@ class _Apps(Protocol):
         """Restart an app with its current settings."""
 
 
-async def _answer(change: Awaitable[str], issuer: str) -> ChangeRoutineResponse:
-    try:
-        message = await change
-    except HomebotError as exc:
-        return ChangeRoutineResponse(success=False, message=str(exc))
-    _log.info(CHANGED, message=f"{issuer or 'a program'} {message.splitlines()[0]}", client=issuer)
-    return ChangeRoutineResponse(message=message)
-
-
 @final
 class RoutineServices:
     """Lists and changes the routines of *host*."""
@@ -73,11 +64,22 @@ class RoutineServices:
 
     async def change(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
         """Start a routine, switch it on or off, or write it."""
-        return await _answer(self._change(request), request.issuer)
+        return await self._answer(self._change(request), request.issuer)
 
     async def propose(self, request: ProposeRoutineRequest) -> ChangeRoutineResponse:
         """Keep a routine, which waits for the owner to enable it."""
-        return await _answer(self._propose(request), request.issuer)
+        return await self._answer(self._propose(request), request.issuer)
+
+    async def _answer(self, change: Awaitable[str], issuer: str) -> ChangeRoutineResponse:
+        """Return the answer once the change is on the disk, so that a power cut does not undo it."""
+        try:
+            message = await change
+        except HomebotError as exc:
+            return ChangeRoutineResponse(success=False, message=str(exc))
+        _log.info(CHANGED, message=f"{issuer or 'a program'} {message.splitlines()[0]}", client=issuer)
+        if problem := await self._host.write_stores():
+            message += f"\na restart would lose this, as it was not written: {problem}"
+        return ChangeRoutineResponse(message=message)
 
     async def _propose(self, request: ProposeRoutineRequest) -> str:
         routines = read_routines(request.text, _SOURCE)
