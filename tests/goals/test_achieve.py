@@ -1,0 +1,165 @@
+"""Goals are reached, or refused with the true reason; in virtual time."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from tests.control.conftest import ignore
+from tests.goals.conftest import Family
+
+from homebot.graph.actions import GoalState
+
+pytest.importorskip("up_pyperplan")
+pytestmark = pytest.mark.virtual_time
+
+
+@pytest.mark.parametrize(
+    ("goal", "steps"),
+    [
+        ("hall lit", {"turn on Hall Lamp"}),
+        ("the hall is lit", {"turn on Hall Lamp"}),
+        ("hall dark", set()),
+        ("hall lamp on and living lamp on", {"turn on Hall Lamp", "turn on Living Lamp"}),
+        ("lights in kitchen on", {"turn on Kitchen Lamp", "turn on Kitchen Spot"}),
+        ("rosie in hall", set()),
+        ("rosie in living", {"rosie drives to Living"}),
+        ("rosie in the kitchen", {"open Kitchen Motor", "rosie drives to Kitchen"}),
+        ("kitchen motor open", {"open Kitchen Motor"}),
+        ("study lock unlocked", {"unlock Study Lock"}),
+        ("study motor open", {"open Study Motor"}),
+        ("study lit, rosie in living", {"turn on Study Lamp", "rosie drives to Living"}),
+    ],
+)
+async def test_a_goal_is_reached(family: Family, goal: str, steps: set[str]) -> None:
+    if goal == "study motor open":
+        await family.home.report("study lock", "lock", "unlocked")
+    answer = await family.achieve(goal)
+    assert answer.success, answer.message
+    assert set(family.steps(answer)) == steps
+    assert (await family.achieve(goal)).message == f"{goal!r} is so already"
+
+
+async def test_one_lamp_is_enough_for_a_lit_room(family: Family) -> None:
+    answer = await family.achieve("kitchen lit and rosie in kitchen")
+    assert answer.message == "'kitchen lit and rosie in kitchen' is reached"
+    assert len(answer.steps) == 3
+    assert (family.room, family.drives) == ("Kitchen", ["Kitchen"])
+
+
+async def test_a_dry_run_shows_the_plan_and_changes_nothing(family: Family) -> None:
+    answer = await family.achieve("rosie in kitchen and hall lit", is_dry_run=True)
+    assert answer.message == "'rosie in kitchen and hall lit' would be reached"
+    assert set(family.steps(answer)) == {"open Kitchen Motor", "rosie drives to Kitchen", "turn on Hall Lamp"}
+    assert (family.home.commands, family.drives) == ([], [])
+
+
+async def test_the_plan_is_shown_before_its_first_step(family: Family) -> None:
+    await family.achieve("hall lit")
+    assert [one.outcome for one in family.feedback[0].steps] == [""]
+    assert family.feedback[-1].steps[0].outcome.startswith("confirmed")
+
+
+async def test_a_locked_door_on_the_way_is_unlocked_after_asking(family: Family) -> None:
+    answer = await family.achieve("rosie in study", is_dry_run=True)
+    assert family.steps(answer) == ["unlock Study Lock", "open Study Motor", "rosie drives to Study"]
+    assert answer.steps[0].asks
+
+
+async def test_without_an_answer_the_lock_is_the_reason(family: Family) -> None:
+    answer = await family.achieve("rosie in study")
+    assert not answer.success
+    assert "Study door is locked, and unlock Study Lock is not possible" in answer.message
+    assert "nobody answered" in answer.message
+    assert (family.home.commands, family.drives) == ([], [])
+
+
+@pytest.mark.parametrize(
+    ("goal", "reason"),
+    [
+        ("rosie in bath", "Bath door is closed, and nothing here can change that"),
+        ("rosie in attic", "rosie is in Hall, and nothing here can change that"),
+        ("front contact open", "Front Contact is closed, and nothing here can change that"),
+        ("hall lit and hall dark", "each wish can be reached, but not all at once"),
+        ("hal lit", "there is no room 'hal'; did you mean Hall?"),
+        ("marvin in hall", "there is no robot 'marvin'; robots are rosie"),
+        ("bath lit", "Bath lit: nothing in the house fits"),
+        ("hall lamp", "'hall lamp' names no state"),
+        ("on", "'on' names no device"),
+        ("  ", "the goal is empty"),
+    ],
+)
+async def test_what_cannot_be_reached_says_why(family: Family, goal: str, reason: str) -> None:
+    answer = await family.achieve(goal)
+    assert not answer.success
+    assert reason in answer.message
+    assert (family.home.commands, family.drives) == ([], [])
+
+
+async def test_another_lamp_takes_the_place_of_one_that_does_not_obey(family: Family) -> None:
+    (first,) = family.steps(await family.achieve("kitchen lit", is_dry_run=True))
+    family.home.behaviours[first.removeprefix("turn on ").lower()] = ignore
+    answer = await family.achieve("kitchen lit")
+    assert answer.success, answer.message
+    assert {first, *family.steps(answer)} == {"turn on Kitchen Lamp", "turn on Kitchen Spot"}
+    assert answer.tried[0].startswith(f"{first}: no answer")
+
+
+async def test_when_no_lamp_obeys_the_reason_is_the_outcome(family: Family) -> None:
+    family.home.behaviours["hall lamp"] = ignore
+    answer = await family.achieve("hall lit")
+    assert "turn on Hall Lamp is not possible: no answer" in answer.message
+    assert len(answer.tried) == 1
+
+
+async def test_a_person_who_closes_a_door_on_the_way_leads_to_a_new_plan(family: Family) -> None:
+    goal = await family.begin("rosie in kitchen")
+    await anyio.sleep(4.0)
+    assert family.drives == ["Kitchen"]
+    await family.home.report("kitchen motor", "position", 0.0)
+    answer = (await goal.result())[1]
+    assert answer.success, answer.message
+    assert answer.tried == ("rosie drives to Kitchen: Kitchen door is closed",)
+    assert family.drives == ["Kitchen", "Kitchen"]
+
+
+async def test_a_person_who_closes_it_each_time_ends_the_goal(family: Family) -> None:
+    goal = await family.begin("rosie in kitchen")
+    for _ in range(4):
+        await anyio.sleep(3.0)
+        await family.home.report("kitchen motor", "position", 0.0)
+    answer = (await goal.result())[1]
+    assert not answer.success
+    assert len(answer.tried) == 4
+    assert answer.message.endswith("Kitchen door is closed")
+
+
+async def test_of_two_goals_that_fight_the_second_is_refused(family: Family) -> None:
+    first = await family.begin("rosie in kitchen")
+    await anyio.sleep(4.0)
+    second = await family.achieve("rosie in living", issuer="client:ben")
+    assert not second.success
+    assert "the goal 'rosie in kitchen' of the client anna" in second.message
+    assert (await first.result())[1].success
+
+
+async def test_a_cancelled_goal_calls_the_robot_off_and_says_what_is_done(family: Family) -> None:
+    goal = await family.begin("rosie in kitchen")
+    await anyio.sleep(4.0)
+    goal.request_cancel()
+    state, answer = await goal.result()
+    assert (state, answer.message) == (GoalState.CANCELED, "cancelled; 1 of 2 steps are done")
+    assert family.room == "Hall"
+
+
+async def test_a_client_that_may_not_act_is_refused_before_the_first_step(family: Family) -> None:
+    answer = await family.achieve("hall lit", scope=("read",))
+    assert not answer.success
+    assert "turn on Hall Lamp is not possible" in answer.message
+    assert family.home.commands == []
+
+
+async def test_a_lock_that_the_owner_has_to_grant_is_no_step_of_an_app(family: Family) -> None:
+    answer = await family.achieve("study lock unlocked", issuer="/app", scope=())
+    assert not answer.success
+    assert "unlock Study Lock is not possible" in answer.message
+    assert family.home.commands == []

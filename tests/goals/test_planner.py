@@ -1,0 +1,43 @@
+"""Plans of a large house, and without the extra."""
+
+from __future__ import annotations
+
+import importlib.util
+
+import pytest
+
+from homebot.errors import UsageError
+from homebot.goals.operators import GoalProblem, Operator, is_plan
+from homebot.goals.planner import plan
+
+
+def chain(rooms: int) -> GoalProblem:
+    """A robot in the first of *rooms* in a row, each door of which is closed, is wished into the last one."""
+    problem = GoalProblem(facts={"at 0"}, goal={f"at {rooms - 1}": None})
+    for number in range(rooms - 1):
+        door = frozenset((f"open {number}",))
+        problem.operators.append(Operator(frozenset(), door))
+        for here, there in ((number, number + 1), (number + 1, number)):
+            at = frozenset((f"at {here}",))
+            problem.operators.append(Operator(at | door, frozenset((f"at {there}",)), at))
+    return problem
+
+
+def test_a_robot_passes_all_doors_of_fifty_rooms() -> None:
+    pytest.importorskip("up_pyperplan")
+    problem = chain(50)
+    found = plan(problem)
+    assert found is not None
+    assert len(found) == 2 * 49
+    assert is_plan(problem, found)
+
+
+def test_a_goal_that_is_so_needs_no_planner() -> None:
+    assert plan(GoalProblem(facts={"at 0"}, goal={"at 0": None})) == []
+
+
+def test_without_the_extra_the_error_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "unified_planning" else find(name))
+    with pytest.raises(UsageError, match=r'unified_planning.*; install it with: pip install "homebot\[goals\]"'):
+        plan(chain(3))
