@@ -161,3 +161,18 @@ async def test_two_that_never_meet_do_not_fight(one: dict[str, object], other: d
         {"name": "A", "do": ["hall lamp on, 20 %"], **one}, {"name": "B", "do": ["lights in hall off"], **other}
     )
     assert not [hint for said in found.values() for hint in said if "fights" in hint]
+
+
+async def test_a_state_that_begins_with_the_name_of_a_device_and_means_others_too_is_told() -> None:
+    """In a command the name would mean that device alone."""
+    world = hall(lamp_1=lamp("study"), lamp_2=lamp("kitchen"), spot_2=lamp("kitchen"))
+    said = [{"name": "A", "when": ["lamp_1 on", "lamp 2 off"], "do": ["lamp_1 off"]}]
+    async with (
+        virtual_house_of(world=world, config={"routines": said}) as house,
+        Node(house.runtime.graph, "o") as node,
+    ):
+        await house.run_for("1m")
+        answer = await node.create_client(ListRoutines, LIST_ROUTINES).call(RoutinesRequest(check=True))
+    assert answer.routines[0].hints == (
+        "'lamp 2 off': this is about spot_2 as well; for lamp_2 alone begin with name=\"lamp_2\"",
+    )

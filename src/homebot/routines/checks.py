@@ -19,6 +19,7 @@ from homebot.devices.query.matching import fits
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.query.terms import And, CanDo, Not, Or, Query, StateIs, leaves
+from homebot.devices.query.tokens import quoted
 from homebot.devices.scene_messages import ListScenes, ScenesRequest
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import HomebotError, RefusedError, ServiceError, UsageError
@@ -29,12 +30,15 @@ from homebot.routines.program import Choice, program_of
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.steps import APPLY, Do, SendRobot, Wait, WaitUntil
 from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
+from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
 __all__ = ["HouseChecks", "asked_about"]
 
 _MOST: Final = 200
 """Devices with events that are compared with that of a trigger."""
+_MOST_NAMED: Final = 3
+_UNTIL: Final = "wait until "
 
 
 @final
@@ -86,7 +90,11 @@ class HouseChecks:
     async def _of(self, routine: RoutineSettings, effects: list[Effect]) -> AsyncIterator[str]:
         """Yield the problems of one routine, and add the effects of its steps to *effects*."""
         for text, query, value in _states(routine):
-            if problem := await self._problem_of(query) or await self._unknown_event(query, value):
+            if problem := (
+                await self._problem_of(query)
+                or await self._unknown_event(query, value)
+                or await self._others(text, query)
+            ):
                 yield f"{text!r}: {problem}"
         is_prompt = True
         for line in program_of(routine.do):
@@ -123,6 +131,16 @@ class HouseChecks:
             return ""
         hint = did_you_mean(value, options, f"it has {', '.join(options)}")
         return f"it has no event {value!r}; {hint}"
+
+    async def _others(self, text: str, query: Query) -> str:
+        """Return that *query* means others as well, if *text* begins with the name of one device, as in a command."""
+        devices = [one.device for one in (await self._ask(_stateless(query), _MOST)).results]
+        begin = f"{fold(text.removeprefix(_UNTIL))} "
+        named = [one for one in devices if one.name and begin.startswith(f"{fold(one.name)} ")]
+        if len(named) != 1 or len(devices) == 1:
+            return ""
+        others = ", ".join([one.name or one.id for one in devices if one != named[0]][:_MOST_NAMED])
+        return f"this is about {others} as well; for {named[0].name} alone begin with name={quoted(named[0].name)}"
 
     async def _command(self, step: Do, effects: list[Effect], *, is_prompt: bool) -> list[str]:
         """Return why *step* cannot be carried out, and add its effects."""
