@@ -130,6 +130,7 @@ class RoutineInfo(Message):
         text: Its table in TOML.
         is_kept: Whether services may edit and remove it; others are in the configuration.
         proposed_by: The client that proposed it; it does not start until it is enabled. Empty for the owner's.
+        of_habit: Whether it was made of a habit that homebot found.
         problem: Why it does not run at all; empty if it does.
         hints: Names, values and meetings with others for which it cannot work now, with suggestions; only if asked for.
     """
@@ -147,6 +148,7 @@ class RoutineInfo(Message):
     text: str = ""
     is_kept: bool = False
     proposed_by: str = ""
+    of_habit: bool = False
     problem: str = ""
     hints: tuple[str, ...] = ()
 

@@ -1,1 +1,1 @@
-"""Habits of the people in a house, found in what was recorded; each is proposed as a routine, with its proof."""
+"""Habits of the people in a house, found in recorded days; each is proposed as a routine, with its proof."""

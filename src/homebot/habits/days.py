@@ -1,4 +1,4 @@
-"""Recorded days, as the search for habits reads them: what happened, and what held at each time. Pure."""
+"""Recorded days, as the search for habits reads them: changes, presses, and the conditions at each time. Pure."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Happening:
         device: The id of its device; no habit has its cause and its action at the same device.
         what: The part and the capability; with the device, the place whose value it is.
         text: The new value as a trigger of a routine, such as ``hall motion occupied``.
-        step: What a person did, as a step of a routine, such as ``hall lamp on``; empty if no person did it.
+        step: The deed of a person, as a step of a routine, such as ``hall lamp on``; empty if no person did it.
         is_press: Whether it is over at once, so that no place has this value later.
     """
 
@@ -43,8 +43,8 @@ class Days:
         events: In the order of time.
         midnight: Returns the local midnight before a time, both in seconds since the Unix epoch.
         conditions: By text of a routine's condition, whether it held at a time.
-        moments: By text of a routine's trigger with a place for an offset, such as ``sunset{}``, the time of that
-            moment on the day that begins at a midnight; None if it has none.
+        moments: By text of a routine's trigger, such as ``sunset``, the time of that moment on the day that begins at a
+            midnight; None if it has none.
     """
 
     def __init__(

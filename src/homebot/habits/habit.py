@@ -27,6 +27,7 @@ class FoundHabit:
         when: The trigger of the routine that would do it.
         conditions: Its conditions.
         do: Its step.
+        device: The id of the device of that.
         within: Seconds within which people do it.
         occasions: All of them, in the order of time.
         precision: The share of occasions on which people do it, as measured on days that were not used to find it.
@@ -36,6 +37,7 @@ class FoundHabit:
     when: str
     conditions: tuple[str, ...]
     do: str
+    device: str
     within: float
     occasions: tuple[Occasion, ...]
     precision: float

@@ -2,7 +2,7 @@
 
 For each step that people did on several days, everything that happened shortly before is a possible trigger, and so
 are the time of day and the sun. The occasions of a trigger are those at which a routine would have acted; at most two
-conditions narrow them. What is as likely at the same time on other days is no habit: motion precedes everything.
+conditions narrow them. A deed as likely at the same time on other days is no habit: motion precedes everything.
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ _RECENT: Final = 7
 _FOLDS: Final = 3
 _SIMPLER: Final = 0.02
 _MOST_TRIGGERS: Final = 20
+_MOST_TIMES: Final = 3
 _MOST_PER_STEP: Final = 3
 _SHIFTS: Final = (-2, -1, 1, 2)
 
@@ -65,7 +66,7 @@ def occasions_after(days: Days, habit: FoundHabit) -> tuple[Occasion, ...]:
 
 @dataclass(frozen=True, slots=True)
 class _Tried:
-    """One moment of a trigger: the number of its day, what followed, and which conditions held."""
+    """One moment of a trigger: the number of its day, the deed that followed, and the conditions that held."""
 
     occasion: Occasion
     day: int
@@ -86,7 +87,7 @@ class _Rule:
 
 
 def _habits_of(days: Days, done: Happenings) -> Iterator[FoundHabit | None]:
-    """Yield the habits of one step: the best one, and then those that explain what the ones before do not."""
+    """Yield the habits of one step: the best one, and then those that explain deeds that the ones before do not."""
     yield None
     if not done.step or len({days.midnight(at) for at in done.done}) < _LEAST_DAYS:
         return
@@ -109,7 +110,7 @@ def _habits_of(days: Days, done: Happenings) -> Iterator[FoundHabit | None]:
 
 
 def _after_events(days: Days, done: Happenings) -> Iterator[_Rule]:
-    """Yield the rules of what often happened before."""
+    """Yield the rules of frequent events before."""
     before: Counter[str] = Counter()
     for at in done.done:
         texts = {one.text for one in days.between(at - _WITHIN[-1], at) if one.device != done.device}
@@ -124,30 +125,38 @@ def _after_events(days: Days, done: Happenings) -> Iterator[_Rule]:
 
 
 def _within(times: Sequence[float], done: Happenings) -> float:
-    """Return the shortest span within which most of what follows is done."""
+    """Return the shortest span within which most of the deeds follow."""
     followed = [len({at for time in times if (at := done.first(time, time + span)) is not None}) for span in _WITHIN]
     return next(span for span, count in zip(_WITHIN, followed, strict=True) if count >= 0.9 * followed[-1])
 
 
 def _at_times(days: Days, done: Happenings) -> Iterator[_Rule]:
     """Yield the rules of the times of day, and of the sun, around which most of it is done."""
-    offset = median(at - days.midnight(at) for at in done.done)
-    offset = round(offset / _ROUND) * _ROUND
-    clock = f"{int(offset // 3600) % 24:02}:{int(offset // 60) % 60:02}"
+    for offset in _common_times([at - days.midnight(at) for at in done.done]):
+        clock = f"{int(offset // 3600) % 24:02}:{int(offset // 60) % 60:02}"
+        yield _timed(days, done, clock, [midnight + offset for midnight in days.midnights])
     for text, moment in days.moments.items():
         moments = [at for midnight in days.midnights if (at := moment(midnight)) is not None]
         if len(moments) < _LEAST_DAYS:
             continue
         gaps = [min((at - one for one in moments), key=abs) for at in done.done]
-        near = [gap for gap in gaps if abs(gap) <= 2 * 3600]
+        near = [gap for gap in gaps if abs(gap) <= 3600]
         if len(near) >= _LEAST_DAYS:
             shift = round(median(near) / _ROUND) * _ROUND
             sign = "" if not shift else f" {'+' if shift > 0 else '-'} {abs(shift) / 60:g}m"
             yield _timed(days, done, text + sign, [at + shift for at in moments])
-    yield _timed(days, done, clock, [midnight + offset for midnight in days.midnights])
+
+
+def _common_times(offsets: Sequence[float]) -> Iterable[float]:
+    """Return the times of day around which most is done, rounded: two for a deed of twice a day."""
+    hours = Counter(round(one / 3600) for one in offsets)
+    near = ([one for one in offsets if abs(one - hour * 3600) <= 3600] for hour, _ in hours.most_common(_MOST_TIMES))
+    return dict.fromkeys(round(median(one) / _ROUND) * _ROUND for one in near)
 
 
 def _timed(days: Days, done: Happenings, text: str, times: Sequence[float]) -> _Rule:
+    begins, ends = days.events[0].at, days.events[-1].at - _TOLERANCE
+    times = [at for at in times if begins <= at <= ends]
     tried = _tried(days, done, [at - _TOLERANCE for at in times], 2 * _TOLERANCE)
     moved = [
         replace(one, occasion=replace(one.occasion, at=one.occasion.at + _TOLERANCE), held=days.held(at))
@@ -229,4 +238,4 @@ def _proved(rules: Sequence[_Rule], days: Days, best: _Rule, left: set[float], d
     if not is_habit:
         return None
     recall = len({one.occasion.done_at for one in hits}) / len(done.done)
-    return FoundHabit(best.when, best.conditions, done.step, best.within, occasions, precision, recall)
+    return FoundHabit(best.when, best.conditions, done.step, done.device, best.within, occasions, precision, recall)

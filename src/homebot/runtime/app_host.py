@@ -37,6 +37,7 @@ STORE_FILE = "apps.sqlite"
 _ROUTINE_MODULE = "homebot.routines.routine"
 _KEPT_ROUTINES = "routines"
 _IDENTIFY = "identify/values"
+_REJECTED = "habits/rejected"
 """The names of stores that no app can have."""
 
 
@@ -102,6 +103,11 @@ class AppHost:
     def has_kept_routines(self) -> bool:
         """True if there are any."""
         return self._stores is not None and bool(self._stores.of(_KEPT_ROUTINES))
+
+    @property
+    def rejected_habits(self) -> MutableMapping[str, Any]:
+        """The habits that nobody wants as routines, by the ids of their proposals."""
+        return self._app_stores().of(_REJECTED)
 
     @property
     def identify_store(self) -> MutableMapping[str, Any]:

@@ -19,7 +19,8 @@ class KeptRoutines:
     """The kept routines.
 
     Args:
-        store: By the name of its app, the text of each, and the client that proposed it; empty for an approved one.
+        store: By the name of its app, the text of each, the client that proposed it (empty for an approved one), and
+            whether it is of a habit.
 
     Attributes:
         problems: Why a routine does not run, by the name of its app.
@@ -43,7 +44,11 @@ class KeptRoutines:
         """Return the client that proposed a routine; empty if it is not kept, or a person approved it."""
         return str(self._store[app]["by"]) if app in self._store else ""
 
-    def put(self, routine: WrittenRoutine, proposed_by: str = "") -> None:
+    def is_of_habit(self, app: str) -> bool:
+        """Return whether a routine is kept that was made of a habit."""
+        return app in self._store and bool(self._store[app].get("habit"))
+
+    def put(self, routine: WrittenRoutine, proposed_by: str = "", *, of_habit: bool = False) -> None:
         """Keep *routine* in place of one of its name.
 
         Raises:
@@ -56,7 +61,9 @@ class KeptRoutines:
             )
         if is_new and proposed_by and sum(bool(self.proposed_by(one)) for one in self) >= _MOST_PROPOSED:
             raise UsageError(f"{_MOST_PROPOSED} proposals wait for the owner, which is the limit")
-        self._store[routine.app] = {"text": routine.text, "by": proposed_by}
+        self._store[routine.app] = {"text": routine.text, "by": proposed_by} | (
+            {"habit": True} if of_habit or self.is_of_habit(routine.app) else {}
+        )
         self.problems.pop(routine.app, None)
 
     @contextmanager

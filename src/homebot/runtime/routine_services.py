@@ -12,6 +12,7 @@ from homebot.devices.app_messages import (
     RoutinesRequest,
     RoutinesResponse,
 )
+from homebot.devices.habit_messages import HabitProposal
 from homebot.errors import HomebotError, UsageError
 from homebot.routines.text import WrittenRoutine, read_routines
 from homebot.runtime.app_host import AppHost
@@ -81,6 +82,21 @@ class RoutineServices:
             message += f"\na restart would lose this, as it was not written: {problem}"
         return ChangeRoutineResponse(message=message)
 
+    async def follow_habit(self, habit: HabitProposal, issuer: str) -> ChangeRoutineResponse:
+        """Keep and start the routine of *habit*, or remove the one that people undo."""
+        if habit.removes:
+            return await self.change(ChangeRoutineRequest(name=habit.removes, change="remove", issuer=issuer))
+        return await self._answer(self._follow(habit), issuer)
+
+    async def _follow(self, habit: HabitProposal) -> str:
+        routines = read_routines(habit.text, _SOURCE)
+        await self._add(routines, of_habit=True)
+        return await self._with_hints(f"added {routines[0].name}", *routines)
+
+    def of_habits(self) -> tuple[str, ...]:
+        """Return the names of the apps of the running routines that were made of habits."""
+        return tuple(app for app in self._host.routines if self._kept.is_of_habit(app))
+
     async def _propose(self, request: ProposeRoutineRequest) -> str:
         routines = read_routines(request.text, _SOURCE)
         if len(routines) != 1:
@@ -109,13 +125,13 @@ class RoutineServices:
             raise UsageError(f"{meant.name} does not run: {meant.problem or 'it was unloaded'}")
         return running.change(request.change)
 
-    async def _add(self, routines: Sequence[WrittenRoutine], proposed_by: str = "") -> None:
+    async def _add(self, routines: Sequence[WrittenRoutine], proposed_by: str = "", *, of_habit: bool = False) -> None:
         for one in routines:
             if one.app in self._host.running or one.app in self._kept:
                 raise UsageError(f"a routine or app {one.app} is there already; choose another name, or edit that one")
         for one in routines:
             with self._kept.restored_on_error(one.app):
-                self._kept.put(one, proposed_by)
+                self._kept.put(one, proposed_by, of_habit=of_habit)
                 await self._apps.load(one.app)
 
     async def _with_hints(self, text: str, *routines: WrittenRoutine) -> str:
@@ -168,7 +184,7 @@ class RoutineServices:
         for app, routine in running.items():
             more: dict[str, object] = {"proposed_by": self._kept.proposed_by(app)}
             if app in self._kept:
-                more |= {"is_kept": True, "text": self._kept.text(app)}
+                more |= {"is_kept": True, "text": self._kept.text(app), "of_habit": self._kept.is_of_habit(app)}
             yield routine.info().model_copy(update=more)
         for app, problem in self._host.left_out.items():
             if app not in running:

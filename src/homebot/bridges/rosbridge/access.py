@@ -51,6 +51,7 @@ _READING: Final = frozenset(
         names.READ_ENERGY,
         names.READ_HISTORY,
         names.READ_JOURNAL,
+        names.SUGGEST_HABITS,
         names.WHERE_IS_ROBOT,
         "/subscribe_to_mqtt_topic",
     }

@@ -132,6 +132,7 @@ def _state(routine: RoutineInfo) -> str:
     if not routine.enabled:
         return f"proposed by {printable(routine.proposed_by)}" if routine.proposed_by else "disabled"
     last = printable(routine.notes[-1].text, 100) if routine.notes else "waiting"
+    last = f"of a habit: {last}" if routine.of_habit else last
     return "running" if routine.is_running else last
 
 

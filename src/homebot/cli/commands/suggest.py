@@ -1,0 +1,93 @@
+"""``homebot suggest``."""
+
+from __future__ import annotations
+
+import argparse
+from datetime import datetime
+from typing import TYPE_CHECKING, Final, cast
+
+from homebot.cli.device_json import json_text, list_text
+from homebot.cli.door_client import DoorClient, set_door_command
+from homebot.cli.local_time import zone_of
+from homebot.cli.terminal import print_line
+from homebot.devices.names import DECIDE_HABIT, SUGGEST_HABITS
+from homebot.devices.wording.json_message import JsonMessage, fields_of
+from homebot.devices.wording.time_format import age_text
+from homebot.errors import PeerError, UsageError
+from homebot.support.printable import printable
+
+if TYPE_CHECKING:
+    from homebot.devices.habit_messages import HabitOccasion, HabitProposal, SuggestHabitsResponse
+
+__all__ = ["add_arguments"]
+
+_EXAMPLES: Final = """\
+  homebot suggest                     what people did again and again in the last 21 days, as routines
+  homebot suggest --days 40 --each    the same of 40 days, with each occasion
+  homebot suggest accept 2            keep and enable the second as a routine, which `homebot routine` knows
+  homebot suggest reject 2            never propose it again
+
+It reads the history and the journal; it changes nothing and sends nothing. `accept` and `reject` need the right
+`manage`.
+"""
+
+_LONGEST: Final = 120.0
+_MOST_DAYS: Final = 60
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    set_door_command(parser, _suggest, _EXAMPLES)
+    parser.add_argument("decision", metavar="accept|reject", nargs="?", choices=("accept", "reject"), help="what to do")
+    parser.add_argument("number", metavar="N", nargs="?", type=int, help="the number of a proposal")
+    parser.add_argument("--days", type=int, choices=range(1, _MOST_DAYS + 1), default=21, metavar="N", help="21 days")
+    parser.add_argument("--each", action="store_true", help="print each occasion")
+    parser.add_argument("--json", action="store_true", help="print a JSON list")
+
+
+def _suggest(door: DoorClient, options: argparse.Namespace) -> int:
+    fields = door.call(SUGGEST_HABITS, {"days": options.days}, timeout=_LONGEST)
+    answer = cast("SuggestHabitsResponse", JsonMessage(fields))
+    if not answer.success:
+        raise PeerError(printable(answer.message, 2000))
+    if options.decision:
+        return _decide(door, options, answer)
+    if options.json:
+        print(list_text([json_text(fields_of(one)) for one in answer.proposals]))
+        return 0
+    for number, one in enumerate(answer.proposals, 1):
+        _print(number, one)
+        for occasion in one.occasions if options.each else ():
+            print_line(f"     {_occasion(occasion, answer)}")
+    if not answer.proposals:
+        print(f"nothing to propose: {answer.searched:,} changes and presses, {answer.by_persons:,} of them by persons")
+    if answer.unnamed:
+        print(f"left out: {answer.unnamed} devices without a name of their own; `homebot alias` gives one")
+    return 0
+
+
+def _print(number: int, proposal: HabitProposal) -> None:
+    print_line(f"{number:>2}  {printable(proposal.name)}")
+    if proposal.conditions:
+        print_line(f"     if {printable(' and '.join(proposal.conditions))}")
+    print_line(f"     {printable(proposal.proof, 500)}")
+
+
+def _occasion(occasion: HabitOccasion, answer: SuggestHabitsResponse) -> str:
+    at, done_at = (one.sec + one.nanosec / 1e9 for one in (occasion.at, occasion.done_at))
+    when = datetime.fromtimestamp(at, zone_of(answer.zone))
+    if not done_at:
+        return f"{when:%a %d %b %H:%M}  you did not"
+    return f"{when:%a %d %b %H:%M}  you did, {age_text(abs(done_at - at))} {'later' if done_at >= at else 'before'}"
+
+
+def _decide(door: DoorClient, options: argparse.Namespace, answer: SuggestHabitsResponse) -> int:
+    count = len(answer.proposals)
+    if options.number is None or not 1 <= options.number <= count:
+        raise UsageError(f"say which: a number from 1 to {count}" if count else "there is nothing to propose")
+    request = {"id": answer.proposals[options.number - 1].id, "accept": options.decision == "accept"}
+    decided = door.call(DECIDE_HABIT, request, timeout=_LONGEST)
+    text = printable(str(decided["message"]), 2000)
+    if not decided["success"]:
+        raise PeerError(text)
+    print(text)
+    return 0

@@ -1,0 +1,112 @@
+"""A habit as a routine, with its proof in words; and routines of habits that people undo. Pure."""
+
+import re
+from collections.abc import Iterable, Sequence
+from hashlib import sha256
+from typing import Final, NamedTuple
+
+from homebot.devices.habit_messages import HabitOccasion, HabitProposal
+from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.wording.time_format import age_text
+from homebot.habits.habit import FoundHabit
+from homebot.habits.recorded import is_persons
+from homebot.messages.builtin_interfaces import Time
+from homebot.routines.text import routine_text
+from homebot.routines.times import DaysAndTime, SunMoment
+
+__all__ = ["UNDONE", "Undone", "is_same", "proposal_of", "undone_commands"]
+
+_QUOTED: Final = re.compile(r'name="([^"]+)"')
+_LONGEST: Final = 100
+_MOST_OCCASIONS: Final = 100
+_AGAINST: Final = 600.0
+"""Seconds in which a person's change of the same value undoes a command."""
+
+_LAST: Final = 5
+UNDONE: Final = 3
+"""Of the last five commands of a routine; from then on its removal is proposed."""
+
+
+class Undone(NamedTuple):
+    """The last commands of a routine, and those of them that people undid."""
+
+    undone: int
+    given: int
+
+
+def proposal_of(habit: FoundHabit) -> HabitProposal:
+    """Return the routine that would act as people do."""
+    name = _QUOTED.sub(r"\1", f"{habit.do} {'at' if _is_timed(habit.when) else 'after'} {habit.when}")
+    table: dict[str, object] = {"name": name[:_LONGEST], "when": [habit.when]}
+    if habit.conditions:
+        table["if"] = list(habit.conditions)
+    table["do"] = [habit.do]
+    key = repr((habit.when, habit.conditions, habit.do))
+    occasions = [HabitOccasion(at=Time.from_seconds(one.at), done_at=_time(one.done_at)) for one in habit.occasions]
+    return HabitProposal(
+        id=sha256(key.encode()).hexdigest()[:8],
+        name=name[:_LONGEST],
+        when=habit.when,
+        conditions=habit.conditions,
+        do=habit.do,
+        text=routine_text(table),
+        proof=_proof(habit),
+        precision=round(habit.precision, 3),
+        recall=round(habit.recall, 3),
+        occasions=tuple(occasions[-_MOST_OCCASIONS:]),
+    )
+
+
+def is_same(one: HabitProposal, when: str, do: str) -> bool:
+    """Return whether a habit is the same as one that was rejected: a time of day may move by an hour."""
+    if one.do != do:
+        return False
+    times = [DaysAndTime.read(text) for text in (one.when, when)]
+    if times[0] is not None and times[1] is not None:
+        first, second = (_minutes(text) for text in times if text is not None)
+        return min(abs(first - second), 1440 - abs(first - second)) <= 60
+    suns = [SunMoment.read(text) for text in (one.when, when)]
+    if suns[0] is not None and suns[1] is not None:
+        return suns[0].event == suns[1].event
+    return one.when == when
+
+
+def undone_commands(entries: Sequence[JournalEntry], issuer: str) -> Undone:
+    """Return how many of the last five commands of *issuer* a person undid within ten minutes."""
+    given = [one for one in entries if one.kind == "requested" and one.issuer == issuer][-_LAST:]
+    by_persons = [one for one in entries if is_persons(one)]
+    return Undone(sum(_is_undone(one, by_persons) for one in given), len(given))
+
+
+def _is_undone(command: JournalEntry, by_persons: Iterable[JournalEntry]) -> bool:
+    wanted, at = {one.capability: one.value for one in command.settings}, command.at.to_seconds()
+    return any(
+        (one.device, one.part) == (command.device, command.part)
+        and wanted.get(setting.capability, setting.value) != setting.value
+        for one in by_persons
+        if at < one.at.to_seconds() <= at + _AGAINST
+        for setting in one.settings
+    )
+
+
+def _proof(habit: FoundHabit) -> str:
+    done, total = habit.done, len(habit.occasions)
+    gaps = sorted(abs(one.done_at - one.at) for one in habit.occasions if one.done_at is not None)
+    near = age_text(max(1.0, gaps[int(0.9 * (len(gaps) - 1))]))
+    within = f"within {near} of that time" if _is_timed(habit.when) else f"within {near}"
+    others = total - done
+    wrong = {0: "never when you did not", 1: "once when you did not"}.get(others, f"{others} times when you did not")
+    return f"{done} of {total} times you did this {within}; the routine would have done it {done} times, and {wrong}"
+
+
+def _is_timed(when: str) -> bool:
+    return (DaysAndTime.read(when) or SunMoment.read(when)) is not None
+
+
+def _time(at: float | None) -> Time:
+    return Time.from_seconds(at or 0.0)
+
+
+def _minutes(moment: DaysAndTime) -> int:
+    hours, minutes = moment.time.split(":")[:2]
+    return int(hours) * 60 + int(minutes)

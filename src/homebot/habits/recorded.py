@@ -1,0 +1,174 @@
+"""Recorded days of a house, from its history and its journal. Pure.
+
+Deeds of persons are changes by hand, and commands of the owner's own clients. The commands of apps, routines, robots
+and other programs, which have tokens of their own, may be triggers, but are no habit.
+"""
+
+from bisect import bisect_right
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta, tzinfo
+from typing import Final
+
+from homebot.apps.sun import is_sun_up, sun_time
+from homebot.devices.capabilities import EVENTS
+from homebot.devices.client_rights import LOCAL_CLIENT, OWNER_CLIENT, issuer_of_client
+from homebot.devices.command_messages import Setting
+from homebot.devices.history_messages import HistorySeries
+from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.trigger import Trigger
+from homebot.devices.value import PlainValue
+from homebot.habits.days import DAY, Days, Happening
+from homebot.habits.words import HabitWords, rounded
+
+__all__ = ["MOST_HAPPENINGS", "Home", "is_persons", "recorded_days"]
+
+MOST_HAPPENINGS: Final = 200_000
+"""The largest number that is searched, about 40 MB; the newest count."""
+
+_SAME: Final = 30.0
+"""Seconds between the command of a person and the value that it leads to."""
+
+_FLAGS: Final[Mapping[str, PlainValue]] = {"true": True, "false": False}
+_PERSONS: Final = frozenset({issuer_of_client(OWNER_CLIENT), issuer_of_client(LOCAL_CLIENT)})
+
+
+@dataclass(frozen=True, slots=True)
+class Home:
+    """The place and the people of a home.
+
+    Attributes:
+        household: The id of the device that tells whether somebody is at home; empty for none.
+    """
+
+    zone: tzinfo
+    latitude: float | None = None
+    longitude: float | None = None
+    household: str = ""
+
+
+def is_persons(entry: JournalEntry) -> bool:
+    """Return whether a person did this: by hand, or by a client of the owner."""
+    if entry.kind == "changed":
+        return entry.cause == "person"
+    return entry.kind == "requested" and entry.issuer in _PERSONS and not entry.trigger.kind
+
+
+def recorded_days(
+    words: HabitWords, series: Sequence[HistorySeries], entries: Sequence[JournalEntry], home: Home
+) -> Days:
+    """Return the days of *series*, the states of the house, and *entries* of its journal, oldest first."""
+    refused = {one.command for one in entries if any(not verdict.allowed for verdict in one.verdicts)}
+    happenings = [*_changes(words, series), *_presses(words, entries)]
+    by_persons = (one for one in entries if is_persons(one) and (not one.command or one.command not in refused))
+    deeds = [deed for one in by_persons for deed in _deeds(words, one)]
+    known = sorted(_with_deeds(happenings, deeds), key=lambda one: one.at)[-MOST_HAPPENINGS:]
+    midnights = _midnights(known[0].at, known[-1].at, home.zone) if known else [0.0]
+    at_home = next((one for one in series if one.device == home.household and one.capability == "at_home"), None)
+    conditions = dict(_conditions(midnights, at_home, home))
+    moments = {event: _moment(event, home) for event in ("sunrise", "sunset") if home.latitude is not None}
+    return Days(known, lambda at: midnights[_index(midnights, at)], conditions, moments)
+
+
+def _changes(words: HabitWords, series: Iterable[HistorySeries]) -> Iterator[Happening]:
+    for one in series:
+        before = ""
+        for at, word in zip(one.times, one.words, strict=False):
+            text = words.trigger(one.device, one.part, one.capability, _FLAGS.get(word, word))
+            if text and word != before:
+                yield Happening(at, one.device, f"{one.part} {one.capability}", text)
+            before = word
+
+
+def _presses(words: HabitWords, entries: Iterable[JournalEntry]) -> Iterator[Happening]:
+    """Yield the presses that led to commands; others are not kept."""
+    triggers: dict[str, Trigger] = {one.trigger.id: one.trigger for one in entries if one.trigger.kind == "report"}
+    for trigger in triggers.values():
+        for one in trigger.readings:
+            value = one.value.plain()
+            if one.capability in EVENTS and isinstance(value, str) and (text := words.press(trigger.device, value)):
+                what = f"{one.part} {one.capability}"
+                yield Happening(trigger.at.to_seconds(), trigger.device, what, text, is_press=True)
+
+
+def _deeds(words: HabitWords, entry: JournalEntry) -> Iterator[Happening]:
+    """Yield the deed of a person, as the value and the step that sets it; a level says that it is on, too."""
+    settings: Iterable[Setting] = entry.settings
+    if len(entry.settings) > 1:
+        settings = [one for one in entry.settings if one.capability != "on_off"]
+    for one in settings:
+        value = one.value.plain()
+        step = words.step(entry.device, entry.part, one.capability, value)
+        is_number = isinstance(value, float)
+        text = words.trigger(entry.device, entry.part, one.capability, rounded(one.capability, value))
+        if step and text:
+            what = f"{entry.part} {one.capability}"
+            yield Happening(entry.at.to_seconds(), entry.device, what, text, step, is_press=is_number)
+
+
+def _with_deeds(happenings: Iterable[Happening], deeds: Iterable[Happening]) -> Iterator[Happening]:
+    """Yield *happenings*, those that persons brought about with the step, and the deeds that changed nothing else."""
+    times: defaultdict[tuple[str, str, str], list[Happening]] = defaultdict(list)
+    for one in happenings:
+        times[one.device, one.what, one.text].append(one)
+    for deed in deeds:
+        same = times[deed.device, deed.what, deed.text]
+        near = [place for place, one in enumerate(same) if -_SAME / 6 <= one.at - deed.at <= _SAME]
+        if near:
+            same[near[0]] = replace(same[near[0]], step=deed.step)
+        else:
+            same.append(deed)
+    for same in times.values():
+        yield from same
+
+
+def _midnights(since: float, until: float, zone: tzinfo) -> list[float]:
+    day = datetime.fromtimestamp(since, zone).replace(hour=0, minute=0, second=0, microsecond=0)
+    found: list[float] = []
+    while (at := day.timestamp()) <= until:
+        found.append(at)
+        day += timedelta(days=1)
+    return found
+
+
+def _index(times: Sequence[float], at: float) -> int:
+    return max(bisect_right(times, at) - 1, 0)
+
+
+def _conditions(
+    midnights: Sequence[float], at_home: HistorySeries | None, home: Home
+) -> Iterator[tuple[str, Callable[[float], bool]]]:
+    workdays = [datetime.fromtimestamp(at + DAY / 2, home.zone).weekday() < 5 for at in midnights]
+    yield "on weekdays", lambda at: workdays[_index(midnights, at)]
+    yield "on weekends", lambda at: not workdays[_index(midnights, at)]
+    if home.latitude is not None:
+        light = [_light(at, home) for at in midnights]
+
+        def is_light(at: float) -> bool:
+            begin, end = light[_index(midnights, at)]
+            return begin <= at < end
+
+        yield "sun is up", is_light
+        yield "sun is down", lambda at: not is_light(at)
+    if at_home is not None and at_home.words:
+        times, homes = at_home.times, [word == "true" for word in at_home.words]
+        yield "somebody is home", lambda at: homes[_index(times, at)]
+
+
+def _moment(event: str, home: Home) -> Callable[[float], float | None]:
+    time = sun_time(event, home.latitude, home.longitude, 0.0)
+
+    def moment(midnight: float) -> float | None:
+        return time.on(datetime.fromtimestamp(midnight + DAY / 2, home.zone).date(), home.zone)
+
+    return moment
+
+
+def _light(midnight: float, home: Home) -> tuple[float, float]:
+    """Return when the sun is up on a day; all day, or not at all, in the far north."""
+    rise, fall = (_moment(event, home)(midnight) for event in ("sunrise", "sunset"))
+    if rise is None or fall is None:
+        is_up = is_sun_up(midnight + DAY / 2, home.latitude, home.longitude)
+        return (midnight, midnight + DAY) if is_up else (midnight, midnight)
+    return rise, fall

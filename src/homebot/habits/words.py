@@ -1,0 +1,155 @@
+"""Values of the devices of a house in the words of routines; each text is read back, and must mean that value. Pure."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import Final, final
+
+from homebot.command_words.suitable_parts import settings_by_part
+from homebot.devices import Device, DevicePart
+from homebot.devices.always_ask import always_asks
+from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.command_messages import CommandDevicesRequest
+from homebot.devices.device import State
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import fits
+from homebot.devices.query.parse import parse_query
+from homebot.devices.value import PlainValue, Value
+from homebot.devices.wording.values import value_text
+from homebot.errors import UsageError
+from homebot.messages.builtin_interfaces import Time
+from homebot.routines.steps import Do, read_step
+from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
+from homebot.support.folding import fold
+
+__all__ = ["HabitWords", "rounded"]
+
+_LONGEST: Final = 80
+_STEPS: Final = {"%": 5.0, "°C": 0.5}
+_PEOPLE: Final = {"x_person": ("{} has left", "{} arrives"), "x_household": ("everybody has left", "somebody arrives")}
+_NO_TIME: Final = Time(sec=0, nanosec=0)
+
+
+@final
+class HabitWords:
+    """The words for *devices*. A value that no text means, or that several devices share, has an empty one."""
+
+    def __init__(self, devices: Sequence[Device]) -> None:
+        self._devices = {one.id: one for one in devices}
+        self._facets = [facets_of(one) for one in devices]
+        self._named = Counter(fold(name) for one in devices for name in {one.name, *one.names})
+        self.reference = lru_cache(None)(self._reference)
+        self.trigger = lru_cache(None)(self._trigger)
+        self.press = lru_cache(None)(self._press)
+        self.step = lru_cache(None)(self._step)
+
+    def _reference(self, device_id: str) -> str:
+        """Return the words that mean this device alone: its name if that is clear, or ``name="…"``."""
+        device = self._devices.get(device_id)
+        name = "" if device is None else " ".join(device.name.split())
+        if not name or len(name) > _LONGEST or '"' in name or not name.isprintable() or self._named[fold(name)] != 1:
+            return ""
+        try:
+            query = parse_query(name)
+        except UsageError:
+            return f'name="{name}"'
+        found = [one.id for one in self._facets if fits(query, one)]
+        return name if found == [device_id] else f'name="{name}"'
+
+    def _trigger(self, device_id: str, part: str, capability: str, value: PlainValue) -> str:
+        """Return the trigger that this value starts."""
+        device = self._devices.get(device_id)
+        if device is None or not self._is_clear(device, part, capability):
+            return ""
+        if (moves := _PEOPLE.get(device.service_type)) is not None and capability == "at_home":
+            text = moves[bool(value)].format(device.name)
+            return text if isinstance(_read(text), PersonMoves) else ""
+        for text in self._texts(device_id, capability, value, " = "):
+            read = _read(text)
+            if isinstance(read, Becomes) and _means(read, device, part, capability, value):
+                return text
+        return ""
+
+    def _press(self, device_id: str, value: str) -> str:
+        """Return the trigger that the press *value* starts."""
+        text = f"{self.reference(device_id)} press {value}"
+        return text if self.reference(device_id) and isinstance(_read(text), Press) else ""
+
+    def _step(self, device_id: str, part: str, capability: str, value: PlainValue) -> str:
+        """Return the step that sets this value, rounded; none for a part that always asks."""
+        device = self._devices.get(device_id)
+        if device is None or not self._is_clear(device, part, capability):
+            return ""
+        (own,) = (one for one in device.parts if one.id == part)
+        if always_asks(device, own) or _is_passing(own, capability, value):
+            return ""
+        value = rounded(capability, value)
+        done = "close" if value == "closed" else value
+        for text in self._texts(device_id, capability, done, " "):
+            if _sets(text, self.reference(device_id), device) == (part, {capability: value}):
+                return text
+        return ""
+
+    def _texts(self, device_id: str, capability: str, value: PlainValue, between: str) -> Iterator[str]:
+        reference, word = self.reference(device_id), value_text(capability, value)
+        if reference and value is not None:
+            yield f"{reference} {word}"
+            yield f"{reference} {capability}{between}{word}"
+
+    @staticmethod
+    def _is_clear(device: Device, part: str, capability: str) -> bool:
+        """Return whether only this main part of *device* has the capability."""
+        having = [one.id for one in device.parts if any(can.name == capability for can in one.part.capabilities)]
+        return having == [part] and not any(one.id == part and one.part.category for one in device.parts)
+
+
+def rounded(capability: str, value: PlainValue) -> PlainValue:
+    """Return a number that people mean: percentages in steps of 5, degrees of 0.5."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    step = _STEPS.get(CAPABILITIES.get(capability, OWN).unit)
+    return value if step is None else round(value / step) * step
+
+
+def _is_passing(part: DevicePart, capability: str, value: PlainValue) -> bool:
+    """Return whether a value is only on the way, or says the same as a word: a cover at 0 % is closed."""
+    if capability == "position" and value in {0.0, 100.0}:
+        return any(one.name == "movement" for one in part.part.capabilities)
+    return capability == "movement" and value not in {"open", "closed"}
+
+
+def _read(text: str) -> object:
+    try:
+        return read_trigger(text)
+    except UsageError:
+        return None
+
+
+def _means(read: Becomes, device: Device, part: str, capability: str, value: PlainValue) -> bool:
+    """Return whether *device* matches with this value, and not without it."""
+    state = State(
+        part=part,
+        capability=capability,
+        value=Value.of(value),
+        since=_NO_TIME,
+        told_at=_NO_TIME,
+        live=True,
+        is_first=False,
+    )
+    with_it, without = (device.model_copy(update={"states": states}) for states in ((state,), ()))
+    return fits(read.query, facets_of(with_it)) and not fits(read.query, facets_of(without)) and not read.lasting
+
+
+def _sets(text: str, reference: str, device: Device) -> tuple[str, dict[str, PlainValue]] | None:
+    """Return the part and the values that the step *text* sets; None if it does not set one part of *device*."""
+    try:
+        step = read_step(text)
+    except UsageError:
+        return None
+    if not isinstance(step, Do) or step.target != reference or step.values:
+        return None
+    request = CommandDevicesRequest(target=step.target, command=step.command)
+    found = [(part.id, parsed) for part, parsed in settings_by_part(request, device, device.parts)]
+    if len(found) != 1 or not isinstance(found[0][1], dict):
+        return None
+    return found[0][0], found[0][1]

@@ -1,0 +1,221 @@
+"""Services that propose routines of the habits of the people in the house. Loaded with the first question.
+
+The history and the journal are read and searched in a thread, in slices, so that a search can be cancelled. Nothing is
+kept but rejections, and nothing leaves the machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, MutableMapping, Sequence
+from datetime import tzinfo
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
+
+import anyio
+from anyio import to_thread
+
+from homebot.clock import read_zone, zone_name
+from homebot.devices import Device, names
+from homebot.devices.app_messages import ChangeRoutineResponse
+from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
+from homebot.devices.device_lookup import DeviceLookup
+from homebot.devices.habit_messages import (
+    DecideHabit,
+    DecideHabitRequest,
+    HabitProposal,
+    SuggestHabits,
+    SuggestHabitsRequest,
+    SuggestHabitsResponse,
+)
+from homebot.devices.history_messages import MOST_POINTS, HistorySeries, ReadHistory, ReadHistoryRequest
+from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournal, ReadJournalRequest
+from homebot.errors import HomebotError, PeerError
+from homebot.graph import Node
+from homebot.habits.days import DAY, Days
+from homebot.habits.habit import FoundHabit
+from homebot.habits.proposal import UNDONE, is_same, proposal_of, undone_commands
+from homebot.habits.recorded import MOST_HAPPENINGS, Home, recorded_days
+from homebot.habits.search import find_habits
+from homebot.habits.words import HabitWords
+from homebot.messages.builtin_interfaces import Time
+from homebot.support.folding import fold
+
+if TYPE_CHECKING:
+    from homebot.runtime.app_host import AppHost
+    from homebot.runtime.routine_services import RoutineServices
+
+__all__ = ["HabitServices"]
+
+_DAYS: Final = 21
+_NO_HISTORY: Final = "no history is kept, or it has not begun yet; write `enabled = true` in [history] of homebot.toml"
+_FRESH: Final = 600.0
+"""Seconds for which an answer is given again without a search."""
+
+_MOST_PAGES: Final = 100
+"""Pages of the journal, of a thousand entries each; older ones are left out."""
+
+_MOST_REJECTED: Final = 300
+_SLICE: Final = 0.05
+"""Seconds of a search until it may be cancelled."""
+
+_ENTRIES: Final = frozenset({"changed", "judged", "requested"})
+_Search: TypeAlias = "Iterator[FoundHabit | None]"
+
+
+@final
+class HabitServices:
+    """Proposes routines, and keeps rejections in *rejected*."""
+
+    def __init__(
+        self, node: Node, host: AppHost, routines: RoutineServices, rejected: MutableMapping[str, Any]
+    ) -> None:
+        self._node = node
+        self._host = host
+        self._routines = routines
+        self._rejected = rejected
+        self._lookup = DeviceLookup(node)
+        self._history = node.create_client(ReadHistory, names.READ_HISTORY)
+        self._journal = node.create_client(ReadJournal, names.READ_JOURNAL)
+        self._turn = anyio.Lock()
+        self._last: tuple[float, int, SuggestHabitsResponse] | None = None
+
+    def serve(self, name: str) -> None:
+        """Create the service with this name."""
+        if name == names.SUGGEST_HABITS:
+            self._node.create_service(SuggestHabits, name, self._suggest, concurrent=True)
+        else:
+            self._node.create_service(DecideHabit, name, self._decide)
+
+    async def _suggest(self, request: SuggestHabitsRequest) -> SuggestHabitsResponse:
+        days, now = request.days or _DAYS, self._node.graph.clock.now()
+        async with self._turn:
+            if self._last is None or self._last[1] != days or not 0 <= now - self._last[0] < _FRESH:
+                try:
+                    self._last = now, days, await self._searched(now - days * DAY, now)
+                except HomebotError as exc:
+                    return SuggestHabitsResponse(success=False, message=str(exc))
+        answer = self._last[2]
+        left = tuple(one for one in answer.proposals if self._is_open(one))
+        return answer.model_copy(update={"proposals": left})
+
+    async def _decide(self, request: DecideHabitRequest) -> ChangeRoutineResponse:
+        known = () if self._last is None else self._last[2].proposals
+        found = next((one for one in known if one.id == request.id and self._is_open(one)), None)
+        if found is None:
+            message = f"there is no proposal {request.id!r} now; `homebot suggest` lists them"
+            return ChangeRoutineResponse(success=False, message=message)
+        if request.accept:
+            return await self._routines.follow_habit(found, request.issuer)
+        for oldest in list(self._rejected)[: max(0, len(self._rejected) + 1 - _MOST_REJECTED)]:
+            del self._rejected[oldest]
+        self._rejected[found.id] = {"when": found.when, "do": found.do}
+        await self._host.write_stores()
+        return ChangeRoutineResponse(message=f"rejected {found.name}; it is not proposed again")
+
+    def _is_open(self, proposal: HabitProposal) -> bool:
+        """Return whether nobody rejected *proposal*, and no routine does the same already."""
+        routines = self._host.routines.values()
+        if proposal.removes:
+            return proposal.id not in self._rejected and proposal.removes in {one.info().name for one in routines}
+        wanted = fold(proposal.do)
+        if any(is_same(proposal, str(one["when"]), str(one["do"])) for one in self._rejected.values()):
+            return False
+        return not any(
+            wanted in map(fold, info.steps) and any(is_same(proposal, when, proposal.do) for when in info.when)
+            for info in (one.info() for one in routines)
+        )
+
+    async def _searched(self, since: float, until: float) -> SuggestHabitsResponse:
+        if not self._history.service_is_ready():
+            raise PeerError(_NO_HISTORY)
+        devices = await self._lookup.devices()
+        entries = await self._entries(since)
+        series = [one for device in devices for one in await self._series(device, since, until)]
+        context = self._host.context
+        zone = await to_thread.run_sync(read_zone, context.zone_name)
+        words = HabitWords(devices)
+        home = self._home(devices, zone)
+        days = await to_thread.run_sync(recorded_days, words, series, entries, home)
+        best: dict[tuple[str, str], FoundHabit] = {}
+        for one in await _found(days):
+            known = best.get((one.device, one.when))
+            if known is None or known.precision + known.recall < one.precision + one.recall:
+                best[one.device, one.when] = one
+        found = [proposal_of(one) for one in best.values()]
+        return SuggestHabitsResponse(
+            success=True,
+            proposals=(*found, *self._undone(entries)),
+            searched=len(days.events),
+            by_persons=sum(bool(one.step) for one in days.events),
+            left_out=max(0, sum(len(one.words) for one in series) - MOST_HAPPENINGS),
+            unnamed=sum(not words.reference(one.id) for one in devices),
+            zone=zone_name(context.zone_name),
+        )
+
+    def _home(self, devices: Sequence[Device], zone: tzinfo) -> Home:
+        household = next((one.id for one in devices if one.service_type == "x_household"), "")
+        return Home(zone, self._host.context.latitude, self._host.context.longitude, household)
+
+    async def _series(self, device: Device, since: float, until: float) -> list[HistorySeries]:
+        """Return the states of the main parts of *device*; numbers start no routine."""
+        found: list[HistorySeries] = []
+        named = {can.name for part in device.parts if not part.part.category for can in part.part.capabilities}
+        for name in sorted(named - EVENTS):
+            if CAPABILITIES.get(name, OWN).kind not in {"bool", "text"}:
+                continue
+            request = ReadHistoryRequest(
+                device=device.id,
+                capability=name,
+                since=Time.from_seconds(since),
+                until=Time.from_seconds(until),
+                points=MOST_POINTS,
+            )
+            answer = await self._history.call(request)
+            if not answer.success:
+                raise PeerError(answer.message)
+            found += [one for one in answer.series if one.words]
+        return found
+
+    async def _entries(self, since: float) -> list[JournalEntry]:
+        """Return the entries about persons and commands, oldest first: the newest hundred thousand."""
+        found: dict[bytes, JournalEntry] = {}
+        until = Time(sec=0, nanosec=0)
+        for _ in range(_MOST_PAGES):
+            request = ReadJournalRequest(since=Time.from_seconds(since), until=until, limit=MOST_ENTRIES)
+            page = await self._journal.call(request)
+            if not page.success:
+                raise PeerError(page.message)
+            for one in page.entries:
+                if one.kind in _ENTRIES:
+                    found[repr((one.at, one.kind, one.device, one.part, one.command, one.settings)).encode()] = one
+            if page.complete or not page.entries or page.entries[0].at == until:
+                break
+            until = page.entries[0].at
+        return sorted(found.values(), key=lambda one: one.at.to_seconds())
+
+    def _undone(self, entries: Sequence[JournalEntry]) -> Iterator[HabitProposal]:
+        """Yield the removal of each routine of a habit that people undo again and again."""
+        for app in self._routines.of_habits():
+            undone = undone_commands(entries, f"/{app}")
+            if undone.undone >= UNDONE:
+                name = self._host.routines[app].info().name
+                proof = f"people undid {undone.undone} of its last {undone.given} commands within ten minutes"
+                yield HabitProposal(id=f"remove/{app}", name=f"remove {name}", removes=name, proof=proof)
+
+
+async def _found(days: Days) -> list[FoundHabit]:
+    search, found = find_habits(days), list[FoundHabit]()
+    while (batch := await to_thread.run_sync(_slice, search)) is not None:
+        found += batch
+    return found
+
+
+def _slice(search: _Search) -> list[FoundHabit] | None:
+    """Search for a while; return the habits found, None at the end."""
+    ends, found = perf_counter() + _SLICE, list[FoundHabit]()
+    for one in search:
+        if one is not None:
+            found.append(one)
+        if perf_counter() > ends:
+            return found
+    return found or None

@@ -1,0 +1,44 @@
+"""What docs/habits.md shows works, also in a house without habits."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.shell import Homebot, homebot_in
+
+pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
+
+GUIDE = (Path(__file__).parents[2] / "docs/habits.md").read_text("utf-8")
+COMMANDS = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)
+HOUSE = """
+[house]
+dialect = "homeassistant"
+by_hand = false
+[rooms.hall]
+[devices.hall_lamp]
+kind = "lamp"
+room = "hall"
+"""
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
+    with homebot_in(tmp_path_factory.mktemp("house"), house=HOUSE, until=("found hall_lamp", "is running")) as homebot:
+        while "has not begun yet" in homebot.run("homebot suggest").stderr:  # the history begins later
+            pass
+        yield homebot
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command_of_the_guide_runs(home: Homebot, command: str) -> None:
+    done = home.run(command)
+    if "accept" in command or "reject" in command:
+        assert (done.returncode, done.stderr) == (1, "homebot: there is nothing to propose\n")
+    else:
+        assert done.returncode == 0, done
+        assert done.stdout.startswith("there is no routine" if "routine" in command else "nothing to propose: ")
+
+
+def test_nothing_is_an_empty_list(home: Homebot) -> None:
+    assert home.run("homebot suggest --json").stdout == "[]\n"

@@ -1,0 +1,129 @@
+"""What the history and the journal tell becomes days in which only persons have habits."""
+
+from zoneinfo import ZoneInfo
+
+import pytest
+from tests.habits.houses import HOUSE, entry, states
+
+from homebot.devices.client_rights import issuer_of_client
+from homebot.devices.habit_messages import HabitProposal
+from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.trigger import Trigger
+from homebot.devices.value import Reading, Value
+from homebot.habits.days import DAY, Happening
+from homebot.habits.proposal import is_same, proposal_of, undone_commands
+from homebot.habits.recorded import Home, recorded_days
+from homebot.habits.search import find_habits
+from homebot.habits.words import HabitWords
+from homebot.messages import Time
+from homebot.routines.conditions import read_condition
+from homebot.routines.text import read_routines
+from homebot.routines.triggers import read_trigger
+
+BERLIN = Home(ZoneInfo("Europe/Berlin"), 52.5, 13.4, "household")
+START = 1_767_567_600.0  # Monday, 2026-01-05, midnight in Berlin
+WORDS = HabitWords(HOUSE)
+OWNER = issuer_of_client("owner")
+TWO = "hall_lamp_two"
+
+
+def steps(*entries: JournalEntry) -> list[str]:
+    history = [states(TWO, "on_off", (START, "false"), (START + 60.4, "true"))]
+    return [one.step for one in recorded_days(WORDS, history, entries, BERLIN).events if one.step]
+
+
+def test_what_is_done_by_hand_or_by_the_owner_is_a_persons() -> None:
+    assert steps(entry("changed", START + 60, TWO, cause="person", on_off=True)) == ["Hall lamp two on"]
+    assert steps(entry("requested", START + 60, TWO, OWNER, on_off=True)) == ["Hall lamp two on"]
+
+
+@pytest.mark.parametrize(
+    "by_others",
+    [
+        entry("changed", START + 60, TWO, cause="device", on_off=True),
+        entry("changed", START + 60, TWO, cause="unknown", on_off=True),
+        entry("requested", START + 60, TWO, "/lights_out", on_off=True),
+        entry("requested", START + 60, TWO, "client:agent", on_off=True),
+        entry("requested", START + 60, TWO, OWNER, trigger=Trigger(kind="timer"), on_off=True),
+        entry("requested", START + 60, "front_door_lock", OWNER, lock="unlocked"),
+    ],
+)
+def test_what_others_do_and_what_always_asks_is_no_habit(by_others: JournalEntry) -> None:
+    assert steps(by_others) == []
+
+
+def test_a_refused_command_is_no_habit() -> None:
+    asked = entry("requested", START + 60, TWO, OWNER, command="c", on_off=True)
+    assert steps(asked, entry("judged", START + 60, TWO, OWNER, command="c", refused=True)) == []
+
+
+def test_a_change_and_its_cause_are_one_happening() -> None:
+    deed = entry("requested", START + 60, TWO, OWNER, on_off=True)
+    history = [states(TWO, "on_off", (START, "false"), (START + 60.4, "true"))]
+    texts = [one.text for one in recorded_days(WORDS, history, [deed], BERLIN).events]
+    assert texts == ["Hall lamp two off", "Hall lamp two on"]
+
+
+def test_a_press_that_led_to_a_command_is_a_trigger() -> None:
+    reading = Reading(part="", capability="press", value=Value.of("double"))
+    trigger = Trigger(kind="report", id="7", device="hall_button", readings=(reading,), at=Time.from_seconds(START))
+    pressed = entry("requested", START + 1, TWO, "/routine", trigger=trigger, on_off=True)
+    days = recorded_days(WORDS, [], [pressed], BERLIN)
+    assert days.events == (Happening(START, "hall_button", " press", "Hall button press double", is_press=True),)
+
+
+def test_the_conditions_are_those_of_the_place() -> None:
+    home = states("household", "at_home", (START, "true"), (START + 8 * 3600, "false"))
+    days = recorded_days(WORDS, [home, states(TWO, "on_off", (START + 6 * DAY, "true"))], [], BERLIN)
+    assert days.held(START + 7 * 3600) == {"on weekdays", "sun is down", "somebody is home"}
+    assert days.held(START + 12 * 3600) == {"on weekdays", "sun is up"}
+    assert days.held(START + 5.5 * DAY) == {"on weekends", "sun is up"}
+    assert all(read_condition(one) for one in days.conditions)
+    assert all(read_trigger(one) for one in days.moments)
+    assert days.midnight(START + DAY + 1) == START + DAY
+
+
+def test_a_recorded_habit_becomes_a_routine_with_its_proof() -> None:
+    motion, lamp, deeds = [], [], []
+    for day in range(14):
+        at = START + day * DAY + (18 + day % 5) * 3600
+        motion += [(at, "true"), (at + 90, "false"), (at + 4000, "true"), (at + 4090, "false")]
+        lamp += [(at + 3600, "false")]
+        if day != 4:
+            deeds.append(entry("changed", at + 20, TWO, cause="person", on_off=True))
+            lamp.append((at + 20, "true"))
+        deeds.append(entry("changed", at + 4020, TWO, cause="person", on_off=True))
+        lamp += [(at + 4020, "true"), (at + 5000, "false")]
+    history = [states("hall_motion", "occupancy", *motion), states(TWO, "on_off", *sorted(lamp))]
+    days = recorded_days(WORDS, history, deeds, BERLIN)
+    found = proposal_of(next(one for one in find_habits(days) if one is not None))
+    assert found.proof == (
+        "27 of 28 times you did this within 20 s; the routine would have done it 27 times, and once when you did not"
+    )
+    (routine,) = read_routines(found.text, "the habit")
+    assert routine.table["when"] == ["Hall motion occupied"]
+    assert routine.table["do"] == ["Hall lamp two on"]
+    assert len(found.occasions) == 28
+
+
+def test_a_rejected_habit_is_the_same_if_its_time_moves_a_little() -> None:
+    habit = proposal_of_time("22:40")
+    assert is_same(habit, "23:10", "Blind closed")
+    assert not is_same(habit, "20:00", "Blind closed")
+    assert not is_same(habit, "22:40", "Hall lamp two off")
+    assert is_same(proposal_of_time("23:50"), "0:10", "Blind closed")
+    assert is_same(proposal_of_time("sunset + 20m"), "sunset", "Blind closed")
+    assert not is_same(proposal_of_time("sunset"), "sunrise", "Blind closed")
+
+
+def proposal_of_time(when: str) -> HabitProposal:
+    return HabitProposal(id="1", name="", proof="", when=when, do="Blind closed")
+
+
+def test_an_undone_command_is_one_that_a_person_reverts_within_minutes() -> None:
+    given = [entry("requested", START + 3600 * one, TWO, "/habit", on_off=True) for one in range(7)]
+    undone = [entry("changed", START + 3600 * one + 120, TWO, cause="person", on_off=False) for one in (4, 5, 6)]
+    late = entry("changed", START + 3600 * 3 + 900, TWO, cause="person", on_off=False)
+    same = entry("changed", START + 3600 * 2 + 9, TWO, cause="person", on_off=True)
+    assert undone_commands([*given, *undone, late, same], "/habit") == (3, 5)
+    assert undone_commands([*given, *undone], "/other") == (0, 0)

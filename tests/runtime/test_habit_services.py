@@ -1,0 +1,126 @@
+"""Habits of the people in a running house are proposed, accepted, rejected and forgotten."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from datetime import timedelta
+
+import pytest
+
+from homebot.bridges.rosbridge.access import right_to_call
+from homebot.config import parse_config
+from homebot.devices.app_messages import ChangeRoutineResponse, ListRoutines, RoutinesRequest
+from homebot.devices.client_rights import Right
+from homebot.devices.habit_messages import (
+    DecideHabit,
+    DecideHabitRequest,
+    HabitProposal,
+    SuggestHabits,
+    SuggestHabitsRequest,
+    SuggestHabitsResponse,
+)
+from homebot.devices.names import DECIDE_HABIT, LIST_ROUTINES, SUGGEST_HABITS
+from homebot.graph import Node
+from homebot.house import World
+from homebot.house.description import parse_world
+from homebot.support.toml_file import parse_toml
+from homebot.testing import VirtualHouse, virtual_house_of
+
+pytestmark = pytest.mark.virtual_time
+
+DAYS = 7
+CONFIG = parse_config(
+    {"history": {"enabled": True}, "home": {"zone": "UTC", "latitude": 52.5, "longitude": 13.4}}, "test"
+)
+
+
+def world() -> World:
+    text = """
+[house]
+by_hand = false
+[rooms.hall]
+[devices.hall_lamp]
+kind = "lamp"
+room = "hall"
+[rooms.study]
+[devices.desk_lamp]
+kind = "lamp"
+room = "study"
+"""
+    return parse_world(parse_toml(text, "test"), "test")
+
+
+class Owner:
+    """What the owner asks of the house."""
+
+    def __init__(self, node: Node) -> None:
+        self._suggest = node.create_client(SuggestHabits, SUGGEST_HABITS)
+        self._decide = node.create_client(DecideHabit, DECIDE_HABIT)
+        self._list = node.create_client(ListRoutines, LIST_ROUTINES)
+
+    async def answer(self) -> SuggestHabitsResponse:
+        return await self._suggest.call(SuggestHabitsRequest())
+
+    async def proposals(self) -> dict[str, HabitProposal]:
+        return {one.do: one for one in (await self.answer()).proposals}
+
+    async def decide(self, habit: HabitProposal, *, accept: bool) -> ChangeRoutineResponse:
+        return await self._decide.call(DecideHabitRequest(id=habit.id, accept=accept))
+
+    async def routines(self) -> dict[str, bool]:
+        return {one.steps[0]: one.of_habit for one in (await self._list.call(RoutinesRequest())).routines}
+
+
+@asynccontextmanager
+async def house_with_habits() -> AsyncIterator[tuple[VirtualHouse, Owner]]:
+    """Two lamps that a person switches at the same times each day."""
+    async with (
+        virtual_house_of(world=world(), config=CONFIG, start="2026-01-05") as house,
+        Node(house.runtime.graph, "owner") as node,
+    ):
+        for day in range(DAYS):
+            midnight = house.now.replace(hour=0, minute=0, second=0)
+            for hour, lamp, word in ((7, "hall_lamp", "on"), (9, "hall_lamp", "off"), (22, "desk_lamp", "on")):
+                await house.run_until(midnight + timedelta(hours=hour, minutes=3 * (day % 4)))
+                await house.press(lamp, word)
+            await house.run_until(midnight + timedelta(hours=23.5))
+            await house.press("desk_lamp", "off")
+            await house.run_until(midnight + timedelta(days=1))
+        yield house, Owner(node)
+
+
+async def test_what_a_person_does_each_day_is_proposed_accepted_and_rejected() -> None:
+    async with house_with_habits() as (_, owner):
+        found = await owner.proposals()
+        assert {one.partition(" ")[0] for one in found} == {"hall_lamp", "desk_lamp"}
+        assert all(one.when[:2] in {"07", "09", "22", "23"} or one.when.startswith("sun") for one in found.values())
+        morning, evening = found["hall_lamp on"], found["desk_lamp on"]
+        assert morning.proof.startswith(f"{DAYS} of {DAYS} times you did this within ")
+
+        answer = await owner.decide(morning, accept=True)
+        assert answer.message.startswith(f"added {morning.name}")
+        assert await owner.routines() == {"hall_lamp on": True}
+        assert "never" not in (await owner.decide(evening, accept=False)).message
+        left = await owner.proposals()
+        assert not left.keys() & {"hall_lamp on", "desk_lamp on"}
+        assert not (await owner.decide(evening, accept=True)).success
+        assert await owner.routines() == {"hall_lamp on": True}
+
+
+async def test_a_routine_that_people_undo_is_proposed_for_removal() -> None:
+    async with house_with_habits() as (house, owner):
+        await owner.decide((await owner.proposals())["hall_lamp on"], accept=True)
+        for minutes in (2, 5, 3, 6):  # a lamp that goes out after the same time does so by itself
+            await house.becomes("hall_lamp", within="30h", on=True)
+            await house.run_for(f"{minutes}m")
+            await house.press("hall_lamp", "off")
+        await house.run_for("1h")
+        (removal,) = [one for one in (await owner.answer()).proposals if one.removes]
+        assert removal.proof == "people undid 4 of its last 4 commands within ten minutes"
+        assert (await owner.decide(removal, accept=True)).success
+        assert await owner.routines() == {}
+        assert not [one for one in (await owner.answer()).proposals if one.removes]
+
+
+def test_to_list_needs_to_read_and_to_decide_needs_to_manage() -> None:
+    assert right_to_call(SUGGEST_HABITS) is Right.READ
+    assert right_to_call(DECIDE_HABIT) is Right.MANAGE
