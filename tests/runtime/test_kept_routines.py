@@ -5,6 +5,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from shutil import copytree
 
+import anyio
 import pytest
 from structlog.testing import capture_logs
 
@@ -99,6 +100,18 @@ async def test_several_are_added_at_once_or_none(tmp_path: Path) -> None:
         answer = await owner.change("new", text=f"# mine\n{EVENING}\n[[routines]]\n{MORNING}")
         assert answer.message.startswith("added Evening, Morning\nEvening: ")
         assert (await owner.routines())["Morning"].text == f"[[routines]]\n{MORNING}"
+
+
+async def test_a_hundred_are_added_in_the_time_of_one(tmp_path: Path) -> None:
+    """The command line waits for a minute; each new app has a second to prove that it runs."""
+    async with homebot(tmp_path) as owner:
+        begin = anyio.current_time()
+        answer = await owner.change("new", text="".join(EVENING.replace("Evening", f"E{n}") for n in range(100)))
+        assert answer.success
+        assert anyio.current_time() - begin < 5
+        assert len(await owner.routines()) == 101
+        assert not (await owner.change("new", text="".join(EVENING.replace("ing", f"{n}") for n in range(201)))).success
+        assert len(await owner.routines()) == 101, "there may be 300: all or none are added"
 
 
 async def test_it_is_edited_renamed_and_removed(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -155,25 +155,33 @@ class AppManager:
         if mistake is not None:
             raise mistake
 
-    async def load(self, name: str) -> str:
-        """Start the app *name* from the configuration, an installed package or a file; return a text for people.
+    async def load(self, *names: str) -> str:
+        """Start apps from the configuration, an installed package or a file, all or none; return a text for people.
 
         Raises:
-            HomebotError: It is already running, cannot be loaded, or crashes at once; names the reason.
+            HomebotError: One is already running, cannot be loaded, or crashes at once; names the reason.
         """
+        loaded: list[tuple[PlannedApp, FreshCode]] = []
         async with self._turn:
-            planned, code = await self._plan(name, is_new=True)
-            if planned.name in self._apps:
-                code.restore()
-                raise UsageError(
-                    f"the app {planned.name} is already running; `homebot app reload {planned.name}` reloads it"
-                )
-            problem = await self._try(planned)
-            if problem:
-                await self._remove(planned.name)
-                code.restore()
-                raise UsageError(f"{planned.name} is not loaded: {problem}")
-            return self._report(LOADED, f"loaded the app {planned.name}", planned.name)
+            try:
+                for name in names:
+                    planned, code = await self._plan(name, is_new=True)
+                    if planned.name in self._apps:
+                        code.restore()
+                        advice = f"`homebot app reload {planned.name}` reloads it"
+                        raise UsageError(f"the app {planned.name} is already running; {advice}")
+                    loaded.append((planned, code))
+                    await self._begin(planned)
+                crashed, problem = await self._first_crash([planned.name for planned, _ in loaded])
+                if crashed:
+                    raise UsageError(f"{crashed} is not loaded: {problem}")
+            except HomebotError:
+                for planned, code in loaded:
+                    await self._remove(planned.name)
+                    code.restore()
+                raise
+            texts = [self._report(LOADED, f"loaded the app {one.name}", one.name) for one, _ in loaded]
+            return "; ".join(texts)
 
     async def unload(self, name: str) -> str:
         """Stop the app *name*; return a text for people.
@@ -290,15 +298,24 @@ class AppManager:
 
     async def _try(self, planned: PlannedApp) -> str:
         """Start *planned* and wait until it has proved to run; return its crash, empty if there was none."""
+        await self._begin(planned)
+        return (await self._first_crash([planned.name]))[1]
+
+    async def _begin(self, planned: PlannedApp) -> None:
+        """Start *planned*; that it cannot be started counts as a crash."""
         try:
-            app = await self._start(planned)
+            await self._start(planned)
         except UsageError as exc:
-            self._apps[planned.name] = _ended(planned)
-            return str(exc)
-        is_own = planned.kind.__module__.partition(".")[0] == __name__.partition(".")[0]
-        with anyio.move_on_after(min(self.trial, _OWN_TRIAL) if is_own else self.trial):
-            await app.has_crashed.wait()
-        return app.crash
+            app = self._apps[planned.name] = _ended(planned)
+            app.crash = str(exc)
+            app.has_crashed.set()
+
+    async def _first_crash(self, names: Sequence[str]) -> tuple[str, str]:
+        """Wait until all have proved to run; return the first that has not, with its crash, both empty for none."""
+        with anyio.move_on_after(self.trial):
+            for name in names:
+                await self._apps[name].has_crashed.wait()
+        return next(((one, self._apps[one].crash) for one in names if self._apps[one].crash), ("", ""))
 
     async def _start(self, planned: PlannedApp) -> _RunningApp:
         if self._tasks is None:

@@ -1,6 +1,7 @@
 """Services for clients about the routines: those that run, and those that the owner keeps by a command."""
 
 from collections.abc import Awaitable, Iterator, Sequence
+from contextlib import ExitStack
 from typing import Final, Protocol, final
 
 from homebot.clock import zone_name
@@ -32,8 +33,8 @@ _log = get_logger(node="/homebot")
 class _Apps(Protocol):
     """The starts and stops of apps."""
 
-    async def load(self, name: str) -> str:
-        """Start an app."""
+    async def load(self, *names: str) -> str:
+        """Start apps, all or none."""
 
     async def unload(self, name: str) -> str:
         """Stop an app."""
@@ -129,10 +130,11 @@ class RoutineServices:
         for one in routines:
             if one.app in self._host.running or one.app in self._kept:
                 raise UsageError(f"a routine or app {one.app} is there already; choose another name, or edit that one")
-        for one in routines:
-            with self._kept.restored_on_error(one.app):
+        with ExitStack() as kept:
+            for one in routines:
+                kept.enter_context(self._kept.restored_on_error(one.app))
                 self._kept.put(one, proposed_by, of_habit=of_habit)
-                await self._apps.load(one.app)
+            await self._apps.load(*[one.app for one in routines])
 
     async def _with_hints(self, text: str, *routines: WrittenRoutine) -> str:
         """Return *text* and the problems of *routines* in the house as it is now, each on its line."""
