@@ -15,6 +15,7 @@ from structlog.testing import capture_logs
 from tests.whole_house import WHOLE_HOUSE
 
 import homebot.house
+from homebot.clock import LoopClock
 from homebot.config import parse_config
 from homebot.devices import Devices
 from homebot.devices.handles import Light
@@ -42,6 +43,8 @@ pytestmark = pytest.mark.virtual_time
 FAMILY = tomllib.loads((Path(__file__).parents[2] / "examples" / "houses" / "family.toml").read_text("utf-8"))
 FAMILY_HOUSE = Path(homebot.house.__file__).parent / "family" / "house.toml"
 BATTERY_STATE = find_message("sensor_msgs/msg/BatteryState")
+NIGHT = 1_767_225_600.0
+"""2026-01-01 00:00 UTC: the robot of the family drives at 10:00."""
 CONFIG = {"home": {"name": "home425"}, "gateways": {"mqtt": {"root": "home425"}}}
 
 
@@ -51,7 +54,10 @@ async def running(robot: str = "robot", world: World | None = None) -> AsyncIter
     async with MemoryBroker() as broker:
         config = parse_config(CONFIG, "test")
         services = (HostedBroker.in_memory(broker),)
-        runtime = Runtime(config, house=world or thesis_world(), robot=robot, with_door=False, services=services)
+        clock = LoopClock(NIGHT)
+        runtime = Runtime(
+            config, house=world or thesis_world(), robot=robot, clock=clock, with_door=False, services=services
+        )
         async with runtime, Node(runtime.graph, "tester") as node:
             yield runtime, node
 
