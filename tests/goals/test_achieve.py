@@ -85,6 +85,7 @@ async def test_without_an_answer_the_lock_is_the_reason(family: Family) -> None:
         ("bath lit", "Bath lit: nothing in the house fits"),
         ("hall lamp", "'hall lamp' names no state"),
         ("on", "'on' names no device"),
+        ("rosie in hall and rosie in living", "rosie cannot be in Hall and in Living at once"),
         ("  ", "the goal is empty"),
     ],
 )

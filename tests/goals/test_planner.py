@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+from dataclasses import replace
 
 import pytest
 
@@ -23,6 +24,17 @@ def chain(rooms: int) -> GoalProblem:
     return problem
 
 
+def lamps(count: int) -> GoalProblem:
+    """So many lamps are off, and wished on."""
+    problem = GoalProblem()
+    for number in range(count):
+        on, off = frozenset((f"{number} on",)), frozenset((f"{number} off",))
+        problem.facts |= off
+        problem.goal |= dict.fromkeys(on)
+        problem.operators += [Operator(frozenset(), on, off), Operator(frozenset(), off, on)]
+    return problem
+
+
 def test_a_robot_passes_all_doors_of_fifty_rooms() -> None:
     pytest.importorskip("up_pyperplan")
     problem = chain(50)
@@ -30,6 +42,34 @@ def test_a_robot_passes_all_doors_of_fifty_rooms() -> None:
     assert found is not None
     assert len(found) == 2 * 49
     assert is_plan(problem, found)
+
+
+def test_five_hundred_lamps_are_turned_on_at_once() -> None:
+    pytest.importorskip("up_pyperplan")
+    problem = lamps(500)
+    found = plan(problem)
+    assert found is not None
+    assert len(found) == 500
+    assert is_plan(problem, found)
+
+
+def test_opposite_wishes_for_five_hundred_lamps_have_no_plan() -> None:
+    pytest.importorskip("up_pyperplan")
+    problem = lamps(500)
+    problem.goal |= {fact.replace("on", "off"): None for fact in problem.goal}
+    assert plan(problem) is None
+
+
+def test_a_room_of_a_hundred_lamps_is_not_lit_and_dark_at_once() -> None:
+    pytest.importorskip("up_pyperplan")
+    problem = lamps(100)
+    lit = frozenset(("lit",))
+    problem.goal = dict.fromkeys(fact.replace("on", "off") for fact in problem.goal) | {"lit": None}
+    problem.operators = [
+        replace(one, takes=one.takes | lit) if "off" in str(one.gives) else one for one in problem.operators
+    ]
+    problem.operators += [Operator(frozenset((f"{number} on",)), lit) for number in range(100)]
+    assert plan(problem) is None
 
 
 def test_a_goal_that_is_so_needs_no_planner() -> None:

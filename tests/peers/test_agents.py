@@ -16,7 +16,7 @@ from homebot.bridges.home_api.routes import openapi_text
 
 FOUR_LAMPS = 440  # bytes
 
-TOOLS = {"home", "find_devices", "command", "why", "history", "scenes", "apply_scene", "propose_routine"}
+TOOLS = {"home", "find_devices", "command", "why", "history", "scenes", "apply_scene", "achieve", "propose_routine"}
 
 
 def arguments(api: Api, folder: Path, token: str) -> list[str]:

@@ -194,6 +194,7 @@ def house_server(api: ApiClient) -> MCPServer:
         server.add_tool(tool, annotations=_READS, structured_output=False)
     server.add_tool(command, annotations=_ACTS, structured_output=False)
     _add_scenes(server, api)
+    _add_goals(server, api)
     _add_routines(server, api)
     return server
 
@@ -209,6 +210,14 @@ def _add_scenes(server: MCPServer, api: ApiClient) -> None:
 
     server.add_tool(scenes, annotations=_READS, structured_output=False)
     server.add_tool(apply_scene, annotations=_ACTS, structured_output=False)
+
+
+def _add_goals(server: MCPServer, api: ApiClient) -> None:
+    async def achieve(goal: Words, dry_run: bool = False) -> str:  # noqa: FBT001, FBT002 - JSON
+        """Plan how to reach a goal such as `kitchen lit and rosie in kitchen`, and do it; returns each step."""
+        return await api.post("/api/goal", {"goal": goal, "dry_run": dry_run})
+
+    server.add_tool(achieve, annotations=_ACTS, structured_output=False)
 
 
 def _add_routines(server: MCPServer, api: ApiClient) -> None:

@@ -1,14 +1,16 @@
 """The planner: the only file that imports ``unified_planning``, which takes a second, with the first plan."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
-from homebot.goals.operators import GoalProblem, Operator, is_plan
+from homebot.goals.operators import GoalProblem, Operator, is_plan, reachable
 from homebot.plugins import check_extra
 
 __all__ = ["plan"]
 
 _ENGINE: Final = "pyperplan"
+_ANY: Final = Operator(frozenset(), frozenset())
 
 
 def plan(problem: GoalProblem) -> list[Operator] | None:
@@ -21,14 +23,66 @@ def plan(problem: GoalProblem) -> list[Operator] | None:
         return []
     check_extra("a plan", "goals", "unified_planning", "up_pyperplan")
     operators = list(problem.allowed())
-    found = [operators[number] for number in _solve(problem, operators)]
-    if not is_plan(problem, found):
+    if not problem.goal.keys() <= reachable(problem.facts, operators) or _opposite(problem, operators):
+        return None  # a search would last for minutes
+    simple = _simple(problem, operators)
+    rest = replace(problem, facts=problem.facts.union(*(one.gives for one in simple)))
+    useful = _relevant(rest, operators)
+    found = [useful[number] for number in _solve(rest, useful)] if rest.missing else []
+    if not is_plan(rest, found):
         return None
     for one in tuple(reversed(found)):  # a satisficing planner may do more than is needed
         fewer = [other for other in found if other is not one]
-        if is_plan(problem, fewer):
+        if is_plan(rest, fewer):
             found = fewer
+    return [*simple, *found]
+
+
+def _opposite(problem: GoalProblem, operators: Sequence[Operator]) -> bool:
+    """Return whether a wish and another one undo each other, by whatever they are reached."""
+    concerned = problem.goal.keys() | frozenset[str]().union(*(one.needs for one in operators if one.step is None))
+    givers: dict[str, list[Operator]] = {}
+    pairs = set[tuple[str, str]]()
+    for one in operators:
+        for fact in one.gives & concerned:
+            givers.setdefault(fact, []).append(one)
+            pairs.update((fact, other) for other in one.takes & concerned)
+    undo = {(fact, other) for fact, other in pairs if all(other in one.takes for one in givers[fact])}
+    both = [(fact, other) for fact, other in undo if (other, fact) in undo]
+    undone = {fact for fact, other in both if other in problem.goal}
+    return any(
+        fact in undone or all(one.step is None and not one.needs.isdisjoint(undone) for one in givers.get(fact, [_ANY]))
+        for fact in problem.goal
+    )
+
+
+def _relevant(problem: GoalProblem, operators: Sequence[Operator]) -> list[Operator]:
+    """Return the operators that may be of use."""
+    wanted, found, waiting = set(problem.missing), list[Operator](), list(operators)
+    while useful := [one for one in waiting if not one.gives.isdisjoint(wanted)]:
+        waiting = [one for one in waiting if one.gives.isdisjoint(wanted)]
+        found += useful
+        for one in useful:
+            wanted |= one.needs | (one.takes & problem.goal.keys())
     return found
+
+
+def _simple(problem: GoalProblem, operators: Sequence[Operator]) -> list[Operator]:
+    """Return operators that reach wishes without a need, and disturb nothing: the planner is slow with many lamps."""
+    touched = problem.goal.keys() | frozenset[str]().union(*(one.needs for one in operators))
+    givers: dict[str, list[Operator]] = {}
+    for one in operators:
+        if one.takes.isdisjoint(touched):
+            for fact in one.gives:
+                givers.setdefault(fact, []).append(one)
+    found: dict[Operator, None] = {}
+    for fact in problem.missing:
+        for one in givers.get(fact, ()):
+            first = [other for need in one.needs for other in givers.get(need, ())[:1]] if one.step is None else []
+            if len(first) == len(one.needs) and not any(other.needs for other in first):
+                found.update(dict.fromkeys([*first, one]))
+                break
+    return list(found)
 
 
 def _solve(problem: GoalProblem, operators: Sequence[Operator]) -> list[int]:

@@ -59,6 +59,10 @@ def read_wishes(text: str, rooms: Collection[str]) -> tuple[Wish, ...]:
     found = [_wish(one.strip(), rooms) for one in _JOINED.findall(text) if one.strip()]
     if not found:
         raise UsageError(f"the goal is empty; {_HOW}")
+    places: dict[str, RobotWish] = {}
+    for one in found:
+        if isinstance(one, RobotWish) and places.setdefault(fold(one.robot), one).room != one.room:
+            raise UsageError(f"{one.robot} cannot be in {places[fold(one.robot)].room} and in {one.room} at once")
     return tuple(dict.fromkeys(found))
 
 
@@ -74,7 +78,7 @@ def _wish(text: str, rooms: Collection[str]) -> Wish:
         target = _stateless(query)
         if not any(one != _EVERYTHING for one in leaves(target)):
             raise UsageError(f"{text!r} names no device; {_HOW}")
-        return StateWish(text, target, query, fold(text.rpartition(" ")[0]))
+        return StateWish(text, target, query, fold(text.rpartition(" ")[0]).removesuffix(" is"))
     if (placed := _IN.fullmatch(text)) is None:
         raise UsageError(f"{text!r} names no state; {_HOW}")
     return RobotWish(text, placed["robot"], _room(placed["room"], rooms))

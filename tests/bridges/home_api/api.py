@@ -52,6 +52,9 @@ class Api:
     async def propose(self, text: str, **headers: str) -> Answer:
         return await self._ask("POST", "/api/routines", headers, json={"text": text})
 
+    async def achieve(self, goal: str, **headers: str) -> Answer:
+        return await self._ask("POST", "/api/goal", headers, json={"goal": goal, "dry_run": True})
+
     async def save(self, name: str, values: dict[str, str]) -> None:
         """Save a scene at the door, as the person who has its rights."""
         async with connect(f"ws://127.0.0.1:{self.port}", proxy=None) as door:

@@ -155,3 +155,16 @@ async def test_a_routine_is_proposed_by_who_may_act_and_mistakes_are_named(tmp_p
         assert (wrong.status, "did you mean off" in wrong.values["detail"]) == (400, True)
         refused = await api.propose(text, Authorization=bearer("reader"))
         assert (refused.status, refused.values["outcome"]) == (403, "refused")
+
+
+@pytest.mark.rooms("thesis")
+async def test_a_goal_is_planned_for_who_may_act_and_a_mistake_is_named(tmp_path: Path) -> None:
+    pytest.importorskip("up_pyperplan")
+    async with running_api(tmp_path) as api:
+        done = await api.achieve("lamp1 on and lamp2 off", Authorization=bearer("agent"))
+        assert (done.status, done.values["reached"]) == (200, True)
+        wrong = await api.achieve("lamp1", Authorization=bearer("agent"))
+        assert (wrong.status, wrong.values["reached"]) == (200, False)
+        assert "names no state" in wrong.values["text"]
+        refused = await api.achieve("lamp1 on", Authorization=bearer("reader"))
+        assert (refused.status, refused.values["outcome"]) == (403, "refused")

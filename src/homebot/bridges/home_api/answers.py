@@ -37,6 +37,7 @@ from homebot.units import parse_duration
 
 if TYPE_CHECKING:
     from homebot.devices import Device
+    from homebot.devices.achieve_messages import AchieveResponse
     from homebot.devices.approval_messages import UnapprovedResponse
     from homebot.devices.command_messages import CommandDevicesResponse, CommandedPart
     from homebot.devices.history_messages import HistorySeries, ReadHistoryResponse
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from homebot.devices.services import ListedDevice
 
 __all__ = [
+    "achieve",
     "apply_scene",
     "command",
     "device_details",
@@ -185,6 +187,14 @@ def _outcome(
         command_id=worst.command_id,
         parts={name_of(one): one.result.text for one in answer.results} if len(results) > 1 else {},
     )
+
+
+async def achieve(home: HomeCalls, asked: shapes.GoalQuestion) -> shapes.GoalAnswer:
+    """Plan for a goal and, unless only the plan is wanted, do it."""
+    request = {"goal": asked.goal, "is_dry_run": asked.dry_run}
+    answer = cast("AchieveResponse", await home.call(names.ACHIEVE_WORDS, request))
+    steps = tuple(f"{one.text}: {one.outcome}" if one.outcome else one.text for one in answer.steps)
+    return shapes.GoalAnswer(reached=answer.success, text=answer.message, steps=steps, tried=answer.tried)
 
 
 async def propose_routine(home: HomeCalls, asked: shapes.RoutineQuestion) -> shapes.ProposalAnswer:

@@ -112,6 +112,13 @@ class SceneQuestion(_Question):
     transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
 
 
+class GoalQuestion(_Question):
+    """A goal in words, such as `kitchen lit and rosie in kitchen`; with `dry_run` only its plan is made."""
+
+    goal: Annotated[str, Field(max_length=1000)]
+    dry_run: bool = False
+
+
 class RoutineQuestion(_Question):
     """A routine to propose: its table `[[routines]]` in TOML."""
 
@@ -186,6 +193,15 @@ class SceneList(_Answer):
     """The scenes of the house."""
 
     scenes: tuple[SceneLine, ...]
+
+
+class GoalAnswer(_Answer):
+    """The plan with the outcomes of its steps, and whether the goal is reached, or the fact that is in the way."""
+
+    reached: bool
+    text: _Told
+    steps: tuple[_Told, ...] = ()
+    tried: tuple[_Told, ...] = ()
 
 
 class ProposalAnswer(_Answer):

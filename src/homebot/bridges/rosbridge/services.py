@@ -19,7 +19,7 @@ from homebot.bridges.rosbridge.protocol import (
 from homebot.bridges.rosbridge.shared_state import Provisions, SharedState
 from homebot.bridges.rosbridge.types import request_from_client, service_type_of
 from homebot.bridges.turns import ServerTurns
-from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, MACHINE_NODE, PERFORM_COMMAND, SEND_TEXT
+from homebot.devices.names import ACHIEVE_WORDS, COMMAND_DEVICES, HOLD_PART, MACHINE_NODE, PERFORM_COMMAND, SEND_TEXT
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import QueryTerm, query_terms
 from homebot.devices.query.terms import Or
@@ -95,7 +95,7 @@ def refusal(service: str, response: Message, problem: UsageError) -> Message:
 
 _DEFAULT_TIMEOUT = 5.0
 _MAX_TIMEOUT = 3600.0
-_WAITING_FOR_DEVICES = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, SEND_TEXT})
+_WAITING_FOR_DEVICES = frozenset({ACHIEVE_WORDS, COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, SEND_TEXT})
 """Services that answer once the outcome of a command is known, however slow the device, or a person who must agree."""
 _OF_PARAMETERS = frozenset(PARAMETER_SERVICES.values())
 _ROSAPI = "/rosapi/"
