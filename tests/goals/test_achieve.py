@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import anyio
 import pytest
 from tests.control.conftest import ignore
 from tests.goals.conftest import Family
 
+from homebot.devices.command_messages import Setting
+from homebot.devices.handles import Light
+from homebot.devices.lease_messages import HoldRequest
+from homebot.devices.names import ANSWER_QUESTION, OPEN_QUESTIONS
+from homebot.devices.question_messages import AnswerQuestion, AnswerQuestionRequest, OpenQuestions
+from homebot.graph import qos_profile_latched
 from homebot.graph.actions import GoalState
 
 pytest.importorskip("up_pyperplan")
@@ -164,3 +172,46 @@ async def test_a_lock_that_the_owner_has_to_grant_is_no_step_of_an_app(family: F
     assert not answer.success
     assert "unlock Study Lock is not possible" in answer.message
     assert family.home.commands == []
+
+
+async def test_what_another_holds_is_the_reason(family: Family) -> None:
+    hall = await family.home.handle(Light, "hall lamp")
+    off = Setting.of("on_off", plain=False)
+    held = HoldRequest(
+        device=hall.device.id, setting=off, lease="film", by="Film night", ttl=900.0, issuer="client:ben"
+    )
+    assert (await family.home.hold(held)).held
+    answer = await family.achieve("hall lit", issuer="/app", scope=())
+    assert not answer.success
+    assert "Film night" in answer.message
+
+
+@pytest.mark.parametrize(("yes", "room"), [(True, "Study"), (False, "Hall")])
+async def test_a_person_decides_on_a_lock_on_the_way(family: Family, *, yes: bool, room: str) -> None:
+    asked: list[OpenQuestions] = []
+    family.home.app.create_subscription(OpenQuestions, OPEN_QUESTIONS, asked.append, qos_profile_latched)
+    answering = family.home.app.create_client(AnswerQuestion, ANSWER_QUESTION)
+    goal = await family.begin("rosie in study")
+    for _ in range(2 if yes else 1):
+        await anyio.sleep(5.0)
+        question = asked[-1].questions[0].question
+        owner = AnswerQuestionRequest(question=question, yes=yes, issuer="client:owner", scope=("act: all",))
+        answered = await answering.call(owner)
+        assert answered.success, answered.message
+    answer = (await goal.result())[1]
+    assert answer.success == yes, answer.message
+    assert family.room == room
+    assert yes or "owner said no" in answer.message
+
+
+class TestQuietHours:
+    @pytest.fixture
+    def home_settings(self) -> dict[str, Any]:
+        return {"quiet_hours": [{"start": "00:00", "end": "23:59", "commands": ["turn on lights"]}]}
+
+    async def test_no_step_is_planned_against_a_policy(self, family: Family) -> None:
+        answer = await family.achieve("study lit and rosie in living", issuer="/app", scope=())
+        assert not answer.success
+        assert "turn on Study Lamp is not possible" in answer.message
+        assert "(quiet_hours)" in answer.message
+        assert family.home.commands == []
