@@ -38,6 +38,7 @@ BENCHMARKS = (
     "walks",
     "places",
     "near",
+    "goals",
     "command_cost",
     "outcomes",
     "outcomes_networks",
