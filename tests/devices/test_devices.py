@@ -17,6 +17,8 @@ from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicRe
 from homebot.errors import LinkError, RefusedError, ServiceFailedError, ServiceUnavailableError, WireError
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.messages import Time
+from homebot.routines.triggers import read_state
+from homebot.routines.watches import begun
 from homebot.testing import FakeGateway
 
 pytestmark = pytest.mark.virtual_time
@@ -326,6 +328,9 @@ MISSPELT: dict[str, Callable[[Node], Awaitable[object]]] = {
     ),
     "follow('lights not in hal'): no device is in 'hal'; did you mean hall?": (
         lambda node: read_all(Follow(node, query="lights not in hal"))
+    ),
+    "lights on in hal for 5m: no device is in 'hal'; did you mean hall?": (
+        lambda node: anext(begun(node, read_state("lights on in hal for 5m")))
     ),
 }
 

@@ -153,12 +153,13 @@ class Follow(LiveQuery[DeviceChange]):
         service_type: For example ``lights``; empty for every device. A device that no longer has it is ``removed``.
         query: A further condition, perhaps as text, such as ``on lights in kitchen``: a device ``appeared`` when it
             begins to match, and is ``removed`` when it no longer does. See :mod:`homebot.devices.query`.
+        text: What it is called in messages about names that the house lacks; by default its arguments.
 
     Raises:
         UsageError: The query cannot be parsed.
     """
 
-    def __init__(self, node: Node, service_type: str = "", query: str | Query = "") -> None:
+    def __init__(self, node: Node, service_type: str = "", query: str | Query = "", text: str = "") -> None:
         terms: list[Query] = [type_is(service_type)] if service_type else []
         if query:
             terms.append(_parsed(query) if isinstance(query, str) else query)
@@ -167,7 +168,7 @@ class Follow(LiveQuery[DeviceChange]):
         if query:
             near, self._query = split_near(self._query)
         is_known = isinstance(self._query, TypeIs) and self._query.types
-        text = f"follow({query or service_type!r})"
+        text = text or f"follow({query or service_type!r})"
         super().__init__(node, _ANY if is_known else self._query, text, near)
         self._asks_for_values = any(isinstance(one, StateIs) for one in leaves(self._query))
         self._matching: set[str] = set()

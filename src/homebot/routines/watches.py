@@ -45,7 +45,7 @@ async def begun(node: Node, state: Becomes, since: float = -math.inf) -> AsyncIt
             or whose first value since the start matches: it may have been so before. -inf leaves out none.
     """
     clock, due = node.graph.clock, TimerQueue[str, Begun]()
-    follow = Follow(node, query=state.query)
+    follow = Follow(node, query=state.query, text=state.text)
     while True:
         at = due.next()
         wait = math.inf if at is None else at - clock.monotonic()

@@ -6,11 +6,12 @@ Source: Home Assistant core 2026.11, ``components/automation/config.py``; the ke
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final, NamedTuple
 
+from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device import Device
 from homebot.errors import ConfigError, UsageError
 from homebot.integrations.homeassistant.automations.actions import Actions
 from homebot.integrations.homeassistant.automations.conditions import NEVER, Conditions
-from homebot.integrations.homeassistant.automations.entities import Entities
+from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity
 from homebot.integrations.homeassistant.automations.fields import (
     NotCarriedError,
     fields_of,
@@ -168,6 +169,12 @@ def _table(
     return {"when": when, **({"if": texts} if texts else {}), "do": steps}
 
 
+def _in_unit(entity: KnownEntity) -> str:
+    """Return the unit in which homebot has a sensor: the one in Home Assistant may differ, and is not always known."""
+    unit = CAPABILITIES.get(entity.capability, OWN).unit
+    return f", in {unit}" if unit else ""
+
+
 def _written(
     tables: Sequence[dict[str, object]],
     names: set[str],
@@ -177,7 +184,9 @@ def _written(
     problems: list[NotCarriedError],
 ) -> list[str]:
     """Return the texts of *tables*, which homebot accepts, with their source and the meaning of their entities."""
-    known = "".join(f"# {one.id}: {' '.join(one.device.name.split())}\n" for one in entities.used.values())
+    known = "".join(
+        f"# {one.id}: {' '.join(one.device.name.split())}{_in_unit(one)}\n" for one in entities.used.values()
+    )
     texts: list[str] = []
     for table in tables:
         text = routine_text(table)
