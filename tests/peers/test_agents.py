@@ -16,7 +16,18 @@ from homebot.bridges.home_api.routes import openapi_text
 
 FOUR_LAMPS = 440  # bytes
 
-TOOLS = {"home", "find_devices", "command", "why", "history", "scenes", "apply_scene", "achieve", "propose_routine"}
+TOOLS = {
+    "home",
+    "find_devices",
+    "command",
+    "why",
+    "history",
+    "scenes",
+    "apply_scene",
+    "achieve",
+    "propose_routine",
+    "habits",
+}
 
 
 def arguments(api: Api, folder: Path, token: str) -> list[str]:
@@ -68,7 +79,7 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
         async with client("keys", elicitation_callback=person) as session:
             tools = (await session.list_tools()).tools
             assert {one.name for one in tools} == TOOLS
-            assert sum(len(one.model_dump_json(exclude_none=True)) for one in tools) < 3600
+            assert sum(len(one.model_dump_json(exclude_none=True)) for one in tools) < 4300
             found = await session.call_tool("find_devices", {"query": "light"})
             assert len(found.content[0].text) < FOUR_LAMPS
             assert (await call(session, "command", device="lamp1", do="on"))["outcome"] == "confirmed"

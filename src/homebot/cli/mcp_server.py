@@ -238,7 +238,12 @@ def _add_routines(server: MCPServer, api: ApiClient) -> None:
             trial = [f"no trial: {exc}"]
         return json.dumps({**answer, "trial": trial[-_MOST_LINES:]}, ensure_ascii=False)
 
+    async def habits() -> str:
+        """Return what people did again and again in the last 21 days, as routines with proof; the owner accepts."""
+        return await api.read("/api/habits")
+
     server.add_tool(propose_routine, annotations=_ACTS, structured_output=False)
+    server.add_tool(habits, annotations=_READS, structured_output=False)
 
 
 def _targets(details: list[Any], named: str | list[str]) -> list[str]:

@@ -8,8 +8,9 @@ conditions narrow them. A deed as likely at the same time on other days is no ha
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 from statistics import median
 from typing import Final
@@ -40,6 +41,7 @@ _MOST_TRIGGERS: Final = 20
 _MOST_TIMES: Final = 3
 _MOST_PER_STEP: Final = 3
 _SHIFTS: Final = (-2, -1, 1, 2)
+_EARLIER_OR_LATER: Final = (-3 / 24, -1.5 / 24, 1.5 / 24, 3 / 24)
 
 
 def find_habits(days: Days) -> Iterator[FoundHabit | None]:
@@ -78,7 +80,7 @@ class _Rule:
     when: str
     tried: tuple[_Tried, ...]
     within: float
-    by_chance: float
+    by_chance: Callable[[], float]
     conditions: tuple[str, ...] = ()
 
     @property
@@ -121,7 +123,7 @@ def _after_events(days: Days, done: Happenings) -> Iterator[_Rule]:
     for text, _ in common[:_MOST_TRIGGERS]:
         times = days.by_text[text].times
         within = _within(times, done)
-        yield _Rule(text, _tried(days, done, times, within), within, _chance(days, done, times, within))
+        yield _Rule(text, _tried(days, done, times, within), within, partial(_chance, days, done, times, within))
 
 
 def _within(times: Sequence[float], done: Happenings) -> float:
@@ -163,11 +165,8 @@ def _timed(days: Days, done: Happenings, text: str, times: Sequence[float]) -> _
         for one in tried
         if (at := one.occasion.at + _TOLERANCE)
     ]
-    chance = max(
-        _share(_tried(days, done, [at - _TOLERANCE + hours * 3600 for at in times], 2 * _TOLERANCE))
-        for hours in (-3, -1.5, 1.5, 3)
-    )
-    return _Rule(text, tuple(moved), _TOLERANCE, chance)
+    begun = [at - _TOLERANCE for at in times]
+    return _Rule(text, tuple(moved), _TOLERANCE, partial(_chance, days, done, begun, 2 * _TOLERANCE, _EARLIER_OR_LATER))
 
 
 def _tried(days: Days, done: Happenings, times: Iterable[float], within: float) -> tuple[_Tried, ...]:
@@ -182,9 +181,11 @@ def _tried(days: Days, done: Happenings, times: Iterable[float], within: float) 
     return tuple(tried)
 
 
-def _chance(days: Days, done: Happenings, times: Sequence[float], within: float) -> float:
-    """Return how often it is done after the same times of other days."""
-    shifted = (_share(_tried(days, done, [at + shift * DAY for at in times], within)) for shift in _SHIFTS)
+def _chance(
+    days: Days, done: Happenings, times: Sequence[float], within: float, shifts: Sequence[float] = _SHIFTS
+) -> float:
+    """Return how often it is done after other times, such as those of other days."""
+    shifted = (_share(_tried(days, done, [at + shift * DAY for at in times], within)) for shift in shifts)
     return max(shifted)
 
 
@@ -232,7 +233,7 @@ def _proved(rules: Sequence[_Rule], days: Days, best: _Rule, left: set[float], d
     is_habit = (
         len({one.day for one in hits}) >= _LEAST_DAYS
         and sure_share(len(hits), len(occasions)) >= _LEAST_SURE
-        and precision >= max(_LEAST_PRECISION, best.by_chance + _ABOVE_CHANCE)
+        and precision >= max(_LEAST_PRECISION, best.by_chance() + _ABOVE_CHANCE)
         and _share(recent) >= _LEAST_RECENT
     )
     if not is_habit:

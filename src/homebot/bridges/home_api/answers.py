@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from homebot.devices.achieve_messages import AchieveResponse
     from homebot.devices.approval_messages import UnapprovedResponse
     from homebot.devices.command_messages import CommandDevicesResponse, CommandedPart
+    from homebot.devices.habit_messages import SuggestHabitsResponse
     from homebot.devices.history_messages import HistorySeries, ReadHistoryResponse
     from homebot.devices.journal_messages import ExplainDeviceResponse, ExplainMissingStateResponse
     from homebot.devices.scene_messages import ScenesResponse
@@ -53,6 +54,7 @@ __all__ = [
     "find_devices",
     "history",
     "home_in_short",
+    "list_habits",
     "list_scenes",
     "propose_routine",
     "why",
@@ -201,6 +203,19 @@ async def propose_routine(home: HomeCalls, asked: shapes.RoutineQuestion) -> sha
     """Propose a routine to the owner, who enables it or not, and return what in it cannot work in the house now."""
     answer = await _answered(home, names.PROPOSE_ROUTINE, {"text": asked.text})
     return shapes.ProposalAnswer(text=str(answer.message))
+
+
+async def list_habits(home: HomeCalls, _: shapes.NoQuestion) -> shapes.HabitList:
+    """Return the routines that are proposed of habits; the owner alone accepts or rejects them."""
+    if not home.offers(names.SUGGEST_HABITS):
+        raise ProblemError(HTTPStatus.SERVICE_UNAVAILABLE, "this homebot proposes nothing")
+    answer = cast("SuggestHabitsResponse", await _answered(home, names.SUGGEST_HABITS, {}))
+    return shapes.HabitList(
+        habits=tuple(
+            shapes.HabitLine(name=one.name, text=one.text, proof=one.proof, precision=one.precision, recall=one.recall)
+            for one in answer.proposals
+        )
+    )
 
 
 async def why(home: HomeCalls, asked: shapes.WhyQuestion) -> shapes.WhyAnswer:

@@ -45,6 +45,7 @@ ROUTES: Final = (
     ApiRoute("POST", "/api/scene", shapes.SceneQuestion, shapes.OutcomeAnswer, answers.apply_scene),
     ApiRoute("POST", "/api/goal", shapes.GoalQuestion, shapes.GoalAnswer, answers.achieve),
     ApiRoute("POST", "/api/routines", shapes.RoutineQuestion, shapes.ProposalAnswer, answers.propose_routine),
+    ApiRoute("GET", "/api/habits", shapes.NoQuestion, shapes.HabitList, answers.list_habits),
     ApiRoute("GET", "/api/why/{id}", shapes.WhyQuestion, shapes.WhyAnswer, answers.why),
     ApiRoute("GET", "/api/history", shapes.HistoryQuestion, shapes.HistoryAnswer, answers.history),
 )

@@ -210,6 +210,22 @@ class ProposalAnswer(_Answer):
     text: _Told
 
 
+class HabitLine(_Answer):
+    """A habit of the people in the house, with the routine that would act as they do, and its proof."""
+
+    name: _Told
+    text: Annotated[str, Field(max_length=2000)] = ""
+    proof: _Told
+    precision: float = 0.0
+    recall: float = 0.0
+
+
+class HabitList(_Answer):
+    """The habits that the owner may accept as routines."""
+
+    habits: tuple[HabitLine, ...]
+
+
 class WhyAnswer(_Answer):
     """The reason for a state and the newest steps that led to it; where a state was named, the commands for that."""
 
