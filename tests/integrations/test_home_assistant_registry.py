@@ -180,7 +180,7 @@ async def lamps(node: Node, is_wanted: Callable[[Sequence[Device]], bool]) -> Se
 
 
 def is_lamp(part: DevicePart) -> bool:
-    return part.part.service_type == "light"
+    return part.part.service_type == "light" and not part.part.is_group
 
 
 def routes(device: Device) -> list[list[str]]:
