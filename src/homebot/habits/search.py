@@ -30,6 +30,9 @@ _ROUND: Final = 300.0
 """Times of day are whole multiples of it."""
 
 _LEAST_DAYS: Final = 5
+_LEAST_OF_DAYS: Final = 0.4
+"""The share of days on which it is done at a time of day: it may be so already on the others."""
+
 _LEAST_PRECISION: Final = 0.75
 _LEAST_SURE: Final = 0.5
 _LEAST_RECENT: Final = 0.5
@@ -82,6 +85,7 @@ class _Rule:
     within: float
     by_chance: Callable[[], float]
     conditions: tuple[str, ...] = ()
+    times: Sequence[float] = ()
 
     @property
     def occasions(self) -> Iterator[_Tried]:
@@ -166,7 +170,8 @@ def _timed(days: Days, done: Happenings, text: str, times: Sequence[float]) -> _
         if (at := one.occasion.at + _TOLERANCE)
     ]
     begun = [at - _TOLERANCE for at in times]
-    return _Rule(text, tuple(moved), _TOLERANCE, partial(_chance, days, done, begun, 2 * _TOLERANCE, _EARLIER_OR_LATER))
+    chance = partial(_chance, days, done, begun, 2 * _TOLERANCE, _EARLIER_OR_LATER)
+    return _Rule(text, tuple(moved), _TOLERANCE, chance, times=times)
 
 
 def _tried(days: Days, done: Happenings, times: Iterable[float], within: float) -> tuple[_Tried, ...]:
@@ -230,8 +235,9 @@ def _proved(rules: Sequence[_Rule], days: Days, best: _Rule, left: set[float], d
         if found is not None:
             seen += [one for one in found.occasions if one.day % _FOLDS == fold]
     precision = _share(seen)
+    usual = sum(days.held(at).issuperset(best.conditions) for at in best.times)
     is_habit = (
-        len({one.day for one in hits}) >= _LEAST_DAYS
+        len({one.day for one in hits}) >= max(_LEAST_DAYS, _LEAST_OF_DAYS * usual)
         and sure_share(len(hits), len(occasions)) >= _LEAST_SURE
         and precision >= max(_LEAST_PRECISION, best.by_chance() + _ABOVE_CHANCE)
         and _share(recent) >= _LEAST_RECENT
