@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from tests.routines.week import ROUTINES
 
-from homebot.routines.export import app_text, class_name, pytest_text
+from homebot.routines.export import app_text, class_name, module_name, pytest_text
 from homebot.routines.text import read_routines, read_settings
 
 pytestmark = pytest.mark.slow
@@ -68,3 +68,8 @@ def test_the_tests_pass_as_they_are_written_also_with_hostile_texts(tmp_path: Pa
     )
     assert done.returncode == 0, done.stdout
     assert "11 passed" in done.stdout
+
+
+@pytest.mark.parametrize(("app", "module"), [("hall", "hall"), ("def", "routine_def"), ("asyncio", "routine_asyncio")])
+def test_the_module_hides_no_other_and_can_be_imported(app: str, module: str) -> None:
+    assert module_name(app) == module

@@ -145,6 +145,7 @@ async def test_a_wrong_text_leaves_the_old_one(tmp_path: Path) -> None:
         ("new", "", EVENING.replace("Evening", "Noon"), "a routine or app noon is there already"),
         ("new", "", EVENING.replace("Evening", "Apps"), "is the name of one of homebot's own nodes"),
         ("new", "", f'{EVENING}act = "lock"\n', "routines.evening.act: unknown key"),
+        ("new", "", EVENING.replace('"Evening"', '"Evening\\nremoved Noon"'), "a name is one line"),
         ("new", "", f"{EVENING}[door]\n", "the text: door: is no part of a routine"),
         ("new", "", "", "has no table"),
         ("new", "", "name = ", "is invalid TOML"),

@@ -1,15 +1,18 @@
 """A routine as an app in Python, with its test. Pure."""
 
+import sys
 from collections.abc import Iterator, Sequence
 from itertools import product
+from keyword import iskeyword
 from typing import Final
 
 from homebot.routines.program import Choice
 from homebot.routines.settings import RoutineSettings
 from homebot.support.folding import words_of
 
-__all__ = ["app_text", "class_name", "pytest_text"]
+__all__ = ["app_text", "class_name", "module_name", "pytest_text"]
 
+_TAKEN: Final = frozenset({"homebot", "pytest"})
 _INDENT: Final = " " * 8
 _MOST_CHOICES: Final = 3
 """Choices of which the test takes every way; of more, only two."""
@@ -19,6 +22,12 @@ def class_name(routine: RoutineSettings) -> str:
     """Return the name of the class, such as ``HallLight``."""
     name = "".join(word.title() for word in words_of(routine.name) if word.isascii())
     return name if name[:1].isalpha() else f"Routine{name}"
+
+
+def module_name(app: str) -> str:
+    """Return the name of the module for the routine *app*, which no other module has, and which can be imported."""
+    is_taken = iskeyword(app) or app in sys.stdlib_module_names or app in _TAKEN
+    return f"routine_{app}" if is_taken else app
 
 
 def app_text(routine: RoutineSettings) -> str:

@@ -21,6 +21,12 @@ def _trigger(text: str) -> str:
     return text
 
 
+def _line(text: str) -> str:
+    if len(text.splitlines()) != 1:
+        raise ValueError("a name is one line")
+    return text
+
+
 class RoutineSettings(AppSettings):
     """One routine.
 
@@ -36,7 +42,7 @@ class RoutineSettings(AppSettings):
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, serialize_by_alias=True)
 
-    name: Annotated[str, Field(min_length=1, max_length=100)]
+    name: Annotated[str, Field(min_length=1, max_length=100), AfterValidator(_line)]
     when: Annotated[tuple[Annotated[Text, AfterValidator(_trigger)], ...], Field(min_length=1, max_length=MOST)]
     conditions: Annotated[tuple[ConditionText, ...], Field(alias="if", max_length=MOST)] = ()
     do: Annotated[tuple[StepSetting, ...], Field(min_length=1, max_length=MOST)]
