@@ -151,6 +151,20 @@ async def test_of_two_goals_that_fight_the_second_is_refused(family: Family) -> 
     assert (await first.result())[1].success
 
 
+async def test_a_wish_that_is_so_is_kept_until_the_goal_ends(family: Family) -> None:
+    await family.achieve("living lit")
+    first = await family.begin("living lit and rosie in kitchen")
+    await anyio.sleep(4.0)
+    second = await family.achieve("living dark", issuer="client:ben")
+    assert second.message == (
+        "'living dark' has to wait: the goal 'living lit and rosie in kitchen' of the client anna is under way, and "
+        "needs 'Living lit'; wait, or cancel it"
+    )
+    assert (await family.achieve("hall lit", issuer="client:ben")).success
+    assert (await first.result())[1].success
+    assert (await family.achieve("living dark", issuer="client:ben")).success
+
+
 async def test_a_cancelled_goal_calls_the_robot_off_and_says_what_is_done(family: Family) -> None:
     goal = await family.begin("rosie in kitchen")
     await anyio.sleep(4.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from itertools import count
 from typing import TYPE_CHECKING, TypeAlias, final
 
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from homebot.devices import Device, DevicePart
     from homebot.devices.command_messages import CommandRequest
     from homebot.devices.outcomes import Refused
+    from homebot.goals.operators import Step
     from homebot.graph import Node
 
 __all__ = ["AchieveServer"]
@@ -91,13 +92,10 @@ class AchieveServer:
     async def _achieve(self, asked: AchieveRequest, on_plan: Callable[[AchieveFeedback], None]) -> AchieveResponse:
         request = asked.model_copy(update={"issuer": asked.issuer or UNNAMED_CLIENT})
 
-        def fight(claimed: Mapping[str, str]) -> str:
-            for other, by in self._under_way.items():
-                for place, text in claimed.items():
-                    if other is not achievement and other.claimed.get(place, text) != text:
-                        return (
-                            f"{by} needs the opposite of {text!r} now: {other.claimed[place]!r}; wait, or cancel that"
-                        )
+        async def fight(steps: Sequence[Step]) -> str:
+            for other, by in tuple(self._under_way.items()):
+                if other is not achievement and (undone := await other.undone_by(steps)):
+                    return f"{by} is under way, and needs {undone!r}; wait, or cancel it"
             return ""
 
         run = f"{next(self._numbers)}-{self._node.graph.clock.now():.0f}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
@@ -15,7 +15,7 @@ from homebot.devices.trigger import Trigger
 from homebot.errors import HomebotError, ServiceError
 from homebot.goals.house_now import Assumed, HouseReader
 from homebot.goals.obstacles import why_not
-from homebot.goals.operators import CommandStep, DriveStep, GoalProblem, Operator, Step
+from homebot.goals.operators import CommandStep, DriveStep, GoalProblem, Operator, Step, reachable
 from homebot.goals.planner import plan
 from homebot.goals.problem_builder import Preview, build_problem
 from homebot.goals.wishes import RobotWish, Wish, read_wishes
@@ -51,7 +51,6 @@ class Achievement:
 
     Attributes:
         steps: The plan, with outcomes.
-        claimed: The value or room of each place that the plan changes, in words.
     """
 
     def __init__(
@@ -61,7 +60,7 @@ class Achievement:
         run: str,
         request: AchieveRequest,
         preview: Preview,
-        fight: Callable[[Mapping[str, str]], str],
+        fight: Callable[[Sequence[Step]], Awaitable[str]],
         on_plan: Callable[[AchieveFeedback], None],
     ) -> None:
         self._reader, self._commands, self._request = reader, commands, request
@@ -74,7 +73,7 @@ class Achievement:
         self._assumed: Assumed = {}
         self._tried: list[str] = []
         self.steps: list[PlannedStep] = []
-        self.claimed: dict[str, str] = {}
+        self._claimed: dict[str, str] = {}
 
     async def run(self) -> AchieveResponse:
         """Reach the goal, or return the obstacle.
@@ -89,10 +88,9 @@ class Achievement:
             if operators is None or (problem.missing and not operators):
                 return self._answer(f"cannot be reached: {why_not(problem)}")
             moves = _merged(operators)
-            claimed = {one.step.place: one.step.text for one in moves}
-            if against := self._fight(claimed):
+            if against := await self._fight([one.step for one in moves]):
                 return self._answer(f"has to wait: {against}")
-            self.claimed = claimed
+            self._claimed = {one.step.place: one.step.text for one in moves}
             self.steps = [PlannedStep(text=one.step.text, asks=one.step.asks) for one in moves]
             self._show()
             if self._request.is_dry_run or not (trouble := await self._do(moves) or await self._left()):
@@ -101,6 +99,20 @@ class Achievement:
             self._tried.append(trouble)
             self._show()
         return self._answer(f"is not reached after {_MOST_PLANS} plans; the last one failed: {self._tried[-1]}")
+
+    async def undone_by(self, steps: Sequence[Step]) -> str:
+        """Return the step or wish of this goal that *steps* of another one would undo; empty for none."""
+        for step in steps:
+            if (own := self._claimed.get(step.place, step.text)) != step.text:
+                return own
+        problem = await self._problem()
+        known = {(one.step.place, one.step.text): one for one in problem.operators if one.step is not None}
+        facts = frozenset(problem.facts)
+        for step in steps:
+            if (one := known.get((step.place, step.text))) is not None:
+                facts = one.after(facts)
+        kept = reachable(facts, (one for one in problem.operators if one.step is None))
+        return next((one for one in problem.goal if one in problem.facts - kept), "")
 
     async def _problem(self) -> GoalProblem:
         robots = [(one.robot, one.room) for one in self._wishes if isinstance(one, RobotWish)]

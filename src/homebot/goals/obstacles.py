@@ -13,7 +13,7 @@ def why_not(problem: GoalProblem) -> str:
     known = reachable(problem.facts, allowed)
     if not (missing := [one for one in problem.goal if one not in known]):
         return f"each wish can be reached, but not all at once: {' and '.join(problem.goal)}"
-    blocked = [one for one in problem.operators if one.blocked and one.step is not None]
+    blocked = [one for one in problem.operators if one.blocked and one.gives and one.step is not None]
     for one in blocked:
         if problem.goal.keys() <= reachable(known, [*allowed, *_like(one, blocked)]):
             return _refusal(problem, one)

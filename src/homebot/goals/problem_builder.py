@@ -176,8 +176,6 @@ class _Builder:
             after = with_values(device, part.id, _implied(part, capability, value))
             gives = frozenset(fact for fact, test in self._facts[device.id] if test(after))
             takes = frozenset(fact for fact, test in self._facts[device.id] if fact not in gives)
-            if not gives:
-                continue
             takes |= {self._follows[one] for one in takes if one in self._follows}  # it is derived again
             needs = frozenset[str]()
             if capability in _OPENINGS:
