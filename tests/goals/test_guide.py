@@ -34,7 +34,7 @@ room = "kitchen"
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
-    until = ("found hall_lamp", "found kitchen_lamp", "is running")
+    until = ("found hall_lamp", "found kitchen_lamp", "is running", "the robot is in hall")
     with homebot_in(tmp_path_factory.mktemp("house"), house=HOUSE, until=until) as homebot:
         yield homebot
 
