@@ -21,6 +21,7 @@ room = "hall"
 [devices.hall_lux]
 kind = "lux"
 room = "hall"
+share = 0.02
 """
 
 

@@ -37,6 +37,9 @@ _MOST_PICTURES: Final = 10
 _PROMPT: Final = 2.0
 """Seconds for a device that has reported since the last look."""
 
+_UNREPORTED: Final = 0.25
+"""The change that a sensor may leave unreported, as a share of its value: many report changes of a fifth, or less."""
+
 _SILENT: Final = 3
 _AGAIN: Final = 0.2
 """Seconds between two questions for the state of a device."""
@@ -50,7 +53,13 @@ _NO_VALUES: Final = frozenset({"variance", "stamp", "header"})
 
 
 class Sight(Protocol):
-    """View of a sensor."""
+    """View of a sensor.
+
+    Attributes:
+        slack: By how much the last values may be wrong, as a share of them, because the sensor reported no change.
+    """
+
+    slack: float
 
     async def values(self) -> Sequence[float]:
         """Return the values of a second, at least one.
@@ -84,7 +93,7 @@ class Looker:
         mean = fmean(values)
         self._squares += sum((one - mean) ** 2 for one in values)
         self._spare += len(values) - 1
-        least = (1e-3 * mean) ** 2 + 1e-12
+        least = (max(1e-3, self._sight.slack) * mean) ** 2 + 1e-12
         variance = _MARGIN * self._squares / self._spare / len(values) if self._spare else 0.0
         return Look(mean, max(variance, least), (began + self._monotonic()) / 2)
 
@@ -128,6 +137,8 @@ def _of_device(node: Node, lookup: DeviceLookup, device_id: str) -> Iterator[Sig
 
 
 class _TopicSight:
+    slack = 0.0
+
     def __init__(self, node: Node, name: str, message_type: type[Message], region: Region) -> None:
         self._name = name
         self._clock = node.graph.clock
@@ -161,7 +172,7 @@ class _TopicSight:
 
 
 class _DeviceSight:
-    """View of a sensor that may report changes alone: what it does not report in five seconds has not changed."""
+    """View of a sensor that may report changes alone: what it does not report in five seconds has changed little."""
 
     def __init__(self, node: Node, lookup: DeviceLookup, device_id: str) -> None:
         self._clock = node.graph.clock
@@ -169,6 +180,8 @@ class _DeviceSight:
         self._device = device_id
         self._last_at = self._clock.now()
         self._silent_looks = 0
+        self.slack = 0.0
+        self._last: float | None = None
 
     async def values(self) -> Sequence[float]:
         began, passed, known, found, longest = self._clock.now(), 0.0, 0.0, dict[float, float](), _LONGEST
@@ -185,7 +198,10 @@ class _DeviceSight:
         self._last_at, self._silent_looks = self._clock.now(), self._silent_looks + 1 if is_silent else -_MOST
         if self._silent_looks >= _SILENT:  # the first, one with all dark, and one with all bright
             raise UsageError(f"{self._device} reported nothing while all changed: it sees none of them, or is too slow")
-        return [*found.values()] or [known]
+        values = [*found.values()] or [known]
+        self.slack = _UNREPORTED if values[-1] == self._last else 0.0
+        self._last = values[-1]
+        return values
 
 
 def _number_of(message_type: type[Message]) -> Callable[[Any], float]:
