@@ -43,6 +43,7 @@ def test_other_steps() -> None:
         ("wait until lamp on", "may last forever"),
         ("lamp on, open", "cannot follow"),
         ("lamp", "is no step"),
+        ("front door: unlock code=1234", "keeps no code"),
     ],
 )
 def test_a_mistake_is_named(text: str, problem: str) -> None:
