@@ -162,7 +162,7 @@ class House:
         for key, sighting in self.sightings.items():
             entities = next((one.value for one in sighting.metadata if one.key == "entities"), "").split(", ")
             for entity, part in zip(entities, sighting.parts, strict=True):
-                found[entity] = key, part
+                found[entity.partition(" ")[0]] = key, part
         return found
 
     def _on_sighting(self, sighting: Sighting) -> None:
