@@ -15,6 +15,7 @@ from ros2_pyterfaces.cyclone import all_msgs, all_srvs
 from tests.patience import PATIENCE
 from tests.peers import navigate_to_pose
 from tests.peers.ros2_house import house, robot
+from tests.sizes import nightly
 
 from homebot.graph import EntityKind, Node, qos_profile_latched
 from homebot.graph.actions import ActionClient, ActionServer, GoalState, ServerGoal
@@ -22,6 +23,9 @@ from homebot.messages import Int32, String
 from homebot.messages.definition import zero_message
 from homebot.messages.interfaces import find_action
 from homebot.messages.std_srvs import Trigger
+
+for kind in (all_msgs.String, all_srvs.Trigger.Request):
+    kind().serialize()  # builds its types, which would hold up a link on a busy machine
 
 T = TypeVar("T")
 nav: Any = navigate_to_pose
@@ -50,6 +54,7 @@ async def called(service: Any, name: str, **values: object) -> Any:
                 return await client.call_async(service.Request(**values))
 
 
+@nightly  # beside ten busy workers no answer came in a minute; alone, and under other load, it comes at once
 async def test_topics_and_services_go_both_ways() -> None:
     pyzeros: Any = pytest.importorskip("pyzeros")
 
