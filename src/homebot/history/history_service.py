@@ -40,7 +40,7 @@ _DAY: Final = 86_400.0
 _POINTS: Final = 500
 _MOST_SERIES: Final = 50
 _DIGITS: Final = 6
-_NOT_YET: Final = "no history is kept now; `homebot doctor` says why"
+_NOT_YET: Final = "the history has not begun yet, or is not kept now; `homebot doctor` says why"
 
 
 class _FoundSeries(NamedTuple):
