@@ -90,15 +90,23 @@ class Achievement:
             moves = _merged(operators)
             if against := await self._fight([one.step for one in moves]):
                 return self._answer(f"has to wait: {against}")
-            self._claimed = {one.step.place: one.step.text for one in moves}
-            self.steps = [PlannedStep(text=one.step.text, asks=one.step.asks) for one in moves]
-            self._show()
-            if self._request.is_dry_run or not (trouble := await self._do(moves) or await self._left()):
-                is_so = "would be reached" if self._request.is_dry_run else "is reached"
-                return self._answer(is_so if moves or self._tried else "is so already", is_reached=True)
+            if (reached := await self._carry_out(moves)) is not None:
+                return reached
+        return self._answer(f"is not reached after {_MOST_PLANS} plans; the last one failed: {self._tried[-1]}")
+
+    async def _carry_out(self, moves: Sequence[_Move]) -> AchieveResponse | None:
+        """Do all steps, or only show them; return None if that did not reach the goal."""
+        self._claimed = {one.step.place: one.step.text for one in moves}
+        self.steps = [PlannedStep(text=one.step.text, asks=one.step.asks) for one in moves]
+        self._show()
+        is_so = "is reached" if moves or self._tried else "is so already"
+        if self._request.is_dry_run:
+            return self._answer("would be reached" if moves else is_so, is_reached=True)
+        if trouble := await self._do(moves) or await self._left():
             self._tried.append(trouble)
             self._show()
-        return self._answer(f"is not reached after {_MOST_PLANS} plans; the last one failed: {self._tried[-1]}")
+            return None
+        return self._answer(is_so, is_reached=True)
 
     async def undone_by(self, steps: Sequence[Step]) -> str:
         """Return the step or wish of this goal that *steps* of another one would undo; empty for none."""

@@ -228,13 +228,7 @@ def _proved(rules: Sequence[_Rule], days: Days, best: _Rule, left: set[float], d
     hits = [one for one in best.occasions if one.occasion.done_at is not None]
     numbers = range(len(days.midnights))
     recent = [one for one in best.occasions if one.day >= len(numbers) - _RECENT]
-    seen: list[_Tried] = []
-    for fold in range(_FOLDS):
-        known = [one for one in numbers if one % _FOLDS != fold]
-        found = _best(rules, days.conditions, {at for at in left if days.number(at) in known}, known)
-        if found is not None:
-            seen += [one for one in found.occasions if one.day % _FOLDS == fold]
-    precision = _share(seen)
+    precision = _share([*_held_out(rules, days, left)])
     usual = sum(days.held(at).issuperset(best.conditions) for at in best.times)
     is_habit = (
         len({one.day for one in hits}) >= max(_LEAST_DAYS, _LEAST_OF_DAYS * usual)
@@ -246,3 +240,11 @@ def _proved(rules: Sequence[_Rule], days: Days, best: _Rule, left: set[float], d
         return None
     recall = len({one.occasion.done_at for one in hits}) / len(done.done)
     return FoundHabit(best.when, best.conditions, done.step, done.device, best.within, occasions, precision, recall)
+
+
+def _held_out(rules: Sequence[_Rule], days: Days, left: set[float]) -> Iterator[_Tried]:
+    """Yield the occasions of each third of the days, by the best rule of the others."""
+    for fold in range(_FOLDS):
+        known = [one for one in range(len(days.midnights)) if one % _FOLDS != fold]
+        found = _best(rules, days.conditions, {at for at in left if days.number(at) in known}, known)
+        yield from () if found is None else (one for one in found.occasions if one.day % _FOLDS == fold)

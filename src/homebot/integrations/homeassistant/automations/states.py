@@ -67,22 +67,37 @@ def _meaning(entity: KnownEntity, state: str, line: int) -> tuple[str, Operator,
     domain = entity.domain
     if fold(state) in _UNKNOWN:
         raise NotCarriedError(line, f"{entity.id}: {state!r} is no state that a routine can ask for")
-    if domain == "binary_sensor" and state in _FLAGS:
-        return entity.capability, "=", _FLAGS[state]
-    is_playing_or_idle = domain == "media_player" and state == "on"  # in homebot, what plays is on as well
-    if domain in _DOMAINS_ON_OFF and state in _SWITCHED and entity.has("on_off") and not is_playing_or_idle:
-        return _SWITCHED[state]
-    if domain == "media_player" and state in _PLAYING and entity.has("playback"):
-        return "playback", "=", state
+    if (switched := _switched(entity, state)) is not None:
+        return switched
     if domain == "cover" and not entity.has("movement") and state in _COVERS and entity.has("position"):
         return _COVERS[state]
-    capability = _TEXTS.get(domain, "")
-    options = entity.options(capability) or CAPABILITIES.get(capability, OWN).options
-    is_place = capability == "place" and state in {"home", "not_home"}
-    is_read = capability == "value" and entity.capability == capability
-    if entity.has(capability) and (state in options or is_place or is_read):
+    if _is_told(entity, capability := _capability(entity, state), state):
         return capability, "=", state
     raise NotCarriedError(line, f"{entity.id}: homebot knows no state {state!r} of it")
+
+
+def _switched(entity: KnownEntity, state: str) -> tuple[str, Operator, PlainValue] | None:
+    """Return the meaning of ``on`` and ``off``, and of the words that stand for them; None if *state* is another."""
+    if entity.domain == "binary_sensor" and state in _FLAGS:
+        return entity.capability, "=", _FLAGS[state]
+    is_playing_or_idle = entity.domain == "media_player" and state == "on"  # in homebot, what plays is on as well
+    is_switched = entity.domain in _DOMAINS_ON_OFF and state in _SWITCHED and entity.has("on_off")
+    return _SWITCHED[state] if is_switched and not is_playing_or_idle else None
+
+
+def _capability(entity: KnownEntity, state: str) -> str:
+    """Return the capability that tells *state* as a text."""
+    plays = entity.domain == "media_player" and state in _PLAYING
+    return "playback" if plays and entity.has("playback") else _TEXTS.get(entity.domain, "")
+
+
+def _is_told(entity: KnownEntity, capability: str, state: str) -> bool:
+    if not entity.has(capability):
+        return False
+    if capability == "value":
+        return entity.capability == capability
+    is_place = capability == "place" and state in {"home", "not_home"}
+    return is_place or state in (entity.options(capability) or CAPABILITIES.get(capability, OWN).options or ())
 
 
 def _text(entity: KnownEntity, states: Sequence[StateIs], line: int) -> str:
