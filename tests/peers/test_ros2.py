@@ -15,7 +15,6 @@ from ros2_pyterfaces.cyclone import all_msgs, all_srvs
 from tests.patience import PATIENCE
 from tests.peers import navigate_to_pose
 from tests.peers.ros2_house import house, robot
-from tests.sizes import nightly
 
 from homebot.graph import EntityKind, Node, qos_profile_latched
 from homebot.graph.actions import ActionClient, ActionServer, GoalState, ServerGoal
@@ -54,7 +53,6 @@ async def called(service: Any, name: str, **values: object) -> Any:
                 return await client.call_async(service.Request(**values))
 
 
-@nightly  # beside ten busy workers no answer came in a minute; alone, and under other load, it comes at once
 async def test_topics_and_services_go_both_ways() -> None:
     pyzeros: Any = pytest.importorskip("pyzeros")
 
