@@ -56,6 +56,7 @@ async def _serve(
 async def robot(port: int) -> AsyncIterator[Any]:
     """The Zenoh session of the node ``/rosie/brain`` of pyzeros."""
     pyzeros: Any = pytest.importorskip("pyzeros")
+    pyzeros.builtin_msgs.Attachment().serialize()  # compiles it: 15 s, or minutes on a busy machine, in a first call
     afor: Any = pytest.importorskip("asyncio_for_robotics")
     with (
         log_in(f"tcp/127.0.0.1:{port}", "rosie") as session,
