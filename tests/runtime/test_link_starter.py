@@ -17,7 +17,8 @@ from tests.robots_on_wire import log_in, write_tokens
 
 from homebot.bridges.machines.on_wire import MachinesOnWire
 from homebot.config import Config, parse_config
-from homebot.graph import Graph
+from homebot.devices.health import GetHealth
+from homebot.graph import Graph, Node
 from homebot.runtime import Runtime
 from homebot.runtime.link_starter import LinkStarter
 from homebot.runtime.plan import make_plan
@@ -82,6 +83,9 @@ async def test_a_robot_whose_token_was_revoked_is_shut_out_and_others_stay(house
         await house.has_begun_again(before)
         with pytest.raises(zenoh.ZError, match="Unable to connect"):
             await to_thread.run_sync(log_in, house.address, "rosie")
+        async with Node(runtime.graph, "doctor") as node:
+            health = await node.create_client(GetHealth, "/ros2/health").call(GetHealth.Request(), PATIENCE)
+        assert "nothing is taken from rosie: no token has the right 'robot: rosie' now" in str(health.troubles)
 
 
 async def test_a_reload_that_changes_no_right_of_robots_leaves_their_link_alone(house: House) -> None:

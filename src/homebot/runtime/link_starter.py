@@ -97,7 +97,8 @@ class LinkStarter:
 
     async def _run(self, plan: Plan, settings: RosSettings, *, task_status: TaskStatus[None]) -> None:
         now, owner = self._graph.clock.now, await self._owner()
-        robots = RobotsOnWire.of(settings.imports, plan.door, plan.robot_owners(), now)
+        revoked = plan.link.imports.keys() - settings.imports.keys() if plan.link is not None else ()
+        robots = RobotsOnWire.of(settings.imports, plan.door, plan.robot_owners(), now, sorted(revoked))
         secret = None if owner is None else SecretStr(owner.secret)
         rights = await to_thread.run_sync(read_rights, plan, settings, now(), secret)
         async with open_session(settings, rights) as session, Node(self._graph, "ros2") as node:

@@ -43,6 +43,9 @@ def test_the_rights_end_with_the_token() -> None:
     assert robots.source_of("/rosie/pose") is None
     with pytest.raises(PeerError, match="the token rosie has ended"):
         robots.caller("/rosie/nav")
+    assert [one.partition(";")[0] for one in robots.problems()] == [
+        "nothing is taken from rosie: the token rosie has ended"
+    ]
 
 
 def test_of_several_robots_each_calls_from_its_namespace() -> None:

@@ -39,6 +39,7 @@ async def serve_link(
     exports = Exports(node, own, settings.export, robots, imports.node_of, health)
 
     def problems() -> Iterator[str]:
+        yield from robots.problems()
         yield from imports.problems
         yield from exports.problems(imports.tokens)
         if settings.connect and session.is_alone:

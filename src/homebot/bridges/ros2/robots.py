@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import inf
 from types import MappingProxyType
 from typing import TYPE_CHECKING, final
@@ -28,6 +28,7 @@ class RobotsOnWire:
         accesses: The access of each robot: that of its token.
         ends: When the token of each ends, in seconds since 1970.
         now: Returns the time.
+        revoked: Robots that would be imported if they still had a token.
     """
 
     def __init__(
@@ -36,8 +37,10 @@ class RobotsOnWire:
         accesses: Mapping[str, ClientAccess],
         ends: Mapping[str, float] = MappingProxyType({}),
         now: Callable[[], float] = lambda: -inf,
+        revoked: Iterable[str] = (),
     ) -> None:
         self._imports, self._accesses, self._ends, self._now = imports, accesses, ends, now
+        self._revoked = tuple(revoked)
 
     @classmethod
     def of(
@@ -46,6 +49,7 @@ class RobotsOnWire:
         door: DoorSettings,
         owners: RobotOwners,
         now: Callable[[], float] = lambda: -inf,
+        revoked: Iterable[str] = (),
     ) -> RobotsOnWire:
         """Return the robots with the rights of their tokens in *door*, until *now* passes their ends.
 
@@ -56,13 +60,10 @@ class RobotsOnWire:
         for robot in imports:
             name = token_of(robot, door)
             if name is None:
-                raise UsageError(
-                    f"[ros] import: no token has the right 'robot: {robot}'; make one: "
-                    f"homebot token new {robot} --scope read --scope 'robot: {robot}'"
-                )
+                raise UsageError(f"[ros] import: no token has the right 'robot: {robot}'; {_make_one(robot)}")
             token = door.tokens[name]
             found[robot], ends[robot] = ClientAccess(name, read_scope(token.scope), owners), token.until
-        return cls(imports, found, ends, now)
+        return cls(imports, found, ends, now, revoked)
 
     def source_of(self, name: str) -> ClientAccess | None:
         """Return the access of the robot from which the topic or service *name* comes.
@@ -71,6 +72,14 @@ class RobotsOnWire:
         """
         robot = next((robot for robot, patterns in self._imports.items() if fits_any(name, patterns)), None)
         return None if robot is None or self._has_ended(robot) else self._accesses[robot]
+
+    def problems(self) -> Iterator[str]:
+        """Yield from which robots nothing is taken, and why."""
+        for robot, access in self._accesses.items():
+            if self._has_ended(robot):
+                yield f"nothing is taken from {robot}: the token {access.name} has ended; {_make_one(robot)}"
+        for robot in self._revoked:
+            yield f"nothing is taken from {robot}: no token has the right 'robot: {robot}' now; {_make_one(robot)}"
 
     @property
     def are_several(self) -> bool:
@@ -95,6 +104,10 @@ class RobotsOnWire:
 
     def _has_ended(self, robot: str) -> bool:
         return self._now() >= self._ends.get(robot, inf)
+
+
+def _make_one(robot: str) -> str:
+    return f"make one: homebot token new {robot} --scope read --scope 'robot: {robot}'"
 
 
 def token_of(robot: str, door: DoorSettings) -> str | None:
