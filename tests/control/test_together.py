@@ -125,6 +125,18 @@ async def test_a_lamp_that_missed_the_message_is_told_by_itself(home: Home) -> N
     assert [type(one) for one in outcomes] == [Confirmed] * 3
 
 
+async def test_a_lamp_that_misses_each_message_is_told_by_itself_as_soon_as_the_first_time(home: Home) -> None:
+    await put_lamps(home)
+    home.behaviours["group"] = lose("two")
+    taken: list[float] = []
+    for number in range(8):
+        outcomes = await command(home, {"on_off": number % 2 == 0})
+        taken += [one.latency for one in outcomes[1:2] if isinstance(one, Confirmed)]
+        await anyio.sleep(60)
+    assert len(taken) == 8
+    assert max(taken) == taken[0]
+
+
 async def test_a_lamp_that_is_dead_is_the_only_one_without_an_answer(home: Home) -> None:
     await put_lamps(home)
     home.behaviours["group"], home.behaviours["two"] = lose("two"), ignore

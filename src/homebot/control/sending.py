@@ -199,10 +199,11 @@ class Sending:
         sent.timeline.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
         if command.place in self._leases.parts:
             self._leases.record_stop(command, began)
-        order_of, routes, is_unacknowledged = _orders(sent, plan, began), list[str](), False
+        order_of, routes, is_unacknowledged, is_shared = _orders(sent, plan, began), list[str](), False, False
         try:
             if shared is not None:
-                if await _share(sent, shared, order_of) or sent.progress.superseded_by:
+                is_shared = await _share(sent, shared, order_of)
+                if is_shared or sent.progress.superseded_by:
                     return None
                 self._journal.record("sent", command)
             for capability, value in command.settings.items():
@@ -225,7 +226,8 @@ class Sending:
             return Refused("gateway", exc.reason, command_id=command.id)
         finally:
             sent.acknowledging = None
-            sent.timeline.append(SendingEnded(command.id, clock.monotonic(), tuple(routes), is_unacknowledged))
+            ended = SendingEnded(command.id, clock.monotonic(), tuple(routes), is_unacknowledged, is_shared)
+            sent.timeline.append(ended)
         return None
 
 

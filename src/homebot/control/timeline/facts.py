@@ -99,12 +99,14 @@ class SendingEnded(NamedTuple):
 
     Attributes:
         routes: The routes that accepted settings, in order, if the part has several.
+        is_shared: Whether a message to a group, or a scene, took its place.
     """
 
     command: str
     at: float
     routes: tuple[str, ...] = ()
     is_unacknowledged: bool = False
+    is_shared: bool = False
 
 
 class Withheld(NamedTuple):

@@ -62,12 +62,13 @@ def learn_settled(progress: CommandProgress, undoing: Undoing | None, profile: D
 
 
 def _learn_times(progress: CommandProgress, profile: DeviceProfile, first: float) -> None:
+    """Learn how long the part took; one that missed the message to its group, from when it was told by itself."""
+    told_at, sendings = progress.transmission.told_at, progress.transmission.count
+    since, sendings = (progress.given_at, sendings) if told_at is None else (told_at, sendings - 1)
     for name, wanted in progress.wanted.items():
         if wanted.met_at is not None:
             is_change = progress.last.get(name, NOTHING) != wanted.seen
-            seconds = wanted.met_at - progress.given_at
-            sendings = progress.transmission.count
-            profile.learn_time(name, seconds, first, sendings=sendings, is_change=is_change)
+            profile.learn_time(name, wanted.met_at - since, first, sendings=sendings, is_change=is_change)
 
 
 def _learn_answers(progress: CommandProgress, profile: DeviceProfile) -> None:

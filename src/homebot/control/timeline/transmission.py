@@ -17,6 +17,7 @@ class Transmission:
         count: The number of sendings that began.
         first_sent_at: When the first sending began; when the command was given, before.
         sent_at: The same of the last sending.
+        told_at: When the first sending to this part alone began; None if the first of all was one.
         began: When the first sending ended, since a gateway may have had to connect first; -inf before.
         asked_at: When the last attempt ended; -inf before.
         lost_at: When the connection was last lost, or did not answer; -inf for never.
@@ -31,7 +32,9 @@ class Transmission:
     def __init__(self, given_at: float) -> None:
         self.attempts = self.count = 0
         self.first_sent_at = self.sent_at = given_at
+        self.told_at: float | None = None
         self.began = self.asked_at = self.lost_at = -math.inf
+        self._is_shared = False
         self.is_unacknowledged = False
         self.accepted: dict[str, float] = {}
         self.refusal = ""
@@ -43,6 +46,7 @@ class Transmission:
         if isinstance(fact, Sent):
             self.sent_at = fact.at
             self.first_sent_at = fact.at if self.count == 0 else self.first_sent_at
+            self.told_at = fact.at if self.count == 1 and self._is_shared else self.told_at
             self.count += 1
             self.is_unacknowledged = False
         elif isinstance(fact, SendingEnded | Withheld):
@@ -50,6 +54,7 @@ class Transmission:
             self.asked_at = fact.at
             if isinstance(fact, SendingEnded):
                 self.routes += fact.routes
+                self._is_shared = fact.is_shared
                 self.is_unacknowledged = fact.is_unacknowledged
                 self.lost_at = fact.at if fact.is_unacknowledged else self.lost_at
             if self.attempts == 1:
