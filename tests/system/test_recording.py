@@ -90,7 +90,7 @@ def test_a_changed_app_gives_other_commands(tmp_path: Path) -> None:
     with homebot_in(tmp_path, "--house", "thesis", "--record", "day.jsonl.gz", until=(f"{LAMP} → off",)) as shell:
         assert shell.run("homebot record other.jsonl --for 2").returncode == 0  # what is in the last second counts not
     source = Path(homebot.apps.light_service.__file__).read_text("utf-8")
-    changed = source.replace("if lamp.on:", f'if lamp.on and "{LAMP}" not in lamp.device.id:')
+    changed = source.replace("if lamp.on", f'if lamp.on and "{LAMP}" not in lamp.device.id')
     assert changed != source
     (tmp_path / "my_lights_out.py").write_text(changed)
     done = shell.run(RUNS_HERE[2])
