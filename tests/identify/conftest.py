@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from datetime import datetime, time
 from random import Random
@@ -45,6 +45,7 @@ class Room:
         store: The values that are kept across restarts.
         problem: Why they cannot be written; empty if they can.
         now: The time of day.
+        seen: What the sensor makes of a value.
     """
 
     def __init__(self, home: Home) -> None:
@@ -62,6 +63,7 @@ class Room:
         self.feedback: list[IdentifyDeviceFeedback] = []
         self.sensor = home.app.create_publisher(Float64, "/rosie/light")
         self.is_seeing = True
+        self.seen: Callable[[float], float] = lambda value: value
         home.tasks.start_soon(self._see)
 
     async def lamp(self, key: str, effect: float, *, is_on: bool = False, area: str = "hall") -> None:
@@ -117,7 +119,7 @@ class Room:
                 device = devices.get(key.title())
                 lit += effect * (device is not None and device.states != () and device.states[0].value.plain() is True)
             if self.is_seeing:
-                self.sensor.publish(Float64(data=100 + lit + self.random.gauss(0, self.noise)))
+                self.sensor.publish(Float64(data=self.seen(100 + lit + self.random.gauss(0, self.noise))))
 
 
 @asynccontextmanager

@@ -12,6 +12,7 @@ from random import Random
 from homebot.identify.belief import Seen, begun
 from homebot.identify.codes import next_code
 from homebot.identify.conclusion import Conclusion
+from homebot.identify.sight import Noise
 
 PERIOD = 0.2
 SETTLES = 0.8
@@ -30,6 +31,7 @@ class Rooms:
     reflections: float = 0.2
     is_in_view: bool = True
     least: float = 0.45
+    jump: float = 0.0
 
 
 class Room:
@@ -45,6 +47,8 @@ class Room:
         self.fades = [random.uniform(0.05, 0.8) for _ in range(kind.count)]
         self.lates = [random.uniform(0, kind.late) for _ in range(kind.count)]
         self.cloud = (random.uniform(0, 40), random.uniform(-0.8, 0.8)) if random.random() < 0.3 else (1e9, 0.0)
+        if kind.jump:  # another lamp, or the sun
+            self.cloud = (random.uniform(0, 40), random.choice([-kind.jump, kind.jump]))
         self.now = self.base = 0.0
         self.told = self.before = [False] * kind.count
         self.due = [0.0] * kind.count
@@ -102,14 +106,12 @@ def identify(kind: Rooms, seed: int) -> Found:
 
 def looks(room: Room) -> Callable[[], Seen]:
     """Return what looks for a second."""
-    squares, spare, last = 0.0, 0, 0.0
+    noise, last = Noise(), 0.0
 
     def look() -> Seen:
-        nonlocal squares, spare, last
-        values = room.pass_time(LOOK)
-        mean = sum(values) / len(values)
-        squares, spare = squares + sum((one - mean) ** 2 for one in values), spare + len(values) - 1
+        nonlocal last
+        mean, variance = noise.of(room.pass_time(LOOK))
         passed, last = room.now - last, room.now
-        return Seen(tuple(map(float, room.told)), mean, 1.2 * squares / spare / len(values), passed)
+        return Seen(tuple(map(float, room.told)), mean, variance, passed)
 
     return look

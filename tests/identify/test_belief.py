@@ -22,10 +22,15 @@ ROOMS = size(50, 2000)
         (Rooms(is_in_view=False), 0.97, 0.001, 35),
         (Rooms(least=0.0), 0.99, 0.001, 20),
         (Rooms(count=3), 0.99, 0.001, 20),
+        (Rooms(jump=10.0), 0.97, 0.001, 20),
         (Rooms(count=1), 0.99, 0.001, 20),
         (Rooms(count=1, is_in_view=False), 0.97, 0.001, 20),
+        (Rooms(count=1, is_in_view=False, jump=10.0), 0.97, 0.001, 20),
     ],
-    ids=["late", "later", "quiet", "reflections", "none", "unknown", "three", "one", "not the one"],
+    ids=[
+        *("late", "later", "quiet", "reflections", "none", "unknown", "three"),
+        *("jump", "one", "not the one", "not the one, but a jump"),
+    ],
 )
 def test_the_candidate_in_view_is_found(kind: Rooms, right: float, wrong: float, seconds: float) -> None:
     found = [identify(kind, seed) for seed in range(ROOMS)]

@@ -119,6 +119,36 @@ async def test_a_sensor_that_sees_nothing_is_an_error_before_anything_changes(ro
     assert room.home.commands == []
 
 
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf, 1e300])
+async def test_what_is_no_number_is_not_seen(room: Room, wrong: float) -> None:
+    await room.lamps(5, 10, 60, 3)
+    room.seen = lambda value: wrong if room.random.random() < 0.3 else value
+    assert (await room.identify()).name == "Lamp2"
+    room.seen = lambda _: wrong
+    found = await room.identify()
+    assert found.message == f"nothing on /rosie/light can be read: {wrong:g} is no value of a sensor"
+
+
+async def test_a_sensor_that_stops_in_the_middle_leaves_everything_as_before(room: Room) -> None:
+    await room.lamps(5, 10, 60, 3)
+    before = await room.is_on()
+    goal = await room.begin()
+    await anyio.sleep(6.0)
+    room.is_seeing = False
+    assert (await goal.result())[1].message.startswith("nothing was published on /rosie/light")
+    assert await room.is_on() == before
+    assert room.store == {}
+
+
+async def test_a_sensor_that_jumps_and_flashes_is_believed_for_the_rest(room: Room) -> None:
+    """The sun comes out, and a bulb flickers now and then."""
+    await room.lamps(5, 10, 60, 3)
+    goal = await room.begin()
+    await anyio.sleep(4.5)
+    room.seen = lambda value: value + 600 + (5000 if room.random.random() < 0.02 else 0)
+    assert (await goal.result())[1].name == "Lamp2"
+
+
 async def test_a_topic_that_is_not_there_is_an_error_with_the_nearest_name(room: Room) -> None:
     await room.lamps(60)
     found = await room.identify(topic="/rosie/ligth")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from homebot.identify.sight import Looker
+from homebot.identify.sight import Looker, Noise
 
 
 class Steady:
@@ -20,3 +20,12 @@ async def test_what_a_sensor_leaves_unreported_is_an_error_of_the_look(slack: fl
     """A sensor that reports changes of a fifth said nothing as the lamp went out, and none was sure to be in view."""
     look = await Looker(Steady(slack), lambda: 0.0).look()
     assert (look.value, look.variance**0.5) == (100.0, pytest.approx(deviation, rel=1e-3))
+
+
+def test_a_look_with_a_flash_counts_less_and_the_others_as_usual() -> None:
+    noise, steady = Noise(), [100.0, 101.0, 99.0, 100.5, 99.5]
+    _, usual = noise.of(steady)
+    mean, flashed = noise.of([*steady[:4], 5000.0])
+    assert flashed > 10_000 * usual
+    assert abs(mean - 1080) < 1
+    assert noise.of(steady)[1] == pytest.approx(usual)

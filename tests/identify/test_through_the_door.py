@@ -28,7 +28,10 @@ PERIOD = 0.1
 
 
 async def film(room: Room, peer: Peer) -> None:
-    """Send frames of 320x240 in which ``lamp1`` is bright, and the others light the wall a little; until cancelled."""
+    """Send frames of 320x240 in which ``lamp1`` is bright, and the others light the wall a little; until cancelled.
+
+    Some frames are cut off, and some are of another size, in which the region is not.
+    """
     lookup = DeviceLookup(room.home.app)
     x, y, width, height = LAMP
     while True:
@@ -37,8 +40,10 @@ async def film(room: Room, peer: Peer) -> None:
         scene = Pillow.new("L", (320, 240), int(wall))
         scene.paste(int(wall + 90 * lit["Lamp1"]), (x, y, x + width, y + height))
         data = BytesIO()
-        scene.save(data, "JPEG")
-        picture = {"format": "jpeg", "data": b64encode(data.getvalue()).decode()}
+        fault = room.random.random()
+        (scene.resize((160, 120)) if fault > 0.8 else scene).save(data, "JPEG")
+        content = data.getvalue()[: 500 if fault < 0.2 else None]
+        picture = {"format": "jpeg", "data": b64encode(content).decode()}
         await peer.send("publish", topic="/rosie/image", msg=picture)
         await anyio.sleep(PERIOD)
 

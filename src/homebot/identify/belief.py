@@ -159,7 +159,7 @@ class _Family:
         self._effect = effect
         self._mean = strongest / 2
         self._variance = (_SCATTER * strongest) ** 2
-        self.usual = first.variance
+        self.usual, self._last = first.variance, first.value
         count = len(first.levels)
         covariance = [[0.0] * count + [-level * self._variance] for level in first.levels]
         for place, row in enumerate(covariance):
@@ -173,7 +173,8 @@ class _Family:
     def add(self, seen: Seen) -> None:
         self.usual = max(seen.variance, (_INEXACT * self._effect) ** 2)
         drift = (_DRIFT * self._effect) ** 2 * seen.seconds
-        jump = drift + (_JUMP * self._effect) ** 2
+        jump = drift + max(_JUMP * self._effect, abs(seen.value - self._last)) ** 2
+        self._last = seen.value
         tracks = [
             self._weighed(_followed(track, seen, self.usual, moved, log(chance)))
             for track in self.tracks

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from functools import partial
-from statistics import fmean
+from statistics import fmean, median, variance
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import anyio
@@ -44,11 +44,13 @@ _SILENT: Final = 3
 _AGAIN: Final = 0.2
 """Seconds between two questions for the state of a device."""
 
-_MARGIN: Final = 1.2
-"""Factor of the variance, as it is known from few values."""
+_MARGIN: Final = 1.5
+_JUMPING: Final = 6.0
+"""Factor of the median variance, as it is known from few values; and of that which a look with a jump has at least."""
 
 _PICTURES: Final = {"sensor_msgs/msg/Image": brightness, "sensor_msgs/msg/CompressedImage": compressed_brightness}
 _NUMBERS: Final = frozenset({f"{kind}{bits}" for kind in ("int", "uint", "float") for bits in (8, 16, 32, 64)})
+_LARGEST: Final = 1e12
 _NO_VALUES: Final = frozenset({"variance", "stamp", "header"})
 
 
@@ -78,24 +80,34 @@ class Look:
     at: float
 
 
+class Noise:
+    """The usual variance of the values of a sensor, from those of all looks, each about its own mean. Pure."""
+
+    def __init__(self) -> None:
+        self._variances: list[float] = []
+
+    def of(self, values: Sequence[float]) -> tuple[float, float]:
+        """Return the mean of the values of one look, and its variance: more than usual if they jump."""
+        mean, own = fmean(values), variance(values) if len(values) > 1 else 0.0
+        self._variances += [own] if len(values) > 1 else []
+        usual = _MARGIN * median(self._variances or [0.0])
+        return mean, (own if own > _JUMPING * usual else usual) / len(values)
+
+
 class Looker:
-    """Looks by a sight; the variance is that of the values of all looks, each about its own mean."""
+    """Looks by a sight."""
 
     def __init__(self, sight: Sight, monotonic: Callable[[], float]) -> None:
         self._sight = sight
         self._monotonic = monotonic
-        self._squares, self._spare = 0.0, 0
+        self._noise = Noise()
 
     async def look(self) -> Look:
         """Look for a second."""
         began = self._monotonic()
-        values = await self._sight.values()
-        mean = fmean(values)
-        self._squares += sum((one - mean) ** 2 for one in values)
-        self._spare += len(values) - 1
+        mean, spread = self._noise.of(await self._sight.values())
         least = (max(1e-3, self._sight.slack) * mean) ** 2 + 1e-12
-        variance = _MARGIN * self._squares / self._spare / len(values) if self._spare else 0.0
-        return Look(mean, max(variance, least), (began + self._monotonic()) / 2)
+        return Look(mean, max(spread, least), (began + self._monotonic()) / 2)
 
 
 async def open_sight(node: Node, lookup: DeviceLookup, topic: str, region: Region) -> AbstractContextManager[Sight]:
@@ -145,30 +157,37 @@ class _TopicSight:
         read = _PICTURES.get(message_type.ros_type)
         self._read: Callable[[Any], float] = _number_of(message_type) if read is None else partial(read, region=region)
         self._gap = 0.9 * _LOOK / (_MOST if read is None else _MOST_PICTURES)
-        self._messages: list[Any] | None = None
+        self._values: list[float] | None = None
+        self._problem = ""
         self._last_at = 0.0
         self._has_come = anyio.Event()
 
     def on_message(self, message: Message) -> None:
-        """Keep *message* for a look that is under way."""
+        """Read *message* for a look that is under way; one that cannot be read is left out."""
         now = self._clock.monotonic()
-        if self._messages is not None and now - self._last_at >= self._gap:
-            self._messages.append(message)
-            self._last_at = now
+        if self._values is None or now - self._last_at < self._gap:
+            return
+        self._last_at = now
+        try:
+            self._values.append(self._read(message))
+        except UsageError as exc:
+            self._problem = f"nothing on {self._name} can be read: {exc}"
+        else:
             self._has_come.set()
 
     async def values(self) -> Sequence[float]:
-        messages = self._messages = []
+        values = self._values = []
+        self._problem = f"nothing was published on {self._name} within {_LONGEST:g} s; is its robot on?"
         self._has_come, self._last_at = anyio.Event(), -_LOOK
         try:
             await anyio.sleep(_LOOK)
             with anyio.move_on_after(_LONGEST - _LOOK):
                 await self._has_come.wait()
         finally:
-            self._messages = None
-        if not messages:
-            raise UsageError(f"nothing was published on {self._name} within {_LONGEST:g} s; is its robot on?")
-        return [self._read(one) for one in messages]
+            self._values = None
+        if not values:
+            raise UsageError(self._problem)
+        return values
 
 
 class _DeviceSight:
@@ -217,4 +236,11 @@ def _number_of(message_type: type[Message]) -> Callable[[Any], float]:
             f"{message_type.ros_type} has {len(found) or 'no'} numbers; take a topic with one, such as "
             "sensor_msgs/Illuminance or std_msgs/Float64, or with pictures"
         )
-    return lambda message: float(getattr(message, found[0]))
+
+    def number(message: object) -> float:
+        value = float(getattr(message, found[0]))
+        if not abs(value) <= _LARGEST:
+            raise UsageError(f"{value:g} is no value of a sensor")
+        return value
+
+    return number
