@@ -27,10 +27,12 @@ The table of a gateway or app belongs to its plug-in: :func:`parse_settings` che
 
 import math
 import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+import tomllib
+from collections.abc import Container, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self, TypeAlias, TypeVar, get_args, get_origin
+from zlib import crc32
 from zoneinfo import available_timezones
 
 from pydantic import (
@@ -65,10 +67,12 @@ __all__ = [
     "FilePath",
     "HomeSettings",
     "Table",
+    "check_routine_name",
     "folder_of",
     "in_folder",
     "load_config",
     "load_tables",
+    "located",
     "parse_config",
     "parse_settings",
     "value_errors",
@@ -80,6 +84,7 @@ _HERE = Path()
 _FOLDER = "folder"
 _LONGEST_SHOWN = 200
 _MOST_ERRORS = 100
+_LONGEST_APP = 100
 
 _GONE: Final = {"thing_directory": "is gone; programs read and command the devices at the door (docs/agents.md)"}
 """Tables that homebot had once, and the ways to what they offered."""
@@ -154,6 +159,12 @@ AlertKey: TypeAlias = Literal[
 _Delay: TypeAlias = Annotated[float, DURATION, BeforeValidator(_or_never), Field(ge=0)]
 
 
+_Tables: TypeAlias = Annotated[
+    tuple[object, ...], BeforeValidator(lambda value: tuple(value) if isinstance(value, list) else (value,))
+]
+"""Tables that are checked one by one, because a wrong one stops nothing else."""
+
+
 class Config(BaseModel):
     """The configuration of a homebot, as in ``homebot.toml``.
 
@@ -182,8 +193,8 @@ class Config(BaseModel):
     alerts: dict[AlertKey, _Delay] = Field(default_factory=dict)
     places: Table = Field(default_factory=dict)
     devices: dict[str, Table] = Field(default_factory=dict)
-    groups: tuple[Table, ...] = ()
-    scenes: tuple[Table, ...] = ()
+    groups: _Tables = ()
+    scenes: _Tables = ()
     robots: dict[str, Table] = Field(default_factory=dict)
     ros: Table = Field(default_factory=dict)
     source: str = Field(default="configuration", exclude=True)
@@ -235,7 +246,7 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
     """
     for name in _GONE.keys() & tables.keys():
         raise ConfigError(source, name, _GONE[name])
-    tables = _with_routines(tables, source) if "routines" in tables else tables
+    tables = _with_routines(tables) if "routines" in tables else tables
     tables = _with_people(tables, source) if PEOPLE in tables else tables
     config = parse_settings(Config, {**tables, "source": source, "folder": str(folder)}, source, "")
     for section, names in (("gateways", config.gateways), ("apps", config.apps), ("robots", config.robots)):
@@ -251,25 +262,69 @@ ROUTINE: Final = "routine"
 """The plug-in that a table ``[[routines]]`` is an app of."""
 
 
-def _with_routines(tables: Mapping[str, object], source: str) -> dict[str, object]:
-    """Return *tables* with each routine as an app, whose name is that of the routine in small letters."""
+def _with_routines(tables: Mapping[str, object]) -> dict[str, object]:
+    """Return *tables* with each routine as an app, whose name is that of the routine in small letters.
+
+    One without a name, or with that of another, is an app whose name has its number, and is reported with its values.
+    """
     others = dict(tables)
     routines, apps = others.pop("routines"), others.get("apps", {})
-    if not isinstance(routines, list) or not all(isinstance(one, dict) for one in routines):
-        raise ConfigError(source, "routines", "must be tables, as in [[routines]]")
     if not isinstance(apps, dict):
         return others  # reported with the other tables
-    found = dict(apps)
-    for number, table in enumerate(routines):
-        name = table.get("name")
-        app = "_".join(words_of(name)) if isinstance(name, str) else ""
-        if not app:
-            raise ConfigError(source, f"routines.{number}.name", f"must be a name, such as 'Hall light', got {name!r}")
-        app = app if app[0].isalpha() else f"{ROUTINE}_{app}"
-        if app in found:
-            raise ConfigError(source, f"routines.{number}.name", f"{name!r} is also the name of another routine or app")
-        found[app] = {**table, "class": ROUTINE}
-    return {**others, "apps": found}
+    return {**others, "apps": apps | _apps_of(routines, apps)}
+
+
+def _apps_of(routines: object, taken: Container[str]) -> dict[str, Table]:
+    found: dict[str, Table] = {}
+    for number, table in enumerate(routines if isinstance(routines, list) else [routines], 1):
+        fields = table if isinstance(table, dict) else {}
+        app = app_of_routine(fields.get("name"))
+        is_new = app and app not in taken and app not in found
+        found[app if is_new else f"{app or ROUTINE}_{number}"] = {**fields, "class": ROUTINE}
+    return found
+
+
+def app_of_routine(name: object) -> str:
+    """Return the name of the app of the routine *name*; empty if that is no name."""
+    if not isinstance(name, str) or not name.strip():
+        return ""
+    app = "_".join(words_of(name))[:_LONGEST_APP]
+    if not app or not app.isascii():  # names of nodes have only Latin letters
+        return f"{ROUTINE}_{crc32(name.encode()):x}"
+    return app if app[0].isalpha() else f"{ROUTINE}_{app}"
+
+
+def check_routine_name(app: str, table: Table, source: str) -> None:
+    """Check that the routine *table* has a name, which no other routine or app has.
+
+    Args:
+        app: The name of its app.
+
+    Raises:
+        ConfigError: It has none, or that of another.
+    """
+    name = table.get("name")
+    if (expected := app_of_routine(name)) != app:
+        problem = f"{name!r} is also the name of another routine or app; choose another one"
+        reason = problem if expected else f"must be a name, such as 'Hall light', got {name!r}"
+        raise ConfigError(source, f"routines.{app}.name", reason)
+
+
+def located(error: ConfigError, text: str = "") -> ConfigError:
+    """Return *error* with the line of its key in *text*, by default that of its file; the same if it is unknown."""
+    from homebot.support.toml_lines import line_of  # noqa: PLC0415 - after a mistake alone
+
+    path = error.key.split(".")
+    with suppress(OSError, ValueError, RecursionError):
+        text = text or Path(error.source).read_text("utf-8-sig")
+        if path[0] == "routines":  # they are named by their apps
+            tables = tomllib.loads(text)
+            apps = [*_apps_of(tables["routines"], tables.get("apps", {}))]
+            path[1:2] = [str(apps.index(one)) for one in path[1:2]]
+    line = line_of(text, *path)
+    found = ConfigError(f"{error.source}:{line}" if line else error.source, error.key, error.reason)
+    found.others = tuple(located(one, text) for one in error.others)
+    return found
 
 
 PEOPLE: Final = "people"
@@ -287,9 +342,7 @@ def _with_people(tables: Mapping[str, object], source: str) -> dict[str, object]
     return {**others, "gateways": {**gateways, PEOPLE: {"class": PEOPLE, PEOPLE: people}}}
 
 
-def parse_settings(
-    model: type[ModelT], table: Mapping[str, object], source: str, key: str, folder: Path = _HERE
-) -> ModelT:
+def parse_settings(model: type[ModelT], table: object, source: str, key: str, folder: Path = _HERE) -> ModelT:
     """Return *table*, validated by *model*.
 
     Args:
@@ -301,6 +354,9 @@ def parse_settings(
         ConfigError: The first problem: an unknown key, a wrong type or an invalid value. Further problems are in its
             ``others``.
     """
+    if not isinstance(table, Mapping):
+        reason = _table_reason(key, is_element=key[-1:].isdigit())
+        raise ConfigError(source, key, f"{reason}, got {_shortened(table)}")
     try:
         text = to_json({name: value for name, value in table.items() if name != "class"}, inf_nan_mode="constants")
         if "extra" not in model.model_config:  # a plain BaseModel ignores misspelt keys

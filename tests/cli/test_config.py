@@ -1,5 +1,6 @@
 """``homebot config check``: what it prints of a good file, and what it finds in a bad one before anything runs."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -78,7 +79,7 @@ def test_the_address_is_that_of_the_environment_where_the_file_has_none(
 def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch: pytest.MonkeyPatch) -> None:
     Path("homebot.toml").write_text('[door]\nhost = "0.0.0.0"\n')
     assert main(["config", "check"]) == 1
-    assert "homebot.toml: door.host: 0.0.0.0 can be reached by others" in capsys.readouterr().err
+    assert "homebot.toml:2: door.host: 0.0.0.0 can be reached by others" in capsys.readouterr().err
     monkeypatch.setenv("HOMEBOT_DOOR_TOKEN", "hunter2")
     assert main(["config", "check"]) == 0
     out = capsys.readouterr().out
@@ -170,7 +171,7 @@ def test_a_mistake_is_told_with_file_key_and_reason(capsys: Text, text: str, pro
     assert main(["config", "check"]) == 1
     captured = capsys.readouterr()
     assert captured.out == ""
-    assert captured.err.startswith(f"homebot: homebot.toml: {problem}")
+    assert re.sub(r"toml:\d+:", "toml:", captured.err).startswith(f"homebot: homebot.toml: {problem}")
     assert captured.err.count("\n") == 1
 
 
@@ -258,7 +259,7 @@ def test_what_no_configuration_can_hold_is_told_in_one_sentence(
 ) -> None:
     Path("odd.toml").write_text(text)
     assert main([*command, "odd.toml"]) == 1
-    error = capsys.readouterr().err
+    error = re.sub(r"toml:\d+:", "toml:", capsys.readouterr().err)
     assert (
         error.startswith((f"homebot: odd.toml: {problem}", f"homebot: odd.toml {problem}"))
         or "is nested too deep" in error
@@ -291,14 +292,14 @@ def test_all_mistakes_are_told_at_once(capsys: Text) -> None:
     )
     assert main(["config", "check"]) == 1
     lines = capsys.readouterr().err.splitlines()
-    assert [line.removeprefix("homebot: homebot.toml: ").partition(": ")[0] for line in lines] == [
-        "home.nmae",
-        "hoome",
-        "door.port",
-        "gateways.mqtt.url",
-        "gateways.mqtt.root",
-        "gateways.mqtt.act",
-        "apps.light_servce",
+    assert [line.removeprefix("homebot: homebot.toml:").split(": ")[:2] for line in lines] == [
+        ["4", "home.nmae"],
+        ["2", "hoome"],
+        ["11", "door.port"],
+        ["6", "gateways.mqtt.url"],
+        ["8", "gateways.mqtt.root"],
+        ["7", "gateways.mqtt.act"],
+        ["9", "apps.light_servce"],
     ]
     assert lines[0].endswith("unknown key; did you mean name or zone?")
     assert lines[1].endswith("unknown key; did you mean home?")

@@ -249,10 +249,10 @@ def test_before_the_start_the_configuration_and_its_secrets_are_checked(folder: 
     (folder / "homebot.toml").write_text('[gateways.mqtt]\nurll = "x"\n[door]\ntoken_file = "token"\n')
     code, found = offline(capsys)
     assert code == 1
-    assert why(found["HB101"]) == "homebot.toml: gateways.mqtt.urll: unknown key; did you mean url or user?"
+    assert why(found["HB101"]) == "homebot.toml:2: gateways.mqtt.urll: unknown key; did you mean url or user?"
     assert why(found["HB106"]).startswith("token can be read by others")
     assert main(["doctor", "--offline"]) == 1
-    assert "HB101 wrong configuration: homebot.toml: gateways.mqtt.urll" in capsys.readouterr().out
+    assert "HB101 wrong configuration: homebot.toml:2: gateways.mqtt.urll" in capsys.readouterr().out
 
 
 def test_before_the_start_a_missing_extra_is_named_with_its_command(

@@ -7,10 +7,12 @@ from shutil import copytree
 
 import anyio
 import pytest
+from anyio import to_thread
 from structlog.testing import capture_logs
 
 from homebot.bridges.rosbridge.access import right_to_call
-from homebot.config import parse_config
+from homebot.clock import LoopClock
+from homebot.config import load_config, parse_config
 from homebot.devices.app_messages import (
     ChangeRoutine,
     ChangeRoutineRequest,
@@ -25,9 +27,10 @@ from homebot.devices.app_messages import (
 from homebot.devices.client_rights import Right
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES, PROPOSE_ROUTINE, RUNTIME_HEALTH
+from homebot.errors import ConfigError
 from homebot.graph import Node
 from homebot.runtime import Runtime
-from homebot.runtime.plan import plan_errors, without_wrong_routines
+from homebot.runtime.plan import make_plan, plan_errors
 
 pytestmark = pytest.mark.virtual_time
 
@@ -186,14 +189,58 @@ async def test_one_that_is_wrong_now_stays_out_alone_and_is_told(tmp_path: Path)
             ]
 
 
+MISTAKES = """\
+[[routines]]
+name = "Good"
+when = ["12:00"]
+do = ["notify noon"]
+[[routines]]
+name = "Good"
+when = ["12:00"]
+do = ["notify noon"]
+[[routines]]
+when = ["12:00"]
+do = ["notify noon"]
+
+[[routines]]
+name = 3
+[[routines]]
+name = "Bad"
+when = ["12:00"]
+do = ["notify noon", "hall lamp onn"]
+[[routines]]
+name = "Кухня"
+when = ["12:00"]
+do = ["notify noon"]
+[[groups]]
+name = "A"
+members = "lights"
+[[groups]]
+name = "A"
+members = "lights"
+[[groups]]
+members = "lights"
+[[groups]]
+name = "B"
+members = "group = C"
+[[groups]]
+name = "C"
+members = "open windows"
+[[scenes]]
+name = "Film"
+value = {}
+[[scenes]]
+values = { lamp = "on" }
+"""
+
+
 async def test_a_wrong_routine_of_the_configuration_stays_out_alone_and_is_told() -> None:
     wrong = CONFIGURED | {"name": "Wrong", "when": ["noon o'clock"]}
     given = parse_config({"routines": [wrong, CONFIGURED]}, "homebot.toml")
-    config, left_out = without_wrong_routines(given)
     problem = 'homebot.toml: routines.wrong.when.0: "noon o\'clock" names no state'
     with capture_logs() as lines:
         async with (
-            Runtime(config, with_door=False, left_out=left_out) as runtime,
+            Runtime(given, with_door=False) as runtime,
             Node(runtime.graph, "owner") as node,
         ):
             owner = Owner(node)
@@ -204,6 +251,45 @@ async def test_a_wrong_routine_of_the_configuration_stays_out_alone_and_is_told(
             answer = await owner.change("run", "wrong")
             assert answer.message.startswith(f"wrong does not run: {problem}")
     assert any(one["event"] == "app.left_out" and problem in one["message"] for one in lines)
+
+
+async def test_no_mistake_in_a_routine_group_or_scene_stops_anything_else(tmp_path: Path) -> None:
+    """Each is one line, with the line of the file: in the log, and where clients ask."""
+    file = tmp_path / "homebot.toml"
+    file.write_text(MISTAKES)
+    clock = LoopClock()
+    house = await to_thread.run_sync(lambda: Runtime(load_config(file), with_door=False, clock=clock))
+    with capture_logs() as lines:
+        async with house as runtime, Node(runtime.graph, "owner") as node:
+            found = await Owner(node).routines()
+            assert {name: one.problem.partition(": ")[0] for name, one in found.items() if one.problem} == {
+                "good_2": f"{file}:6",
+                "routine_3": f"{file}:9",
+                "routine_4": f"{file}:14",
+                "bad": f"{file}:18",
+            }
+            assert [name for name, one in found.items() if not one.problem] == ["Good", "Кухня"]
+            answer = await runtime.reload(lambda: load_config(file))
+            assert (answer.success, len(answer.message.splitlines())) == (True, 11)
+    told = [one["message"] for one in lines if one["event"] == "app.left_out"]
+    assert len(told) == 10
+    assert [one.removeprefix(f"left out: {file}:").partition(": ")[0] for one in told[4:]] == [
+        "27",
+        "29",
+        "33",
+        "36",
+        "37",
+        "40",
+    ]
+
+
+def test_a_wrong_group_that_a_policy_asks_for_is_no_small_matter() -> None:
+    """Without it the policy would hold for nothing."""
+    group = {"name": "Valuables", "members": "open safes"}
+    control = {"quiet_hours": [{"start": "00:00", "end": "06:00", "commands": ["open group=valuables"]}]}
+    assert "groups.0" in make_plan(parse_config({"groups": [group]}, "homebot.toml")).left_out
+    with pytest.raises(ConfigError, match=r"groups.0.members: 'open safes' depends on"):
+        make_plan(parse_config({"groups": [group], "control": control}, "homebot.toml"))
 
 
 def test_all_mistakes_of_a_configuration_are_listed_once() -> None:

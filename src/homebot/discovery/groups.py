@@ -57,8 +57,11 @@ class GroupSettings(BaseModel):
     members: str
 
 
-def read_groups(tables: Sequence[Mapping[str, object]], source: str) -> Mapping[str, str]:
+def read_groups(tables: Sequence[object], source: str) -> Mapping[str, str]:
     """Return the queries in the tables ``[[groups]]``, by the name of the group.
+
+    Args:
+        tables: The tables; None for one that was left out.
 
     Raises:
         ConfigError: A name is missing, wrong or given twice, or *members* is no query, or depends on states or, by way
@@ -67,7 +70,10 @@ def read_groups(tables: Sequence[Mapping[str, object]], source: str) -> Mapping[
     if len(tables) > _MOST:
         raise ConfigError(source, "groups", f"there are {len(tables)} groups; {_MOST} is the limit")
     found: dict[str, str] = {}
+    numbers: dict[str, int] = {}
     for number, table in enumerate(tables):
+        if table is None:
+            continue
         one = parse_settings(GroupSettings, table, source, f"groups.{number}")
         try:
             name = check_name(one.name)
@@ -75,8 +81,8 @@ def read_groups(tables: Sequence[Mapping[str, object]], source: str) -> Mapping[
             raise ConfigError(source, f"groups.{number}.name", str(exc)) from exc
         if fold(name) in map(fold, found):
             raise ConfigError(source, f"groups.{number}.name", f"there is a group {name!r} already")
-        found[name] = one.members
-    for number, name in enumerate(found):
+        found[name], numbers[name] = one.members, number
+    for name, number in numbers.items():
         try:
             _members(name, found)
         except UsageError as exc:

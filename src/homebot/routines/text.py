@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
-from homebot.config import Table, parse_config, parse_settings
+from homebot.config import Table, check_routine_name, located, parse_config, parse_settings
 from homebot.errors import ConfigError
 from homebot.routines.settings import RoutineSettings
 from homebot.support.toml_file import parse_toml
@@ -36,8 +36,7 @@ def read_routines(text: str, source: str) -> tuple[WrittenRoutine, ...]:
     Raises:
         ConfigError: It has none, has other tables, or a mistake; names the first one.
     """
-    tables = parse_toml(text, source)
-    if "name" in tables:
+    if is_bare := "name" in (tables := parse_toml(text, source)):
         tables, text = {"routines": [tables]}, f"[[routines]]\n{text}"
     if others := tables.keys() - {"routines"}:
         raise ConfigError(source, min(others), "is no part of a routine; write [[routines]], name, when, if and do")
@@ -50,7 +49,10 @@ def read_routines(text: str, source: str) -> tuple[WrittenRoutine, ...]:
         raise ConfigError(
             source, "routines", "must be written as tables with the head [[routines]] in a line of its own"
         )
-    return tuple(map(_checked, [source] * len(apps), apps, apps.values(), texts))
+    try:
+        return tuple(map(_checked, [source] * len(apps), apps, apps.values(), texts))
+    except ConfigError as exc:
+        raise (exc if is_bare else located(exc, text)) from None
 
 
 def read_settings(text: str, source: str) -> RoutineSettings:
@@ -64,6 +66,7 @@ def read_settings(text: str, source: str) -> RoutineSettings:
 
 
 def _checked(source: str, app: str, table: Table, text: str) -> WrittenRoutine:
+    check_routine_name(app, table, source)
     name = parse_settings(RoutineSettings, table, source, f"routines.{app}").name
     return WrittenRoutine(app, name, table, f"{text.strip()}\n")
 

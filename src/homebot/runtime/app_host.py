@@ -34,6 +34,7 @@ __all__ = ["STORE_FILE", "AppHost"]
 STORE_FILE = "apps.sqlite"
 """The name of the file of the app stores, beside the index file."""
 
+_ROUTINES = "routines."
 _ROUTINE_MODULE = "homebot.routines.routine"
 _KEPT_ROUTINES = "routines"
 _IDENTIFY = "identify/values"
@@ -50,7 +51,7 @@ class AppHost:
         file: The file of the app stores; None for none.
 
     Attributes:
-        left_out: Why routines of the configuration are wrong and do not run, by the names of their apps.
+        left_out: The mistakes of the routines, groups and scenes of the configuration that are not in force, by key.
     """
 
     def __init__(self, graph: Graph, plan: Plan, file: Path | None, clock: Clock) -> None:
@@ -62,7 +63,7 @@ class AppHost:
         self._main: Node
         self._stores: AppStores | None = None
         self.running: dict[str, App] = {}
-        self.left_out: dict[str, str] = {}
+        self.left_out = plan.left_out
         self.context = AppContext(
             plan.home_settings.zone,
             plan.home_settings.latitude,
@@ -82,6 +83,14 @@ class AppHost:
 
             self._notifier = Notifier(self._main, self._notify_settings)
         return self._notifier
+
+    @property
+    def wrong_routines(self) -> dict[str, str]:
+        """The problems of the routines of the configuration that do not run, by the names of their apps."""
+        wrong = {
+            key.removeprefix(_ROUTINES): str(one) for key, one in self.left_out.items() if key.startswith(_ROUTINES)
+        }
+        return {app: problem for app, problem in wrong.items() if app not in self.running}
 
     @property
     def routines(self) -> dict[str, Routine]:
@@ -178,10 +187,11 @@ class AppHost:
             yield f"the last notification was not sent: {self._notifier.trouble}"
         if self._stores is not None and self._stores.trouble:
             yield self._stores.trouble
-        wrong = {app: problem for app, problem in self.left_out.items() if app not in self.running}
+        wrong = dict(self.wrong_routines)
         if self.has_kept_routines:
             wrong |= self.kept_routines.problems
         yield from (f"the routine {app} does not run: {problem}" for app, problem in wrong.items())
+        yield from (f"left out: {one}" for key, one in self.left_out.items() if not key.startswith(_ROUTINES))
 
     async def unknown_names(self) -> AsyncIterator[str]:
         """Yield the queries of apps whose names nothing in the house has."""

@@ -14,7 +14,17 @@ import homebot.control
 import homebot.places
 from homebot.apps import App
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.config import PEOPLE, ROUTINE, UNNAMED, Config, HomeSettings, Table, parse_settings
+from homebot.config import (
+    PEOPLE,
+    ROUTINE,
+    UNNAMED,
+    Config,
+    HomeSettings,
+    Table,
+    check_routine_name,
+    located,
+    parse_settings,
+)
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
@@ -24,6 +34,7 @@ from homebot.plugins import check_extra, load_plugin
 from homebot.runtime.door_table import read_door
 from homebot.runtime.grants import grants_of, scope_of, without_act
 from homebot.runtime.settings_parameters import declare_settings
+from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -44,7 +55,6 @@ __all__ = [
     "make_plan",
     "plan_errors",
     "planned_app",
-    "without_wrong_routines",
 ]
 
 
@@ -107,6 +117,7 @@ class Plan:
         history: The settings of the history; None for the defaults.
         notify: The settings of notifications of apps; None to only log them.
         scenes: The scenes of the configuration.
+        left_out: The mistakes of wrong routines, groups and scenes, by their keys: they stop nothing else.
     """
 
     config: Config
@@ -126,6 +137,7 @@ class Plan:
     history: HistorySettings | None = None
     notify: NotifySettings | None = None
     scenes: tuple[SceneSettings, ...] = ()
+    left_out: Mapping[str, ConfigError] = field(default_factory=dict)
 
     @property
     def tokens(self) -> Mapping[str, SecretStr]:
@@ -185,9 +197,11 @@ def make_plan(config: Config, given: Mapping[str, type[App]] = _NONE_GIVEN) -> P
         ConfigError: A class cannot be found, a table is wrong, or a secret cannot be read; names the file, the key and
             the reason.
     """
-    config = config.model_copy(update={"apps": config.apps | {name: config.apps.get(name, {}) for name in given}})
+    whole = config.model_copy(update={"apps": config.apps | {name: config.apps.get(name, {}) for name in given}})
+    config, left_out = _without_mistakes(whole)
     return Plan(
-        config=config,
+        config=whole,
+        left_out=left_out,
         home=config.home.name,
         home_settings=config.home,
         gateways=tuple(_gateway(name, table, config) for name, table in config.gateways.items()),
@@ -199,10 +213,11 @@ def make_plan(config: Config, given: Mapping[str, type[App]] = _NONE_GIVEN) -> P
 
 def plan_errors(config: Config) -> tuple[ConfigError, ...]:
     """Return all errors that prevent :func:`make_plan` from planning *config*, table by table."""
+    config, left_out = _without_mistakes(config)
     parts: list[Callable[[], object]] = [partial(read, config) for read in _TABLES.values()]
     parts += [partial(_gateway, name, table, config) for name, table in config.gateways.items()]
     parts += [partial(planned_app, name, table, config) for name, table in config.apps.items()]
-    found: list[ConfigError] = []
+    found = [error for one in left_out.values() for error in (one, *one.others)]
     for part in parts:
         try:
             part()
@@ -211,17 +226,48 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
     return tuple(found)
 
 
-def without_wrong_routines(config: Config) -> tuple[Config, dict[str, str]]:
-    """Return *config* without its wrong routines, and their problems by name: a typo in one stops nothing else."""
-    problems: dict[str, str] = {}
+def _without_mistakes(config: Config) -> tuple[Config, dict[str, ConfigError]]:
+    """Return *config* without its wrong routines, groups and scenes, and their mistakes by key.
+
+    A group that ``[control]`` names is kept, because without it a limit would be gone.
+    """
+    wrong: dict[str, ConfigError] = {}
     for name, table in config.apps.items():
         if table.get("class") == ROUTINE:
             try:
                 planned_app(name, table, config)
             except ConfigError as exc:
-                problems[name] = str(exc)
-    apps = {name: table for name, table in config.apps.items() if name not in problems}
-    return config.model_copy(update={"apps": apps}), problems
+                wrong[_key_of(name, table)] = located(exc)
+    apps = {name: table for name, table in config.apps.items() if _key_of(name, table) not in wrong}
+    config = config.model_copy(update={"apps": apps})
+    limits = fold(repr(config.control))
+    for kind, read in (("groups", _groups), ("scenes", _scenes)):
+        while (error := _mistake_in(config, read)) is not None:
+            tables: list[object] = [*getattr(config, kind)]
+            number = error.key.partition(".")[2].partition(".")[0]
+            place = int(number) if number else max(at for at, one in enumerate(tables) if one is not None)
+            if kind == "groups" and _is_named(tables[place], limits):
+                break
+            wrong[f"{kind}.{place}"], tables[place] = located(error), None
+            config = config.model_copy(update={kind: tuple(tables)})
+    return config, wrong
+
+
+def _is_named(group: object, folded: str) -> bool:
+    name = group.get("name") if isinstance(group, dict) else None
+    return isinstance(name, str) and fold(name) in folded
+
+
+def _mistake_in(config: Config, read: Callable[[Config], object]) -> ConfigError | None:
+    try:
+        read(config)
+    except ConfigError as exc:
+        return exc
+    return None
+
+
+def _key_of(name: str, table: Table) -> str:
+    return f"{'routines' if table.get('class') == ROUTINE else 'apps'}.{name}"
 
 
 def index_place(config: Config) -> Path:
@@ -258,7 +304,9 @@ def planned_app(
     if given is not None and "class" in table:
         problem = f"the program gives the class {given.__name__} for this app; remove the key, or rename one of both"
         raise ConfigError(config.source, f"apps.{name}.class", problem)
-    key = f"{'routines' if table.get('class') == ROUTINE else 'apps'}.{name}"
+    key = _key_of(name, table)
+    if table.get("class") == ROUTINE:
+        check_routine_name(name, table, config.source)
     _check_name(key, name, config.source)
     scope_of(key, table, config)
     made = load if given is None else lambda *_: given
@@ -348,11 +396,15 @@ def _places(config: Config) -> Places:
     places = NO_PLACES
     if config.places:
         places = homebot.places.read_places(config.places, config.home.name, config.source, "configuration")
-    if config.groups:
-        from homebot.discovery.groups import read_groups  # noqa: PLC0415 - many homes have none
+    return replace(places, groups=_groups(config)) if config.groups else places
 
-        places = replace(places, groups=read_groups(config.groups, config.source))
-    return places
+
+def _groups(config: Config) -> Mapping[str, str]:
+    if not config.groups:
+        return {}
+    from homebot.discovery.groups import read_groups  # noqa: PLC0415 - many homes have none
+
+    return read_groups(config.groups, config.source)
 
 
 def _scenes(config: Config) -> tuple[SceneSettings, ...]:

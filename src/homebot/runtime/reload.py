@@ -44,7 +44,7 @@ _LIVE: Final[Mapping[str, frozenset[str]]] = {
 }
 """The keys that take effect without a restart; so do those of ``[places]``, ``[devices]``, groups and scenes."""
 
-_RELOADED: Final = ("config", "door", "control", "places", "limits", "link", "scenes")
+_RELOADED: Final = ("config", "door", "control", "places", "limits", "link", "scenes", "left_out")
 """The parts of a plan that a reload replaces."""
 
 _BY_KEY: Final = frozenset({"control", "door"})
@@ -201,6 +201,7 @@ async def reload_configuration(
     await _apply(new, plan, parts, rooms)
     waiting = ", ".join(keys_for_restart(running, config))
     rest = f"; restart homebot for the changes of {waiting}" if waiting else ""
+    rest += "".join(f"\nleft out: {one}" for one in new.left_out.values())
     message = f"tokens, rights, policies and places were reloaded{rest}"
     _log.info(RELOADED, message=message)
     done = replace(plan, **{name: getattr(new, name) for name in _RELOADED})

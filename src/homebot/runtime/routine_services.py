@@ -188,9 +188,8 @@ class RoutineServices:
             if app in self._kept:
                 more |= {"is_kept": True, "text": self._kept.text(app), "of_habit": self._kept.is_of_habit(app)}
             yield routine.info().model_copy(update=more)
-        for app, problem in self._host.left_out.items():
-            if app not in running:
-                yield RoutineInfo(name=app, app=app, problem=problem)
+        for app, problem in self._host.wrong_routines.items():
+            yield RoutineInfo(name=app, app=app, problem=problem)
         for app in self._kept:
             if app not in running:
                 problem = self._kept.problems.get(app, "it does not run; `homebot app list` says why")

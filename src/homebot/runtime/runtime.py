@@ -116,7 +116,6 @@ class Runtime:
         known: Initial content of the directory without an *index_file*, as in a replay.
         detected: Motion sensors that have detected motion before, in a replay.
         read_config: Reads the configuration again, for apps that are loaded later; by default *config* is used.
-        left_out: The routines that *config* lacks because they are wrong, with their problems.
         watches_apps: Whether an app is reloaded when its file changes.
 
     Attributes:
@@ -146,7 +145,6 @@ class Runtime:
     known: Sequence[IndexRow] = ()
     detected: Sequence[str] = ()
     read_config: Callable[[], Config] | None = None
-    left_out: Mapping[str, str] = field(default_factory=dict)
     watches_apps: bool = False
 
     def __post_init__(self) -> None:
@@ -172,7 +170,6 @@ class Runtime:
         self._clock = self.clock or LoopClock()
         self.graph = Graph(self._clock)
         self.app_host = AppHost(self.graph, self._plan, self._beside_index(STORE_FILE), self._clock)
-        self.app_host.left_out.update(self.left_out)
         if self._plan.interfaces is not None:
             self.graph.interfaces = self._plan.interfaces
         if self._machines is not None:
@@ -254,6 +251,7 @@ class Runtime:
             self._plan, self._reloaded = await reload_configuration(
                 self.config, self._plan, parts, read, self._make_plan, may_lose=may_lose
             )
+            self.app_host.left_out = self._plan.left_out
             if self._link is not None:
                 self._link.reload()
             return self._reloaded

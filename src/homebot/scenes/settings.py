@@ -1,6 +1,6 @@
 """The tables ``[[scenes]]``. Pure."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -30,14 +30,19 @@ class SceneSettings(BaseModel):
     values: Annotated[dict[_Words, _Words], Field(min_length=1, max_length=MOST_PARTS)]
 
 
-def read_scenes(tables: Sequence[Mapping[str, object]], source: str) -> tuple[SceneSettings, ...]:
+def read_scenes(tables: Sequence[object], source: str) -> tuple[SceneSettings, ...]:
     """Return the scenes in the tables ``[[scenes]]``; their devices may come later.
+
+    Args:
+        tables: The tables; None for one that was left out.
 
     Raises:
         ConfigError: A name or a value is missing, wrong or given twice; the message names the key.
     """
     found: dict[str, SceneSettings] = {}
     for number, table in enumerate(tables):
+        if table is None:
+            continue
         one = parse_settings(SceneSettings, table, source, f"scenes.{number}")
         try:
             check_scene_name(one.name)

@@ -128,7 +128,7 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
 
 def _state(routine: RoutineInfo) -> str:
     if routine.problem:
-        return f"wrong: {printable(routine.problem, 200)}"
+        return "wrong"
     if not routine.enabled:
         return f"proposed by {printable(routine.proposed_by)}" if routine.proposed_by else "disabled"
     last = printable(routine.notes[-1].text, 100) if routine.notes else "waiting"
@@ -188,7 +188,7 @@ def _write(door: DoorClient, request: dict[str, object], file: str | None, text:
 
 
 def _print_hints(routine: RoutineInfo) -> None:
-    for hint in routine.hints:
+    for hint in filter(None, (routine.problem, *routine.hints)):
         print_line(f"{printable(routine.name)}: {printable(hint, 500)}", "yellow")
 
 

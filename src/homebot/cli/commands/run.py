@@ -24,7 +24,7 @@ from homebot.cli.arguments import (
 )
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
-from homebot.config import Config, load_config, load_tables, parse_config
+from homebot.config import Config, load_config, load_tables, located, parse_config
 from homebot.errors import ConfigError, UsageError
 from homebot.log import LogFormat, configure_logging
 from homebot.plugins import add_app, check_extra, is_file, name_in_file
@@ -166,7 +166,7 @@ def _problems(first: UsageError, path: str | None) -> Iterable[UsageError]:
     """Return *first* and all other mistakes in the configuration, as in ``homebot config check``."""
     if not isinstance(first, ConfigError):
         return (first,)
-    found = [first, *first.others]
+    found = [located(first), *map(located, first.others)]
     with suppress(ConfigError):
         found += config_errors(load_tables(Path(path)), Path(path)) if path else ()
     return [*{(one.key, one.reason): one for one in reversed(found)}.values()][::-1]
@@ -177,9 +177,10 @@ def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError
     from homebot.runtime.plan import plan_errors  # noqa: PLC0415 - after a mistake alone
 
     try:
-        return plan_errors(with_environment(parse_config(tables, str(path), path.parent)))
+        errors = plan_errors(with_environment(parse_config(tables, str(path), path.parent)))
+        return tuple(map(located, errors))
     except ConfigError as exc:
-        found = (exc, *exc.others)
+        found = (located(exc), *map(located, exc.others))
         wrong = {error.key.partition(".")[0] for error in found}
     rest = {name: table for name, table in tables.items() if name not in wrong}
     return (*found, *config_errors(rest, path)) if len(rest) < len(tables) else found
@@ -215,9 +216,6 @@ def run_configured(options: argparse.Namespace) -> int:
         atexit.register(gc.freeze)  # else the final garbage collection takes seconds
         with gc_paused():
             from homebot.runtime import Runtime, index_place  # noqa: PLC0415 - most of the start, after the first line
-            from homebot.runtime.plan import without_wrong_routines  # noqa: PLC0415 - as before
-
-            config, left_out = without_wrong_routines(config)
         index = index_place(config) if house is None or options.config else None
         # A simulated house always starts as described, so there is nothing to remember.
         index_file = None if house is not None or options.ephemeral else index
@@ -233,7 +231,6 @@ def run_configured(options: argparse.Namespace) -> int:
             record_into=record_into,
             is_dry_run=options.dry_run,
             read_config=read,
-            left_out=left_out,
             watches_apps=options.reload,
         )
         return on_an_event_loop(_run(make_runtime, options.seconds, read, view))
