@@ -40,7 +40,7 @@ def test_what_is_carried_over_is_printed_apart_from_what_is_not(
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("- {alias: A, use_blueprint: {path: a.yaml}}", "line 1, A: `use_blueprint` has no counterpart in routines"),
+        ("- {alias: A, use_blueprint: {path: a.yaml}}", "A: automation: `use_blueprint` has no counterpart"),
         ("light: []", "has no automations"),
         ("- a: [", "cannot be read: line 1"),
         ("- &a {}\n- *a", "it has an alias (*NAME)"),

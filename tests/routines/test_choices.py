@@ -42,6 +42,22 @@ async def test_one_of_two_ways_is_taken_and_both_go_on_after_it(pressed: str, ta
         assert not is_on(world, "study_lamp")
 
 
+@pytest.mark.parametrize("on", ["study_lamp", "desk_lamp", None])
+async def test_of_several_options_the_first_that_holds_is_taken(on: str | None) -> None:
+    world = hall(study_lamp=lamp("study"), desk_lamp=lamp("study"), kitchen_lamp=lamp("kitchen"), bar=lamp("kitchen"))
+    option = {"if": ["desk lamp on"], "do": ["kitchen lamp on", "desk lamp off"], "else": ["bar on"]}
+    first = {"if": ["name='study_lamp' on"], "do": ["hall lamp on", "desk lamp on"], "else": [option]}
+    async with virtual_house_of(
+        world=world, config=config(ROUTINE | {"do": [first, "study lamp off"]}), start="2026-01-01 17:50"
+    ) as house:
+        for one in (one for one in ("study_lamp", "desk_lamp") if one == on):
+            await house.press(one, "on")
+        await house.run_until("18:01")
+        taken = [is_on(world, one) for one in ("hall_lamp", "kitchen_lamp", "bar")]
+        assert taken == [on == "study_lamp", on == "desk_lamp", on is None]
+        assert is_on(world, "desk_lamp") is (on == "study_lamp")
+
+
 async def test_a_wait_in_the_other_way_goes_on_after_a_restart() -> None:
     world = hall(study_lamp=lamp("study"), kitchen_lamp=lamp("kitchen"))
     async with (
@@ -71,7 +87,8 @@ async def test_a_wait_in_the_other_way_goes_on_after_a_restart() -> None:
     [
         ({"if": ["study lamp onn"]}, "routines.choose.do.0: if.0: 'study lamp onn' names no state"),
         ({"do": ["hall lamp onn"]}, "routines.choose.do.0: do.0: 'hall lamp onn' is no step"),
-        ({"else": [CHOICE]}, "routines.choose.do.0: else.0: must be a text in quotes"),
+        ({"do": [CHOICE]}, "routines.choose.do.0: do.0: must be a text in quotes"),
+        ({"else": [CHOICE | {"if": ["onn"]}]}, "routines.choose.do.0: else.0: if.0: 'onn'"),
         ({"do": []}, "routines.choose.do.0: do"),
         ({"otherwise": ["undo"]}, "routines.choose.do.0: otherwise: unknown key; known are if, do, else"),
     ],

@@ -15,7 +15,9 @@ pytestmark = pytest.mark.slow
 HOSTILE = r"""
 name = 'Say "hi" \ '
 when = ["22:00"]
-do = ['notify \n "" %s {x}', { if = ["after 9:00"], do = ["wait 1m"] }]
+do = ['notify \n "" %s {x}', { if = ["after 9:00"], do = ["wait 1m"], else = [
+    "wait 2m", { if = ["on sat"], do = ["wait 3m"] }
+] }]
 """
 
 
@@ -34,7 +36,9 @@ def test_an_app_reads_like_its_routine(tmp_path: Path) -> None:
         name = "Coming home"
         when = ["front door open"]
         if = ["sun is down"]
-        do = [{ if = ["nobody in hall", "hall lamp off"], do = ["hall lamp on"], else = ["wait 5m"] }, "undo"]
+        do = [{ if = ["nobody in hall", "hall lamp off"], do = ["hall lamp on"], else = [
+            { if = ["nobody in study"], do = ["wait 1m"], else = ["wait 5m"] }
+        ] }, "undo"]
         mode = "restart"
     """
     assert exported(text, tmp_path).read_text() == (
@@ -47,6 +51,8 @@ def test_an_app_reads_like_its_routine(tmp_path: Path) -> None:
         "    async def perform(self) -> None:\n"
         "        if await self.holds('nobody in hall', 'hall lamp off'):\n"
         "            await self.step('hall lamp on')\n"
+        "        elif await self.holds('nobody in study'):\n"
+        "            await self.step('wait 1m')\n"
         "        else:\n"
         "            await self.step('wait 5m')\n"
         "        await self.step('undo')\n"

@@ -26,7 +26,7 @@ from homebot.errors import HomebotError, RefusedError, ServiceError, UsageError
 from homebot.graph import Node
 from homebot.routines.conditions import Matches, read_condition
 from homebot.routines.effects import Effect, RoutineEffects, fights, loops
-from homebot.routines.program import Choice, program_of
+from homebot.routines.program import Branch, conditions_of, program_of
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.steps import APPLY, Do, SendRobot, Wait, WaitUntil
 from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
@@ -213,16 +213,14 @@ def _states(routine: RoutineSettings) -> Iterator[tuple[str, Query, str]]:
                 yield text, query, ""
             case Press(query=query, value=value):
                 yield text, query, value
-    choices = [one for one in routine.do if isinstance(one, Choice)]
-    for text in (*routine.conditions, *(text for one in choices for text in one.conditions)):
-        match read_condition(text):
-            case Matches(state=state):
+    steps = [(line.text, line.step) for line in program_of(routine.do)]
+    choices = [one for _, step in steps if isinstance(step, Branch) for one in step.conditions]
+    for text, asked in (*conditions_of(routine.conditions), *choices, *steps):
+        match asked:
+            case Matches(state=state) | WaitUntil(state=state):
                 yield text, state.query, ""
             case Press(query=query, value=value):
                 yield text, query, value
-    for line in program_of(routine.do):
-        if isinstance(line.step, WaitUntil):
-            yield line.text, line.step.state.query, ""
 
 
 def asked_about(routines: Iterable[RoutineSettings]) -> Callable[[Device], bool]:

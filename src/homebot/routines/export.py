@@ -55,7 +55,7 @@ def app_text(routine: RoutineSettings) -> str:
 def pytest_text(routine: RoutineSettings, module: str) -> str:
     """Return the file of its test, which expects the steps of the routine on every way through its choices."""
     name = class_name(routine)
-    choices = [one for one in routine.do if isinstance(one, Choice)]
+    choices = [*_choices(routine.do)]
     ways = list(product((True, False), repeat=len(choices)))
     ways = ways if len(choices) <= _MOST_CHOICES else [ways[0], ways[-1]]
     checks = dict(_way(routine.do, one) for one in ways)
@@ -77,29 +77,40 @@ def pytest_text(routine: RoutineSettings, module: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _body(steps: Sequence[str | Choice]) -> Iterator[str]:
+def _choices(steps: Sequence[str | Choice]) -> Iterator[Choice]:
+    for one in steps:
+        if isinstance(one, Choice):
+            yield one
+            yield from _choices(one.otherwise)
+
+
+def _body(steps: Sequence[str | Choice], indent: str = _INDENT, word: str = "if") -> Iterator[str]:
     for one in steps:
         if isinstance(one, str):
-            yield f"{_INDENT}await self.step({one!r})"
+            yield f"{indent}await self.step({one!r})"
             continue
-        yield f"{_INDENT}if await self.holds({', '.join(map(repr, one.conditions))}):"
-        yield from (f"{_INDENT}    await self.step({text!r})" for text in one.do)
-        if one.otherwise:
-            yield f"{_INDENT}else:"
-            yield from (f"{_INDENT}    await self.step({text!r})" for text in one.otherwise)
+        yield f"{indent}{word} await self.holds({', '.join(map(repr, one.conditions))}):"
+        yield from _body(one.do, f"{indent}    ")
+        if len(one.otherwise) == 1 and isinstance(one.otherwise[0], Choice):
+            yield from _body(one.otherwise, indent, "elif")
+        elif one.otherwise:
+            yield f"{indent}else:"
+            yield from _body(one.otherwise, f"{indent}    ")
 
 
 def _way(steps: Sequence[str | Choice], taken: Sequence[bool]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the conditions that hold on a way through the choices, and its steps."""
-    choices = [one for one in steps if isinstance(one, Choice)]
-    holds = {text for one, is_taken in zip(choices, taken, strict=True) if is_taken for text in one.conditions}
-    found: list[str] = []
+    ways = zip(_choices(steps), taken, strict=True)
+    holds = {text for one, is_taken in ways if is_taken for text in one.conditions}
+    return tuple(sorted(holds)), tuple(_taken(steps, holds))
+
+
+def _taken(steps: Sequence[str | Choice], holds: set[str]) -> Iterator[str]:
     for one in steps:
         if isinstance(one, str):
-            found.append(one)
+            yield one
         else:
-            found += one.do if holds.issuperset(one.conditions) else one.otherwise
-    return tuple(sorted(holds)), tuple(found)
+            yield from _taken(one.do if holds.issuperset(one.conditions) else one.otherwise, holds)
 
 
 def _tuple(texts: Sequence[str]) -> str:

@@ -48,21 +48,22 @@ _StepText = Annotated[Text, AfterValidator(_step)]
 
 
 class Choice(BaseModel):
-    """A step that chooses between others, which are no choices themselves.
+    """A step that chooses between others.
 
     Attributes:
         conditions: The key ``if``: the conditions for *do*, all of which must hold.
-        otherwise: The key ``else``: the steps if it does not hold.
+        do: The steps if they hold, which are no choices.
+        otherwise: The key ``else``: the steps if they do not hold, among which further choices may be.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True, serialize_by_alias=True)
 
     conditions: Annotated[tuple[ConditionText, ...], Field(alias="if", min_length=1, max_length=MOST)]
     do: Annotated[tuple[_StepText, ...], Field(min_length=1, max_length=MOST)]
-    otherwise: Annotated[tuple[_StepText, ...], Field(alias="else", max_length=MOST)] = ()
+    otherwise: Annotated[tuple["StepSetting", ...], Field(alias="else", max_length=MOST)] = ()
 
     def __str__(self) -> str:
-        otherwise = f", else: {'; '.join(self.otherwise)}" if self.otherwise else ""
+        otherwise = f", else: {'; '.join(map(str, self.otherwise))}" if self.otherwise else ""
         return f"if {' and '.join(self.conditions)}: {'; '.join(self.do)}{otherwise}"
 
 
@@ -125,7 +126,7 @@ def _lines(steps: Iterable[str | Choice]) -> Iterator[Line]:
         if isinstance(one, str):
             yield Line(one, read_step(one))
             continue
-        otherwise = tuple(_lines(one.otherwise))
+        otherwise = program_of(one.otherwise)
         yield Line(str(one), Branch(conditions_of(one.conditions), len(one.do) + bool(otherwise)))
         yield from _lines(one.do)
         if otherwise:

@@ -253,8 +253,8 @@ def test_parts_of_an_automation_with_ids_do_not_wait() -> None:
         ("trigger: time, at: '7:00'", "color_temp: 0", "color_temperature from"),
         ("trigger: time, at: '7:00'", "brightness: .nan", "brightness: nan is not a number"),
         ("trigger: time, at: '7:00'", "transition: .inf", "transition: inf is not a number"),
-        ("trigger: state, entity_id: light.floor_lamp, to: 'on', for: 5:00", "", "5:00 may be minutes or hours"),
-        ("trigger: sun, event: sunset, offset: '-1:30'", "", "-1:30 may be minutes or hours"),
+        ("trigger: state, entity_id: light.floor_lamp, to: 'on', for: 5:00", "", "'5:00' may be minutes or hours"),
+        ("trigger: sun, event: sunset, offset: '-1:30'", "", "'-1:30' may be minutes or hours"),
         ("trigger: state, entity_id: media_player.kitchen_radio, to: 'on'", "", "knows no state 'on'"),
     ],
 )

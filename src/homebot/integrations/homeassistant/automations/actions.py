@@ -4,227 +4,165 @@ Source: Home Assistant core 2026.11, ``helpers/script.py``, and the services of 
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Final
 
-from homebot.integrations.homeassistant.automations.conditions import NEVER, Condition, Conditions
-from homebot.integrations.homeassistant.automations.entities import Entities
-from homebot.integrations.homeassistant.automations.fields import (
-    NotCarriedError,
-    check_keys,
-    duration_of,
-    fields_of,
-    flag_of,
-    is_enabled,
-    items_of,
-    shown,
-)
+from homebot.integrations.homeassistant.automations.automation import Automation
+from homebot.integrations.homeassistant.automations.conditions import JOINTS, NEVER, Condition, conditions_of
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.services import steps_of_service
-from homebot.integrations.homeassistant.automations.states import state_text
-from homebot.integrations.homeassistant.automations.triggers import StateTrigger, Triggers
+from homebot.integrations.homeassistant.automations.states import state_texts
+from homebot.integrations.homeassistant.automations.triggers import read_triggers
 from homebot.support.located import Located
 
 __all__ = ["Actions", "Step"]
 
-Step = str | dict[str, list[str]]
+Step = str | dict[str, object]
 """A step of a routine, or a choice between some."""
 
-_GENERAL: Final = ("alias", "enabled", "continue_on_error", "metadata")
 _IS_STATE: Final = re.compile(
     r"\{\{\s*(?:is_state\(\s*(?P<quote>['\"])(?P<entity>[\w.]+)(?P=quote)\s*,\s*(?P<quoted>['\"])(?P<state>[^'\"]+)(?P=quoted)\s*\)"
     r"|states\(\s*(?P<quote2>['\"])(?P<entity2>[\w.]+)(?P=quote2)\s*\)\s*==\s*(?P<quoted2>['\"])(?P<state2>[^'\"]+)(?P=quoted2))\s*\}\}"
 )
+_CONDITIONS: Final = frozenset({"condition", *JOINTS})
 _KINDS: Final = (
-    "service", "action", "delay", "wait_template", "wait_for_trigger", "choose", "if", "sequence", "scene", "condition",
-    "and", "or", "not", "repeat", "parallel", "variables", "stop", "event", "device_id", "set_conversation_response",
-)  # fmt: skip
+    *("service", "action", "scene", "delay", "wait_template", "wait_for_trigger", "choose", "if", "sequence"),
+    *("repeat", "parallel", "variables", "stop", "event", "device_id", "set_conversation_response"),
+)
 
 
 class Actions:
     """Reader of the actions of one automation.
 
     Args:
-        started_by: The triggers of states of the automation.
         is_split: Whether there are several routines of it, which must not wait.
+        mode: The mode of the automation.
     """
 
-    def __init__(
-        self, entities: Entities, conditions: Conditions, started_by: Sequence[StateTrigger], *, is_split: bool
-    ) -> None:
-        self._entities = entities
-        self._conditions = conditions
-        self._started_by = started_by
+    def __init__(self, automation: Automation, mode: str, *, is_split: bool) -> None:
+        self._automation = automation
+        self._mode = mode
         self._is_split = is_split
         self._has_waited = False
 
-    def all_of(
-        self, nodes: Sequence[Located], mode: str, problems: list[NotCarriedError]
-    ) -> tuple[list[Condition], list[Step]]:
+    def all_of(self, nodes: Sequence[Located]) -> tuple[list[Condition], list[Step]]:
         """Return the conditions of the automation that its actions begin with, and its steps.
 
         A new run ends the one before it, or waits for it, before its actions ask for anything.
         """
-        first, steps = self.read(nodes, problems)
-        if not first or not self._has_waited or mode not in {"restart", "queued"}:
-            return first, steps
-        try:
-            return [], _choice(first, steps, [], nodes[0].line)
-        except NotCarriedError as exc:
-            problems.append(exc)
-            return [], []
+        first, steps = self._read(nodes)
+        if first and self._has_waited and self._mode in {"restart", "queued"}:
+            with self._automation.in_line(nodes[0].line):
+                first, steps = [], _choice(first, steps, [])
+        return first, steps
 
-    def read(self, nodes: Sequence[Located], problems: list[NotCarriedError]) -> tuple[list[Condition], list[Step]]:
-        """Return the conditions at the beginning, and the steps; each problem is added to *problems*."""
+    def _read(self, nodes: Sequence[Located]) -> tuple[list[Condition], list[Step]]:
+        """Return the conditions at the beginning, and the steps; conditions in the middle decide over the rest."""
         first: list[Condition] = []
         steps: list[Step] = []
         for number, node in enumerate(nodes):
-            try:
-                kind = _kind_of(node)
-                if kind in {"condition", "and", "or", "not"} and not steps:
-                    first += self._conditions.all_of([node])
-                elif kind in {"condition", "and", "or", "not"}:
-                    return first, [*steps, *self._rest(node, nodes[number + 1 :], problems)]
-                else:
-                    steps += self._steps(kind, node)
-            except NotCarriedError as exc:
-                problems.append(exc)
+            if isinstance(node.value, dict) and _CONDITIONS.isdisjoint(node.value):
+                steps += [step for each in self._automation.each([node], "action", self._steps) for step in each]
+                continue
+            first_here = conditions_of(self._automation, [node])
+            if not steps:
+                first += first_here
+                continue
+            further, rest = self._read(nodes[number + 1 :])
+            with self._automation.in_line(node.line):
+                steps += _choice([*first_here, *further], rest, [])
+            break
         return first, steps
 
-    def _rest(self, node: Located, nodes: Sequence[Located], problems: list[NotCarriedError]) -> list[Step]:
-        """Return the steps after a condition in the middle."""
-        conditions = self._conditions.all_of([node])
-        further, steps = self.read(nodes, problems)
-        return _choice([*conditions, *further], steps, [], node.line)
+    def _steps(self, fields: UnreadFields) -> Sequence[Step]:
+        kind = next((one for one in _KINDS if one in fields), "")
+        match kind:
+            case "service" | "action" | "scene":
+                return steps_of_service(self._automation.entities, fields, kind)
+            case "delay":
+                length = fields.duration("delay")
+                self._pause()
+                return [f"wait {length}"] if length else []
+            case "wait_template" | "wait_for_trigger":
+                return [self._wait(fields, kind)]
+            case "if":
+                conditions = conditions_of(self._automation, fields.items("if"))
+                return _choice(conditions, self._branch(fields.items("then")), self._branch(fields.items("else")))
+            case "choose":
+                return self._choose(fields)
+            case "sequence":
+                return self._branch(fields.items("sequence"))
+        raise NotCarriedError(f"action: `{kind}` has no counterpart in routines")
 
-    def _inner(self, nodes: Sequence[Located]) -> tuple[list[Condition], list[Step]]:
-        problems: list[NotCarriedError] = []
-        found = self.read(nodes, problems)
-        if problems:
-            raise problems[0]
+    def _branch(self, nodes: Sequence[Located]) -> list[Step]:
+        conditions, steps = self._read(nodes)
+        return _choice(conditions, steps, [])
+
+    def _choose(self, fields: UnreadFields) -> list[Step]:
+        """Read a choice; each option but the first is tried if those before it do not hold."""
+        found = self._branch(fields.items("default"))
+        options = self._automation.each(fields.items("choose"), "choose", self._option)
+        for conditions, steps in reversed(options):
+            found = _choice(conditions, steps, found)
         return found
 
-    def _steps(self, kind: str, node: Located) -> list[Step]:
-        fields = fields_of(node, "action")
-        if not is_enabled(fields):
-            return []
-        match kind:
-            case "service" | "action":
-                return [*steps_of_service(self._entities, node, fields, kind)]
-            case "scene":
-                check_keys(node, "action scene", *_GENERAL, "scene")
-                called = {"action": Located("scene.turn_on", node.line), "entity_id": fields["scene"]}
-                return [*steps_of_service(self._entities, Located(called, node.line), called, "action")]
-            case "delay":
-                return self._delay(node, fields)
-            case "wait_template" | "wait_for_trigger":
-                return self._wait(kind, node, fields)
-            case "if":
-                return self._if(node, fields)
-            case "choose":
-                return self._choose(node, fields)
-            case "sequence":
-                check_keys(node, "action sequence", *_GENERAL, "sequence")
-                conditions, steps = self._inner(items_of(fields["sequence"]))
-                return _choice(conditions, steps, [], node.line)
-        raise NotCarriedError(node.line, f"action: `{kind or shown(node)}` has no counterpart in routines")
+    def _option(self, fields: UnreadFields) -> tuple[list[Condition], list[Step]]:
+        conditions = conditions_of(self._automation, fields.items("conditions"))
+        nodes = fields.items("sequence")
+        return conditions, [] if NEVER in conditions else self._branch(nodes)
 
-    def _pause(self, line: int) -> None:
+    def _pause(self) -> None:
         self._has_waited = True
         if self._is_split:
-            raise NotCarriedError(line, "a wait in an automation with `condition: trigger`: its parts become routines")
+            raise NotCarriedError("a wait in an automation with `condition: trigger`: its parts become routines")
 
-    def _delay(self, node: Located, fields: Mapping[str, Located]) -> list[Step]:
-        check_keys(node, "action delay", *_GENERAL, "delay")
-        self._pause(node.line)
-        length = duration_of(fields["delay"], "delay")
-        return [f"wait {length}"] if length else []
+    def _wait(self, fields: UnreadFields, kind: str) -> str:
+        most = fields.duration("timeout")
+        if not most:
+            raise NotCarriedError(f"action {kind}: it may last forever; give it a `timeout`")
+        if not fields.flag("continue_on_timeout", default=True):
+            raise NotCarriedError(f"action {kind}: a routine goes on after the timeout")
+        text = self._awaited(fields) if kind == "wait_for_trigger" else self._template(fields)
+        self._pause()
+        return f"wait until {text}, at most {most}"
 
-    def _wait(self, kind: str, node: Located, fields: Mapping[str, Located]) -> list[Step]:
-        check_keys(node, f"action {kind}", *_GENERAL, kind, "timeout", "continue_on_timeout")
-        if "timeout" not in fields or not duration_of(fields["timeout"], "timeout"):
-            raise NotCarriedError(node.line, f"action {kind}: it may last forever; give it a `timeout`")
-        if "continue_on_timeout" in fields and not flag_of(fields["continue_on_timeout"], "continue_on_timeout"):
-            raise NotCarriedError(node.line, f"action {kind}: a routine goes on after the timeout")
-        text = self._awaited(node, fields) if kind == "wait_for_trigger" else self._template(fields[kind])
-        self._pause(node.line)
-        return [f"wait until {text}, at most {duration_of(fields['timeout'], 'timeout')}"]
-
-    def _awaited(self, node: Located, fields: Mapping[str, Located]) -> str:
+    def _awaited(self, fields: UnreadFields) -> str:
         """Return the state that is awaited. Home Assistant waits for its beginning, and a routine for the state.
 
         They differ if it holds already, which the trigger of the automation excludes until the first wait.
         """
-        waited = items_of(fields["wait_for_trigger"])
-        reader = Triggers(self._entities)
-        texts = [text for one in waited for text in reader.read(one)]
-        if len(texts) != 1 or len(reader.states) != 1:
-            raise NotCarriedError(node.line, "action wait_for_trigger: routines wait for one state")
-        (awaited,) = reader.states
-        is_other = self._started_by and all(
-            one.entities == awaited.entities and one.states and one.states.isdisjoint(awaited.states)
-            for one in self._started_by
-        )
-        if not is_other or self._has_waited:
+        started_by = self._automation.starts
+        waited = Automation(self._automation.entities, self._automation.problems)
+        texts = waited.each(fields.items("wait_for_trigger"), "trigger", lambda one: read_triggers(waited, one))
+        found = [text for some in texts for text in some]
+        if len(found) != 1 or len(waited.starts) != 1:
+            raise NotCarriedError("action wait_for_trigger: routines wait for one state")
+        ((ids, states),) = waited.starts
+        is_other = started_by and all(one == ids and old and old.isdisjoint(states) for one, old in started_by)
+        if not is_other or self._has_waited or self._mode == "queued":
             raise NotCarriedError(
-                node.line,
-                "action wait_for_trigger: a routine would go on at once if it is so already; use wait_template",
+                "action wait_for_trigger: a routine would go on at once if it is so already; use wait_template"
             )
-        return texts[0]
+        return found[0]
 
-    def _template(self, node: Located) -> str:
-        found = _IS_STATE.fullmatch(str(node.value).strip())
-        if found is None:
-            raise NotCarriedError(node.line, f"wait_template: {shown(node)}; only is_state(...) is carried over")
+    def _template(self, fields: UnreadFields) -> str:
+        node = fields.take("wait_template")
+        text = str(node.value if node else "").strip()
+        if (found := _IS_STATE.fullmatch(text)) is None:
+            raise NotCarriedError(f"wait_template: {text[:60]!r}; only is_state(...) is carried over")
         entity, state = (found[one] or found[f"{one}2"] for one in ("entity", "state"))
-        return state_text(self._entities.find(entity, node.line), state, node.line)
-
-    def _if(self, node: Located, fields: Mapping[str, Located]) -> list[Step]:
-        check_keys(node, "action if", *_GENERAL, "if", "then", "else")
-        conditions = self._conditions.all_of(items_of(fields["if"]))
-        then, otherwise = (self._plain(fields.get(one), node.line) for one in ("then", "else"))
-        return _choice(conditions, then, otherwise, node.line)
-
-    def _choose(self, node: Located, fields: Mapping[str, Located]) -> list[Step]:
-        """Read a choice; of several options all but one must be decided by the trigger."""
-        check_keys(node, "action choose", *_GENERAL, "choose", "default")
-        default = self._plain(fields.get("default"), node.line)
-        options = []
-        for one in items_of(fields["choose"]):
-            check_keys(one, "choose", "conditions", "sequence", "alias", "enabled")
-            inner = fields_of(one, "choose")
-            conditions = self._conditions.all_of(items_of(inner.get("conditions"))) if is_enabled(inner) else [NEVER]
-            if NEVER not in conditions:
-                options.append((conditions, self._plain(inner.get("sequence"), one.line)))
-        options = options[: next((place + 1 for place, one in enumerate(options) if not one[0]), len(options))]
-        if len(options) > 1:
-            raise NotCarriedError(node.line, "action choose: a routine chooses between two; make it two automations")
-        return _choice(*options[0], default, node.line) if options else [*default]
-
-    def _plain(self, node: Located | None, line: int) -> list[str]:
-        """Return steps that are no choices."""
-        conditions, steps = self._inner(items_of(node))
-        plain = [one for one in steps if isinstance(one, str)]
-        if len(plain) != len(steps) or conditions:
-            raise NotCarriedError(line, "a choice in a choice; routines have one level")
-        return plain
+        return state_texts(self._automation.entities, entity, [state])[0]
 
 
-def _kind_of(node: Located) -> str:
-    fields = fields_of(node, "action")
-    return next((one for one in _KINDS if one in fields), "")
-
-
-def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: Sequence[str], line: int) -> list[Step]:
+def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: Sequence[Step]) -> list[Step]:
+    """Return the choice between *steps*, which are no choices, and *otherwise*."""
     if NEVER in conditions:
         return [*otherwise]
-    if not conditions:
+    if not conditions or not (steps or otherwise):
         return [*steps]
+    if not steps:
+        raise NotCarriedError("a choice that does something only if its conditions do not hold")
     if any(not isinstance(one, str) for one in steps):
-        raise NotCarriedError(line, "a choice in a choice; routines have one level")
-    plain = [one for one in steps if isinstance(one, str)]
-    if not plain and not otherwise:
-        return []
-    if not plain:
-        raise NotCarriedError(line, "a choice that does something only if its conditions do not hold")
-    choice = {"if": [one.text for one in conditions], "do": plain}
+        raise NotCarriedError("a choice in a choice; routines have one level")
+    choice = {"if": [one.text for one in conditions], "do": [*steps]}
     return [{**choice, "else": [*otherwise]} if otherwise else choice]

@@ -2,11 +2,12 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Final, NamedTuple, final
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.part import Capability
 from homebot.devices.query.tokens import quoted
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.support.folding import fold
@@ -53,6 +54,14 @@ _CONTROLS: Final = {
 _HELPER: Final = "input_"
 
 
+_USUAL: Final[Mapping[str, tuple[float, float]]] = {
+    "heating_setpoint": (3.0, 40.0),
+    "cooling_setpoint": (3.0, 40.0),
+    "color_temperature": (1_000.0, 12_000.0),
+}
+"""Limits of devices that declare none: a number in another unit is beyond them."""
+
+
 class KnownEntity(NamedTuple):
     """An entity with the part that it is in homebot.
 
@@ -74,16 +83,26 @@ class KnownEntity(NamedTuple):
         """The domain, such as ``light``."""
         return self.id.partition(".")[0]
 
-    def has(self, capability: str, *, settable: bool = False) -> bool:
-        """Return whether its part has a capability."""
-        return any(
-            one.name == capability and (one.settable if settable else one.readable)
-            for one in self.part.part.capabilities
-        )
+    def has(self, name: str) -> bool:
+        """Return whether its part tells a capability."""
+        return (found := self._capability(name)) is not None and found.readable
 
-    def options(self, capability: str) -> tuple[str, ...]:
-        """Return the texts of a capability that its part declares."""
-        return next((one.options for one in self.part.part.capabilities if one.name == capability), ())
+    def takes(self, name: str) -> bool:
+        """Return whether its part takes a capability."""
+        return (found := self._capability(name)) is not None and found.settable
+
+    def options(self, name: str) -> tuple[str, ...]:
+        """Return the texts of a capability: those of its part, else all that homebot knows."""
+        found = self._capability(name)
+        return (found.options if found else ()) or CAPABILITIES.get(name, OWN).options or ()
+
+    def bounds(self, name: str) -> tuple[float, ...]:
+        """Return the limits of a capability of its part, else all that homebot knows; empty for none."""
+        found = self._capability(name)
+        return (found.bounds if found else ()) or CAPABILITIES.get(name, OWN).bounds or _USUAL.get(name, ())
+
+    def _capability(self, name: str) -> Capability | None:
+        return next((one for one in self.part.part.capabilities if one.name == name), None)
 
 
 @final
@@ -106,20 +125,20 @@ class Entities:
                 self._by_slug.setdefault(name, {})[one.id] = one
         self.used: dict[str, KnownEntity] = {}
 
-    def find(self, entity_id: str, line: int) -> KnownEntity:
+    def find(self, entity_id: str) -> KnownEntity:
         """Return the entity *entity_id*."""
         if not _ID.fullmatch(entity_id):
-            raise NotCarriedError(line, f"{entity_id!r} is no id of an entity, such as light.hall")
+            raise NotCarriedError(f"{entity_id!r} is no id of an entity, such as light.hall")
         if entity_id not in self.used:
-            self.used[entity_id] = self._find(entity_id, line)
+            self.used[entity_id] = self._find(entity_id)
         return self.used[entity_id]
 
-    def device_of(self, device_id: str, line: int) -> Device:
+    def device_of(self, device_id: str) -> Device:
         """Return the device with the id *device_id* of Home Assistant."""
         found = [one for one in self._devices if any(route.key == device_id for route in one.endpoints)]
         if len(found) != 1:
             raise NotCarriedError(
-                line, f"the device {device_id!r} is not known; homebot needs the gateway of Home Assistant for it"
+                f"the device {device_id!r} is not known; homebot needs the gateway of Home Assistant for it"
             )
         return found[0]
 
@@ -128,17 +147,17 @@ class Entities:
         is_plain = self._names[fold(device.name)] == 1 and not _ODD.search(device.name)
         return device.name if is_plain else device.id
 
-    def room_of(self, area_id: str, line: int) -> str:
+    def room_of(self, area_id: str) -> str:
         """Return the room with the id *area_id* of Home Assistant."""
         areas = {one.area for one in self._devices if one.area}
         found = [one for one in areas if slug_of(one) == area_id]
         if len(found) != 1:
-            raise NotCarriedError(line, f"the area {area_id!r} is no room that homebot knows")
+            raise NotCarriedError(f"the area {area_id!r} is no room that homebot knows")
         if others := [one for one in areas if one != found[0] and fold(one).startswith(fold(found[0]))]:
-            raise NotCarriedError(line, f"the area {area_id!r} would mean {others[0]} as well")
+            raise NotCarriedError(f"the area {area_id!r} would mean {others[0]} as well")
         return found[0]
 
-    def _find(self, entity_id: str, line: int) -> KnownEntity:
+    def _find(self, entity_id: str) -> KnownEntity:
         domain, _, slug = entity_id.partition(".")
         listed = self._listed.get(entity_id)
         if listed is not None:
@@ -152,7 +171,7 @@ class Entities:
             ((device, part, capability),) = meant
             return KnownEntity(entity_id, device, part, capability, self.name_of(device), listed[1] if listed else "")
         problem = "may be several parts of what homebot knows" if meant or listed else "is nothing that homebot knows"
-        raise NotCarriedError(line, f"{entity_id} {problem}")
+        raise NotCarriedError(f"{entity_id} {problem}")
 
 
 def text_value(text: str) -> str:

@@ -1,140 +1,214 @@
 """Calls of services as steps of routines. Pure."""
 
 import colorsys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
-from typing import Final, NamedTuple, TypeAlias
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Final, NamedTuple
 
+from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.text.colors import COLORS
 from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity
-from homebot.integrations.homeassistant.automations.fields import (
-    NotCarriedError,
-    check_keys,
-    check_tag,
-    duration_of,
-    fields_of,
-    items_of,
-    number_of,
-    shown,
-    text_of,
-    texts_of,
-)
+from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.routines.steps import Do, Notify, read_step
-from homebot.support.located import Located
 
 __all__ = ["steps_of_service"]
 
-_GENERAL: Final = ("alias", "enabled", "continue_on_error", "metadata")
-_TARGETS: Final = ("entity_id", "device_id", "area_id")
-_ALL: Final = "all"
-_MIREDS: Final = 1_000_000
-_BRIGHTEST: Final = 255
-
-_Data: TypeAlias = Mapping[str, Located]
+_MIREDS: Final = 1_000_000.0
+_BRIGHTEST: Final = 255.0
 
 
-class _CommandWords(NamedTuple):
-    """Words of commands, each for a capability."""
+class _Setting(NamedTuple):
+    """A value that a service sets.
 
-    capability: str
-    words: tuple[str, ...]
+    Attributes:
+        capabilities: Those that it may be, of which a device takes one; of ``a > b`` it is ``a`` if it takes both.
+        words: Those of the command, with the capability and the value.
+        value: The value, or the field with it; empty for none.
+        factor: What the number in the field is multiplied by.
+    """
 
-
-_Make: TypeAlias = Callable[[KnownEntity, _Data, int], list[_CommandWords]]
-
-
-def steps_of_service(entities: Entities, node: Located, fields: Mapping[str, Located], key: str) -> Iterator[str]:
-    """Yield the steps of the call of a service, which the field *key* of *node* names."""
-    check_keys(node, "action", *_GENERAL, key, "target", "data", "entity_id", "service_data")
-    name = text_of(fields[key], key)
-    domain, _, service = name.partition(".")
-    data = {**_fields(fields.get("service_data")), **_fields(fields.get("data"))}
-    target = _fields(fields.get("target"))
-    target |= {one: data.pop(one) for one in _TARGETS if one in data}
-    target |= {one: fields[one] for one in _TARGETS if one in fields}
-    if domain in {"notify", "persistent_notification"} and not target:
-        yield _message(data, node, name)
-        return
-    for one in target:
-        if one not in _TARGETS:
-            raise NotCarriedError(node.line, f"{name}: the target `{one}`")
-    if f"{domain}.{service}" not in _SERVICES and (domain not in _SWITCHED or service not in _SWITCHES):
-        raise NotCarriedError(node.line, f"the service {name} has no counterpart in routines")
-    if "area_id" in target or _is_all(target):
-        yield from _whole(entities, domain, service, target, data, node)
-        return
-    for entity in _entities(entities, domain, target, node):
-        yield from _steps(entity, name, data, node.line)
+    capabilities: str
+    words: str
+    value: str | float = ""
+    factor: float = 1.0
 
 
-def _fields(node: Located | None) -> dict[str, Located]:
-    if node is None or node.value is None:
-        return {}
-    return dict(fields_of(node, "data"))
+_NAMED: Final = "{name} {value}"
+_PERCENT: Final = "{name} {value} %"
+_SERVICES: Final[Mapping[str, _Setting]] = {
+    "cover.open_cover": _Setting("movement > position", "open"),
+    "cover.close_cover": _Setting("movement > position", "close"),
+    "cover.stop_cover": _Setting("movement", "stop"),
+    "cover.set_cover_position": _Setting("position", "{value} %", "position"),
+    "fan.set_percentage": _Setting("fan_speed", _PERCENT, "percentage"),
+    "humidifier.set_humidity": _Setting("humidity_setpoint", _NAMED, "humidity"),
+    "lock.lock": _Setting("lock", "lock"),
+    "lock.unlock": _Setting("lock", "unlock"),
+    "climate.set_temperature": _Setting("heating_setpoint cooling_setpoint", _NAMED, "temperature"),
+    "climate.set_hvac_mode": _Setting("thermostat_mode", _NAMED, "hvac_mode"),
+    "climate.set_preset_mode": _Setting("preset_mode", _NAMED, "preset_mode"),
+    "climate.turn_off": _Setting("thermostat_mode", "thermostat_mode off"),
+    "media_player.media_play": _Setting("playback", "playback playing"),
+    "media_player.media_pause": _Setting("playback", "playback paused"),
+    "media_player.media_stop": _Setting("playback", "playback stopped"),
+    "media_player.volume_set": _Setting("volume", _PERCENT, "volume_level", 100.0),
+    "vacuum.start": _Setting("vacuum", "start"),
+    "vacuum.pause": _Setting("vacuum", "pause"),
+    "vacuum.return_to_base": _Setting("vacuum", "dock"),
+    "scene.turn_on": _Setting("scene", "press"),
+    "button.press": _Setting("push", "press"),
+    "input_button.press": _Setting("push", "press"),
+    "select.select_option": _Setting("option", _NAMED, "option"),
+    "input_select.select_option": _Setting("option", _NAMED, "option"),
+} | {
+    f"{domain}.{service}": _Setting("on_off", word)
+    for domain in ("light", "switch", "input_boolean", "fan", "siren", "humidifier", "media_player", "homeassistant")
+    for service, word in (("turn_on", "on"), ("turn_off", "off"), ("toggle", "toggle"))
+}
+_LAMP: Final = (
+    _Setting("level", "{value} %", "brightness_pct"),
+    _Setting("level", "{value} %", "brightness", 100 / _BRIGHTEST),
+    _Setting("color_temperature", "{value} K", "color_temp_kelvin"),
+    _Setting("color_temperature", "{value} K", "kelvin"),
+)
+"""What ``light.turn_on`` may set beside ``on``."""
 
 
-def _is_all(target: _Data) -> bool:
-    return "entity_id" in target and texts_of(target["entity_id"], "entity_id") == [_ALL]
+def steps_of_service(entities: Entities, fields: UnreadFields, key: str) -> list[str]:
+    """Return the steps of the call of a service, which the field *key* names."""
+    scenes = fields.texts(key) if key == "scene" else []
+    name = "scene.turn_on" if scenes else fields.text(key)
+    domain = name.partition(".")[0]
+    places = fields.inner("target"), fields.inner("data", "service_data"), fields
+    ids, areas, devices = (
+        [one for place in places for one in place.texts(key)] for key in ("entity_id", "area_id", "device_id")
+    )
+    ids += scenes
+    target, data, _ = places
+    target.end()
+    if domain in {"notify", "persistent_notification"} and all(one.startswith("notify.") for one in ids):
+        return [_message(name, data)]
+    if name not in _SERVICES:
+        raise NotCarriedError(f"the service {name} has no counterpart in routines")
+    if devices or not (ids or areas):
+        raise NotCarriedError("the target `device_id`: name the entity" if devices else "no target; name an entity")
+    settings, over = [*_settings(name, data)], data.duration("transition") if domain == "light" else ""
+    data.end()
+    if areas or ids == ["all"]:
+        if name not in {"light.turn_on", "light.turn_off"} or len(settings) > 1 or over or (ids and areas):
+            raise NotCarriedError(f"{name}: by `area_id` or `all` only lights are switched, and only on and off")
+        groups = [f"lights in {entities.room_of(one)}" for one in areas] or ["all lights"]
+        return [_step(one, [settings[0].words]) for one in groups]
+    known = [*map(entities.find, ids)]
+    if others := [one.id for one in known if domain not in {one.domain, "homeassistant"}]:
+        raise NotCarriedError(f"{name}: {others[0]} belongs to another domain")
+    return [step for one in known for step in _steps(one, settings, over)]
 
 
-def _message(data: dict[str, Located], node: Located, name: str) -> str:
-    message = data.pop("message", None)
-    title = data.pop("title", None)
-    data.pop("notification_id", None)
-    if message is None or data:
-        raise NotCarriedError(node.line, f"{name}: {'`' + next(iter(data)) + '`' if data else 'no message'}")
-    texts = [text_of(one, name) for one in (title, message) if one is not None]
-    text = f"notify {' '.join(': '.join(texts).split())}"
+def _message(name: str, data: UnreadFields) -> str:
+    title, message = data.text("title", ""), data.text("message")
+    data.take("notification_id")
+    data.end()
+    text = f"notify {' '.join(': '.join(filter(None, (title, message))).split())}"
     if not isinstance(read_step(text), Notify):
-        raise NotCarriedError(node.line, f"{name}: {shown(message)} is no message for a step")
+        raise NotCarriedError(f"{name}: {message!r} is no message for a step")
     return text
 
 
-def _whole(entities: Entities, domain: str, service: str, target: _Data, data: _Data, node: Located) -> Iterator[str]:
-    """Yield the step for all lights of a room, or of the house."""
-    if domain != "light" or service not in {"turn_on", "turn_off"} or data or len(target) != 1:
-        raise NotCarriedError(node.line, f"{domain}.{service}: only lights are switched by `area_id` or `all`")
-    rooms = [entities.room_of(one, node.line) for one in texts_of(target.get("area_id", Located([], 0)), "area_id")]
-    word = "on" if service == "turn_on" else "off"
-    for room in rooms or [""]:
-        yield _step(f"lights in {room}" if room else "all lights", [word], node.line)
+def _settings(name: str, data: UnreadFields) -> Iterator[_Setting]:
+    """Yield the values that a service sets."""
+    row = _SERVICES[name]
+    yield _with_value(row, data)
+    if name != "light.turn_on":
+        return
+    for one in _LAMP:
+        if str(one.value) in data:
+            found = _with_value(one, data)
+            is_level = one.capabilities == "level"
+            if is_level and not 0 < float(found.value) <= 100:
+                raise NotCarriedError(f"data: `{one.value}` is {found.value:g} %")
+            yield found._replace(value=max(1, round(float(found.value))) if is_level else found.value)
+    for mireds in data.numbers("color_temp"):
+        yield _Setting("color_temperature", "{value} K", round(_MIREDS / max(1.0, mireds)))
+    if (color := _color(data)) is not None:
+        yield _Setting("color", f"color {color[0]:.0f} {color[1]:.0f}")
 
 
-def _entities(entities: Entities, domain: str, target: _Data, node: Located) -> Iterator[KnownEntity]:
-    ids = texts_of(target["entity_id"], "entity_id") if "entity_id" in target else []
-    if "device_id" in target:
-        raise NotCarriedError(node.line, "the target `device_id`: name the entity")
-    if not ids:
-        raise NotCarriedError(node.line, "no target; name an entity")
-    for one in ids:
-        entity = entities.find(one, node.line)
-        if domain not in {entity.domain, "homeassistant"}:
-            raise NotCarriedError(node.line, f"{domain}: {one} belongs to another domain")
-        yield entity
+def _with_value(row: _Setting, data: UnreadFields) -> _Setting:
+    if not (key := str(row.value)):
+        return row
+    if CAPABILITIES[row.capabilities.split()[0]].kind != "number":
+        return row._replace(value=data.text(key))
+    if (number := data.number(key)) is None:
+        raise NotCarriedError(f"data: `{key}` is missing")
+    return row._replace(value=number * row.factor)
 
 
-def _steps(entity: KnownEntity, name: str, data: _Data, line: int) -> list[str]:
-    service = name.partition(".")[2]
-    make = _SERVICES[name] if name in _SERVICES else _SWITCHES[service]
-    commands = make(entity, data, line)
-    for one in commands:
-        if not entity.has(one.capability, settable=True):
-            raise NotCarriedError(line, f"{name}: {entity.name} does not take {one.capability}")
-    return [_step(_target(entity, one.capability), one.words, line) for one in commands]
+def _color(data: UnreadFields) -> tuple[float, float] | None:
+    if name := data.text("color_name", ""):
+        if name not in COLORS:
+            raise NotCarriedError(f"data: homebot knows no colour {name!r}")
+        hue, saturation = COLORS[name]
+        return hue, saturation
+    match data.numbers("hs_color"), data.numbers("rgb_color"):
+        case [], []:
+            return None
+        case [hue, saturation], []:
+            return hue, saturation
+        case [], [red, green, blue]:
+            hue, saturation, _ = colorsys.rgb_to_hsv(red / _BRIGHTEST, green / _BRIGHTEST, blue / _BRIGHTEST)
+            return 360 * hue, 100 * saturation
+    raise NotCarriedError("data: a colour has two numbers in `hs_color`, or three in `rgb_color`")
 
 
-def _target(entity: KnownEntity, capability: str) -> str:
+def _steps(entity: KnownEntity, settings: Sequence[_Setting], over: str) -> list[str]:
+    """Return the steps that set *settings*: one for all, and one for a colour."""
+    words, taken = [], []
+    for one in settings:
+        name = _taken(entity, one)
+        _check(entity, name, one)
+        value = f"{one.value:.12g}" if isinstance(one.value, (int, float)) else one.value
+        words.append(one.words.format(name=name, value=value))
+        taken.append(name)
+    count = len([one for one in taken if one != "color"])
+    if over and count < len(words):
+        raise NotCarriedError("data: `transition` with a colour")
+    together = [*words[:count], *([f"over {over}"] if over else [])]
+    return [
+        _step(_target(entity, taken[:count]), together),
+        *(_step(_target(entity, ["color"]), [one]) for one in words[count:]),
+    ]
+
+
+def _taken(entity: KnownEntity, setting: _Setting) -> str:
+    """Return the capability of *setting* that an entity takes."""
+    able = [one for one in setting.capabilities.split() if entity.takes(one)]
+    if not able or (len(able) > 1 and ">" not in setting.capabilities):
+        names = " and ".join(able) or "no " + setting.capabilities.replace(" > ", " or ")
+        raise NotCarriedError(f"{entity.name} takes {names}")
+    return able[0]
+
+
+def _check(entity: KnownEntity, name: str, setting: _Setting) -> None:
+    """Check that *setting* has a value that is possible."""
+    value, options, bounds = setting.value, entity.options(name), entity.bounds(name)
+    if isinstance(value, str):
+        word = value or setting.words.rpartition(" ")[2]
+        if (value or setting.words.startswith(f"{name} ")) and word not in options and options:
+            raise NotCarriedError(f"{entity.name} has no {name} {word!r}, only {', '.join(options)}")
+    elif bounds and not bounds[0] <= value <= bounds[-1]:
+        raise NotCarriedError(f"{entity.name} takes {name} from {bounds[0]:g} to {bounds[-1]:g}, not {value:g}")
+
+
+def _target(entity: KnownEntity, names: Sequence[str]) -> str:
     """Return the name of the device, with the id of its part if several take the command."""
     taking = [
-        one
-        for one in entity.device.parts
-        if any(can.name == capability and can.settable for can in one.part.capabilities)
+        one for one in entity.device.parts if any(can.name in names and can.settable for can in one.part.capabilities)
     ]
     return entity.name if len(taking) == 1 else f"{entity.device.id}#{entity.part.id}"
 
 
-def _step(target: str, words: Sequence[str], line: int) -> str:
+def _step(target: str, words: Sequence[str]) -> str:
     """Return a step that homebot reads as a command to *target*."""
     for text in (f"{target} {', '.join(words)}", f"{target}: {words[0]}" if len(words) == 1 else ""):
         try:
@@ -148,185 +222,4 @@ def _step(target: str, words: Sequence[str], line: int) -> str:
             and len(step.values) == len(values)
         ):
             return text
-    raise NotCarriedError(line, f"{target!r} and {', '.join(words)!r} cannot be written as a step")
-
-
-def _check_data(data: _Data, *known: str) -> None:
-    for key, value in data.items():
-        check_tag(value)
-        if key not in known:
-            raise NotCarriedError(value.line, f"data: `{key}` has no counterpart in routines")
-
-
-def _word(capability: str, word: str) -> _Make:
-    """Return the maker of a command of one word, without data."""
-
-    def make(_entity: KnownEntity, data: _Data, _line: int) -> list[_CommandWords]:
-        _check_data(data)
-        return [_CommandWords(capability, (word,))]
-
-    return make
-
-
-def _number(capability: str, key: str, words: str, factor: float = 1.0) -> _Make:
-    """Return the maker of a command with the number in *key*."""
-
-    def make(_entity: KnownEntity, data: _Data, line: int) -> list[_CommandWords]:
-        _check_data(data, key)
-        if key not in data:
-            raise NotCarriedError(line, f"data: `{key}` is missing")
-        return [_CommandWords(capability, (words.format(f"{number_of(data[key], key) * factor:g}"),))]
-
-    return make
-
-
-def _light(entity: KnownEntity, data: _Data, line: int) -> list[_CommandWords]:
-    """Make the commands of ``light.turn_on``: a brightness and a white with it, or a colour after it."""
-    _check_data(data, *_LIGHT)
-    over = (
-        [f"over {length}"] if "transition" in data and (length := duration_of(data["transition"], "transition")) else []
-    )
-    words, needs = ["on"], "on_off"
-    if (level := _level(data)) is not None:
-        _check_bounds(entity, needs := "level", level, line)
-        words.append(f"{level:g} %")
-    if (kelvin := _kelvin(data)) is not None:
-        words.append(f"{kelvin:.0f} K")
-        _check_bounds(entity, "color_temperature", kelvin, line)
-        if not entity.has("color_temperature", settable=True):
-            raise NotCarriedError(line, f"{entity.name} takes no white tone")
-    commands = [_CommandWords(needs, (*words, *over))]
-    if (color := _color(data, line)) is not None:
-        commands.append(_CommandWords("color", (f"color {color[0]:.0f} {color[1]:.0f}",)))
-        if over:
-            raise NotCarriedError(line, "data: `transition` with a colour")
-    return commands
-
-
-def _level(data: _Data) -> float | None:
-    for key, most in (("brightness_pct", 100), ("brightness", _BRIGHTEST)):
-        if key in data:
-            level = 100 * number_of(data[key], key) / most
-            if not 0 < level <= 100:
-                raise NotCarriedError(data[key].line, f"data: `{key}` is {shown(data[key])}")
-            return max(1, round(level))
-    return None
-
-
-def _kelvin(data: _Data) -> float | None:
-    for key in ("kelvin", "color_temp_kelvin"):
-        if key in data:
-            return number_of(data[key], key)
-    return _MIREDS / max(1.0, number_of(data["color_temp"], "color_temp")) if "color_temp" in data else None
-
-
-def _color(data: _Data, line: int) -> tuple[float, float] | None:
-    if "color_name" in data:
-        name = text_of(data["color_name"], "color_name")
-        if name not in COLORS:
-            raise NotCarriedError(line, f"data: homebot knows no colour {name!r}")
-        hue, saturation = COLORS[name]
-        return hue, saturation
-    if "hs_color" in data:
-        hue, saturation = (number_of(one, "hs_color") for one in _three(data["hs_color"], 2))
-        return hue, saturation
-    if "rgb_color" in data:
-        red, green, blue = (number_of(one, "rgb_color") / _BRIGHTEST for one in _three(data["rgb_color"], 3))
-        hue, saturation, _ = colorsys.rgb_to_hsv(red, green, blue)
-        return 360 * hue, 100 * saturation
-    return None
-
-
-def _three(node: Located, count: int) -> list[Located]:
-    items = items_of(node)
-    if len(items) != count:
-        raise NotCarriedError(node.line, f"{shown(node)} is no list of {count} numbers")
-    return items
-
-
-def _off(_entity: KnownEntity, data: _Data, _line: int) -> list[_CommandWords]:
-    _check_data(data, "transition")
-    length = duration_of(data["transition"], "transition") if "transition" in data else ""
-    return [_CommandWords("on_off", ("off", f"over {length}") if length else ("off",))]
-
-
-def _temperature(entity: KnownEntity, data: _Data, line: int) -> list[_CommandWords]:
-    _check_data(data, "temperature")
-    setpoints = [one for one in ("heating_setpoint", "cooling_setpoint") if entity.has(one, settable=True)]
-    if len(setpoints) != 1 or "temperature" not in data:
-        raise NotCarriedError(
-            line, f"{entity.name} has {len(setpoints)} target temperatures; one is needed, and its value"
-        )
-    value = number_of(data["temperature"], "temperature")
-    _check_bounds(entity, setpoints[0], value, line)
-    return [_CommandWords(setpoints[0], (f"{setpoints[0]} {value:g}",))]
-
-
-def _option(capability: str, key: str) -> _Make:
-    """Return the maker of a command that selects one of the options of a part."""
-
-    def make(entity: KnownEntity, data: _Data, line: int) -> list[_CommandWords]:
-        _check_data(data, key)
-        value = text_of(data[key], key) if key in data else ""
-        if value not in entity.options(capability):
-            raise NotCarriedError(line, f"{entity.name} has no {key} {value!r}")
-        return [_CommandWords(capability, (f"{capability} {value}",))]
-
-    return make
-
-
-def _moved(word: str, entity: KnownEntity, data: _Data, _line: int) -> list[_CommandWords]:
-    _check_data(data)
-    return [_CommandWords("movement" if entity.has("movement", settable=True) else "position", (word,))]
-
-
-def _heating_off(entity: KnownEntity, data: _Data, line: int) -> list[_CommandWords]:
-    return _option("thermostat_mode", "hvac_mode")(entity, {**data, "hvac_mode": Located("off", line)}, line)
-
-
-def _check_bounds(entity: KnownEntity, capability: str, value: float, line: int) -> None:
-    bounds = next((one.bounds for one in entity.part.part.capabilities if one.name == capability), ())
-    if bounds and not bounds[0] <= value <= bounds[-1]:
-        raise NotCarriedError(
-            line, f"{entity.name} takes {capability} from {bounds[0]:g} to {bounds[-1]:g}, not {value:g}"
-        )
-
-
-_LIGHT: Final = (
-    *("brightness", "brightness_pct", "kelvin", "color_temp_kelvin", "color_temp"),
-    *("color_name", "hs_color", "rgb_color", "transition"),
-)
-_SWITCHED: Final = frozenset(
-    {"switch", "input_boolean", "fan", "siren", "humidifier", "media_player", "light", "homeassistant"}
-)
-_SWITCHES: Final[Mapping[str, _Make]] = {
-    "turn_on": _word("on_off", "on"),
-    "turn_off": _word("on_off", "off"),
-    "toggle": _word("on_off", "toggle"),
-}
-_SERVICES: Final[Mapping[str, _Make]] = {
-    "light.turn_on": _light,
-    "light.turn_off": _off,
-    "cover.open_cover": partial(_moved, "open"),
-    "cover.close_cover": partial(_moved, "close"),
-    "cover.stop_cover": _word("movement", "stop"),
-    "cover.set_cover_position": _number("position", "position", "{} %"),
-    "fan.set_percentage": _number("fan_speed", "percentage", "fan_speed {} %"),
-    "lock.lock": _word("lock", "lock"),
-    "lock.unlock": _word("lock", "unlock"),
-    "climate.set_temperature": _temperature,
-    "climate.set_hvac_mode": _option("thermostat_mode", "hvac_mode"),
-    "climate.turn_off": _heating_off,
-    "media_player.media_play": _word("playback", "playback playing"),
-    "media_player.media_pause": _word("playback", "playback paused"),
-    "media_player.media_stop": _word("playback", "playback stopped"),
-    "media_player.volume_set": _number("volume", "volume_level", "volume {} %", 100.0),
-    "vacuum.start": _word("vacuum", "start"),
-    "vacuum.pause": _word("vacuum", "pause"),
-    "vacuum.return_to_base": _word("vacuum", "dock"),
-    "scene.turn_on": _word("scene", "press"),
-    "button.press": _word("push", "press"),
-    "input_button.press": _word("push", "press"),
-    "select.select_option": _option("option", "option"),
-    "input_select.select_option": _option("option", "option"),
-}
+    raise NotCarriedError(f"{target!r} and {', '.join(words)!r} cannot be written as a step")
