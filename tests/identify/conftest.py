@@ -51,7 +51,7 @@ class Room:
     def __init__(self, home: Home) -> None:
         self.home = home
         self.effects: dict[str, float] = {}
-        self.values: dict[str, bool | float] = {}
+        self.values: dict[str, float] = {}
         self.random = Random(1)  # noqa: S311 - a simulation
         self.noise = 5.0
         self.told: list[str] = []
@@ -117,7 +117,8 @@ class Room:
             lit = 0.0
             for key, effect in self.effects.items():
                 device = devices.get(key.title())
-                lit += effect * (device is not None and device.states != () and device.states[0].value.plain() is True)
+                value = device.states[0].value.plain() if device is not None and device.states else 0.0
+                lit += effect * (value / 100 if isinstance(value, float) else value is True)
             if self.is_seeing:
                 self.sensor.publish(Float64(data=self.seen(100 + lit + self.random.gauss(0, self.noise))))
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from datetime import time
+from itertools import pairwise
 
 import anyio
 import pytest
-from tests.control.conftest import ignore, obey_after
+from tests.control.conftest import Home, hold_request, ignore, obey_after
 from tests.identify.conftest import Room
 
+from homebot.devices.gateway_messages import Command
 from homebot.devices.names import TAG_DEVICE, WHERE_IS_ROBOT
 from homebot.devices.places_messages import TagDevice, TagDeviceRequest
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotResponse
@@ -253,6 +255,51 @@ async def test_two_goals_run_one_after_the_other(room: Room) -> None:
     first, second = await room.begin(candidates="Lamp1"), await room.begin(candidates="Lamp0")
     assert (await first.result())[1].name == "Lamp1"
     assert (await second.result())[1].message == "none of the candidates is in view"
+
+
+async def test_lamps_that_are_held_are_left_out_and_stay_as_they_are(room: Room) -> None:
+    await room.lamps(5, 10, 60, 3)
+    await room.home.hold(hold_request("lamp1", "on_off", True, ttl=600.0))
+    found = await room.identify(issuer="client:other")
+    assert found.name == "Lamp2"
+    assert "held on by robot" in found.candidates[1].problem
+    assert [one.device for one in await room.home.leases()] == ["lamp1"]
+
+
+async def test_a_blind_is_told_by_its_slow_moves(room: Room) -> None:
+    home = room.home
+
+    async def move(home: Home, command: Command) -> None:
+        start, wanted = room.values[command.key], command.value.number
+        steps = [start + (wanted - start) * step / 10 for step in range(1, 11)]
+        room.values[command.key] = wanted
+        for number, value in enumerate(steps):
+            home.later(number + 1.0, command.key, "position", value)
+
+    for key, effect in (("blind", 60.0), ("shade", 5.0)):
+        home.put(key, "window_covering", "position", area="hall")
+        await home.report(key, "position", 40.0)
+        room.effects[key], room.values[key], home.behaviours[key] = effect, 40.0, move
+    found = await room.identify(candidates="window_covering in hall", seconds=300)
+    assert (found.name, room.values) == ("Blind", {"blind": 40.0, "shade": 40.0}), found.message
+    assert all(second.at - first.at > 11 for first, second in pairwise(found.looks))
+
+
+async def test_a_lamp_that_reports_its_fade_is_awaited(room: Room) -> None:
+    await room.lamp("lamp", 60)
+    home = room.home
+
+    async def fade(home: Home, command: Command) -> None:
+        await home.report(command.key, "on_off", command.value.plain())
+        for step in range(1, 5):
+            home.later(0.5 * step, command.key, "level", 25.0 * step if command.value.plain() else 100.0 - 25 * step)
+
+    home.put("lamp", "light", "on_off", "level", area="hall")
+    home.behaviours["lamp"] = fade
+    found = await room.identify()
+    assert found.name == "Lamp"
+    fades = [two.at - one.at for one, two in pairwise(found.looks) if one.levels != two.levels]
+    assert min(fades) > 1 + 2 + 0.7
 
 
 async def test_a_dimmer_without_a_switch_changes_between_two_levels(room: Room) -> None:

@@ -118,10 +118,27 @@ async def test_what_cannot_be_put_back_is_tried_again(room: Room) -> None:
     assert await room.is_on() == {"Lamp0": True}
     room.home.behaviours["lamp0"] = ignore
     goal.request_cancel()
-    state, _ = await goal.result()
-    assert state is GoalState.CANCELED
+    state, found = await goal.result()
+    assert (state, found.message) == (GoalState.CANCELED, "cancelled; lamp0 not yet as before; it is tried again")
     assert await room.is_on() == {"Lamp0": True}
     del room.home.behaviours["lamp0"]
     await anyio.sleep(30.0)
     assert await room.is_on() == {"Lamp0": False}
+    assert room.store == {}
+
+
+async def test_what_is_not_yet_back_comes_back_after_the_next_identification_too(room: Room) -> None:
+    """The next one found the lamp as the first had left it."""
+    await room.lamps(60, 5)
+    goal = await room.begin()
+    await anyio.sleep(4.0)
+    assert await room.is_on() == {"Lamp0": True, "Lamp1": True}
+    room.home.behaviours["lamp0"] = ignore
+    goal.request_cancel()
+    await goal.result()
+    assert (await room.is_on())["Lamp0"] is True
+    del room.home.behaviours["lamp0"]
+    assert (await room.identify()).name == "Lamp0"
+    await anyio.sleep(5.0)
+    assert await room.is_on() == {"Lamp0": False, "Lamp1": True}
     assert room.store == {}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from datetime import time
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from homebot.command_words.suitable_parts import part_name, settings_by_part
@@ -31,6 +32,9 @@ Preview: TypeAlias = Callable[[CommandRequest, Device, DevicePart], "Refused | N
 
 NIGHT: Final = (time(22), time(7))
 
+_LEAST: Final = MappingProxyType({"level": 1.0, "position": 0.0, "fan_speed": 0.0})
+"""Percent at least: of what has no switch; a dimmer at 0 may be off."""
+
 _MOST_NAMED: Final = 8
 _IN_BED: Final = "tag=bed occupied"
 """As in routines: the sensors that the owner tagged as those of a bed."""
@@ -43,7 +47,6 @@ class CandidatePart:
     Attributes:
         dark: The lower value of *capability*.
         before: The value to put back.
-        level: The level of the last look, from 0 to 1.
         wanted: The value of the last command; *before* until the first one.
         set_at: The time of that command, in seconds since the Unix epoch; 0 for none.
         lease: The name of its lease; empty for none.
@@ -56,7 +59,6 @@ class CandidatePart:
     dark: PlainValue
     bright: PlainValue
     before: PlainValue
-    level: float = 0.0
     wanted: PlainValue = None
     set_at: float = 0.0
     lease: str = ""
@@ -72,13 +74,15 @@ class CandidatePart:
         """Its name for people."""
         return part_name(self.device, self.part)
 
-    def level_of(self, value: PlainValue) -> float:
+    @property
+    def settles(self) -> float:
+        """Seconds after its last report in which it changes further: a lamp fades, and a fan runs up."""
+        return 0.8 if self.part.part.service_type == "light" else 3.0
+
+    @staticmethod
+    def level_of(value: PlainValue) -> float:
         """Return the level that is *value*, from 0 to 1."""
-        return (
-            float(value) / 100
-            if self.capability == "level" and isinstance(value, float | int)
-            else float(value is True)
-        )
+        return float(value) / (1 if isinstance(value, bool) else 100) if isinstance(value, int | float) else 0.0
 
 
 def check_time(goal: IdentifyDeviceGoal, now: time, quiet: Iterable[tuple[time, time]]) -> None:
@@ -132,10 +136,11 @@ def _candidate(device: Device, part: DevicePart) -> CandidatePart | None:
     values = {one.capability: one.value.plain() for one in device.states if one.part == part.id}
     if isinstance(before := values.get("on_off"), bool) and "on_off" in settable:
         return CandidatePart(device, part, "on_off", dark=False, bright=True, before=before, wanted=before)
-    if isinstance(before := values.get("level"), float) and "level" in settable:
-        low, high = settable["level"].bounds or (0.0, 100.0)
-        dark, bright = settable["level"].nearest(max(low, 1.0)), high
-        return CandidatePart(device, part, "level", dark=dark, bright=bright, before=before, wanted=before)
+    for name, least in _LEAST.items():
+        if isinstance(before := values.get(name), float) and (one := settable.get(name)) is not None:
+            low, high = one.bounds or (0.0, 100.0)
+            dark = one.nearest(max(low, least))
+            return CandidatePart(device, part, name, dark=dark, bright=high, before=before, wanted=before)
     return None
 
 

@@ -1,8 +1,8 @@
 """One identification: the candidates change, each in its own code, and a sensor looks when all have settled.
 
-A look takes a second, and the wait for the devices 0.8 s more, so that nothing ever flashes three times in a second,
-which is dangerous for people with photosensitive epilepsy. Each value is held by a lease, so that nothing but a person
-changes it meanwhile. A candidate that does not obey, or that a person changes, takes part no more.
+A look takes a second, and begins at least 0.8 s after the last change that a candidate reported, so that nothing ever
+flashes three times in a second, which is dangerous for people with photosensitive epilepsy. Each value is held by a
+lease, so that nothing but a person changes it meanwhile. One that does not obey, or that a person changes, drops out.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final, final
 
 import anyio
 
+from homebot.command_words.earlier_values import known_states
 from homebot.devices.command_messages import Setting
 from homebot.devices.identify_messages import CandidateState, IdentifyDeviceFeedback, IdentifyDeviceGoal, LookRecord
 from homebot.devices.lease_messages import HolderRequest, HoldPart, HoldRequest, ReleaseLease, RenewLease
@@ -33,11 +34,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Identification"]
 
-_SETTLES: Final = 0.8
-"""Seconds of a usual transition, after which a lamp has the brightness that it reported."""
+_FADES: Final = 6.0
+"""Seconds after which a look begins though a candidate still reports changes, as one with an effect does for ever."""
 
-_COMMAND: Final = 20.0
-"""Seconds after which a device that has not answered takes part no more."""
+_FADING: Final = frozenset({"on_off", "level", "position", "fan_speed"})
+
+_COMMAND: Final = 120.0
+"""Seconds after which a device that has not answered takes part no more: blinds are slow."""
 
 
 @final
@@ -130,13 +133,28 @@ class Identification:
         async with anyio.create_task_group() as tasks:
             for one, is_bright in zip(self._candidates, code, strict=True):
                 tasks.start_soon(self._set, one, one.bright if is_bright else one.dark)
-        await anyio.sleep(_SETTLES)
+        await self._settle()
         while True:
             look, before = await self._looker.look(), self._taking_part()
             for one in before:
                 await self._check(one)
             if self._taking_part() == before:
                 return await self._seen(look)
+
+    async def _settle(self) -> None:
+        """Wait until no candidate has reported a change for as long as one of its kind goes on changing."""
+        parts = {one.place: one.settles for one in self._taking_part()}
+        wait = max(parts.values())
+        with anyio.move_on_after(_FADES):
+            while wait > 0:
+                await anyio.sleep(wait)
+                states, now = known_states(await self._lookup.devices()), self._clock.now()
+                ends = (
+                    state.since.to_seconds() + parts[device, part]
+                    for (device, part, name), state in states.items()
+                    if name in _FADING and (device, part) in parts
+                )
+                wait = max(ends, default=now) - now
 
     def _taking_part(self) -> list[CandidatePart]:
         found = [one for one in self._candidates if not one.problem]
@@ -146,19 +164,10 @@ class Identification:
         return found
 
     async def _seen(self, look: Look) -> Seen:
-        if any(one.problem for one in self._candidates):
-            known = {
-                (device.id, state.part, state.capability): state.value.plain()
-                for device in await self._lookup.devices()
-                for state in device.states
-            }
-            for one in self._candidates:
-                one.level = one.level_of(known.get((*one.place, one.capability), one.wanted))
-        else:
-            for one in self._candidates:
-                one.level = one.level_of(one.wanted)
-        levels, seconds = tuple(one.level for one in self._candidates), look.at - self._last_at
-        self._last_at = look.at
+        states = known_states(await self._lookup.devices())
+        known = ((one, states.get((*one.place, one.capability))) for one in self._candidates)
+        levels = tuple(one.level_of(one.wanted if state is None else state.value.plain()) for one, state in known)
+        seconds, self._last_at = look.at - self._last_at, look.at
         record = LookRecord(at=look.at - self._began, value=look.value, deviation=look.variance**0.5, levels=levels)
         self.looks.append(record)
         if len(self.looks) == 1:

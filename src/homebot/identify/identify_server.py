@@ -74,22 +74,25 @@ class IdentifyServer:
 
     async def _execute(self, goal: IdentifyGoal) -> IdentifyDeviceResult:
         request = goal.request.model_copy(update={"issuer": goal.request.issuer or UNNAMED_CLIENT})
+        run = f"{goal.goal_id.uuid.hex()} {self._node.graph.clock.now():.3f}"  # a client may use an id again
         try:
-            result = await self._identify(goal, request)
+            result = await self._identify(goal, request, run)
         except HomebotError as exc:
             result = IdentifyDeviceResult(success=False, message=str(exc))
         except anyio.get_cancelled_exc_class():
             if goal.is_cancel_requested:
-                message = "cancelled; everything is as before"
+                message = f"cancelled; {self._kept.left(run) or 'everything is as before'}"
                 goal.canceled(IdentifyDeviceResult(success=False, message=message))
             raise
+        if left := self._kept.left(run):
+            result = result.model_copy(update={"message": f"{result.message}; {left}"})
         (goal.succeed if result.success else goal.abort)()
         return result
 
-    async def _identify(self, goal: IdentifyGoal, request: IdentifyDeviceGoal) -> IdentifyDeviceResult:
+    async def _identify(self, goal: IdentifyGoal, request: IdentifyDeviceGoal, run: str) -> IdentifyDeviceResult:
         check_time(request, self._local_time(), self._quiet())
         candidates, left_out = await find_candidates(self._node, self._lookup, request, self._preview)
-        run, by = goal.goal_id.uuid.hex(), f"identify by {issuer_text(request.issuer).removeprefix('the client ')}"
+        by = f"identify by {issuer_text(request.issuer).removeprefix('the client ')}"
         with await open_sight(self._node, self._lookup, request.topic, request.region) as sight:
             looker = Looker(sight, self._node.graph.clock.monotonic)
             await looker.look()  # a sensor that sees nothing is found before anything changes

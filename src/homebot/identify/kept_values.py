@@ -28,7 +28,7 @@ __all__ = ["KeptValues"]
 LEFT = "identify.left"
 PUT_BACK = "identify.put_back"
 
-_LONGEST: Final = 60.0
+_LONGEST: Final = 120.0
 """Seconds after which a command is given up, and repeated later."""
 
 _FIRST: Final = 10.0
@@ -73,13 +73,18 @@ class KeptValues:
     async def keep(
         self, run: str, by: str, issuer: str, scope: Sequence[str], candidates: Sequence[CandidatePart]
     ) -> None:
-        """Keep the values of *candidates*, before the first change.
+        """Keep the values of *candidates*, before the first change: of what is not yet back, those before that.
 
         Raises:
             LinkError: They cannot be written.
         """
-        values = {target_of(*one.place): [one.capability, one.before, one.wanted, one.set_at] for one in candidates}
-        at = self._clock.now()
+        at, values = self._clock.now(), dict[str, list[Any]]()
+        for one in candidates:
+            target = target_of(*one.place)
+            values[target] = kept = [one.capability, one.before, one.wanted, one.set_at]
+            for left in (each["values"] for each in self._store.values()):
+                if target in left and left[target][_CAPABILITY] == one.capability:
+                    one.before = kept[_BEFORE] = left.pop(target)[_BEFORE]
         self._store[run] = {"by": by, "issuer": issuer, "scope": [*scope], "at": at, "values": values}
         self._running.add(run)
         if problem := await self._flush():
@@ -102,13 +107,20 @@ class KeptValues:
         return True
 
     async def end(self, run: str) -> None:
-        """Put the values of a run back; what cannot be now is tried again."""
-        self._running.discard(run)
-        with suppress(ServiceError):
-            await self._put_back(run)
-        if run in self._store:
-            self._has_left.set()
-        await self._flush()
+        """Put the values of a run back; what cannot be now, or not before it is cancelled, is tried again."""
+        try:
+            with suppress(ServiceError):
+                await self._put_back(run)
+            await self._flush()
+        finally:
+            self._running.discard(run)
+            if run in self._store:
+                self._has_left.set()
+
+    def left(self, run: str) -> str:
+        """Return what is not as it was before a run, for people; empty for nothing."""
+        values = self._store.get(run, {}).get("values", {})
+        return f"{', '.join(values)} not yet as before; it is tried again" if values else ""
 
     async def run(self) -> None:
         """Put back what is left of earlier runs, until cancelled."""
