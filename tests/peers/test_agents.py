@@ -9,10 +9,12 @@ import anyio
 import pytest
 from anyio.abc import SocketAttribute, SocketStream
 from anyio.streams.buffered import BufferedByteReceiveStream
-from tests.bridges.home_api.api import Api, running_api
+from tests.bridges.home_api.api import TOKENS, Api, running_api
 from tests.patience import PATIENCE
+from websockets.asyncio.client import connect
 
 from homebot.bridges.home_api.routes import openapi_text
+from homebot.cli.door_address import DoorAddress
 
 FOUR_LAMPS = 440  # bytes
 
@@ -25,6 +27,7 @@ TOOLS = {
     "scenes",
     "apply_scene",
     "achieve",
+    "identify",
     "propose_routine",
     "habits",
 }
@@ -49,6 +52,51 @@ async def check_proposal(session: Any, api: Api) -> None:
     assert answer["text"].startswith("proposed Agent")
     assert "the owner enables it" in answer["text"]
     assert "would have given" in answer["trial"][-1] or answer["trial"][-1].startswith("no trial: ")
+
+
+async def light(api: Api, lit: int) -> None:
+    """Publish what a robot sees: 100, and *lit* while lamp2 is on; until cancelled."""
+    async with connect(f"ws://127.0.0.1:{api.port}", proxy=None) as door:
+        await door.send(json.dumps({"op": "advertise", "topic": "/rosie/light", "type": "std_msgs/Float64"}))
+        while True:
+            lamp = (await api.get("/api/devices/lamp2")).values
+            message = {"data": 100 + lit * lamp["on"] + id(lamp) % 3}
+            await door.send(json.dumps({"op": "publish", "topic": "/rosie/light", "msg": message}))
+            await anyio.sleep(0.1)
+
+
+async def test_an_agent_identifies_a_lamp_hears_of_the_progress_and_what_it_may_not(
+    tmp_path: Path,
+) -> None:
+    mcp: Any = pytest.importorskip("mcp.client.client")
+    server: Any = pytest.importorskip("homebot.cli.mcp_server")
+    heard: list[str] = []
+
+    async def progress(_: float, __: float | None, message: str | None) -> None:
+        heard.append(message or "")
+
+    async def called(token: str, **given: object) -> Any:
+        address = DoorAddress("127.0.0.1", api.port, TOKENS[token][0])
+        client = await anyio.to_thread.run_sync(server.ApiClient, address)  # it reads files
+        asked = {"sensor": "/rosie/light", "night": True, **given}
+        async with mcp.Client(server.house_server(client)) as session:
+            return json.loads((await session.call_tool("identify", asked, progress_callback=progress)).content[0].text)
+
+    async with running_api(tmp_path) as api, anyio.create_task_group() as tasks:
+        tasks.start_soon(light, api, 80)
+        before = (await api.get("/api/devices")).values
+        found = await called("agent", devices="light")
+        assert found["message"] == "lamp2 is in view", found
+        assert [one["device"] for one in found["candidates"]] == [f"lights/lamp{number}" for number in range(1, 5)]
+        assert heard[-1].startswith("lamp2 99%") or heard[-1].startswith("lamp2 100%")
+        assert (await called("agent", devices="lamp1"))["message"] == "none of the candidates is in view"
+        reader = await called("reader", devices="light")
+        assert (reader["outcome"], "the right act is missing" in reader["reason"]) == ("refused", True), reader
+        assert (await api.get("/api/devices")).values == before
+        with anyio.move_on_after(4.0):  # an agent that gives up
+            await called("agent", devices="light")
+        await api.until("/api/devices", lambda found: found == before)
+        tasks.cancel_scope.cancel()
 
 
 @pytest.mark.parametrize("mode", ["auto", "legacy"])

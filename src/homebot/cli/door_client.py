@@ -1,7 +1,6 @@
 """A small rosbridge v2 client for the command line, without an event loop.
 
-The only file that imports the WebSocket client. Frames are read only while a method waits, so one command does one
-thing at a time.
+Frames are read only while a method waits, so one command does one thing at a time.
 """
 
 from __future__ import annotations

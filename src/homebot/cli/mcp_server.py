@@ -1,4 +1,4 @@
-"""The tools of ``homebot mcp``: the HTTP API for agents. The only file that imports the MCP SDK and its HTTP client.
+"""The tools of ``homebot mcp``: the HTTP API for agents, and an action. The only file that imports the MCP SDK.
 
 Each request has its own connection, so that homebot may restart in between, and no thread: the SDK reads with threads,
 and could neither hear nor end while all wait for slow devices. Device names are untrusted, so they are
@@ -7,9 +7,10 @@ functions.
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from functools import partial
 from http import HTTPStatus
+from operator import itemgetter
 from typing import Annotated, Any, Final, TypeAlias
 from urllib.parse import quote, unquote, urlencode
 
@@ -21,9 +22,11 @@ from mcp.server.mcpserver.exceptions import ToolError
 from mcp.server.mcpserver.resolve import Elicit, Resolve
 from mcp.types import CallToolResult, InputRequiredResult, TextContent, ToolAnnotations
 from pydantic import BaseModel, Field
+from websockets.asyncio.client import connect
+from websockets.exceptions import WebSocketException
 
 from homebot.cli.door_address import DoorAddress
-from homebot.devices.names import HOME_HEADER
+from homebot.devices.names import HOME_HEADER, IDENTIFY_DEVICE
 from homebot.devices.outcomes import OUTCOMES
 from homebot.errors import HomebotError
 from homebot.support.printable import printable
@@ -45,6 +48,11 @@ _LONGEST: Final = 900.0
 """Seconds; homebot answers sooner, after the usual response time of the slowest device."""
 
 _MOST: Final = 4 * 1024 * 1024
+
+_NO_RIGHT: Final = "the right "
+"""The beginning of a refusal of a goal because of a missing right."""
+
+_OF_CANDIDATES: Final = ("device", "part", "probability", "effect", "deviation", "problem")
 
 _MOST_LINES: Final = 40
 """The newest lines of a trial that an agent gets."""
@@ -103,24 +111,56 @@ class ApiClient:
         return await self._ask("POST", path, json.dumps(body).encode())
 
     async def _ask(self, method: str, target: str, body: bytes | None = None) -> str:
-        host, port, _, _, home = self.address
         found = b""
         try:
             async with self._http.stream(method, target, content=body) as response:
                 async for piece in response.aiter_bytes():
                     found = (found + piece)[:_MOST]
         except httpx2.HTTPError as exc:
-            problem = f"no homebot answers on {host}:{port} ({exc}); start one with `homebot run`"
-            raise _MistakeError(_problem("failed", problem)) from exc
-        text, served = found.decode(errors="replace"), unquote(response.headers.get(HOME_HEADER, ""))
-        if home and served and served != home:
-            problem = f"the homebot on {host}:{port} serves the home {served!r}, not {home!r}"
-            raise _MistakeError(_problem("failed", problem))
+            raise self._no_answer(exc) from exc
+        text = found.decode(errors="replace")
+        self._check_home(response.headers)
         if response.status_code == HTTPStatus.OK:
             return text.rstrip()
         if response.status_code == HTTPStatus.FORBIDDEN:
             return _refusal(text)
         raise _MistakeError(_refusal(text))
+
+    async def identify(self, goal: Mapping[str, object], report: Callable[[Any], Awaitable[None]]) -> Any:
+        """Return the result of the action that identifies, and *report* its feedback; an end of the caller cancels it.
+
+        Raises:
+            ToolError: As for :meth:`read`.
+        """
+        host, port, token, _, _ = self.address
+        headers = {"Authorization": f"Bearer {token}"} if token else {}
+        frame = {"op": "send_action_goal", "id": "goal", "action": IDENTIFY_DEVICE, "args": goal, "feedback": True}
+        where = f"[{host}]" if ":" in host else host
+        try:
+            async with connect(f"ws://{where}:{port}", additional_headers=headers, proxy=None, max_size=_MOST) as door:
+                self._check_home({} if door.response is None else door.response.headers)
+                await door.send(json.dumps({**frame, "action_type": "homebot/action/IdentifyDevice"}))
+                while (answer := json.loads(await door.recv()))["op"] == "action_feedback":
+                    await report(answer["values"])
+        except (OSError, WebSocketException) as exc:
+            raise self._no_answer(exc) from exc
+        if isinstance(found := answer.get("values"), dict):
+            return found
+        text = str(answer.get("msg") or found)
+        raise _MistakeError(_problem("refused" if text.startswith(_NO_RIGHT) else "failed", text))
+
+    def _check_home(self, headers: Mapping[str, str]) -> None:
+        host, port, _, _, home = self.address
+        served = unquote(headers.get(HOME_HEADER, ""))
+        if home and served and served != home:
+            problem = f"the homebot on {host}:{port} serves the home {served!r}, not {home!r}"
+            raise _MistakeError(_problem("failed", problem))
+
+    def _no_answer(self, cause: Exception) -> _MistakeError:
+        problem = (
+            f"no homebot answers on {self.address.host}:{self.address.port} ({cause}); start one with `homebot run`"
+        )
+        return _MistakeError(_problem("failed", problem))
 
 
 class _HouseServer(MCPServer):
@@ -195,6 +235,7 @@ def house_server(api: ApiClient) -> MCPServer:
     server.add_tool(command, annotations=_ACTS, structured_output=False)
     _add_scenes(server, api)
     _add_goals(server, api)
+    _add_identification(server, api)
     _add_routines(server, api)
     return server
 
@@ -218,6 +259,24 @@ def _add_goals(server: MCPServer, api: ApiClient) -> None:
         return await api.post("/api/goal", {"goal": goal, "dry_run": dry_run})
 
     server.add_tool(achieve, annotations=_ACTS, structured_output=False)
+
+
+def _add_identification(server: MCPServer, api: ApiClient) -> None:
+    async def identify(devices: Words, sensor: Words, context: Context, night: bool = False) -> str:  # noqa: FBT001, FBT002 - JSON
+        """Find which `light in hall` a sensor sees: they blink."""
+        goal = {"candidates": devices, "topic": sensor, "at_night": night}
+
+        async def report(feedback: Any) -> None:
+            best = max(feedback["candidates"], key=itemgetter("probability"))
+            likely, none = best["probability"], feedback["none"]
+            await context.report_progress(feedback["look"]["at"], None, f"{best['name']} {likely:.0%}, none {none:.0%}")
+
+        found = await api.identify(goal, report)
+        answer = {name: found[name] for name in ("success", "message", "device", "part", "probability", "left_out")}
+        each = [{name: one[name] for name in _OF_CANDIDATES} for one in found["candidates"]]
+        return json.dumps({**answer, "candidates": each}, ensure_ascii=False)
+
+    server.add_tool(identify, annotations=_ACTS, structured_output=False)
 
 
 def _add_routines(server: MCPServer, api: ApiClient) -> None:
