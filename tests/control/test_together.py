@@ -286,6 +286,16 @@ async def test_an_app_that_may_command_all_members_needs_no_right_for_their_grou
         assert keys(home) == ["group"]
 
 
+async def test_a_right_to_a_group_of_a_gateway_is_one_to_its_members(open_home: OpenHome) -> None:
+    async with open_home({"/app": ("act: group=Group",)}) as home:
+        await put_lamps(home, "one", "two")
+        outcomes = await command(home)
+        assert [type(one) for one in outcomes] == [Confirmed, Confirmed, Refused]
+        outcomes = await command(home, {"on_off": False}, "one", "two")
+        assert [type(one) for one in outcomes] == [Confirmed, Confirmed]
+        assert keys(home)[-1] == "group"
+
+
 async def test_a_client_that_must_ask_for_one_member_tells_the_others_by_themselves(home: Home) -> None:
     await put_lamps(home)
     scope = ("act: id=one", "ask: id=two", "act: id=three")

@@ -123,3 +123,16 @@ async def test_misspelt_names_of_the_control_layer_are_told(
     for one, line, problem in zip(found, logged, problems, strict=True):
         assert one.startswith(problem)
         assert line.startswith(one)
+
+
+async def test_a_group_or_a_room_in_a_right_that_nobody_has_is_told_with_its_key() -> None:
+    groups = [{"name": "Evening", "members": "lights"}]
+    rights = {"act": ['group="Evening"', 'group="Evenin"', "lights in halll"]}
+    config = {"groups": groups, "apps": {"light_service": rights}, "door": {"scope": ["read", "ask: group=Noon"]}}
+    async with virtual_house_of(world=world(), config=config) as house, Node(house.runtime.graph, "doctor") as node:
+        await house.run_for("310s")
+        assert await troubles(node, "control") == (
+            "apps.light_service.act: 'act: group=\"Evenin\"': no device is in a group 'evenin'; did you mean evening?",
+            "apps.light_service.act: 'act: lights in halll': no device is in 'halll'; did you mean hall?",
+            "door.scope: 'ask: group=Noon': no device is in a group 'noon'; `homebot group list` shows all",
+        )

@@ -9,9 +9,10 @@ from tests.discovery import directory_house
 from tests.discovery.announcements import announce, part_of
 from tests.discovery.directory_house import House
 
-from homebot.devices import FIND_DEVICES, FindDevices, Sighting, names
+from homebot.devices import FIND_DEVICES, FindDevices, KeyValue, Sighting, names
 from homebot.devices.group_messages import GroupInfo, ListGroups, ListGroupsRequest
 from homebot.devices.health import GetHealth, HealthRequest
+from homebot.devices.query.matching import groups_of
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.services import FindDevicesRequest
@@ -90,6 +91,39 @@ async def test_a_device_that_moves_to_the_room_of_a_group_joins_it() -> None:
     async with house(EVENING) as found:
         await found.place("porch", "Living")
         assert await find(found, "group=evening") == ["ceiling", "kettle", "porch", "shelf"]
+
+
+@pytest.mark.parametrize(
+    ("query", "ids"),
+    [
+        ("group=zigbee", ["ceiling", "kettle", "shelf"]),
+        ("lights and group=Others", ["porch"]),
+        ("group=zigbee or group=others", ["ceiling", "kettle", "porch", "shelf"]),
+        ("group=both", ["ceiling", "kettle", "porch", "shelf"]),
+        ("group=evening", ["porch"]),
+    ],
+)
+async def test_the_groups_of_gateways_are_found_too_but_the_owners_outrank_them(query: str, ids: list[str]) -> None:
+    own = {"Both": "group=zigbee or group=others", "Evening": "porch"}
+    async with house(own, *HOUSE, lamp("evening", "", "light", members=("id:ceiling",))) as found:
+        assert await find(found, query) == ids
+
+
+async def test_a_group_of_a_gateway_whose_members_change_is_found_by_its_new_ones() -> None:
+    async with house({}) as found:
+        assert await find(found, "group=zigbee") == ["ceiling", "kettle", "shelf"]
+        await found.hears(lamp("zigbee", members=("id:porch", "id:shelf")))
+        assert await find(found, "group=zigbee") == ["porch", "shelf"]
+        await found.hears(lamp("zigbee"))
+        assert await find(found, "group=zigbee") == []
+
+
+async def test_a_device_that_says_to_be_in_a_group_is_not() -> None:
+    """Rights may name groups."""
+    forged = lamp("forged").model_copy(update={"metadata": (KeyValue(key="group", value="Evening"),)})
+    async with house(EVENING, *HOUSE, forged) as found:
+        device = await found.device("forged")
+        assert groups_of(device, device.parts[0].id) == []
 
 
 async def test_groups_that_are_configured_anew_have_other_members_at_once() -> None:

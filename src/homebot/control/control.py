@@ -59,6 +59,7 @@ class Control:
         store: The store to use instead of a file.
         rehearsal: Answers commands in place of the devices; None if they are sent.
         detected: Motion sensors that detected a person before; see :meth:`detected`.
+        scopes: Returns the rights in the configuration by key, in which names may be misspelt.
     """
 
     def __init__(
@@ -73,9 +74,11 @@ class Control:
         store: JournalStore | None = None,
         rehearsal: Rehearsal | None = None,
         detected: Iterable[str] = (),
+        scopes: Callable[[], Mapping[str, Iterable[str]]] = dict,
     ) -> None:
         self._node = node
         self._given_settings = settings
+        self._scopes = scopes
         self._approves_all = approves_all
         self._journal_file = journal_file
         lookup = DeviceLookup(node)
@@ -192,8 +195,9 @@ class Control:
         return health.model_copy(update={"troubles": health.troubles + problems}) if problems else health
 
     def _begin_check(self) -> None:
-        """Start the check of names if the settings have any: few homes do."""
-        if self._given_settings is not None and any(self._given_settings.stated_names):
+        """Start the check of names if the settings or the rights have any: few homes do."""
+        is_stated = self._given_settings is not None and any(self._given_settings.stated_names)
+        if is_stated or any(":" in right for scope in self._scopes().values() for right in scope):
             self._has_names.set()
 
     async def _check_names(self) -> None:
@@ -202,13 +206,18 @@ class Control:
 
     @cached_property
     def _names(self) -> ConfiguredNames:
-        """The check of the rooms and devices that the settings name, after a reload too."""
-        from homebot.devices.misspelt_names import ConfiguredNames, StatedNames  # noqa: PLC0415 - see _begin_check
-
-        return ConfiguredNames(
-            self._node,
-            lambda: StatedNames() if self._given_settings is None else self._given_settings.stated_names,
+        """The check of the names in the settings and the rights, after a reload too."""
+        from homebot.devices.misspelt_names import (  # noqa: PLC0415 - see _begin_check
+            ConfiguredNames,
+            StatedNames,
+            patterns_of_rights,
         )
+
+        def stated() -> StatedNames:
+            named = StatedNames() if self._given_settings is None else self._given_settings.stated_names
+            return named._replace(patterns=(*named.patterns, *patterns_of_rights(self._scopes())))
+
+        return ConfiguredNames(self._node, stated)
 
     @cached_property
     def _layer(self) -> ControlLayer:

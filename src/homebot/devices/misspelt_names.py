@@ -1,10 +1,11 @@
 """Misspelt names in a configuration: nothing in the house has them."""
 
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Final, NamedTuple, final
 
 import anyio
 
+from homebot.devices.client_rights import read_scope
 from homebot.devices.device import Device
 from homebot.devices.health import HealthRequest, HealthResponse
 from homebot.devices.names import FIND_DEVICES, GET_PLACES, QUERY_DEVICES
@@ -17,7 +18,7 @@ from homebot.graph import Node
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["ConfiguredNames", "StatedNames"]
+__all__ = ["ConfiguredNames", "StatedNames", "patterns_of_rights"]
 
 _ANNOUNCED_WITHIN: Final = 300.0
 """Seconds after the start before a name without a device counts as misspelt.
@@ -46,6 +47,14 @@ class StatedNames(NamedTuple):
     devices: Sequence[tuple[str, str]] = ()
     queries: Sequence[tuple[str, str, Query]] = ()
     patterns: Sequence[tuple[str, str, Query]] = ()
+
+
+def patterns_of_rights(scopes: Mapping[str, Iterable[str]]) -> Iterator[tuple[str, str, Query]]:
+    """Yield the patterns of the rights in *scopes*, by their keys; see :attr:`StatedNames.patterns`."""
+    for key, scope in scopes.items():
+        for right in scope:
+            rights = read_scope((right,))
+            yield from ((key, right, query) for query in rights.acts_on + rights.asks_on)
 
 
 @final

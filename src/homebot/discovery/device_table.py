@@ -85,6 +85,19 @@ class DeviceTable:
         self.outdated.pop(entry.id, None)
         self.postings.discard(entry.id)
         self.mark_unsaved(entry.id)
+        if self.owner.groups is not None:
+            self.owner.groups.discard(entry.id)
+            self.regroup()
+
+    def regroup(self) -> None:
+        """Give each member of a gateway's group that changed its new facts."""
+        groups = self.owner.groups
+        if groups is None or not groups.has_changed:
+            return
+        groups.has_changed = False
+        for entry in self.entries.values():
+            if entry.is_regrouped(groups, self.topics):
+                self.record_change("changed", entry, "its groups changed")
 
     def mark_unsaved(self, device_id: str) -> None:
         """Mark the record of the device as out of date."""

@@ -179,6 +179,15 @@ class Entry:
         facts = (*described.groups, *device.facts)[:MAX_FACTS]
         return device.model_copy(update={"facts": facts}) if described.groups else device
 
+    def is_regrouped(self, groups: "HouseGroups", topics: TopicOwnership) -> bool:
+        """Return whether the gateways' groups of which it is a member changed; its message is discarded then."""
+        device = self.to_device(topics)
+        described = self._description or self._described(topics)
+        if groups.native_facts(device) == tuple([one for one in described.groups or () if not one.convention]):
+            return False
+        described.groups = self.device = None
+        return True
+
     def reachability(self) -> Reachability:
         """Return whether it can be reached, combined from its parts."""
         sources = self._believed() if self.claimed else self.sources

@@ -8,6 +8,7 @@ from homebot.devices.device import is_commanded, part_names, target_of
 from homebot.devices.device_lookup import references
 from homebot.devices.group_messages import GroupInfo
 from homebot.devices.query.matching import groups_of
+from homebot.discovery.groups import group_name
 
 __all__ = ["list_groups"]
 
@@ -40,8 +41,7 @@ def _native(
             if known := wanted.intersection(references(*one, gateways)):
                 named |= known
                 members.append(_place(*one))
-        name = f"{device.name} {part.part.name}".strip()
-        info = GroupInfo(name=name, id=target_of(device.id, part.id), is_complete=named == wanted)
+        info = GroupInfo(name=group_name(device, part), id=target_of(device.id, part.id), is_complete=named == wanted)
         yield _ListedGroup(info, tuple(members))
 
 

@@ -1,14 +1,15 @@
-"""The owner's groups: names for the devices that fit a query, as facts of these. Pure."""
+"""The groups of a house, as facts of their members: the owner's, which have a query, and those of gateways. Pure."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import Final
+from typing import Final, NamedTuple, final
 
 from pydantic import BaseModel, ConfigDict
 
 from homebot.config import parse_settings
-from homebot.devices import Device, Fact
+from homebot.devices import Device, DevicePart, Fact
 from homebot.devices.device import is_commanded
+from homebot.devices.device_lookup import references
 from homebot.devices.names import GROUP, OWNER
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import PartFacets, fits
@@ -30,10 +31,9 @@ from homebot.devices.query.terms import (
 from homebot.errors import ConfigError, UsageError
 from homebot.messages import Time
 from homebot.places import check_name
-from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
+from homebot.support.folding import fold, is_room_typo
 
-__all__ = ["GroupSettings", "HouseGroups", "read_groups"]
+__all__ = ["GroupSettings", "HouseGroups", "group_name", "read_groups"]
 
 _PASSING: Final = (StateIs, FreshnessIs, ReachableIs, IsNear, IsDisputed, IsUnapproved)
 """Terms whose matches change from moment to moment."""
@@ -90,43 +90,124 @@ def read_groups(tables: Sequence[object], source: str) -> Mapping[str, str]:
     return found
 
 
+class _NativeGroup(NamedTuple):
+    device: str
+    name: str
+    gateways: frozenset[str]
+    said_at: Time
+
+
+@final
 class HouseGroups:
     """The groups of a house.
 
-    Args:
-        queries: The queries for the members, by the name of the group, as :func:`read_groups` returns them.
-        read_at: When they were read, in seconds since the Unix epoch.
+    Attributes:
+        queries: The queries for the members of the owner's, by name, as :func:`read_groups` returns them.
+        has_changed: Whether a gateway's group changed; to be reset by who gives the members their new facts.
     """
 
-    def __init__(self, queries: Mapping[str, str], read_at: float) -> None:
-        self.queries = queries
+    def __init__(self) -> None:
+        self.has_changed = False
+        self.queries: Mapping[str, str] = {}
+        self._members: Mapping[str, Query] = {}
+        self._said_at = Time.from_seconds(0.0)
+        self._native: dict[str, tuple[tuple[_NativeGroup, tuple[str, ...]], ...]] = {}
+        self._by_member: dict[str, dict[_NativeGroup, None]] = {}
+
+    def configure(self, queries: Mapping[str, str], read_at: float) -> None:
+        """Take the owner's groups, read at *read_at*, in seconds since the Unix epoch."""
+        self.queries, self._said_at = queries, Time.from_seconds(read_at)
         self._members = {name: _members(name, queries) for name in queries}
-        self._said_at = Time.from_seconds(read_at)
+
+    def put(self, device: Device) -> None:
+        """Take the groups that *device* is now, such as one of lamps."""
+        found = tuple(
+            (group, part.part.members)
+            for part in device.parts
+            if part.part.is_group and part.routes
+            for group in [_native_group(device, part)]
+        )
+        if self._native.get(device.id, ()) == found:
+            return
+        self.discard(device.id)
+        if found:
+            self._native[device.id], self.has_changed = found, True
+        for group, members in found:
+            for one in members:
+                self._by_member.setdefault(one, {})[group] = None
+
+    def discard(self, device_id: str) -> None:
+        """Forget the groups that a device was."""
+        for group, members in self._native.pop(device_id, ()):
+            self.has_changed = True
+            for one in members:
+                self._by_member.get(one, {}).pop(group, None)
+
+    def native_facts(self, device: Device) -> tuple[Fact, ...]:
+        """Return a fact for each gateway's group of which *device* is a member, unless the owner's has its name."""
+        parts: dict[_NativeGroup, list[str]] = {}
+        for part in device.parts if self._native and not _is_group(device) else ():
+            if is_commanded(part.part):
+                for group in dict.fromkeys(self._groups_with(device, part)):
+                    parts.setdefault(group, []).append(part.id)
+        own = set(map(fold, self.queries))
+        return tuple(
+            [
+                _fact(one.name, "", _key(one.device, device, ids), one.said_at)
+                for one, ids in parts.items()
+                if fold(one.name) not in own
+            ]
+        )
+
+    def _groups_with(self, device: Device, part: DevicePart) -> Iterator[_NativeGroup]:
+        gateways = {one.gateway for one in part.routes}
+        for name in references(device, part, gateways):
+            for group in self._by_member.get(name, ()):
+                if not (name.startswith("#") and group.gateways.isdisjoint(gateways)):
+                    yield group
 
     def facts_of(self, device: Device) -> tuple[Fact, ...]:
         """Return a fact for each group of which *device*, described without them, is a member.
 
         Its key names the members, after ``#`` and separated by commas, if only some of the parts are.
         """
-        if not self._members or any(one.part.is_group for one in device.parts):
+        if _is_group(device):
             return ()
+        native = self.native_facts(device)
+        device = device.model_copy(update={"facts": (*native, *device.facts)}) if native and self._members else device
         found = ((name, _source(device, query)) for name, query in self._members.items())
-        return tuple(
-            [
-                Fact(name=GROUP, value=name, gateway="", convention=OWNER, key=source, said_at=self._said_at)
-                for name, source in found
-                if source
-            ]
-        )
+        return native + tuple([_fact(name, OWNER, source, self._said_at) for name, source in found if source])
+
+
+def _is_group(device: Device) -> bool:
+    return any(one.part.is_group for one in device.parts)
+
+
+def _fact(name: str, convention: str, key: str, said_at: Time) -> Fact:
+    """Return a fact that no announcement of the member can state, which would name its gateway."""
+    return Fact(name=GROUP, value=name, gateway="", convention=convention, key=key, said_at=said_at)
+
+
+def _native_group(device: Device, part: DevicePart) -> _NativeGroup:
+    gateways = frozenset([one.gateway for one in part.routes])
+    return _NativeGroup(device.id, group_name(device, part), gateways, device.first_seen)
+
+
+def group_name(device: Device, part: DevicePart) -> str:
+    """Return the name of a gateway's group, which is a *part* of *device*."""
+    return f"{device.name} {part.part.name}".strip()
 
 
 def _source(device: Device, query: Query) -> str:
     """Return the key of the fact that *device* is a member; empty if neither it nor one of its parts fits *query*."""
-    parts = [one for one in device.parts if is_commanded(one.part)]
-    named = [one.id for one in parts if fits(query, PartFacets(device, one))]
-    if 0 < len(named) < len(parts):
-        return f"{_SOURCE}#{','.join(named)}"
-    return _SOURCE if named or fits(query, facets_of(device)) else ""
+    named = [one.id for one in device.parts if is_commanded(one.part) and fits(query, PartFacets(device, one))]
+    return _key(_SOURCE, device, named) if named or fits(query, facets_of(device)) else ""
+
+
+def _key(source: str, device: Device, named: Sequence[str]) -> str:
+    """Return the key of the fact that the parts *named* of *device*, or none but itself, are members."""
+    count = sum(is_commanded(one.part) for one in device.parts)
+    return f"{source}#{','.join(named)}" if 0 < len(named) < count else source
 
 
 def _members(name: str, queries: Mapping[str, str], *inside: str) -> Query:
@@ -160,6 +241,8 @@ def _expanded(query: Query, group: Callable[[str], Query]) -> Query:
 
 def _group(queries: Mapping[str, str], inside: tuple[str, ...], folded: str) -> Query:
     known = {fold(one): one for one in queries}
-    if folded not in known:
-        raise UsageError(f"there is no group {folded!r}; {did_you_mean(folded, known, 'give it a table [[groups]]')}")
-    return _members(known[folded], queries, *inside)
+    if folded in known:
+        return _members(known[folded], queries, *inside)
+    if meant := sorted(one for one in known if is_room_typo(folded, one)):
+        raise UsageError(f"there is no group {folded!r}; did you mean {' or '.join(meant)}?")
+    return FactIs(GROUP, folded)  # of a gateway

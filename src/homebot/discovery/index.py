@@ -156,12 +156,16 @@ class DeviceIndex:
             entry = table.entries[device_id]
             device = entry.to_device(topics)
             facets = facets_of(device)
+            if "group" in facets.categories or table.owner.groups is not None:
+                table.owner.any_groups().put(device)
             values: list[PostedValue] = []
             if device.states:
                 found = zip(device.states, facets.values, entry.newest_values(topics), strict=True)
                 values = [(state.part, kind, name, stored) for state, (kind, name, _), stored in found]
             table.postings.put(facets, values)
             done += 1
+            if not outdated and table.owner.groups is not None:
+                table.regroup()
         return bool(outdated)
 
     def forget(self, device_id: str, now: float) -> tuple[tuple[str, str], ...] | None:

@@ -67,7 +67,7 @@ class OwnerFacts:
         closed_door: Metres that a closed door adds to a path.
         is_empty: Whether nothing has been stated about any device.
         is_unsaved: Whether some statements are not in the index file.
-        groups: The owner's groups; None if there are none.
+        groups: The groups of the house; None as long as there are none.
         prefer: The gateways that the configuration prefers for commands, best first.
         read_at: When the configuration was read at the start, in seconds since the Unix epoch.
     """
@@ -79,7 +79,8 @@ class OwnerFacts:
         self.approvals = ApprovalRegistry()
         self.is_unsaved = False
         self.prefer: tuple[str, ...] = ()
-        self.groups = _groups(given, read_at)
+        self.groups: HouseGroups | None = None
+        self._configure_groups(given, read_at)
         self.read_at = read_at
         self._configured = _configured(given, read_at)
         self._by_name: dict[_Name, _Statement] = {}
@@ -179,9 +180,21 @@ class OwnerFacts:
 
     def reconfigure(self, places: Places, rooms: HouseRooms, read_at: float) -> None:
         """Replace the statements of the configuration, with *rooms* to match."""
-        self.groups = _groups(places, read_at)
+        self._configure_groups(places, read_at)
         self.closed_door, self.rooms, self._configured = places.closed_door, rooms, _configured(places, read_at)
         self.is_empty = self.is_empty and not self._configured
+
+    def _configure_groups(self, places: Places, read_at: float) -> None:
+        if places.groups or self.groups is not None:
+            self.any_groups().configure(places.groups, read_at)
+
+    def any_groups(self) -> "HouseGroups":
+        """Return the groups of the house, which may be none yet."""
+        if self.groups is None:
+            from homebot.discovery.groups import HouseGroups  # noqa: PLC0415 - many homes have none
+
+            self.groups = HouseGroups()
+        return self.groups
 
     def remove_room(self, name: str) -> None:
         """Remove an imported room and its doors from the plan, unless devices were placed in it."""
@@ -306,14 +319,6 @@ class OwnerFacts:
 
     def _has_room(self) -> bool:
         return len(self._by_name) + len(self._known_as) < MAX_STATEMENTS
-
-
-def _groups(places: Places, read_at: float) -> "HouseGroups | None":
-    if not places.groups:
-        return None
-    from homebot.discovery.groups import HouseGroups  # noqa: PLC0415 - many homes have none
-
-    return HouseGroups(places.groups, read_at)
 
 
 def _configured(places: Places, read_at: float) -> dict[str, _Facts]:

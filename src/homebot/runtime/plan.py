@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -138,6 +138,13 @@ class Plan:
     notify: NotifySettings | None = None
     scenes: tuple[SceneSettings, ...] = ()
     left_out: Mapping[str, ConfigError] = field(default_factory=dict)
+
+    @property
+    def scopes(self) -> Mapping[str, Iterable[str]]:
+        """The rights of apps and clients, by their keys."""
+        apps = {f"apps.{node[1:]}.act": scope for node, scope in self.grants.items()}
+        tokens = {f"door.tokens.{name}.scope": one.scope for name, one in self.door.tokens.items()}
+        return {**apps, "door.scope": self.door.scope or (), **tokens}
 
     @property
     def tokens(self) -> Mapping[str, SecretStr]:

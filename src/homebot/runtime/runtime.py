@@ -390,6 +390,7 @@ class Runtime:
                 journal_file=self._beside_index(JOURNAL_FILE),
                 rehearsal=self.rehearsal,
                 detected=self.detected,
+                scopes=lambda: self._plan.scopes,
             )
             await run_as(node.full_name, partial(self._controller.serve, task_status=task_status))
 

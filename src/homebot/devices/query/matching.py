@@ -39,7 +39,7 @@ __all__ = ["COMPARISONS", "PartFacets", "compares", "fits", "groups_of", "matche
 
 def groups_of(device: Device, part_id: str) -> list[str]:
     """Return the names of the groups of which a part of *device* is a member."""
-    named = [(one.value, one.key.partition("#")[2]) for one in device.facts if one.name == GROUP]
+    named = [(one.value, one.key.partition("#")[2]) for one in device.facts if one.name == GROUP and not one.gateway]
     return [name for name, parts in named if not parts or part_id in parts.split(",")]
 
 

@@ -54,7 +54,8 @@ def _problem(term: Query, postings: Postings, plan: HousePlan, devices: Callable
         case FactIs("tag", tag):
             return _typo(f"no device has the tag {tag!r}", tag, postings.values_of("tag"))
         case FactIs("group", group):
-            return _typo(f"there is no group {group!r}", group, postings.values_of("fact group"))
+            hint = did_you_mean(group, postings.values_of("fact group"), "`homebot group list` shows all")
+            return f"no device is in a group {group!r}; {hint}"
         case GatewayIs(gateway):
             return _typo(f"no device is reached through {gateway!r}", gateway, postings.values_of("gateway"))
         case FactIs("convention", convention):

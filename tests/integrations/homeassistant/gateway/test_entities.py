@@ -209,6 +209,30 @@ def test_a_group_of_lights_switches_or_covers_is_a_way_to_reach_them(
     assert (part.is_group, len(part.members)) == (True, len(members))
 
 
+@pytest.mark.parametrize(
+    ("inner", "members"),
+    [
+        (["light.two", "light.three"], ["#light_one", "#light_two", "#light_three"]),
+        (["light.all", "light.two", "light.one"], ["#light_one", "#light_two"]),
+    ],
+)
+def test_the_members_of_a_group_in_a_group_are_members_also_if_they_contain_each_other(
+    inner: list[str], members: list[str]
+) -> None:
+    entities = home()
+    entities.put("light.all", state("on", entity_id=["light.one", "light.inner", "light.inner"]), is_new=True)
+    entities.put("light.inner", state("on", entity_id=inner), is_new=True)
+    key = next(key for key, found in entities.regroup().items() if found[0].entity_id == "light.all")
+    assert list(entities.describe(key).parts[0].members) == members
+
+
+def test_a_group_with_a_garage_door_in_an_inner_group_is_left_out() -> None:
+    entities = home()
+    entities.put("switch.all", state("on", entity_id=["switch.lamp", "switch.inner"]), is_new=True)
+    entities.put("switch.inner", state("on", entity_id=["switch.garage_door"]), is_new=True)
+    assert entities.regroup() == {}
+
+
 def test_a_group_of_sensors_is_read() -> None:
     entities = home()
     entities.put("binary_sensor.any_motion", state("on", entity_id=["binary_sensor.hall"]), is_new=True)

@@ -358,6 +358,25 @@ def test_the_lights_of_a_room_or_zone_are_a_group_of_its_lamps(
     }
 
 
+def test_all_lights_of_a_bridge_are_a_group_of_those_in_rooms_and_of_others() -> None:
+    resources = room_with_a_scene()
+    home = {"id": "home", "type": "bridge_home", "children": [{"rid": "Hall"}, {"rid": "lamp-3"}, {"rid": "zone"}]}
+    for one in (
+        {"id": "light-3", "type": "light", "on": {"on": True}},
+        device("lamp-3", "light-3"),
+        group("zone", "zone", "light-1"),
+        {"id": "group", "type": "grouped_light", "on": {"on": True}},
+        {**home, "services": [{"rid": "group", "rtype": "grouped_light"}]},
+    ):
+        resources.change("add", one)
+    (lights,) = devices_of(resources, ["home"])
+    assert (lights.name, lights.area) == ("Hue lights", "")
+    assert set(lights.services[0].part.members) == {f"id:hue:lamp-{one}#light" for one in (1, 2, 3)}
+    assert "group" in described(resources, "update", device("lamp-1"))
+    (lights,) = devices_of(resources, ["home"])
+    assert set(lights.services[0].part.members) == {f"id:hue:lamp-{one}#light" for one in (2, 3)}
+
+
 def test_a_room_without_lamps_has_no_lights() -> None:
     resources = HueResources()
     services = [{"rid": "group"}]

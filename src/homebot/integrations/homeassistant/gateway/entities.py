@@ -95,7 +95,8 @@ class HomeAssistantEntities:
             self.left_out += 1
         elif entity is None:
             entry = self.registries.entity(entity_id)
-            entity = self._entities[entity_id] = HomeAssistantEntity(entity_id, entry, celsius=self.celsius)
+            entity = HomeAssistantEntity(entity_id, entry, celsius=self.celsius, others=self._entities)
+            self._entities[entity_id] = entity
         return entity
 
     def lose(self, entity_id: str) -> HomeAssistantEntity | None:

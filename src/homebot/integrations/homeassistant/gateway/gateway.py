@@ -183,6 +183,8 @@ class HomeAssistantGateway(LinkedGateway):
             return
         if is_described_anew:
             self.devices.put(self._entities.describe(key), "its abilities changed")
+            if entity.is_group:
+                self._mark_stale()  # a group that it is in has other members too
         await self._report(entity, compact_json({entity_id: change}).encode(), is_event=not is_new)
 
     async def _report(self, entity: HomeAssistantEntity, message: bytes = b"", *, is_event: bool = False) -> None:

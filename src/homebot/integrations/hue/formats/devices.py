@@ -35,7 +35,7 @@ _TYPES: Final[Mapping[str, tuple[str, Category]]] = {
 _DEVICES: Final = frozenset({"device", "motion_area_configuration"})
 """The latter is a room or zone with lights that notice motion."""
 
-_GROUPS: Final = ("room", "zone")
+_GROUPS: Final = ("room", "zone", "bridge_home")
 
 _FACTS: Final = {
     "manufacturer": "manufacturer_name",
@@ -101,18 +101,20 @@ def devices_of(resources: HueResources, ids: Collection[str]) -> Iterator[HueDev
 
 
 def _all_lights(resources: HueResources, group: Fields) -> Iterator[HueDevice]:
-    """Yield the group of all lights in a room or zone."""
+    """Yield the group of all lights in a room or zone, or of the bridge: "all lights" would mean those of the house."""
     members = tuple(dict.fromkeys(_lights(resources, group)))
     for rid, light in resources.referred(group, "services"):
         if light.get("type") == "grouped_light" and members:
             service = _service(rid, light, "grouped_light", "", members=members)
             area = _name(group) if group.get("type") == "room" else ""
-            yield HueDevice(rid, f"{_name(group)} lights".strip(), (service,), area, identifiers((f"hue:{rid}",)))
+            yield HueDevice(rid, f"{_name(group) or 'Hue'} lights", (service,), area, identifiers((f"hue:{rid}",)))
 
 
 def _lights(resources: HueResources, group: Fields) -> Iterator[str]:
-    """Yield the lights in a room, whose children are devices, or in a zone, whose children are lights."""
+    """Yield the lights in a room, whose children are devices, in a zone, whose children are lights, or in all rooms."""
     for child, resource in resources.referred(group, "children"):
+        if resource.get("type") == "room" and group.get("type") == "bridge_home":
+            yield from _lights(resources, resource)
         is_device = resource.get("type") == "device"
         for owner, device in [(child, resource)] if is_device else resources.holders(child, "device"):
             for one in _services(device, tuple(resources.referred(device, "services"))):

@@ -135,7 +135,8 @@ class HueResources:
             self._holders.setdefault(one, {})[rid] = None
         is_the_same = all(before.get(one) == after.get(one) for one in ("type", "metadata", "actions"))
         changed = {rid, *(was ^ now if is_the_same else was | now)}
-        return frozenset(changed.union(*(self._holders.get(one, ()) for one in changed)))
+        found = changed.union(*(self._holders.get(one, ()) for one in changed))
+        return frozenset(found.union(home for one in found for home, _ in self.holders(one, "bridge_home")))
 
 
 def _held(resource: Fields) -> frozenset[str]:

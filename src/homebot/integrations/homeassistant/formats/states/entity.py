@@ -5,6 +5,7 @@ Source: Home Assistant core 2024.3, ``helpers/entity.py`` and ``const.py``.
 
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime
+from types import MappingProxyType
 from typing import Final, NamedTuple
 
 from homebot.conventions.capability_row import described, writer_of
@@ -69,6 +70,7 @@ class HomeAssistantEntity:
         entity_id: Its present id, which a person may change.
         entry: Its entry in the registry.
         celsius: Whether Home Assistant counts in °C, otherwise in °F.
+        others: All entities by id, of which any may be a group in a group.
 
     Attributes:
         domain: Its domain: ``light``.
@@ -78,8 +80,16 @@ class HomeAssistantEntity:
         device_key: The key of its device; empty for one that is left out, None before the first grouping.
     """
 
-    def __init__(self, entity_id: str, entry: EntityEntry, *, celsius: bool = True) -> None:
+    def __init__(
+        self,
+        entity_id: str,
+        entry: EntityEntry,
+        *,
+        celsius: bool = True,
+        others: Mapping[str, "HomeAssistantEntity"] = MappingProxyType({}),
+    ) -> None:
         self.entity_id = entity_id
+        self._others = others
         self.entry = entry
         self.domain = entity_id.partition(".")[0]
         self.has_state = self.is_available = False
@@ -116,11 +126,25 @@ class HomeAssistantEntity:
     @property
     def is_group(self) -> bool:
         """True if it stands for others."""
-        return bool(self.members) or any(self.info.get(mark) is True for mark in _GROUP_MARKS)
+        return bool(self._listed) or any(self.info.get(mark) is True for mark in _GROUP_MARKS)
 
     @property
     def members(self) -> Sequence[str]:
-        """The entities that it sets."""
+        """The entities that it sets, with the members of a group in its place."""
+        found, groups = list[str](), {self.entity_id}
+        waiting = [*reversed(self._listed)]
+        while waiting:
+            one = waiting.pop()
+            inner = self._others[one]._listed if one in self._others else ()  # noqa: SLF001 - of the same class
+            if one not in groups and not inner:
+                found.append(one)
+            elif one not in groups:
+                groups.add(one)
+                waiting += reversed(inner)
+        return tuple(dict.fromkeys(found))
+
+    @property
+    def _listed(self) -> Sequence[str]:
         return options_of(self.info, "entity_id") or options_of(self.info, "group_entities")
 
     @property
