@@ -102,6 +102,17 @@ async def test_a_routine_that_starts_itself_through_others_is_named() -> None:
     assert [*found] == ["A", "B", "C"]
 
 
+async def test_two_that_toggle_each_other_are_named() -> None:
+    """But not one that toggles what starts it: then it is no longer so."""
+    found = await hints(
+        {"name": "A", "when": ["hall lamp on"], "do": ["study lamp toggle"]},
+        {"name": "B", "when": ["study lamp off"], "do": ["hall lamp toggle"]},
+        {"name": "C", "when": ["heater on"], "do": ["heater toggle"]},
+    )
+    assert found["A"] == ("it would start itself: 'study lamp toggle' of A starts B, 'hall lamp toggle' of B starts A",)
+    assert [*found] == ["A", "B"]
+
+
 async def test_a_routine_that_starts_itself_by_a_query_is_named() -> None:
     found = await hints({"name": "A", "when": ["light in hall on"], "do": ["hall lamp 40 %"]})
     assert found["A"] == ("it would start itself: 'hall lamp 40 %' of A starts A",)

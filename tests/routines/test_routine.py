@@ -189,7 +189,7 @@ async def test_it_is_listed_switched_off_and_started_by_hand() -> None:
         ({"when": ["hall lamp on"], "do": ["hall lamp on"]}, "would start itself"),
         ({"mode": "often"}, "routines.hall_light.mode"),
         ({"then": []}, "routines.hall_light.then"),
-        ({"name": ""}, "routines.0.name"),
+        ({"name": ""}, "routines.routine_1.name: must be a name"),
     ],
 )
 async def test_a_mistake_is_an_error_with_its_place(change: dict[str, object], problem: str) -> None:

@@ -2,6 +2,7 @@
 
 import asyncio
 import gzip
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,9 @@ from tests.apps.houses import hall
 from tests.replay.recorded_days import MemorySink
 
 from homebot.cli.main import main
+from homebot.cli.routine_trial import trial_lines
+from homebot.config import parse_config
+from homebot.recording.recording import load_recording
 from homebot.testing import VirtualTimeLoop, virtual_house_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
@@ -55,6 +59,22 @@ def test_a_trial_tells_what_would_have_been_done_and_what_somebody_did_then(
     assert "somebody" not in first
     assert second.endswith("later somebody: off")
     assert summary.endswith("night_light would have given 2 commands, 1 of which somebody changed within ten minutes")
+
+
+def test_what_the_history_does_not_have_is_told_in_the_summary(day: Path) -> None:
+    given = parse_config(tomllib.loads(ROUTINE), "new.toml")
+    unseen = {"night_light": ["hall button press", "rosie leaves hall"]}
+    summary = trial_lines("the last week", load_recording(day), given, unseen)[-1]
+    assert "; the history does not have 'hall button press', 'rosie leaves hall': record some days" in summary
+
+
+def test_a_wrong_routine_is_refused_with_its_line(
+    day: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "new.toml"
+    file.write_text(f'{ROUTINE}[[routines]]\nname = "Film"\nwhen = ["sunset"]\ndo = ["hall lamp on"]\n')
+    assert main(["routine", "try", str(file), "--on", str(day)]) == 1
+    assert f"{file}:8: routines.film: 'sunset' needs the place of the home: set latitude" in capsys.readouterr().err
 
 
 def test_a_file_without_routines_is_refused(day: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -17,6 +17,8 @@ from homebot.devices.app_messages import (
     ChangeRoutine,
     ChangeRoutineRequest,
     ChangeRoutineResponse,
+    GetHomePlace,
+    HomePlaceRequest,
     ListRoutines,
     ProposeRoutine,
     ProposeRoutineRequest,
@@ -26,7 +28,7 @@ from homebot.devices.app_messages import (
 )
 from homebot.devices.client_rights import Right
 from homebot.devices.health import GetHealth, HealthRequest
-from homebot.devices.names import CHANGE_ROUTINE, LIST_ROUTINES, PROPOSE_ROUTINE, RUNTIME_HEALTH
+from homebot.devices.names import CHANGE_ROUTINE, HOME_PLACE, LIST_ROUTINES, PROPOSE_ROUTINE, RUNTIME_HEALTH
 from homebot.errors import ConfigError
 from homebot.graph import Node
 from homebot.runtime import Runtime
@@ -36,6 +38,7 @@ pytestmark = pytest.mark.virtual_time
 
 EVENING = '[[routines]]\nname = "Evening"  # when it is late\nwhen = ["22:30"]\ndo = ["all lights off"]\n'
 MORNING = 'name = "Morning"\nwhen = ["7:00"]\ndo = ["all lights on"]\n'
+DUSK = {"name": "Dusk", "when": ["sunset - 30m"], "do": ["all lights on"]}
 CONFIGURED = {"name": "Noon", "when": ["12:00"], "do": ["all lights off"]}
 
 
@@ -332,3 +335,28 @@ async def test_proposals_are_limited_and_come_one_at_a_time(tmp_path: Path) -> N
 def test_a_client_may_propose_with_the_right_to_act_and_write_with_that_to_manage() -> None:
     rights = [right_to_call(name) for name in (LIST_ROUTINES, PROPOSE_ROUTINE, CHANGE_ROUTINE)]
     assert rights == [Right.READ, Right.ACT, Right.MANAGE]
+
+
+async def test_where_the_home_is_hears_no_client_that_may_only_read(tmp_path: Path) -> None:
+    """A client that proposes a routine needs it for a trial with the sun."""
+    assert right_to_call(HOME_PLACE) is Right.ACT
+    home = {"latitude": 52.52, "longitude": 13.405}
+    config = parse_config({"home": home, "routines": [DUSK]}, "x")
+    async with Runtime(config, with_door=False) as runtime, Node(runtime.graph, "owner") as node:
+        place = await node.create_client(GetHomePlace, HOME_PLACE).call(HomePlaceRequest())
+        assert place.place == (52.5, 13.4)
+        listed = await node.create_client(ListRoutines, LIST_ROUTINES).call(RoutinesRequest(check=True))
+        assert "52.5" not in listed.model_dump_json()
+
+
+def test_a_routine_that_asks_the_sun_needs_the_place_of_the_home() -> None:
+    conditions: list[dict[str, object]] = [
+        {"name": "A", "if": ["sun is down"]},
+        {"name": "B", "do": [{"if": ["sun is up"], "do": ["undo"]}]},
+    ]
+    given = parse_config({"routines": [DUSK, *(CONFIGURED | one for one in conditions)]}, "homebot.toml")
+    assert [str(one) for one in make_plan(given).left_out.values()] == [
+        f"homebot.toml: routines.{app}: {text!r} needs the place of the home: "
+        "set latitude and longitude in the table [home]"
+        for app, text in (("dusk", "sunset - 30m"), ("a", "sun is down"), ("b", "sun is up"))
+    ]

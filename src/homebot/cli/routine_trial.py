@@ -3,7 +3,8 @@
 import argparse
 import asyncio
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, cast
@@ -12,12 +13,12 @@ from homebot.cli.commands.replay import command_text
 from homebot.cli.door_address import DoorAddress
 from homebot.cli.door_client import DoorClient, open_door, with_client
 from homebot.cli.house_history import read_house_history
-from homebot.config import Config, load_config, parse_config, parse_settings
+from homebot.config import Config, HomeSettings, load_config, parse_config, parse_settings
 from homebot.devices.device import part_names
-from homebot.devices.names import LIST_ROUTINES
+from homebot.devices.names import HOME_PLACE, LIST_ROUTINES
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import age_text
-from homebot.errors import UsageError
+from homebot.errors import PeerError, UsageError
 from homebot.log import configure_logging
 from homebot.recording.recording import Recording, load_recording
 from homebot.replay.replay import Replayed, replay
@@ -25,15 +26,19 @@ from homebot.replay.routine_trial import TriedCommand, routines_of, trial_config
 from homebot.routines.checks import asked_about
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.text import read_routines
+from homebot.routines.triggers import Press, RobotArrival
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.units import parse_duration
 
 if TYPE_CHECKING:
-    from homebot.devices.app_messages import RoutinesResponse
+    from homebot.devices.app_messages import HomePlaceResponse, RoutinesResponse
 
 __all__ = ["LAST", "given_of", "history_lines", "text_trial", "trial_lines", "try_routines"]
 
+
+_UNSEEN: Final = (Press, RobotArrival)
+_ALL_SEEN: Final[Mapping[str, Sequence[str]]] = {}
 
 LAST: Final = {"last-day": 86_400.0, "last-week": 7 * 86_400.0}
 
@@ -71,8 +76,10 @@ def history_lines(door: DoorClient, given: Config, seconds: float, title: str) -
     Raises:
         HomebotError: No history is kept, or a routine is wrong or crashed.
     """
-    wanted = asked_about(parse_settings(RoutineSettings, one, given.source, name) for name, one in routines_of(given))
-    return trial_lines(title, read_house_history(door, seconds, wanted), given)
+    read = {name: parse_settings(RoutineSettings, one, given.source, name) for name, one in routines_of(given)}
+    recording = read_house_history(door, seconds, asked_about(read.values()))
+    unseen = {name: [text for text, kind in one.asked() if isinstance(kind, _UNSEEN)] for name, one in read.items()}
+    return trial_lines(title, recording, _in_home(door, given), unseen)
 
 
 def text_trial(address: DoorAddress, text: str, seconds: float) -> list[str]:
@@ -82,25 +89,40 @@ def text_trial(address: DoorAddress, text: str, seconds: float) -> list[str]:
         HomebotError: As :func:`history_lines`.
     """
     with open_door(address) as door:
-        return history_lines(door, given_of(door, text, "the text"), seconds, "then")
+        return history_lines(door, given_of(text, "the text"), seconds, "then")
 
 
-def given_of(door: DoorClient, text: str, source: str) -> Config:
-    """Return the routines in *text* as a configuration of the home behind *door*.
+def given_of(text: str, source: str) -> Config:
+    """Return the routines in *text* as a configuration.
 
     Raises:
         ConfigError: A routine is wrong.
     """
-    answer = cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {})))
-    home: dict[str, object] = {"zone": answer.zone} | dict(zip(("latitude", "longitude"), answer.place, strict=False))
     routines = [{**one.table, "name": one.name} for one in read_routines(text, source)]
-    return parse_config({"home": home, "routines": routines}, source)
+    return parse_config({"routines": routines}, source)
 
 
-def trial_lines(title: str, recording: Recording, given: Config) -> list[str]:
+def _in_home(door: DoorClient, given: Config) -> Config:
+    """Return *given* with the zone, and as far as this client may know it the place, of the home behind *door*."""
+    home: dict[str, object] = {"zone": cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {}))).zone}
+    with suppress(PeerError):
+        place = cast("HomePlaceResponse", JsonMessage(door.call(HOME_PLACE, {}))).place
+        home |= zip(("latitude", "longitude"), place, strict=False)
+    return given.model_copy(
+        update={"home": HomeSettings.model_validate(home | given.home.model_dump(exclude_unset=True))}
+    )
+
+
+def trial_lines(
+    title: str, recording: Recording, given: Config, unseen: Mapping[str, Sequence[str]] = _ALL_SEEN
+) -> list[str]:
     """Return what the routines of *given* would have done in the time of *recording*, and last a summary of each.
 
+    Args:
+        unseen: The texts of each routine that ask for what the recording does not have.
+
     Raises:
+        ConfigError: A routine is wrong.
         UsageError: A routine crashed.
     """
     configure_logging(level="critical")
@@ -113,7 +135,7 @@ def trial_lines(title: str, recording: Recording, given: Config) -> list[str]:
         name, error = next(iter(replayed.crashes.items()))
         raise UsageError(f"{name} crashed: {error}")
     found = tuple(tried(recording, replayed))
-    return [*_lines(recording, replayed, found), *_summary(title, replayed, found)]
+    return [*_lines(recording, replayed, found), *_summary(title, replayed, found, unseen)]
 
 
 def _lines(recording: Recording, replayed: Replayed, found: Sequence[TriedCommand]) -> Iterator[str]:
@@ -135,7 +157,9 @@ def _stamp(at: datetime) -> str:
     return f"{at.astimezone():%Y-%m-%d %H:%M:%S}"
 
 
-def _summary(title: str, replayed: Replayed, found: Sequence[TriedCommand]) -> Iterator[str]:
+def _summary(
+    title: str, replayed: Replayed, found: Sequence[TriedCommand], unseen: Mapping[str, Sequence[str]]
+) -> Iterator[str]:
     commands = Counter(one.given.command.issuer for one in found)
     changed = Counter(one.given.command.issuer for one in found if one.change)
     for issuer in replayed.issuers:
@@ -145,4 +169,6 @@ def _summary(title: str, replayed: Replayed, found: Sequence[TriedCommand]) -> I
         app = issuer.removeprefix("/")
         told = sum(one.app == app for one in replayed.notifications)
         people = f", and told people {'once' if told == 1 else f'{told} times'}" if told else ""
-        yield f"{printable(title)}: {app} would have given {given}{note}{people}"
+        missed = ", ".join(map(repr, unseen.get(app, ())))
+        rest = f"; the history does not have {missed}: record some days for that (homebot record)" if missed else ""
+        yield f"{printable(title)}: {app} would have given {given}{note}{people}{printable(rest, 500)}"

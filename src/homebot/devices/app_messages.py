@@ -18,6 +18,9 @@ __all__ = [
     "ChangeRoutine",
     "ChangeRoutineRequest",
     "ChangeRoutineResponse",
+    "GetHomePlace",
+    "HomePlaceRequest",
+    "HomePlaceResponse",
     "ListApps",
     "ListRoutines",
     "LoadApp",
@@ -170,11 +173,23 @@ class RoutinesResponse(Message):
 
     Attributes:
         zone: The IANA name of the home's time zone; empty if it has none.
-        place: Its latitude and longitude to a tenth of a degree, for the sun; empty if unknown.
     """
 
     routines: tuple[RoutineInfo, ...] = ()
     zone: ShortText = ""
+
+
+class HomePlaceRequest(Message):
+    """Request for the place of the home, for trials with the sun."""
+
+
+class HomePlaceResponse(Message):
+    """The place of the home.
+
+    Attributes:
+        place: Its latitude and longitude to a tenth of a degree; empty if unknown.
+    """
+
     place: Annotated[tuple[float, ...], Field(max_length=2)] = ()
 
 
@@ -230,6 +245,7 @@ LoadApp = ServiceType("homebot/srv/LoadApp", ChangeAppRequest, ChangeAppResponse
 UnloadApp = ServiceType("homebot/srv/UnloadApp", ChangeAppRequest, ChangeAppResponse)
 ReloadApp = ServiceType("homebot/srv/ReloadApp", ChangeAppRequest, ChangeAppResponse)
 ListApps = ServiceType("homebot/srv/ListApps", AppsRequest, AppsResponse)
+GetHomePlace = ServiceType("homebot/srv/GetHomePlace", HomePlaceRequest, HomePlaceResponse)
 ListRoutines = ServiceType("homebot/srv/ListRoutines", RoutinesRequest, RoutinesResponse)
 ChangeRoutine = ServiceType("homebot/srv/ChangeRoutine", ChangeRoutineRequest, ChangeRoutineResponse)
 ProposeRoutine = ServiceType("homebot/srv/ProposeRoutine", ProposeRoutineRequest, ChangeRoutineResponse)

@@ -4,13 +4,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from homebot.config import ROUTINE, Config, Table
+from homebot.config import ROUTINE, Config, Table, located
 from homebot.control.timeline.cause import Cause
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.wording.journal_words import settings_text
-from homebot.errors import UsageError
+from homebot.errors import ConfigError, UsageError
 from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.replay import Replayed, replay_config
+from homebot.runtime.plan import plan_errors
 
 __all__ = ["TriedCommand", "routines_of", "trial_config", "tried"]
 
@@ -45,7 +46,10 @@ def trial_config(recording: Recording, given: Config) -> Config:
     routines = dict(routines_of(given))
     if not routines:
         raise UsageError(f"{given.source} has no table [[routines]]")
-    return replay_config(recording, (), given, routines)
+    config = replay_config(recording, (), given, routines)
+    for error in plan_errors(config):
+        raise located(ConfigError(given.source, error.key, error.reason))
+    return config
 
 
 def routines_of(config: Config) -> Iterator[tuple[str, Table]]:

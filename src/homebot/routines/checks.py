@@ -26,7 +26,7 @@ from homebot.errors import HomebotError, RefusedError, ServiceError, UsageError
 from homebot.graph import Node
 from homebot.routines.conditions import Matches, read_condition
 from homebot.routines.effects import Effect, RoutineEffects, fights, loops
-from homebot.routines.program import Branch, conditions_of, program_of
+from homebot.routines.program import program_of
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.steps import APPLY, Do, SendRobot, Wait, WaitUntil
 from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
@@ -167,8 +167,8 @@ class HouseChecks:
                     refused.append(f"{part_name(device, part)}: {parsed.reason}")
                     continue
                 taken += 1
-                if not is_toggled:
-                    effects.append(Effect(step.text, device, part.id, parsed, is_prompt))
+                results = (parsed, dict.fromkeys(parsed, False)) if is_toggled else (parsed,)
+                effects += [Effect(step.text, device, part.id, one, is_prompt, is_toggled) for one in results]
         return refused if len(targets) <= 1 or not taken else []
 
     async def _scene(self, step: Do, effects: list[Effect], *, is_prompt: bool) -> list[str]:
@@ -207,18 +207,10 @@ class HouseChecks:
 
 def _states(routine: RoutineSettings) -> Iterator[tuple[str, Query, str]]:
     """Yield the text of each state and press, its query, and the event."""
-    for text in routine.when:
-        match read_trigger(text):
-            case Becomes(query=query) | PersonMoves(query=query):
+    for text, one in routine.asked():
+        match one:
+            case Becomes(query=query) | PersonMoves(query=query) | Matches(state=Becomes(query=query)):
                 yield text, query, ""
-            case Press(query=query, value=value):
-                yield text, query, value
-    steps = [(line.text, line.step) for line in program_of(routine.do)]
-    choices = [one for _, step in steps if isinstance(step, Branch) for one in step.conditions]
-    for text, asked in (*conditions_of(routine.conditions), *choices, *steps):
-        match asked:
-            case Matches(state=state) | WaitUntil(state=state):
-                yield text, state.query, ""
             case Press(query=query, value=value):
                 yield text, query, value
 

@@ -29,6 +29,7 @@ class Effect:
     Attributes:
         text: The step.
         is_prompt: Whether it is set as soon as the routine starts, without a wait before.
+        may_be: Whether it depends on the value before, as with ``toggle``.
     """
 
     text: str
@@ -36,10 +37,11 @@ class Effect:
     part: str
     settings: Mapping[str, PlainValue]
     is_prompt: bool
+    may_be: bool = False
 
     def opposes(self, other: "Effect") -> bool:
         """Return whether both are for one part, and each would undo the other."""
-        if (self.device.id, self.part) != (other.device.id, other.part):
+        if (self.device.id, self.part) != (other.device.id, other.part) or self.may_be or other.may_be:
             return False
         pairs = product(self.settings.items(), other.settings.items())
         return any(
@@ -100,6 +102,8 @@ def _started_by(one: RoutineEffects, others: Iterable[RoutineEffects]) -> dict[s
     found: dict[str, str] = {}
     for other in others:
         for effect in one.effects:
+            if effect.may_be and other is one:
+                continue  # what the trigger asks for is no longer so
             if any(map(effect.starts, other.triggers)):
                 found.setdefault(other.name, effect.text)
     return found

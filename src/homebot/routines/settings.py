@@ -1,5 +1,6 @@
 """The tables ``[[routines]]``."""
 
+from collections.abc import Iterator
 from typing import Annotated
 
 from pydantic import AfterValidator, ConfigDict, Field, model_validator
@@ -7,9 +8,11 @@ from pydantic import AfterValidator, ConfigDict, Field, model_validator
 from homebot.apps import AppSettings
 from homebot.apps.run_modes import RunMode
 from homebot.config import value_errors
-from homebot.routines.program import MOST, ConditionText, StepSetting, Text, program_of
-from homebot.routines.steps import Do, Undo
-from homebot.routines.triggers import Becomes, read_trigger
+from homebot.routines.conditions import Condition, SunIs
+from homebot.routines.program import MOST, Branch, ConditionText, StepSetting, Text, conditions_of, program_of
+from homebot.routines.steps import Do, Undo, WaitUntil
+from homebot.routines.times import SunMoment
+from homebot.routines.triggers import Becomes, Trigger, read_trigger
 from homebot.support.folding import fold
 
 __all__ = ["RoutineSettings"]
@@ -48,6 +51,21 @@ class RoutineSettings(AppSettings):
     do: Annotated[tuple[StepSetting, ...], Field(min_length=1, max_length=MOST)]
     mode: RunMode = "single"
     enabled: bool = True
+
+    def asked(self) -> Iterator[tuple[str, Trigger | Condition]]:
+        """Yield each trigger, condition and awaited state, with its text."""
+        yield from ((text, read_trigger(text)) for text in self.when)
+        yield from conditions_of(self.conditions)
+        for line in program_of(self.do):
+            match line.step:
+                case Branch(conditions=conditions):
+                    yield from conditions
+                case WaitUntil(state=state):
+                    yield line.text, state
+
+    def asking_the_sun(self) -> tuple[str, ...]:
+        """Return its texts for which the place of the home must be known."""
+        return tuple(text for text, one in self.asked() if isinstance(one, SunMoment | SunIs))
 
     def written(self) -> dict[str, object]:
         """Return its table as a person would write it: without default values."""

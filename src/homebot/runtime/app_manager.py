@@ -28,6 +28,9 @@ from homebot.devices.app_messages import (
     ChangeRoutine,
     ChangeRoutineRequest,
     ChangeRoutineResponse,
+    GetHomePlace,
+    HomePlaceRequest,
+    HomePlaceResponse,
     ListApps,
     ListRoutines,
     LoadApp,
@@ -41,6 +44,7 @@ from homebot.devices.app_messages import (
 from homebot.devices.names import (
     CHANGE_ROUTINE,
     HABIT_SERVICES,
+    HOME_PLACE,
     LIST_APPS,
     LIST_ROUTINES,
     LOAD_APP,
@@ -243,6 +247,7 @@ class AppManager:
         node.create_service(UnloadApp, UNLOAD_APP, partial(_answer, self.unload))
         node.create_service(ReloadApp, RELOAD_APP, partial(_answer, self.reload))
         node.create_service(ListApps, LIST_APPS, self._list)
+        node.create_service(GetHomePlace, HOME_PLACE, self._place)
         node.create_service(ListRoutines, LIST_ROUTINES, self._list_routines)
         node.create_service(ChangeRoutine, CHANGE_ROUTINE, self._change_routine)
         node.create_service(ProposeRoutine, PROPOSE_ROUTINE, self._propose_routine)
@@ -259,6 +264,10 @@ class AppManager:
         running, crashes = self._host.running, self._supervisor.crashes
         infos = tuple(_info(name, running.get(name), crashes.get(name)) for name in self._apps)
         return AppsResponse(apps=infos, zone=zone_name(self._host.context.zone_name))
+
+    def _place(self, _: HomePlaceRequest) -> HomePlaceResponse:
+        place = self._host.context.latitude, self._host.context.longitude
+        return HomePlaceResponse(place=tuple(round(one, 1) for one in place if one is not None))
 
     async def _list_routines(self, request: RoutinesRequest) -> RoutinesResponse:
         return await self._routines.list(request)

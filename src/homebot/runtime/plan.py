@@ -317,7 +317,14 @@ def planned_app(
     _check_name(key, name, config.source)
     scope_of(key, table, config)
     made = load if given is None else lambda *_: given
-    return _component(App, APPS, name, without_act(table), config, key, made)  # type: ignore[type-abstract]
+    app = _component(App, APPS, name, without_act(table), config, key, made)  # type: ignore[type-abstract]
+    if table.get("class") == ROUTINE and config.home.latitude is None:
+        from homebot.routines.settings import RoutineSettings  # noqa: PLC0415 - many homes have no routine
+
+        if isinstance(app.settings, RoutineSettings) and (asking := app.settings.asking_the_sun()):
+            reason = f"{asking[0]!r} needs the place of the home: set latitude and longitude in the table [home]"
+            raise ConfigError(config.source, key, reason)
+    return app
 
 
 def _check_name(key: str, name: str, source: str) -> None:

@@ -59,10 +59,7 @@ class RoutineServices:
         if request.device:
             meant = await self._host.routines_commanding(request.device) if infos else frozenset()
             infos = tuple(one for one in infos if one.name in meant)
-        context = self._host.context
-        known = (one for one in (context.latitude, context.longitude) if one is not None)
-        place = tuple(round(one, 1) for one in known)
-        return RoutinesResponse(routines=infos, zone=zone_name(context.zone_name), place=place)
+        return RoutinesResponse(routines=infos, zone=zone_name(self._host.context.zone_name))
 
     async def change(self, request: ChangeRoutineRequest) -> ChangeRoutineResponse:
         """Start a routine, switch it on or off, or write it."""

@@ -301,8 +301,11 @@ async def house_of(
             gateway = mqtt_gateway_of(made)
             own = MqttOptions.from_url(broker.url)
             options = own if gateway is None else replace(gateway.options(), client_id=own.client_id)
+            runtime = Runtime(made, trusts_apps=True)
+            for mistake in runtime.app_host.left_out.values():
+                raise mistake
             async with (
-                Runtime(made, trusts_apps=True) as runtime,
+                runtime,
                 MqttConnection(options, NativeClient, status_topic=None) as field,
             ):
                 await field.subscribe(EVERYTHING)

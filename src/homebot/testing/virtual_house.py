@@ -241,6 +241,8 @@ async def virtual_house_of(
                 record_into=record_into,
                 is_dry_run=is_dry_run,
             )
+            for mistake in runtime.app_host.left_out.values():
+                raise mistake
             async with runtime, _inhabited(runtime, broker, clock, world, root, parse_duration(heartbeat)) as house:
                 yield house
 

@@ -65,6 +65,7 @@ _ACTING: Final = frozenset(
         names.COMMAND_DEVICES,
         names.DEFINE_TYPE,
         names.HOLD_DEVICE,
+        names.HOME_PLACE,
         names.HOLD_PART,
         names.IDENTIFY_DEVICE,
         names.PERFORM_COMMAND,

@@ -227,7 +227,7 @@ def _print_trial(door: DoorClient, routine: RoutineInfo) -> None:
     from homebot.cli.routine_trial import LAST, given_of, history_lines  # noqa: PLC0415 - a replay needs the runtime
 
     try:
-        lines = history_lines(door, given_of(door, routine.text, routine.name), LAST["last-week"], "the last week")
+        lines = history_lines(door, given_of(routine.text, routine.name), LAST["last-week"], "the last week")
     except HomebotError as exc:
         lines = [f"no trial: {exc}"]
     print_line(printable(lines[-1], 500))
