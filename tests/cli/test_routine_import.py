@@ -43,7 +43,10 @@ def test_what_is_carried_over_is_printed_apart_from_what_is_not(
         ("- {alias: A, use_blueprint: {path: a.yaml}}", "A: automation: `use_blueprint` has no counterpart"),
         ("light: []", "has no automations"),
         ("- a: [", "cannot be read: line 1"),
-        ("- &a {}\n- *a", "it has an alias (*NAME)"),
+        ("- &a {}\n- *a", "line 1, automation in line 1: it would do nothing"),
+        ("- &a [" + ", ".join("x" * 999) + "]\n- &b [" + ", ".join(["*a"] * 999) + "]\n- [*b, *b]", "repeat too much"),
+        ("- &a [*a]", "cannot be read"),
+        ("#" * 1_000_001, "it has 1,000,001 characters; divide it"),
     ],
 )
 def test_a_file_of_which_nothing_is_carried_over_is_an_error(

@@ -1,11 +1,12 @@
-"""The loader of PyYAML with the core schema of YAML 1.2, in which ``on`` and ``yes`` are texts; without aliases.
+"""The loader of PyYAML with the core schema of YAML 1.2, in which ``on`` and ``yes`` are texts.
 
 Source: YAML 1.2.2, section 10.3.2 (tag resolution).
 """
 
 import re
 from collections.abc import Callable, Hashable
-from typing import TypeVar
+from itertools import count as count_from
+from typing import Final, TypeVar
 
 import yaml
 
@@ -15,6 +16,9 @@ from homebot.support.located import Located
 __all__ = ["load_located", "load_yaml"]
 
 T = TypeVar("T")
+
+MOST_READ: Final = 1_000_000
+"""Characters of a document, and values with their lines; so many take seconds."""
 
 
 def load_yaml(text: str) -> object:
@@ -27,18 +31,23 @@ def load_yaml(text: str) -> object:
 
 
 def load_located(text: str) -> Located:
-    """Return the values of a document of YAML with their lines; own tags are kept, as texts.
+    """Return the values of a document of YAML with their lines; own tags are kept, and aliases are values.
 
     Raises:
-        WireError: As for :func:`load_yaml`.
+        WireError: As for :func:`load_yaml`, or it is too long.
     """
-    loader = _CoreLoader(text)
+    if len(text) > MOST_READ:
+        raise WireError(f"it has {len(text):,} characters; divide it, as {MOST_READ:,} are read at once")
+    loader = _LocatedLoader(text)
+    count = count_from(1)
 
     def own_tag(node: yaml.Node) -> str:
         return node.tag if node.tag.startswith("!") else ""
 
     def located(node: yaml.Node | None) -> Located:
         line = 1 if node is None else node.start_mark.line + 1
+        if next(count) > MOST_READ:
+            raise WireError("its aliases (*NAME) repeat too much; write the values themselves there")
         match node:
             case yaml.MappingNode():
                 names = loader.construct_mapping(yaml.MappingNode(node.tag, [(key, key) for key, _ in node.value]))
@@ -86,6 +95,11 @@ class _CoreLoader(yaml.SafeLoader):
                 raise yaml.MarkedYAMLError(None, None, f"the field {name[:60]!r} occurs twice", key.start_mark)
             found[name] = self.construct_object(value, deep=True)
         return found
+
+
+class _LocatedLoader(_CoreLoader):
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        return yaml.SafeLoader.compose_node(self, parent, index)
 
 
 for _tag, _shape, _first in (

@@ -21,8 +21,8 @@ Step = str | dict[str, object]
 """A step of a routine, or a choice between some."""
 
 _IS_STATE: Final = re.compile(
-    r"\{\{\s*(?:is_state\(\s*(?P<quote>['\"])(?P<entity>[\w.]+)(?P=quote)\s*,\s*(?P<quoted>['\"])(?P<state>[^'\"]+)(?P=quoted)\s*\)"
-    r"|states\(\s*(?P<quote2>['\"])(?P<entity2>[\w.]+)(?P=quote2)\s*\)\s*==\s*(?P<quoted2>['\"])(?P<state2>[^'\"]+)(?P=quoted2))\s*\}\}"
+    r"\{\{ *(?:is_state\( *'(?P<entity>[\w.]+)' *, *'(?P<state>[^']+)' *\)"
+    r"|states\( *'(?P<of>[\w.]+)' *\) *== *'(?P<same>[^']+)') *\}\}"
 )
 _CONDITIONS: Final = frozenset({"condition", *JOINTS})
 _KINDS: Final = (
@@ -77,7 +77,7 @@ class Actions:
     def _steps(self, fields: UnreadFields) -> Sequence[Step]:
         kind = next((one for one in _KINDS if one in fields), "")
         match kind:
-            case "service" | "action" | "scene":
+            case "service" | "action" | "scene" | "device_id":
                 return steps_of_service(self._automation.entities, fields, kind)
             case "delay":
                 length = fields.duration("delay")
@@ -148,10 +148,11 @@ class Actions:
     def _template(self, fields: UnreadFields) -> str:
         node = fields.take("wait_template")
         text = str(node.value if node else "").strip()
-        if (found := _IS_STATE.fullmatch(text)) is None:
+        if (found := _IS_STATE.fullmatch(text.replace('"', "'"))) is None:
             raise NotCarriedError(f"wait_template: {text[:60]!r}; only is_state(...) is carried over")
-        entity, state = (found[one] or found[f"{one}2"] for one in ("entity", "state"))
-        return state_texts(self._automation.entities, entity, [state])[0]
+        return state_texts(self._automation.entities, found["entity"] or found["of"], [found["state"] or found["is"]])[
+            0
+        ]
 
 
 def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: Sequence[Step]) -> list[Step]:

@@ -9,7 +9,6 @@ from typing import Final, NamedTuple
 from homebot.integrations.homeassistant.automations.automation import Automation
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.states import STATES, SUN
-from homebot.integrations.homeassistant.automations.times import clock_times, days_text
 from homebot.support.located import Located
 
 __all__ = ["JOINTS", "NEVER", "Condition", "conditions_of"]
@@ -85,7 +84,7 @@ def _state(automation: Automation, kind: str, fields: UnreadFields) -> list[Cond
 
 
 def _time(fields: UnreadFields) -> list[Condition]:
-    days, after, before = days_text(fields), clock_times(fields, "after"), clock_times(fields, "before")
+    days, after, before = fields.days(), fields.clock_times("after"), fields.clock_times("before")
     match after, before:
         case [begin], [end]:
             texts = [f"between {begin} and {end}"]

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final, NamedTuple, final
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
@@ -16,7 +16,6 @@ __all__ = ["Entities", "KnownEntity", "text_value"]
 
 _ID: Final = re.compile(r"[a-z_]+\.[a-z0-9_]+")
 _LISTED: Final = re.compile(r"(?P<id>[a-z_]+\.[a-z0-9_]+)(?: \((?P<unit>[^)]*)\))?")
-_FACT: Final = "entities"
 _ODD: Final = re.compile(r"[\"\\\n]|: |\b(?:for|in|press|pressed|presses)\b", re.IGNORECASE)
 """Parts of names that mean something else in texts of routines."""
 
@@ -44,15 +43,12 @@ _CONTROLS: Final = {
     "scene": ("x_scene", "scene"),
     "button": ("x_setting", "push"),
     "select": ("x_setting", "option"),
-    **{
-        f"input_{one}": ("x_setting", can)
-        for one, can in (("boolean", "on_off"), ("button", "push"), ("select", "option"))
-    },
+    "input_boolean": ("x_setting", "on_off"),
+    "input_button": ("x_setting", "push"),
+    "input_select": ("x_setting", "option"),
+    "sensor": ("", "value"),
 }
-"""The types of the parts that are entities of a domain, and the capabilities of which each has one."""
-
-_HELPER: Final = "input_"
-
+"""The types of the parts that are entities of a domain, and their capabilities: the first one tells the state."""
 
 _USUAL: Final[Mapping[str, tuple[float, float]]] = {
     "heating_setpoint": (3.0, 40.0),
@@ -62,13 +58,19 @@ _USUAL: Final[Mapping[str, tuple[float, float]]] = {
 """Limits of devices that declare none: a number in another unit is beyond them."""
 
 
+class _Meant(NamedTuple):
+    device: Device
+    part: DevicePart
+    capability: str
+
+
 class KnownEntity(NamedTuple):
     """An entity with the part that it is in homebot.
 
     Attributes:
         capability: What a sensor measures; empty for anything else.
-        unit: Its unit in Home Assistant, if that is another than homebot's; empty otherwise.
         name: The name that means its device alone.
+        unit: Its unit in Home Assistant, if that is another than homebot's; empty otherwise.
     """
 
     id: str
@@ -82,6 +84,11 @@ class KnownEntity(NamedTuple):
     def domain(self) -> str:
         """The domain, such as ``light``."""
         return self.id.partition(".")[0]
+
+    @property
+    def controls(self) -> list[str]:
+        """The capabilities that entities of its domain may have; the first one tells its state."""
+        return _CONTROLS.get(self.domain, ("", ""))[1].split()
 
     def has(self, name: str) -> bool:
         """Return whether its part tells a capability."""
@@ -115,14 +122,16 @@ class Entities:
         used: Those that were found since it was last emptied, by id.
     """
 
-    def __init__(self, devices: Iterable[Device]) -> None:
-        self._devices = tuple(devices)
-        self._names = Counter(name for one in self._devices for name in _names(one))
-        self._listed = {entity: (one, unit) for one in self._devices for entity, unit in _entities_of(one)}
-        self._by_slug: dict[str, dict[str, Device]] = {}
-        for one in self._devices:
-            for name in map(slug_of, _names(one)):
-                self._by_slug.setdefault(name, {})[one.id] = one
+    def __init__(self, devices: Sequence[Device]) -> None:
+        self._devices = devices
+        self._names = Counter(name for one in devices for name in _names(one))
+        self._listed = {entity: (one, unit) for one in devices for entity, unit in _listed(one).items()}
+        self._named: dict[str, dict[tuple[str, str, str], _Meant]] = {}
+        for one in devices:
+            for domain in (*_CONTROLS, *_SENSORS):
+                for slug, meant in _by_slug(one, domain):
+                    key = one.id, meant.part.id, meant.capability
+                    self._named.setdefault(f"{domain}.{slug}", {})[key] = meant
         self.used: dict[str, KnownEntity] = {}
 
     def find(self, entity_id: str) -> KnownEntity:
@@ -137,9 +146,7 @@ class Entities:
         """Return the device with the id *device_id* of Home Assistant."""
         found = [one for one in self._devices if any(route.key == device_id for route in one.endpoints)]
         if len(found) != 1:
-            raise NotCarriedError(
-                f"the device {device_id!r} is not known; homebot needs the gateway of Home Assistant for it"
-            )
+            raise NotCarriedError(f"the device {device_id!r} is not known; its id is of the gateway of Home Assistant")
         return found[0]
 
     def name_of(self, device: Device) -> str:
@@ -158,20 +165,16 @@ class Entities:
         return found[0]
 
     def _find(self, entity_id: str) -> KnownEntity:
-        domain, _, slug = entity_id.partition(".")
-        listed = self._listed.get(entity_id)
-        if listed is not None:
-            meant = [(listed[0], *one) for one in _meant(listed[0], domain, slug, is_sure=True)]
-        else:
-            words = slug.split("_")
-            names = ("_".join(words[:count]) for count in range(1, len(words) + 1))
-            named = {one.id: one for name in names for one in self._by_slug.get(name, {}).values()}
-            meant = [(device, *one) for device in named.values() for one in _meant(device, domain, slug)]
-        if len(meant) == 1:
-            ((device, part, capability),) = meant
-            return KnownEntity(entity_id, device, part, capability, self.name_of(device), listed[1] if listed else "")
-        problem = "may be several parts of what homebot knows" if meant or listed else "is nothing that homebot knows"
-        raise NotCarriedError(f"{entity_id} {problem}")
+        device, unit = self._listed.get(entity_id, (None, ""))
+        named = self._named.get(entity_id, {}).values()
+        meant = [one for one in named if device is None or one.device is device]
+        if device is not None and not meant:
+            meant = _only_one(device, entity_id.partition(".")[0])
+        if len(meant) != 1 or (device is None and entity_id.startswith("input_")):  # no device has helpers
+            is_known = device is not None or meant
+            problem = "may be several parts of what homebot knows" if is_known else "is nothing that homebot knows"
+            raise NotCarriedError(f"{entity_id} {problem}")
+        return KnownEntity(entity_id, *meant[0], self.name_of(meant[0].device), unit)
 
 
 def text_value(text: str) -> str:
@@ -188,39 +191,38 @@ def _names(device: Device) -> set[str]:
     return {fold(one) for one in (device.id, device.name, *device.names)}
 
 
-def _entities_of(device: Device) -> Iterator[tuple[str, str]]:
-    for fact in device.facts:
-        if fact.name == _FACT:
-            for found in filter(None, map(_LISTED.fullmatch, fact.value.split(", "))):
-                yield found["id"], found["unit"] or ""
+def _listed(device: Device) -> dict[str, str]:
+    """Return the entities of a device that Home Assistant told, with their units there if these differ."""
+    texts = [text for fact in device.facts if fact.name == "entities" for text in fact.value.split(", ")]
+    return {found["id"]: found["unit"] or "" for found in map(_LISTED.fullmatch, texts) if found}
 
 
-def _meant(device: Device, domain: str, slug: str, *, is_sure: bool = False) -> list[tuple[DevicePart, str]]:
-    """Return the parts of *device*, each with its measured capability, that the entity may be.
+def _only_one(device: Device, domain: str) -> list[_Meant]:
+    """Return the only part of *device* that an entity of *domain* may be, if it also has only one such entity."""
+    ids = [one for one in _listed(device) if one.startswith(f"{domain}.")]
+    possible = [*_possible(device, domain)]
+    return possible if len(ids) == len(possible) == 1 else []
 
-    Args:
-        is_sure: Whether the entity belongs to the device, whatever its name is; helpers exist in Home Assistant alone.
-    """
-    possible = [] if domain.startswith(_HELPER) and not is_sure else [*_possible(device, domain)]
+
+def _by_slug(device: Device, domain: str) -> Iterator[tuple[str, _Meant]]:
+    """Yield the parts of *device* that may be entities of *domain*, by the ends of their ids."""
     names = {slug_of(one) for one in _names(device)}
-    if len(possible) == 1 and (is_sure or slug in names):
-        return possible
-    return [
-        (part, capability)
-        for part, capability in possible
-        for own in {slug_of(one) for one in (part.part.name, part.part.tag, _NAMES.get(capability, capability))} - {""}
-        if any(slug == f"{name}_{own}" for name in names)
-    ][:2]
+    possible = [*_possible(device, domain)]
+    for one in possible:
+        part = one.part.part
+        own = {slug_of(text) for text in (part.name, part.tag, _NAMES.get(one.capability, one.capability))} - {""}
+        ends = {f"_{text}" for text in own} | ({""} if len(possible) == 1 else set())
+        yield from ((f"{name}{end}", one) for name in names for end in ends)
 
 
-def _possible(device: Device, domain: str) -> Iterator[tuple[DevicePart, str]]:
-    """Yield the parts that an entity of *domain* may be, each with the capability that a sensor measures."""
+def _possible(device: Device, domain: str) -> Iterator[_Meant]:
+    """Yield the parts that an entity of *domain* may be."""
     kinds, able = _CONTROLS.get(domain, ("", ""))
     for part in device.parts:
         for one in part.part.capabilities if domain in _SENSORS else ():
             is_flag = CAPABILITIES.get(one.name, OWN).kind == "bool" or one.name == "state"
             if one.readable and not one.settable and is_flag is _SENSORS[domain]:
-                yield part, one.name
+                yield _Meant(device, part, one.name)
         abilities = {one.name for one in part.part.capabilities}
         if part.part.service_type in kinds.split() and not abilities.isdisjoint(able.split()):
-            yield part, ""
+            yield _Meant(device, part, "")

@@ -14,10 +14,12 @@ from homebot.support.located import Located
 __all__ = ["NotCarriedError", "UnreadFields", "items_of", "shown", "walk"]
 
 _TEMPLATE: Final = re.compile(r"\{[{%#]")
+_TIME_OF_DAY: Final = re.compile(r"([01]?\d|2[0-3]):[0-5]\d(:[0-5]\d)?")
 _CLOCK: Final = re.compile(r"(?P<sign>[+-]?)(?P<hours>\d+):(?P<minutes>\d{1,2})(?::(?P<seconds>\d{1,2}))?")
 _EITHER: Final = re.compile(r"[+-]?[1-9]\d*:\d\d?")
 """Without quotation marks YAML 1.1, which Home Assistant reads, has 5:00 as a number to the base of 60."""
 
+_DAYS: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 _UNITS: Final = {"days": 86_400, "hours": 3600, "minutes": 60, "seconds": 1, "milliseconds": 0.001}
 _FLAGS: Final = {
     **dict.fromkeys(("true", "yes", "on", "enable"), True),
@@ -107,9 +109,16 @@ class UnreadFields:
         """Return a list of numbers, or one number; empty if it is missing."""
         return [_number(one, key) for one in self.items(key)]
 
-    def number(self, key: str) -> float | None:
-        """Return a number; None if it is missing."""
-        return None if (node := self.take(key)) is None else _number(node, key)
+    def clock_times(self, key: str) -> list[str]:
+        """Return a list of times of day, or one; empty if it is missing."""
+        return [_clock_time(one, key) for one in self.items(key)]
+
+    def days(self) -> str:
+        """Return the days of the week of ``weekday`` as a condition: ``on mon,tue``; empty for none."""
+        days = [one.casefold() for one in self.texts("weekday")]
+        if wrong := {*days} - {*_DAYS}:
+            raise NotCarriedError(f"weekday: {min(wrong)!r} is no day such as mon or tue", self._line)
+        return f"on {','.join(one for one in _DAYS if one in days)}" if days else ""
 
     def duration(self, key: str) -> str:
         """Return a length of time as homebot spells it, with its sign: ``5m``; empty for none."""
@@ -130,12 +139,11 @@ def items_of(node: Located | None, what: str) -> list[Located]:
 
 def walk(node: Located) -> Iterator[dict[str, Located]]:
     """Yield all mappings in *node*."""
-    inner = node.value if isinstance(node.value, list) else []
     if isinstance(node.value, dict):
         yield node.value
-        inner = [*node.value.values()]
-    for one in inner:
-        yield from walk(one)
+    for one in node.value.values() if isinstance(node.value, dict) else items_of(node, "") if not node.tag else ():
+        if one is not node:
+            yield from walk(one)
 
 
 def shown(node: Located) -> str:
@@ -172,10 +180,17 @@ def _number(node: Located, what: str) -> float:
     return number
 
 
+def _clock_time(node: Located, what: str) -> str:
+    text = _text(node, what)
+    if not _TIME_OF_DAY.fullmatch(text):
+        raise _wrong(node, what, "is no time of day")
+    return text.removesuffix(":00") if text.count(":") > 1 else text
+
+
 def _seconds(node: Located, what: str) -> float:
     if isinstance(node.value, dict):
         fields = UnreadFields(node, what)
-        total = sum((fields.number(unit) or 0.0) * length for unit, length in _UNITS.items())
+        total = sum(number * length for unit, length in _UNITS.items() for number in fields.numbers(unit))
         fields.end()
         return total
     text = _text(node, what)

@@ -73,11 +73,11 @@ def _tables(whole: Automation, fields: UnreadFields, name: str) -> Iterator[dict
     enabled, mode, most = (
         fields.flag("initial_state", default=True),
         fields.text("mode", "single"),
-        fields.number("max"),
+        fields.numbers("max"),
     )
     if mode not in _MODES:
         raise NotCarriedError(f"mode: {mode!r}")
-    if mode in {"queued", "parallel"} and most not in {None, _MOST_RUNS}:
+    if mode in {"queued", "parallel"} and most not in ([], [_MOST_RUNS]):
         raise NotCarriedError("max: routines have no such limit")
     triggers, conditions, actions = (fields.items(one, f"{one}s") for one in ("trigger", "condition", "action"))
     with whole.in_line(0):

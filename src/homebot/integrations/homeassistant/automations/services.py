@@ -1,7 +1,7 @@
 """Calls of services as steps of routines. Pure."""
 
 import colorsys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple
 
 from homebot.devices.capabilities import CAPABILITIES
@@ -13,82 +13,98 @@ from homebot.routines.steps import Do, Notify, read_step
 
 __all__ = ["steps_of_service"]
 
-_MIREDS: Final = 1_000_000.0
-_BRIGHTEST: Final = 255.0
+_ON_OFF: Final = ("light", "switch", "input_boolean", "fan", "siren", "humidifier", "media_player", "homeassistant")
+_WORDS: Final = {
+    **{f"{one}.turn_on": "on_off on" for one in _ON_OFF},
+    **{f"{one}.turn_off": "on_off off" for one in _ON_OFF},
+    **{f"{one}.toggle": "on_off toggle" for one in _ON_OFF},
+    **{f"alarm_control_panel.alarm_arm_{one}": f"alarm alarm armed_{one}" for one in ("home", "away", "night")},
+    "cover.open_cover": "movement|position open",
+    "cover.close_cover": "movement|position close",
+    "cover.stop_cover": "movement stop",
+    "lock.lock": "lock lock",
+    "lock.unlock": "lock unlock",
+    "climate.turn_off": "thermostat_mode thermostat_mode off",
+    "media_player.media_play": "playback playback playing",
+    "media_player.media_pause": "playback playback paused",
+    "media_player.media_stop": "playback playback stopped",
+    "vacuum.start": "vacuum start",
+    "vacuum.pause": "vacuum pause",
+    "vacuum.return_to_base": "vacuum dock",
+    "scene.turn_on": "scene press",
+    "button.press": "push press",
+    "input_button.press": "push press",
+}
+"""The capability of services without data, of which a device takes the first that it has, and the words."""
+
+_DATA: Final = {
+    "light.turn_on": ("brightness_pct", "brightness", "color_temp_kelvin", "kelvin", "color_temp"),
+    "cover.set_cover_position": ("position",),
+    "fan.set_percentage": ("percentage",),
+    "humidifier.set_humidity": ("humidity",),
+    "climate.set_temperature": ("temperature",),
+    "climate.set_hvac_mode": ("hvac_mode",),
+    "climate.set_preset_mode": ("preset_mode",),
+    "media_player.volume_set": ("volume_level",),
+    "select.select_option": ("option",),
+    "input_select.select_option": ("option",),
+}
+"""The fields of the data of services; without words one of them is needed."""
 
 
 class _Setting(NamedTuple):
-    """A value that a service sets.
+    """A value of a service.
 
     Attributes:
-        capabilities: Those that it may be, of which a device takes one; of ``a > b`` it is ``a`` if it takes both.
+        capabilities: Those that it may be: a device takes only one, or the first of ``a|b`` that it takes.
         words: Those of the command, with the capability and the value.
-        value: The value, or the field with it; empty for none.
         factor: What the number in the field is multiplied by.
     """
 
     capabilities: str
-    words: str
-    value: str | float = ""
+    words: str = "{name} {value}"
     factor: float = 1.0
+    value: str | float = ""
 
 
-_NAMED: Final = "{name} {value}"
-_PERCENT: Final = "{name} {value} %"
-_SERVICES: Final[Mapping[str, _Setting]] = {
-    "cover.open_cover": _Setting("movement > position", "open"),
-    "cover.close_cover": _Setting("movement > position", "close"),
-    "cover.stop_cover": _Setting("movement", "stop"),
-    "cover.set_cover_position": _Setting("position", "{value} %", "position"),
-    "fan.set_percentage": _Setting("fan_speed", _PERCENT, "percentage"),
-    "humidifier.set_humidity": _Setting("humidity_setpoint", _NAMED, "humidity"),
-    "lock.lock": _Setting("lock", "lock"),
-    "lock.unlock": _Setting("lock", "unlock"),
-    "climate.set_temperature": _Setting("heating_setpoint cooling_setpoint", _NAMED, "temperature"),
-    "climate.set_hvac_mode": _Setting("thermostat_mode", _NAMED, "hvac_mode"),
-    "climate.set_preset_mode": _Setting("preset_mode", _NAMED, "preset_mode"),
-    "climate.turn_off": _Setting("thermostat_mode", "thermostat_mode off"),
-    "media_player.media_play": _Setting("playback", "playback playing"),
-    "media_player.media_pause": _Setting("playback", "playback paused"),
-    "media_player.media_stop": _Setting("playback", "playback stopped"),
-    "media_player.volume_set": _Setting("volume", _PERCENT, "volume_level", 100.0),
-    "vacuum.start": _Setting("vacuum", "start"),
-    "vacuum.pause": _Setting("vacuum", "pause"),
-    "vacuum.return_to_base": _Setting("vacuum", "dock"),
-    "scene.turn_on": _Setting("scene", "press"),
-    "button.press": _Setting("push", "press"),
-    "input_button.press": _Setting("push", "press"),
-    "select.select_option": _Setting("option", _NAMED, "option"),
-    "input_select.select_option": _Setting("option", _NAMED, "option"),
-} | {
-    f"{domain}.{service}": _Setting("on_off", word)
-    for domain in ("light", "switch", "input_boolean", "fan", "siren", "humidifier", "media_player", "homeassistant")
-    for service, word in (("turn_on", "on"), ("turn_off", "off"), ("toggle", "toggle"))
+_FIELDS: Final = {
+    "brightness_pct": _Setting("level", "{value} %"),
+    "brightness": _Setting("level", "{value} %", 100 / 255),
+    "color_temp_kelvin": _Setting("color_temperature", "{value} K"),
+    "kelvin": _Setting("color_temperature", "{value} K"),
+    "color_temp": _Setting("color_temperature", "{value} K"),
+    "position": _Setting("position", "{value} %"),
+    "percentage": _Setting("fan_speed", "{name} {value} %"),
+    "humidity": _Setting("humidity_setpoint"),
+    "temperature": _Setting("heating_setpoint cooling_setpoint"),
+    "volume_level": _Setting("volume", "{name} {value} %", 100.0),
+    "hvac_mode": _Setting("thermostat_mode"),
+    "preset_mode": _Setting("preset_mode"),
+    "option": _Setting("option"),
 }
-_LAMP: Final = (
-    _Setting("level", "{value} %", "brightness_pct"),
-    _Setting("level", "{value} %", "brightness", 100 / _BRIGHTEST),
-    _Setting("color_temperature", "{value} K", "color_temp_kelvin"),
-    _Setting("color_temperature", "{value} K", "kelvin"),
-)
-"""What ``light.turn_on`` may set beside ``on``."""
 
 
 def steps_of_service(entities: Entities, fields: UnreadFields, key: str) -> list[str]:
-    """Return the steps of the call of a service, which the field *key* names."""
-    scenes = fields.texts(key) if key == "scene" else []
-    name = "scene.turn_on" if scenes else fields.text(key)
+    """Return the steps of the call of a service, which the field *key* names: a scene, or an action of a device."""
+    match key:
+        case "device_id":
+            fields.take(key)
+            name = f"{fields.text('domain')}.{fields.text('type')}"
+        case "scene":
+            name = "scene.turn_on"
+        case _:
+            name = fields.text(key)
     domain = name.partition(".")[0]
-    places = fields.inner("target"), fields.inner("data", "service_data"), fields
+    target, data = fields.inner("target"), fields.inner("data", "service_data")
     ids, areas, devices = (
-        [one for place in places for one in place.texts(key)] for key in ("entity_id", "area_id", "device_id")
+        [one for place in (target, data, fields) for one in place.texts(kind)]
+        for kind in ("entity_id", "area_id", "device_id")
     )
-    ids += scenes
-    target, data, _ = places
+    ids += fields.texts("scene")
     target.end()
     if domain in {"notify", "persistent_notification"} and all(one.startswith("notify.") for one in ids):
         return [_message(name, data)]
-    if name not in _SERVICES:
+    if name not in _WORDS and name not in _DATA:
         raise NotCarriedError(f"the service {name} has no counterpart in routines")
     if devices or not (ids or areas):
         raise NotCarriedError("the target `device_id`: name the entity" if devices else "no target; name an entity")
@@ -117,31 +133,24 @@ def _message(name: str, data: UnreadFields) -> str:
 
 def _settings(name: str, data: UnreadFields) -> Iterator[_Setting]:
     """Yield the values that a service sets."""
-    row = _SERVICES[name]
-    yield _with_value(row, data)
-    if name != "light.turn_on":
-        return
-    for one in _LAMP:
-        if str(one.value) in data:
-            found = _with_value(one, data)
-            is_level = one.capabilities == "level"
-            if is_level and not 0 < float(found.value) <= 100:
-                raise NotCarriedError(f"data: `{one.value}` is {found.value:g} %")
-            yield found._replace(value=max(1, round(float(found.value))) if is_level else found.value)
-    for mireds in data.numbers("color_temp"):
-        yield _Setting("color_temperature", "{value} K", round(_MIREDS / max(1.0, mireds)))
-    if (color := _color(data)) is not None:
+    if name in _WORDS:
+        capabilities, _, words = _WORDS[name].partition(" ")
+        yield _Setting(capabilities, words)
+    keys = [key for key in _DATA.get(name, ()) if key in data]
+    if not keys and name not in _WORDS:
+        raise NotCarriedError(f"data: `{_DATA[name][0]}` is missing")
+    for key in keys:
+        row = _FIELDS[key]
+        if CAPABILITIES[row.capabilities.split()[0]].kind != "number":
+            yield row._replace(value=data.text(key))
+            continue
+        for number in data.numbers(key):
+            value = 1_000_000 / max(1.0, number) if key == "color_temp" else number * row.factor
+            if row.capabilities == "level" and not 0 < value <= 100:
+                raise NotCarriedError(f"data: `{key}` is {value:g} %")
+            yield row._replace(value=max(1, round(value)) if name == "light.turn_on" else value)
+    if name == "light.turn_on" and (color := _color(data)) is not None:
         yield _Setting("color", f"color {color[0]:.0f} {color[1]:.0f}")
-
-
-def _with_value(row: _Setting, data: UnreadFields) -> _Setting:
-    if not (key := str(row.value)):
-        return row
-    if CAPABILITIES[row.capabilities.split()[0]].kind != "number":
-        return row._replace(value=data.text(key))
-    if (number := data.number(key)) is None:
-        raise NotCarriedError(f"data: `{key}` is missing")
-    return row._replace(value=number * row.factor)
 
 
 def _color(data: UnreadFields) -> tuple[float, float] | None:
@@ -156,48 +165,43 @@ def _color(data: UnreadFields) -> tuple[float, float] | None:
         case [hue, saturation], []:
             return hue, saturation
         case [], [red, green, blue]:
-            hue, saturation, _ = colorsys.rgb_to_hsv(red / _BRIGHTEST, green / _BRIGHTEST, blue / _BRIGHTEST)
+            hue, saturation, _ = colorsys.rgb_to_hsv(red / 255, green / 255, blue / 255)
             return 360 * hue, 100 * saturation
     raise NotCarriedError("data: a colour has two numbers in `hs_color`, or three in `rgb_color`")
 
 
-def _steps(entity: KnownEntity, settings: Sequence[_Setting], over: str) -> list[str]:
-    """Return the steps that set *settings*: one for all, and one for a colour."""
-    words, taken = [], []
-    for one in settings:
-        name = _taken(entity, one)
-        _check(entity, name, one)
-        value = f"{one.value:.12g}" if isinstance(one.value, (int, float)) else one.value
-        words.append(one.words.format(name=name, value=value))
-        taken.append(name)
-    count = len([one for one in taken if one != "color"])
+def _steps(entity: KnownEntity, settings: Sequence[_Setting], over: str) -> Iterator[str]:
+    """Yield the steps that set *settings*: one for all, and one for a colour."""
+    names = [_taken(entity, one) for one in settings]
+    words = [_words(entity, *one) for one in zip(names, settings, strict=True)]
+    count = len(words) - names.count("color")
     if over and count < len(words):
         raise NotCarriedError("data: `transition` with a colour")
-    together = [*words[:count], *([f"over {over}"] if over else [])]
-    return [
-        _step(_target(entity, taken[:count]), together),
-        *(_step(_target(entity, ["color"]), [one]) for one in words[count:]),
-    ]
+    yield _step(_target(entity, names[:count]), [*words[:count], *([f"over {over}"] if over else [])])
+    for one in words[count:]:
+        yield _step(_target(entity, ["color"]), [one])
 
 
 def _taken(entity: KnownEntity, setting: _Setting) -> str:
     """Return the capability of *setting* that an entity takes."""
-    able = [one for one in setting.capabilities.split() if entity.takes(one)]
-    if not able or (len(able) > 1 and ">" not in setting.capabilities):
-        names = " and ".join(able) or "no " + setting.capabilities.replace(" > ", " or ")
-        raise NotCarriedError(f"{entity.name} takes {names}")
+    able = [one for one in setting.capabilities.replace("|", " ").split() if entity.takes(one)]
+    if not able or (len(able) > 1 and "|" not in setting.capabilities):
+        raise NotCarriedError(f"{entity.name} takes {' and '.join(able) or f'no {setting.capabilities}'}")
     return able[0]
 
 
-def _check(entity: KnownEntity, name: str, setting: _Setting) -> None:
-    """Check that *setting* has a value that is possible."""
+def _words(entity: KnownEntity, name: str, setting: _Setting) -> str:
+    """Return the words of *setting* if its value is possible."""
     value, options, bounds = setting.value, entity.options(name), entity.bounds(name)
-    if isinstance(value, str):
-        word = value or setting.words.rpartition(" ")[2]
-        if (value or setting.words.startswith(f"{name} ")) and word not in options and options:
-            raise NotCarriedError(f"{entity.name} has no {name} {word!r}, only {', '.join(options)}")
-    elif bounds and not bounds[0] <= value <= bounds[-1]:
-        raise NotCarriedError(f"{entity.name} takes {name} from {bounds[0]:g} to {bounds[-1]:g}, not {value:g}")
+    if not isinstance(value, str):
+        if bounds and not bounds[0] <= value <= bounds[-1]:
+            raise NotCarriedError(f"{entity.name} takes {name} from {bounds[0]:g} to {bounds[-1]:g}, not {value:g}")
+        return setting.words.format(name=name, value=f"{value:.12g}")
+    words = setting.words.format(name=name, value=value)
+    capability, _, option = words.partition(" ")
+    if capability == name != "color" and option and options and option not in options:
+        raise NotCarriedError(f"{entity.name} has no {name} {option!r}, only {', '.join(options)}")
+    return words
 
 
 def _target(entity: KnownEntity, names: Sequence[str]) -> str:
@@ -210,16 +214,12 @@ def _target(entity: KnownEntity, names: Sequence[str]) -> str:
 
 def _step(target: str, words: Sequence[str]) -> str:
     """Return a step that homebot reads as a command to *target*."""
-    for text in (f"{target} {', '.join(words)}", f"{target}: {words[0]}" if len(words) == 1 else ""):
+    count = len([one for one in words[1:] if not one.startswith("over ")])
+    for text in (f"{target} {', '.join(words)}", *([f"{target}: {words[0]}"] if len(words) == 1 else [])):
         try:
-            step = read_step(text) if text else None
+            step = read_step(text)
         except UsageError:
             continue
-        values = [one for one in words[1:] if not one.startswith("over ")]
-        if (
-            isinstance(step, Do)
-            and (step.target, step.command) == (target, words[0])
-            and len(step.values) == len(values)
-        ):
+        if isinstance(step, Do) and (step.target, step.command, len(step.values)) == (target, words[0], count):
             return text
     raise NotCarriedError(f"{target!r} and {', '.join(words)!r} cannot be written as a step")

@@ -4,11 +4,11 @@ Source: Home Assistant core 2026.11, ``helpers/condition.py``, ``components/home
 ``components/zone/trigger.py``, ``components/device_automation``.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Final, TypeAlias
 
-from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import And, NameIs, Operator, StateIs, TypeIs, leaves
 from homebot.devices.query.vocabulary import ADJECTIVES
@@ -25,24 +25,9 @@ _Meaning: TypeAlias = tuple[str, Operator, PlainValue]
 
 _FLAGS: Final = {"on": True, "off": False}
 _COVERS: Final[dict[str, _Meaning]] = {"open": ("position", ">", 0.0), "closed": ("position", "=", 0.0)}
-_TEXTS: Final = {
-    "cover": "movement",
-    "lock": "lock",
-    "climate": "thermostat_mode",
-    "vacuum": "vacuum",
-    "alarm_control_panel": "alarm",
-    "select": "option",
-    "input_select": "option",
-    "person": "place",
-    "device_tracker": "place",
-    "sensor": "value",
-    "media_player": "playback",
-}
-"""The capabilities with the states of domains."""
+_SAME: Final = {"place": ("home", "not_home"), "playback": ("playing", "paused")}
+"""States of capabilities of which others differ, or are not known."""
 
-_PLACES: Final = frozenset({"home", "not_home"})
-_PLAYING: Final = frozenset({"playing", "paused"})
-_DOMAINS_ON_OFF: Final = frozenset({"light", "switch", "input_boolean", "fan", "siren", "humidifier", "media_player"})
 _UNKNOWN: Final = frozenset({"unknown", "unavailable", "none", ""})
 
 SUN: Final = {
@@ -51,15 +36,8 @@ SUN: Final = {
 }
 """The states of ``sun.sun`` as triggers and as conditions."""
 
-_DEVICE: Final = {
-    **dict.fromkeys(
-        ("turned_on", "is_on", "opened", "is_open", "occupied", "is_occupied", "motion", "is_motion"), "on"
-    ),
-    **dict.fromkeys(("turned_off", "is_off", "not_opened", "is_not_open", "not_occupied", "is_not_occupied"), "off"),
-    **dict.fromkeys(("no_motion", "is_no_motion", "not_moist", "is_not_moist"), "off"),
-    **dict.fromkeys(("moist", "is_moist"), "on"),
-}
-"""The states of triggers and conditions of devices that name an entity, by their types."""
+_ON: Final = frozenset({"on", "opened", "open", "occupied", "motion", "moist"})
+"""The states of triggers and conditions of devices that are ``on``; others are told with ``not`` or ``no``."""
 
 
 def state_texts(entities: Entities, entity_id: str, states: Sequence[str], key: str = "state") -> list[str]:
@@ -82,10 +60,11 @@ def _of_states(entities: Entities, fields: UnreadFields, key: str) -> list[list[
 
 
 def _of_limits(entities: Entities, fields: UnreadFields, _key: str) -> list[list[str]]:
-    above, below = fields.number("above"), fields.number("below")
-    if above is None and below is None:
+    given: tuple[tuple[Operator, str], ...] = ((">", "above"), ("<", "below"))
+    limits = [(operator, number) for operator, key in given for number in fields.numbers(key)]
+    if not limits:
         raise NotCarriedError("`above` or `below` is missing")
-    return [[_limit_text(entities.find(one), above, below)] for one in _ids(fields)]
+    return [[_limit_text(entities.find(one), limits)] for one in _ids(fields)]
 
 
 def _of_zone(entities: Entities, fields: UnreadFields, _key: str) -> list[list[str]]:
@@ -96,9 +75,10 @@ def _of_zone(entities: Entities, fields: UnreadFields, _key: str) -> list[list[s
 
 def _of_device(entities: Entities, fields: UnreadFields, _key: str) -> list[list[str]]:
     kind, _, _ = fields.text("type"), fields.take("domain"), fields.take("device_id")
-    if kind not in _DEVICE:
+    word = kind.removeprefix("is_").removeprefix("turned_")
+    if {word, word.removeprefix("not_"), word.removeprefix("no_")}.isdisjoint(_ON | {"off"}):
         raise NotCarriedError(f"device: {kind!r} of an entity; use its state")
-    return [state_texts(entities, one, [_DEVICE[kind]]) for one in _ids(fields)]
+    return [state_texts(entities, one, ["on" if word in _ON else "off"]) for one in _ids(fields)]
 
 
 STATES: Final[Mapping[str, Callable[[Entities, UnreadFields, str], list[list[str]]]]] = {
@@ -119,42 +99,37 @@ def _ids(fields: UnreadFields) -> list[str]:
     return ids
 
 
-def _limit_text(entity: KnownEntity, above: float | None, below: float | None) -> str:
+def _limit_text(entity: KnownEntity, limits: Sequence[tuple[Operator, float]]) -> str:
     """Return that the value of an entity is within limits."""
     name = entity.capability
-    if entity.domain != "sensor" or CAPABILITIES.get(name, OWN).kind != "number":
+    own = CAPABILITIES.get(name, OWN)
+    if entity.domain != "sensor" or own.kind != "number":
         raise NotCarriedError(f"{entity.id} has no limits: homebot reads no number from it")
     if entity.unit:
-        own = CAPABILITIES[name].unit
-        raise NotCarriedError(f"the limits of {entity.id} are in {entity.unit}, and homebot has it in {own}")
-    limits: tuple[tuple[Operator, float | None], ...] = ((">", above), ("<", below))
-    return _text(entity, [StateIs(name, operator, limit) for operator, limit in limits if limit is not None])
+        raise NotCarriedError(f"the limits of {entity.id} are in {entity.unit}, and homebot has it in {own.unit}")
+    return _text(entity, [StateIs(name, operator, limit) for operator, limit in limits])
 
 
 def _meaning(entity: KnownEntity, state: str) -> _Meaning:
-    domain = entity.domain
     if fold(state) in _UNKNOWN:
         raise NotCarriedError(f"{entity.id}: {state!r} is no state that a routine can ask for")
-    if domain == "binary_sensor" and state in _FLAGS:
+    if entity.domain == "binary_sensor" and state in _FLAGS:
         return entity.capability, "=", _FLAGS[state]
-    is_playing_or_idle = domain == "media_player" and state == "on"  # in homebot, what plays is on as well
-    if domain in _DOMAINS_ON_OFF and state in _FLAGS and entity.has("on_off") and not is_playing_or_idle:
+    is_playing_or_idle = entity.domain == "media_player" and state == "on"  # in homebot, what plays is on as well
+    if state in _FLAGS and "on_off" in entity.controls and entity.has("on_off") and not is_playing_or_idle:
         return "on_off", "=", _FLAGS[state]
-    if domain == "cover" and not entity.has("movement") and state in _COVERS and entity.has("position"):
+    if entity.domain == "cover" and not entity.has("movement") and state in _COVERS and entity.has("position"):
         return _COVERS[state]
-    capability = _TEXTS.get(domain, "")
-    if entity.has(capability) and _is_told(entity, capability, state):
+    capability = entity.controls[0] if entity.controls else ""
+    if entity.has(capability) and state in _told(entity, capability):
         return capability, "=", state
     raise NotCarriedError(f"{entity.id}: homebot knows no state {state!r} of it")
 
 
-def _is_told(entity: KnownEntity, capability: str, state: str) -> bool:
-    """Return whether *state* is one that homebot has in the same words."""
-    if capability == "value" and entity.capability != capability:
-        return False
-    if capability == "playback":
-        return state in _PLAYING
-    return state in (_PLACES if capability == "place" else entity.options(capability))
+def _told(entity: KnownEntity, capability: str) -> Collection[str]:
+    """Return the states that homebot has in the same words."""
+    is_other = capability in EVENTS or (capability == "value" and entity.capability != capability)
+    return () if is_other else _SAME.get(capability) or entity.options(capability)
 
 
 def _text(entity: KnownEntity, states: Sequence[StateIs]) -> str:

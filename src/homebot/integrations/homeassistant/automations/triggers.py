@@ -11,7 +11,6 @@ from homebot.integrations.homeassistant.automations.automation import Automation
 from homebot.integrations.homeassistant.automations.entities import KnownEntity, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.states import STATES, state_texts
-from homebot.integrations.homeassistant.automations.times import clock_times, days_text
 from homebot.routines.triggers import Press, read_trigger
 
 __all__ = ["read_triggers"]
@@ -27,8 +26,8 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[str]:
     fields.take("id")
     match kind:
         case "time":
-            days = days_text(fields)
-            times = [f"{one} {days}".rstrip() for one in clock_times(fields, "at")]
+            days = fields.days()
+            times = [f"{one} {days}".rstrip() for one in fields.clock_times("at")]
             if not times:
                 raise NotCarriedError("trigger time: `at` is missing")
             return times
