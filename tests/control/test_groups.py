@@ -206,20 +206,6 @@ async def test_an_empty_room_stays_empty_when_an_app_commands_a_group(open_home:
         assert isinstance(await lamp.turn_off(), Refused)
 
 
-async def test_a_held_lamp_is_commanded_again_after_a_command_to_its_group(home: Home) -> None:
-    """The lease forbids others to turn it off, and they did so past it."""
-    group = await put_group(home, "id:left")
-    await group.command("on_off", True)
-    lamp = await home.handle(Light, "left")
-    async with lamp.hold("on", by="robot", ttl=30) as held:
-        await anyio.sleep(20)
-        home.commands.clear()
-        await group.command("on_off", False)
-        await anyio.sleep(5)
-        assert [(one.key, one.value.plain()) for one in home.commands] == [("group", False), ("left", True)]
-        assert isinstance(held.outcome, Confirmed)
-
-
 async def test_a_lamp_that_blinks_with_its_group_may_not_be_switched_once_more(open_home: OpenHome) -> None:
     async with open_home(rate_limit={"changes": 2, "seconds": 60}) as home:
         group = await put_group(home, *(f"id:{name}" for name in LAMPS))

@@ -1,5 +1,7 @@
 """One message in place of several commands: sent once, when all are there and none is outdated; in virtual time."""
 
+from collections.abc import Awaitable, Callable
+
 import anyio
 import pytest
 from tests.control.conftest import Home
@@ -23,11 +25,19 @@ def progress() -> CommandProgress:
     return CommandProgress(Order("command", {"on_off": True}, {}), 0.0, {}, {}, DeviceProfile())
 
 
-async def sharing(home: Home, awaited: int = 2) -> SharedSending:
+async def may_send() -> bool:
+    return True
+
+
+async def refuse() -> bool:
+    return False
+
+
+async def sharing(home: Home, awaited: int = 2, may_send: Callable[[], Awaitable[bool]] = may_send) -> SharedSending:
     """Put a group, and share a message to it between *awaited* commands."""
     home.put("group", "light", "on_off")
     device = (await home.handle(Light, "group")).device
-    return SharedSending(home.app, CommandSender(home.app), (device, device.parts[0]), awaited, lambda: True)
+    return SharedSending(home.app, CommandSender(home.app), (device, device.parts[0]), awaited, may_send)
 
 
 async def carried(shared: SharedSending, *given: CommandProgress) -> list[bool]:
@@ -69,3 +79,9 @@ async def test_a_command_that_never_comes_is_waited_for_half_a_second(home: Home
     shared, began = await sharing(home, 3), home.graph.clock.monotonic()
     assert await carried(shared, progress(), progress()) == [False, False]
     assert home.graph.clock.monotonic() - began == pytest.approx(0.6, abs=0.1)
+
+
+async def test_a_message_that_may_not_be_sent_any_more_leaves_each_to_itself(home: Home) -> None:
+    shared = await sharing(home, may_send=refuse)
+    assert await carried(shared, progress(), progress()) == [False, False]
+    assert home.commands == []

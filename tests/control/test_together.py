@@ -396,5 +396,31 @@ async def test_a_group_is_refused_what_one_of_its_members_is_refused(open_home: 
         await anyio.sleep(1)
         (outcome,) = await command(home, ON, "all")
         assert isinstance(outcome, Refused)
-        assert outcome.reason.startswith("its member door is refused it: door is unsafe")
+        assert outcome.reason.startswith("its member door is refused it: door needs a right that names it")
         assert home.commands == []
+
+
+async def test_a_group_is_refused_while_a_lease_holds_one_of_its_members(home: Home) -> None:
+    await put_lamps(home)
+    await home.hold(hold_request("two", "on_off", False))
+    home.commands.clear()
+    (outcome,) = await command(home, ON, "group")
+    assert isinstance(outcome, Refused)
+    assert outcome.reason.startswith("its member two is refused it: ")
+    assert keys(home) == []
+
+
+@pytest.mark.parametrize(
+    ("scope", "is_done"), [((), False), (("act: harmless",), False), (("act: id=group",), True), (("act: all",), True)]
+)
+async def test_a_client_that_may_not_command_a_plug_does_not_by_a_group_unless_its_right_names_that(
+    home: Home, scope: tuple[str, ...], *, is_done: bool
+) -> None:
+    await put_lamps(home)
+    freezer = GatewayDevice("two", "Freezer", (simple_part("plug", settable=("on_off",)),), identifiers=("id:two",))
+    home.gateway.devices.put(freezer, "it is a plug")
+    await home.report("two", "on_off", True)
+    await anyio.sleep(1)
+    (outcome,) = await command(home, {"on_off": False}, "group", issuer="client:tablet", scope=scope)
+    assert outcome.succeeded is is_done
+    assert keys(home) == ["group"] * is_done

@@ -10,7 +10,7 @@ from homebot.devices.outcomes import AlreadySo, Outcome
 from homebot.errors import HomebotError, LinkError, RefusedError, UnansweredError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Awaitable, Callable, Sequence
 
     from homebot.control.timeline.progress import CommandProgress
     from homebot.devices import Device, DevicePart
@@ -48,7 +48,7 @@ class SharedSending:
         sender: CommandSender,
         group: tuple[Device, DevicePart],
         awaited: int,
-        may_send: Callable[[], bool],
+        may_send: Callable[[], Awaitable[bool]],
         recall: Setting | None = None,
     ) -> None:
         self.device, self.part = group
@@ -100,8 +100,7 @@ class SharedSending:
     def _send_if_complete(self) -> None:
         if not self.is_possible or len(self._orders) < self._awaited:
             return
-        is_outdated = any(one.superseded_by for one in self._progress)
-        if is_outdated or len(self._orders) < 2 or not self._may_send():
+        if len(self._orders) < 2:
             self._give_up()
             return
         self._decided.set()
@@ -113,6 +112,8 @@ class SharedSending:
 
     async def _send(self) -> None:
         try:
+            if not await self._may_send() or any(one.superseded_by for one in self._progress):
+                return
             own: dict[str, object] = {"id": ""}
             if self._recall is not None:
                 own |= {"capability": self._recall.capability, "value": self._recall.value}

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Final, final
 import anyio
 
 from homebot.control.command import IssuedCommand, order_of
-from homebot.control.policies.rights import must_ask
+from homebot.control.policies.rights import must_ask, names_it
 from homebot.control.shared_sending import SharedSending
-from homebot.devices.client_rights import ALL_RIGHTS
+from homebot.devices.client_rights import ALL_RIGHTS, CLIENT_RIGHTS
 from homebot.devices.command_messages import Setting
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.device import is_commanded
@@ -89,15 +89,18 @@ class Together:
             del self._batches[key]
 
     async def refusal_of_members(self, group: IssuedCommand) -> Refused | None:
-        """Return why a policy or a missing approval refuses the command to a member of *group*; None for a scene.
+        """Return why rights, a lease, a policy or a missing approval refuse the command to a member of *group*.
 
-        The rights are those to the group.
+        None for a scene. A right by a query that fits the group is one to its members.
         """
-        is_group = group.part.part.is_group
+        is_group, is_named = group.part.part.is_group, names_it(group)
         for device, part in await self._lookup.members(group.device, group.part) if is_group else ():
-            command = replace(group, device=device, part=part, rights=ALL_RIGHTS)
-            if (refused := self._policies.check(command, is_recorded=False)) is not None:
-                return replace(refused, reason=f"its member {command.label} is refused it: {refused.reason}")
+            command = replace(group, device=device, part=part, rights=ALL_RIGHTS if is_named else group.rights)
+            problem = "" if is_named or not group.is_client else self._policies.client_refusal(command)
+            refused = Refused(CLIENT_RIGHTS, problem) if problem else self._refusal(command)
+            if refused is not None:
+                reason = f"its member {command.label} is refused it: {refused.reason}"
+                return replace(refused, reason=reason, command_id=group.id)
         return None
 
     async def _share(self, commands: Sequence[IssuedCommand]) -> None:
@@ -114,7 +117,7 @@ class Together:
             group = next((one for one in _parts_of(groups) if self._may_carry(*one, members)), None)
             if group is None:
                 continue
-            may_send = partial(self._begin, members, group)
+            may_send = partial(self._may_begin, members, *group)
             shared = SharedSending(self._node, self._sender, group, len(members), may_send)
             for one in members:
                 one.shared = shared
@@ -130,7 +133,7 @@ class Together:
         parts = ((device, part) for device in known for part in device.parts if part.part.values)
         scene = next((one for one in parts if self._may_recall(*one, commands)), None)
         if scene is not None:
-            may_send = partial(self._may_begin, commands)
+            may_send = partial(self._may_begin, commands, *scene)
             shared = SharedSending(self._node, self._sender, scene, len(commands), may_send, _RECALL)
             for one in commands:
                 one.shared = shared
@@ -141,9 +144,6 @@ class Together:
             return False
         settings = {_RECALL.capability: _RECALL.value.plain()}
         return self._is_allowed(replace(commands[0], device=device, part=part, settings=settings, rights=ALL_RIGHTS))
-
-    def _may_begin(self, commands: Sequence[IssuedCommand]) -> bool:
-        return not any(map(self._is_held, commands))
 
     def _may_carry(self, device: Device, part: DevicePart, members: Sequence[IssuedCommand]) -> bool:
         """Return whether a message to a group reaches exactly *members*, may be sent, and makes sense."""
@@ -159,18 +159,31 @@ class Together:
         return self._is_allowed(replace(first, device=device, part=part, rights=ALL_RIGHTS))
 
     def _is_allowed(self, command: IssuedCommand) -> bool:
-        return not self._is_held(command) and self._policies.check(command, is_recorded=False) is None
+        return self._refusal(command) is None
 
-    def _begin(self, members: Sequence[IssuedCommand], group: tuple[Device, DevicePart]) -> bool:
-        """Record that the group is commanded, unless a lease has begun meanwhile; return whether it is."""
-        if not self._may_begin(members):
+    def _refusal(self, command: IssuedCommand) -> Refused | None:
+        return self._held(command) or self._policies.check(command, is_recorded=False)
+
+    async def _may_begin(self, commands: Sequence[IssuedCommand], device: Device, part: DevicePart) -> bool:
+        """Return whether the group or scene has the same members as when it was chosen, and no lease has begun since.
+
+        If so, record that a group is commanded.
+        """
+        try:
+            present = await self._lookup.device(device.id)
+        except ServiceError:
             return False
-        self._timelines.command_members(order_of(members[0]), [group])
+        now = None if present is None else present.part(part.id)
+        is_same = now is not None and (now.part.members, now.part.values) == (part.part.members, part.part.values)
+        if not is_same or any(map(self._held, commands)):
+            return False
+        if part.part.is_group:
+            self._timelines.command_members(order_of(commands[0]), [(device, part)])
         return True
 
-    def _is_held(self, command: IssuedCommand) -> bool:
+    def _held(self, command: IssuedCommand) -> Refused | None:
         is_leased = command.place in self._leases.parts
-        return is_leased and self._leases.refuse(command, self._clock.monotonic()) is not None
+        return self._leases.refuse(command, self._clock.monotonic()) if is_leased else None
 
 
 def _parts_of(devices: Sequence[Device]) -> Sequence[tuple[Device, DevicePart]]:

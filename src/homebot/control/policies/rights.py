@@ -20,10 +20,11 @@ from homebot.devices.client_rights import (
 )
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.harmless import why_not_harmless
+from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 
-__all__ = ["check_approval", "check_grants", "client_refusal", "is_safe", "must_ask"]
+__all__ = ["check_approval", "check_grants", "client_refusal", "is_safe", "must_ask", "names_it"]
 
 GRANTS: Final = "grants"
 ALWAYS_ASK: Final = "always_ask"
@@ -130,6 +131,16 @@ def must_ask(command: IssuedCommand) -> bool:
     device, part = command.device, command.part
     parts = device.parts if device.part(part.id) is None else (part,)
     return any(rights.must_ask(device, one) for one in parts)
+
+
+def names_it(command: IssuedCommand) -> bool:
+    """Return whether a right of its issuer fits its part by a query, not as all that is harmless or ordinary does."""
+    try:
+        rights = _rights(command.scope) if command.is_client else command.rights
+    except UsageError:
+        return False
+    facets = PartFacets(command.device, command.part)
+    return any(fits(query, facets) for query in rights.acts_on + rights.asks_on)
 
 
 def is_safe(device: Device, part: DevicePart, settings: Mapping[str, PlainValue], *, knows_load: bool = True) -> bool:
