@@ -90,9 +90,9 @@ async def test_without_an_answer_the_lock_is_the_reason(family: Family) -> None:
         ("hall lit and hall dark", "each wish can be reached, but not all at once"),
         ("hal lit", "there is no room 'hal'; did you mean Hall?"),
         ("marvin in hall", "there is no robot 'marvin'; robots are rosie"),
-        ("bath lit", "Bath lit: nothing in the house fits"),
+        ("bath lit", "Bath lit: no lamp is known in Bath"),
         ("hall lamp", "'hall lamp' names no state"),
-        ("on", "'on' names no device"),
+        ("on", "'on' names no device or no state"),
         ("rosie in hall and rosie in living", "rosie cannot be in Hall and in Living at once"),
         ("  ", "the goal is empty"),
     ],
@@ -158,7 +158,7 @@ async def test_a_wish_that_is_so_is_kept_until_the_goal_ends(family: Family) -> 
     second = await family.achieve("living dark", issuer="client:ben")
     assert second.message == (
         "'living dark' has to wait: the goal 'living lit and rosie in kitchen' of the client anna is under way, and "
-        "needs 'Living lit'; wait, or cancel it"
+        "needs 'Living lit'; ask again when it has ended, or cancel it"
     )
     assert (await family.achieve("hall lit", issuer="client:ben")).success
     assert (await first.result())[1].success

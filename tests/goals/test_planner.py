@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import importlib.util
+import sys
+import traceback
 from dataclasses import replace
 
+import anyio
 import pytest
+from tests.patience import PATIENCE
 
 from homebot.errors import UsageError
 from homebot.goals.operators import GoalProblem, Operator, is_plan
-from homebot.goals.planner import plan
+from homebot.goals.planner import find_plan
 
 
 def chain(rooms: int) -> GoalProblem:
@@ -35,32 +39,32 @@ def lamps(count: int) -> GoalProblem:
     return problem
 
 
-def test_a_robot_passes_all_doors_of_fifty_rooms() -> None:
+async def test_a_robot_passes_all_doors_of_fifty_rooms() -> None:
     pytest.importorskip("up_pyperplan")
     problem = chain(50)
-    found = plan(problem)
+    found = await find_plan(problem)
     assert found is not None
     assert len(found) == 2 * 49
     assert is_plan(problem, found)
 
 
-def test_five_hundred_lamps_are_turned_on_at_once() -> None:
+async def test_five_hundred_lamps_are_turned_on_at_once() -> None:
     pytest.importorskip("up_pyperplan")
     problem = lamps(500)
-    found = plan(problem)
+    found = await find_plan(problem)
     assert found is not None
     assert len(found) == 500
     assert is_plan(problem, found)
 
 
-def test_opposite_wishes_for_five_hundred_lamps_have_no_plan() -> None:
+async def test_opposite_wishes_for_five_hundred_lamps_have_no_find_plan() -> None:
     pytest.importorskip("up_pyperplan")
     problem = lamps(500)
     problem.goal |= {fact.replace("on", "off"): None for fact in problem.goal}
-    assert plan(problem) is None
+    assert await find_plan(problem) is None
 
 
-def test_a_room_of_a_hundred_lamps_is_not_lit_and_dark_at_once() -> None:
+async def test_a_room_of_a_hundred_lamps_is_not_lit_and_dark_at_once() -> None:
     pytest.importorskip("up_pyperplan")
     problem = lamps(100)
     lit = frozenset(("lit",))
@@ -69,15 +73,56 @@ def test_a_room_of_a_hundred_lamps_is_not_lit_and_dark_at_once() -> None:
         replace(one, takes=one.takes | lit) if "off" in str(one.gives) else one for one in problem.operators
     ]
     problem.operators += [Operator(frozenset((f"{number} on",)), lit) for number in range(100)]
-    assert plan(problem) is None
+    assert await find_plan(problem) is None
 
 
-def test_a_goal_that_is_so_needs_no_planner() -> None:
-    assert plan(GoalProblem(facts={"at 0"}, goal={"at 0": None})) == []
+def puzzle() -> GoalProblem:
+    """Eight sliding tiles, two of which are to be exchanged: each step is possible, and no way leads there."""
+    problem = GoalProblem(facts={"free 8"})
+    goal = [1, 0, *range(2, 8)]
+    for tile in range(8):
+        problem.facts.add(f"{tile} on {tile}")
+        problem.goal[f"{tile} on {goal[tile]}"] = None
+        for here, there in (
+            (a, b) for a in range(9) for b in range(9) if abs(a // 3 - b // 3) + abs(a % 3 - b % 3) == 1
+        ):
+            needs = frozenset((f"{tile} on {here}", f"free {there}"))
+            problem.operators.append(Operator(needs, frozenset((f"{tile} on {there}", f"free {here}")), needs))
+    return problem
 
 
-def test_without_the_extra_the_error_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_search_without_end_stops_after_its_time() -> None:
+    pytest.importorskip("up_pyperplan")
+    with pytest.raises(UsageError, match=r"no plan was found in 2 s; ask for a part of the goal first"):
+        await find_plan(puzzle(), 2.0)
+    await no_search()
+
+
+async def test_a_cancelled_search_stops() -> None:
+    pytest.importorskip("up_pyperplan")
+    with anyio.move_on_after(2.0) as scope:
+        await find_plan(puzzle())
+    assert scope.cancelled_caught
+    await no_search()
+
+
+def _is_searching() -> bool:
+    return any("pyperplan" in str(traceback.extract_stack(one)) for one in sys._current_frames().values())
+
+
+async def no_search() -> None:
+    """Wait until no thread searches."""
+    with anyio.fail_after(PATIENCE):
+        while _is_searching():  # noqa: ASYNC110 - threads set no event
+            await anyio.sleep(0.01)
+
+
+async def test_a_goal_that_is_so_needs_no_planner() -> None:
+    assert await find_plan(GoalProblem(facts={"at 0"}, goal={"at 0": None})) == []
+
+
+async def test_without_the_extra_the_error_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "unified_planning" else find(name))
     with pytest.raises(UsageError, match=r'unified_planning.*; install it with: pip install "homebot\[goals\]"'):
-        plan(chain(3))
+        await find_plan(chain(3))

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from homebot.devices import Device, DevicePart
     from homebot.devices.command_messages import CommandRequest
     from homebot.devices.outcomes import Refused
-    from homebot.goals.operators import Step
+    from homebot.goals.achievement import Move
     from homebot.graph import Node
 
 __all__ = ["AchieveServer"]
@@ -52,6 +52,7 @@ class AchieveServer:
         self._reader = HouseReader(node)
         self._commands = node.create_client(PerformCommand, PERFORM_COMMAND)
         self._numbers = count(1)
+        self._claiming = anyio.Lock()
         self._under_way: dict[Achievement, str] = {}
 
     def serve_goals(self) -> None:
@@ -92,10 +93,12 @@ class AchieveServer:
     async def _achieve(self, asked: AchieveRequest, on_plan: Callable[[AchieveFeedback], None]) -> AchieveResponse:
         request = asked.model_copy(update={"issuer": asked.issuer or UNNAMED_CLIENT})
 
-        async def fight(steps: Sequence[Step]) -> str:
-            for other, by in tuple(self._under_way.items()):
-                if other is not achievement and (undone := await other.undone_by(steps)):
-                    return f"{by} is under way, and needs {undone!r}; wait, or cancel it"
+        async def fight(moves: Sequence[Move]) -> str:
+            async with self._claiming:  # of two at once, the second sees what the first has claimed
+                for other, by in tuple(self._under_way.items()):
+                    if other is not achievement and (undone := await other.undone_by(moves)):
+                        return f"{by} is under way, and needs {undone}; ask again when it has ended, or cancel it"
+                achievement.claim(moves)
             return ""
 
         run = f"{next(self._numbers)}-{self._node.graph.clock.now():.0f}"

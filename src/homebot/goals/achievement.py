@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
 
 import anyio
-from anyio import to_thread
 
 from homebot.devices.achieve_messages import AchieveFeedback, AchieveRequest, AchieveResponse, PlannedStep
 from homebot.devices.command_messages import CommandRequest, Setting
+from homebot.devices.names import APPLY_SCENE
+from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest
 from homebot.devices.trigger import Trigger
 from homebot.errors import HomebotError, ServiceError
-from homebot.goals.house_now import Assumed, HouseReader
+from homebot.goals.house_now import Assumed, HouseNow, HouseReader
+from homebot.goals.meanings import UnderstoodGoal, understood
 from homebot.goals.obstacles import why_not
-from homebot.goals.operators import CommandStep, DriveStep, GoalProblem, Operator, Step, reachable
-from homebot.goals.planner import plan
-from homebot.goals.problem_builder import Preview, build_problem
-from homebot.goals.wishes import RobotWish, Wish, read_wishes
+from homebot.goals.operators import CommandStep, DriveStep, GoalProblem, Operator, SceneStep, Step
+from homebot.goals.planner import find_plan
+from homebot.goals.problem_builder import Asker, Preview, build_problem
 from homebot.messages import Time
 from homebot.routines.robot_drive import drive
 from homebot.routines.steps import SendRobot
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
     from homebot.graph import Client
 
-__all__ = ["Achievement"]
+__all__ = ["Achievement", "Move"]
 
 _MOST_PLANS: Final = 4
 """The first plan, and three more."""
@@ -46,7 +48,7 @@ class Achievement:
 
     Args:
         run: Its id.
-        fight: Returns the conflict of steps with another goal under way; empty if there is none.
+        fight: Returns the conflict of a plan with another goal under way; without one, claims it, and returns nothing.
         on_plan: Called with each plan, and after each step.
 
     Attributes:
@@ -60,20 +62,22 @@ class Achievement:
         run: str,
         request: AchieveRequest,
         preview: Preview,
-        fight: Callable[[Sequence[Step]], Awaitable[str]],
+        fight: Callable[[Sequence[Move]], Awaitable[str]],
         on_plan: Callable[[AchieveFeedback], None],
     ) -> None:
         self._reader, self._commands, self._request = reader, commands, request
         self._node = reader.node
-        self._preview, self._fight, self._on_plan = preview, fight, on_plan
+        self._asker = Asker(request.issuer, request.scope, preview)
+        self._fight, self._on_plan = fight, on_plan
         now = Time.from_seconds(self._node.graph.clock.now())
         self._trigger = Trigger(kind="goal", id=f"goal-{run}", text=request.goal[:200], at=now)
-        self._wishes: tuple[Wish, ...] = ()
+        self._goal = UnderstoodGoal()
         self._blocked: dict[tuple[str, str], str] = {}
         self._assumed: Assumed = {}
+        self._unseen: set[str] = set()
         self._tried: list[str] = []
+        self._moves: Sequence[Move] = ()
         self.steps: list[PlannedStep] = []
-        self._claimed: dict[str, str] = {}
 
     async def run(self) -> AchieveResponse:
         """Reach the goal, or return the obstacle.
@@ -81,23 +85,28 @@ class Achievement:
         Raises:
             HomebotError: The goal is not understood, or the house cannot be read.
         """
-        self._wishes = read_wishes(self._request.goal, [one.name for one in (await self._reader.places()).rooms])
+        self._goal = await understood(self._request.goal, self._reader)
         for _ in range(_MOST_PLANS):
             problem = await self._problem()
-            operators = await to_thread.run_sync(plan, problem, abandon_on_cancel=True)
+            operators = await find_plan(problem)
             if operators is None or (problem.missing and not operators):
                 return self._answer(f"cannot be reached: {why_not(problem)}")
             moves = _merged(operators)
-            if against := await self._fight([one.step for one in moves]):
+            if self._request.is_dry_run:
+                self.claim(moves)
+            elif against := await self._fight(moves):
                 return self._answer(f"has to wait: {against}")
             if (reached := await self._carry_out(moves)) is not None:
                 return reached
         return self._answer(f"is not reached after {_MOST_PLANS} plans; the last one failed: {self._tried[-1]}")
 
-    async def _carry_out(self, moves: Sequence[_Move]) -> AchieveResponse | None:
-        """Do all steps, or only show them; return None if that did not reach the goal."""
-        self._claimed = {one.step.place: one.step.text for one in moves}
+    def claim(self, moves: Sequence[Move]) -> None:
+        """Take *moves* as the plan."""
+        self._moves = moves
         self.steps = [PlannedStep(text=one.step.text, asks=one.step.asks) for one in moves]
+
+    async def _carry_out(self, moves: Sequence[Move]) -> AchieveResponse | None:
+        """Do all steps, or only show them; return None if that did not reach the goal."""
         self._show()
         is_so = "is reached" if moves or self._tried else "is so already"
         if self._request.is_dry_run:
@@ -108,32 +117,34 @@ class Achievement:
             return None
         return self._answer(is_so, is_reached=True)
 
-    async def undone_by(self, steps: Sequence[Step]) -> str:
-        """Return the step or wish of this goal that *steps* of another one would undo; empty for none."""
-        for step in steps:
-            if (own := self._claimed.get(step.place, step.text)) != step.text:
-                return own
-        problem = await self._problem()
-        known = {(one.step.place, one.step.text): one for one in problem.operators if one.step is not None}
-        facts = frozenset(problem.facts)
-        for step in steps:
-            if (one := known.get((step.place, step.text))) is not None:
-                facts = one.after(facts)
-        kept = reachable(facts, (one for one in problem.operators if one.step is None))
-        return next((one for one in problem.goal if one in problem.facts - kept), "")
+    async def undone_by(self, moves: Sequence[Move]) -> str:
+        """Return the fact of this goal that *moves* of another one would undo, now or after its own; empty for none."""
+        house = await self._house()
+        own = self._moves[sum(bool(one.outcome) for one in self.steps) :]
+        after = house.after(one.step for one in own)
+        robots = {one.step.robot for one in own if isinstance(one.step, DriveStep)}
+        if shared := robots.intersection(one.step.place for one in moves):
+            return f"{min(shared)} for itself"
+        kept = self._build(after.after(one.step for one in moves))
+        lost = self._build(after).facts - kept.facts
+        wanted = kept.goal.keys() | frozenset[str]().union(*(one.needs for one in own))
+        return next((repr(one) for one in sorted(wanted & lost)), "")
+
+    async def _house(self) -> HouseNow:
+        return await self._reader.read([(one.robot, one.room) for one in self._goal.drives], self._assumed)
+
+    def _build(self, house: HouseNow) -> GoalProblem:
+        return build_problem(self._goal, house, self._asker, self._blocked, self._unseen)
 
     async def _problem(self) -> GoalProblem:
-        robots = [(one.robot, one.room) for one in self._wishes if isinstance(one, RobotWish)]
-        house = await self._reader.read(robots, self._assumed)
-        request = self._request
-        return build_problem(self._wishes, house, request.issuer, request.scope, self._preview, self._blocked)
+        return self._build(await self._house())
 
     async def _left(self) -> str:
         """Return the first wish that is not so after all steps, in words; empty if there is none."""
         problem = await self._problem()
         return "".join(f"after all steps, {problem.contrary[one]}" for one in problem.missing[:1])
 
-    async def _do(self, moves: Sequence[_Move]) -> str:
+    async def _do(self, moves: Sequence[Move]) -> str:
         """Do all steps; return the failure of one, empty if there is none."""
         for number, move in enumerate(moves):
             trouble = await self._lost(move.needs)
@@ -151,19 +162,28 @@ class Achievement:
         problem = await self._problem()
         return "; ".join(problem.contrary.get(one, f"no longer: {one}") for one in sorted(needs - problem.facts))
 
-    async def _one(self, move: _Move) -> tuple[str, bool]:
+    async def _one(self, move: Move) -> tuple[str, bool]:
         """Do a step; return its outcome, and whether it was done. A failure by itself is not tried again."""
         step = move.step
-        outcome, is_done = await (self._command(step) if isinstance(step, CommandStep) else self._drive(step, move))
-        if not is_done and (isinstance(step, CommandStep) or not await self._lost(move.needs)):
+        if isinstance(step, CommandStep):
+            outcome, is_done = await self._command(step)
+        elif isinstance(step, SceneStep):
+            outcome, is_done = await self._apply(step)
+        else:
+            outcome, is_done = await self._drive(step, move)
+        if is_done:
+            for device, part, settings in step.parts:
+                self._assumed.setdefault((device, part), {}).update(settings)
+            self._unseen |= move.unseen
+        elif not isinstance(step, DriveStep) or not await self._lost(move.needs):
             self._blocked[step.place, step.text] = outcome
         return outcome, is_done
 
     async def _command(self, step: CommandStep) -> tuple[str, bool]:
         request = CommandRequest(
-            device=step.device.id,
-            part=step.part.id,
-            settings=(Setting.of(step.capability, step.value),),
+            device=step.device,
+            part=step.part,
+            settings=tuple(Setting.of(*one) for one in step.settings),
             issuer=self._request.issuer,
             scope=self._request.scope,
             ask_first=bool(step.asks),
@@ -174,11 +194,20 @@ class Achievement:
             outcome = await self._commands.call(request, timeout=_LONGEST, cancel_with_caller=True)
         except ServiceError as exc:
             return str(exc), False
-        if outcome.succeeded:
-            self._assumed.setdefault((step.device.id, step.part.id), {})[step.capability] = step.value
         return outcome.text, outcome.succeeded
 
-    async def _drive(self, step: DriveStep, move: _Move) -> tuple[str, bool]:
+    async def _apply(self, step: SceneStep) -> tuple[str, bool]:
+        asked = ApplySceneRequest(
+            name=step.scene, issuer=self._request.issuer, scope=self._request.scope, trigger=self._trigger
+        )
+        try:
+            with closing(self._node.create_client(ApplyScene, APPLY_SCENE)) as client:
+                answer = await client.call(asked, timeout=_LONGEST, cancel_with_caller=True)
+        except ServiceError as exc:
+            return str(exc), False
+        return answer.message or _DONE, answer.success
+
+    async def _drive(self, step: DriveStep, move: Move) -> tuple[str, bool]:
         """Send the robot, and call it off when a door on its way is not as it was planned."""
         lost = ""
 
@@ -210,23 +239,27 @@ class Achievement:
 
 
 @dataclass(frozen=True, slots=True)
-class _Move:
-    """A step with the facts that it needs until its end: doors on its way, but not the room where it begins."""
+class Move:
+    """A step with the facts that it needs until its end: doors on its way, but not the room where it begins.
+
+    Attributes:
+        unseen: The facts that hold afterwards, and that only the step tells.
+    """
 
     step: Step
     needs: frozenset[str]
+    unseen: frozenset[str] = frozenset()
 
 
-def _merged(operators: Sequence[Operator]) -> list[_Move]:
+def _merged(operators: Sequence[Operator]) -> list[Move]:
     """Return the steps of a plan, with one drive for several rooms in a row."""
-    moves: list[_Move] = []
+    moves: list[Move] = []
     for one in operators:
         if one.step is None:
             continue
-        on_the_way = one.needs if isinstance(one.step, CommandStep) else one.needs - one.takes
-        last = moves[-1] if moves else None
-        if isinstance(one.step, DriveStep) and last is not None and last.step.place == one.step.place:
-            moves[-1] = _Move(one.step, last.needs | on_the_way)
-        else:
-            moves.append(_Move(one.step, on_the_way))
+        is_drive = isinstance(one.step, DriveStep)
+        needs = one.needs - one.takes if is_drive else one.needs
+        if is_drive and moves and moves[-1].step.place == one.step.place:
+            needs |= moves.pop().needs
+        moves.append(Move(one.step, needs, one.gives if one.is_unseen else frozenset()))
     return moves

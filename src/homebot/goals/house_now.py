@@ -1,25 +1,35 @@
-"""The house as it is now, as far as a goal concerns it: its devices, rooms, doors and robots."""
+"""The house as it is now, as far as a goal concerns it: its devices, doors, scenes and robots."""
 
 from collections.abc import Iterable, Mapping, MutableMapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Final
 
-from homebot.devices import Device
+from homebot.devices import Device, DevicePart
+from homebot.devices.capabilities import LIGHTS_UP
 from homebot.devices.device import State
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import GET_PLACES, WHERE_IS_ROBOT
+from homebot.devices.obedience import END_POSITIONS
 from homebot.devices.places_messages import DoorInfo, GetPlaces, GetPlacesResponse
 from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
+from homebot.devices.scene_client import Scenes
+from homebot.devices.scene_messages import SceneInfo
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import ServiceUnavailableError, UsageError
-from homebot.graph import Node
+from homebot.goals.operators import DriveStep, Settings, Step
+from homebot.goals.wishes import KnownNames
+from homebot.graph import EntityKind, Node
 from homebot.routines.robot_drive import check_drive
 from homebot.routines.steps import SendRobot
 from homebot.support.folding import fold
 
-__all__ = ["Assumed", "HouseNow", "HouseReader", "with_values"]
+__all__ = ["OPENINGS", "Assumed", "HouseNow", "HouseReader", "with_settings"]
 
 Assumed = MutableMapping[tuple[str, str], dict[str, PlainValue]]
 """Values that parts got without reporting them, by device and part."""
+
+OPENINGS: Final = frozenset({"movement", "position"})
+_DRIVE_ACTIONS: Final = ("/navigate_to_pose", "/dock_robot")
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,23 +37,34 @@ class HouseNow:
     """The house at a moment.
 
     Attributes:
+        devices: By id.
         robots: The room of each robot of the goal, by the name in the goal.
         problems: Why a robot cannot be sent, by that name.
     """
 
-    devices: Sequence[Device]
+    devices: Mapping[str, Device]
     doors: Sequence[DoorInfo]
     robots: Mapping[str, str]
     problems: Mapping[str, str]
 
     def called(self, named: str) -> Device | None:
         """Return the device with that id or name; None if there is none."""
-        for one in self.devices if named else ():
-            if one.id == named:
-                return one
+        if not named or named in self.devices:
+            return self.devices.get(named)
         wanted = fold(named)
-        fitting = (one for one in self.devices if wanted in map(fold, (one.name, *one.names)))
-        return min(fitting, key=lambda one: one.id, default=None) if named else None
+        fitting = (one for one in self.devices.values() if wanted in map(fold, (one.name, *one.names)))
+        return min(fitting, key=lambda one: one.id, default=None)
+
+    def after(self, steps: Iterable[Step]) -> "HouseNow":
+        """Return the house as it is when *steps* are done."""
+        devices, robots = dict(self.devices), dict(self.robots)
+        for step in steps:
+            if isinstance(step, DriveStep):
+                robots[step.robot] = step.room
+            for device, part, settings in step.parts:
+                if device in devices:
+                    devices[device] = with_settings(devices[device], part, settings)
+        return replace(self, devices=devices, robots=robots)
 
 
 class HouseReader:
@@ -51,17 +72,41 @@ class HouseReader:
 
     Attributes:
         node: The node that reads it.
+        lookup: The look-up of its devices.
     """
 
     def __init__(self, node: Node) -> None:
         self.node = node
-        self._lookup = DeviceLookup(node)
+        self.lookup = DeviceLookup(node)
         self._places = node.create_client(GetPlaces, GET_PLACES)
         self._where = node.create_client(WhereIsRobot, WHERE_IS_ROBOT)
 
     async def places(self) -> GetPlacesResponse:
         """Return the rooms and doors."""
         return await self._places.call(GetPlaces.Request())
+
+    async def scenes(self) -> tuple[SceneInfo, ...]:
+        """Return the scenes; none in a house without the service."""
+        try:
+            return await Scenes(self.node).list()
+        except ServiceUnavailableError:
+            return ()
+
+    async def names(self, scenes: Iterable[SceneInfo]) -> KnownNames:
+        """Return the names that a wish may have."""
+        rooms = (await self.places()).rooms
+        areas = dict.fromkeys(one.name for one in rooms) | dict.fromkeys(one.floor for one in rooms)
+        areas |= dict.fromkeys(one.area for one in await self.lookup.devices())
+        actions = [one.name for one in self.node.graph.get_endpoints(kind=EntityKind.ACTION_SERVER)]
+        robots = [
+            name.removesuffix(each).rpartition("/")[2] or "robot"
+            for name in actions
+            for each in _DRIVE_ACTIONS
+            if name.endswith(each)
+        ]
+        return KnownNames(
+            [one.name for one in rooms], [one for one in areas if one], robots, [one.name for one in scenes]
+        )
 
     async def read(self, robots: Iterable[tuple[str, str]], assumed: Assumed) -> HouseNow:
         """Return the house with *robots*, each with the room that it is to reach.
@@ -70,17 +115,15 @@ class HouseReader:
             UsageError: There is no such robot, or its room is unknown.
             ServiceError: The directory does not answer.
         """
-        devices = [_assuming(one, assumed) for one in await self._lookup.devices()]
+        devices = {one.id: _assuming(one, assumed) for one in await self.lookup.devices()}
         at, problems = dict[str, str](), dict[str, str]()
         for robot, room in robots:
             at[robot] = await self._room_of(robot)
-            if fold(at[robot]) != fold(room):
-                try:
-                    await check_drive(self.node, SendRobot("", robot, room))
-                except UsageError as exc:
-                    problems[robot] = str(exc)
-        doors = (await self.places()).doors if at else ()
-        return HouseNow(devices, doors, at, problems)
+            try:
+                await check_drive(self.node, SendRobot("", robot, room))
+            except UsageError as exc:
+                problems[robot] = str(exc)
+        return HouseNow(devices, (await self.places()).doors, at, problems)
 
     async def _room_of(self, robot: str) -> str:
         try:
@@ -94,8 +137,13 @@ class HouseReader:
         return found.pose[0].room
 
 
-def with_values(device: Device, part: str, values: Mapping[str, PlainValue]) -> Device:
-    """Return *device* with other values of one part."""
+def with_settings(device: Device, part: str, settings: Settings) -> Device:
+    """Return *device* after a command to one part."""
+    known = device.part(part)
+    return device if known is None else _with_values(device, part, _implied(known, dict(settings)))
+
+
+def _with_values(device: Device, part: str, values: Mapping[str, PlainValue]) -> Device:
     kept = tuple(one for one in device.states if one.part != part or one.capability not in values)
     at = device.last_seen
     new = tuple(
@@ -105,10 +153,26 @@ def with_values(device: Device, part: str, values: Mapping[str, PlainValue]) -> 
     return device.model_copy(update={"states": (*kept, *new)})
 
 
+def _implied(part: DevicePart, settings: Mapping[str, PlainValue]) -> dict[str, PlainValue]:
+    """Return the values of *part* after a command with *settings*."""
+    able = {one.name for one in part.part.capabilities}
+    values: dict[str, PlainValue] = {}
+    for capability, value in settings.items():
+        if capability in LIGHTS_UP and "on_off" in able:
+            values["on_off"] = value != 0
+        if capability in OPENINGS:
+            is_open = value != 0 if capability == "position" else value == "open"
+            said: dict[str, PlainValue] = {"movement": "open" if is_open else "closed", "contact": is_open}
+            values |= {one: said[one] for one in said if one in able}
+            if capability == "movement" and "position" in able and value in END_POSITIONS:
+                values["position"] = END_POSITIONS[value]
+    return {**values, **settings}
+
+
 def _assuming(device: Device, assumed: Assumed) -> Device:
     known = {(one.part, one.capability) for one in device.states}
     for part in device.parts:
         values = assumed.get((device.id, part.id), {})
         if unknown := {name: value for name, value in values.items() if (part.id, name) not in known}:
-            device = with_values(device, part.id, unknown)
+            device = _with_values(device, part.id, unknown)
     return device

@@ -5,10 +5,27 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from homebot.devices.device import Device, DevicePart
 from homebot.devices.value import PlainValue
 
-__all__ = ["CommandStep", "DriveStep", "GoalProblem", "Operator", "Step", "is_plan", "reachable"]
+__all__ = [
+    "CommandStep",
+    "DriveStep",
+    "GoalProblem",
+    "Operator",
+    "PartSettings",
+    "SceneStep",
+    "Settings",
+    "Step",
+    "is_plan",
+    "reachable",
+]
+
+
+Settings: TypeAlias = tuple[tuple[str, PlainValue], ...]
+"""Values by capability."""
+
+PartSettings: TypeAlias = tuple[str, str, Settings]
+"""Device, part and values."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,21 +37,40 @@ class CommandStep:
     """
 
     text: str
-    device: Device
-    part: DevicePart
-    capability: str
-    value: PlainValue
+    device: str
+    part: str
+    settings: Settings
     asks: str = ""
 
     @property
     def place(self) -> str:
-        """The id of the part or the robot that it changes."""
-        return f"{self.device.id}#{self.part.id}"
+        """The id of what it changes."""
+        return f"{self.device}#{self.part}"
+
+    @property
+    def parts(self) -> tuple[PartSettings, ...]:
+        """The parts that it sets."""
+        return ((self.device, self.part, self.settings),)
+
+
+@dataclass(frozen=True, slots=True)
+class SceneStep:
+    """A scene, with the values of its parts; none if only its bridge knows them."""
+
+    text: str
+    scene: str
+    parts: tuple[PartSettings, ...] = ()
+    asks: str = ""
+
+    @property
+    def place(self) -> str:
+        """The id of what it changes."""
+        return self.scene
 
 
 @dataclass(frozen=True, slots=True)
 class DriveStep:
-    """A drive of a robot."""
+    """A drive of a robot to a room, or into its dock."""
 
     text: str
     robot: str
@@ -43,11 +79,16 @@ class DriveStep:
 
     @property
     def place(self) -> str:
-        """The id of the part or the robot that it changes."""
+        """The id of what it changes."""
         return self.robot
 
+    @property
+    def parts(self) -> tuple[PartSettings, ...]:
+        """The parts that it sets: none."""
+        return ()
 
-Step: TypeAlias = CommandStep | DriveStep
+
+Step: TypeAlias = CommandStep | SceneStep | DriveStep
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +101,7 @@ class Operator:
         takes: The facts that hold no more.
         step: How it is done; None for a fact that follows from others.
         blocked: The reason against it; empty for none.
+        is_unseen: Whether only its success tells the facts that it gives.
     """
 
     needs: frozenset[str]
@@ -67,6 +109,7 @@ class Operator:
     takes: frozenset[str] = frozenset()
     step: Step | None = None
     blocked: str = ""
+    is_unseen: bool = False
 
     def after(self, facts: AbstractSet[str]) -> frozenset[str]:
         """Return the *facts* that hold afterwards."""

@@ -1,24 +1,47 @@
 """The planner: the only file that imports ``unified_planning``, which takes a second, with the first plan."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Final
+from functools import partial
+from threading import Event
+from typing import Any, Final
 
+import anyio
+from anyio import to_thread
+
+from homebot.errors import UsageError
 from homebot.goals.operators import GoalProblem, Operator, is_plan, reachable
 from homebot.plugins import check_extra
 
-__all__ = ["plan"]
+__all__ = ["find_plan"]
 
 _ENGINE: Final = "pyperplan"
 _ANY: Final = Operator(frozenset(), frozenset())
 
 
-def plan(problem: GoalProblem) -> list[Operator] | None:
-    """Return operators that lead to the goal, without any that it does not need; None if there are none. Takes time.
+_LONGEST: Final = 30.0
+"""Seconds for a plan. That of a large house takes one, and the first needs some more to load the planner."""
+
+
+async def find_plan(problem: GoalProblem, longest: float = _LONGEST) -> list[Operator] | None:
+    """Return operators that lead to the goal, without any that it does not need; None if there are none.
+
+    Its thread ends after *longest* seconds, and when the caller is cancelled.
 
     Raises:
-        UsageError: The planner is not installed.
+        UsageError: The planner is not installed, or there was no plan in that time.
     """
+    stopped = Event()
+    try:
+        with anyio.fail_after(longest):
+            return await to_thread.run_sync(_plan, problem, stopped.is_set, abandon_on_cancel=True)
+    except TimeoutError:
+        raise UsageError(f"no plan was found in {longest:g} s; ask for a part of the goal first") from None
+    finally:
+        stopped.set()
+
+
+def _plan(problem: GoalProblem, is_stopped: Callable[[], bool]) -> list[Operator] | None:
     if not problem.missing:
         return []
     check_extra("a plan", "goals", "unified_planning", "up_pyperplan")
@@ -28,7 +51,7 @@ def plan(problem: GoalProblem) -> list[Operator] | None:
     simple = _simple(problem, operators)
     rest = replace(problem, facts=problem.facts.union(*(one.gives for one in simple)))
     useful = _relevant(rest, operators)
-    found = [useful[number] for number in _solve(rest, useful)] if rest.missing else []
+    found = [useful[number] for number in _solve(rest, useful, is_stopped)] if rest.missing else []
     if not is_plan(rest, found):
         return None
     for one in tuple(reversed(found)):  # a satisficing planner may do more than is needed
@@ -76,7 +99,12 @@ def _simple(problem: GoalProblem, operators: Sequence[Operator]) -> list[Operato
             for fact in one.gives:
                 givers.setdefault(fact, []).append(one)
     found: dict[Operator, None] = {}
-    for fact in problem.missing:
+    missing = dict.fromkeys(problem.missing)
+    for several in givers.values():
+        several.sort(key=lambda one: len(one.gives & missing.keys()), reverse=True)  # a scene before its commands
+    for fact in missing:
+        if any(fact in one.gives for one in found):
+            continue
         for one in givers.get(fact, ()):
             first = [other for need in one.needs for other in givers.get(need, ())[:1]] if one.step is None else []
             if len(first) == len(one.needs) and not any(other.needs for other in first):
@@ -85,7 +113,7 @@ def _simple(problem: GoalProblem, operators: Sequence[Operator]) -> list[Operato
     return list(found)
 
 
-def _solve(problem: GoalProblem, operators: Sequence[Operator]) -> list[int]:
+def _solve(problem: GoalProblem, operators: Sequence[Operator], is_stopped: Callable[[], bool]) -> list[int]:
     """Return the numbers of the operators of a plan; none if there is no plan."""
     from unified_planning.environment import Environment  # noqa: PLC0415 - see above
     from unified_planning.model import Fluent, InstantaneousAction  # noqa: PLC0415 - see above
@@ -110,5 +138,20 @@ def _solve(problem: GoalProblem, operators: Sequence[Operator]) -> list[int]:
     for fact in problem.goal:
         task.add_goal(fluents[fact])
     with house.factory.OneshotPlanner(name=_ENGINE) as planner:
+        planner._heuristic = partial(_Heuristic, planner._heuristic, is_stopped)  # noqa: SLF001 - it has no time limit
         found = planner.solve(task).plan
     return [] if found is None else [int(one.action.name[1:]) for one in found.actions]
+
+
+class _Heuristic:
+    """The heuristic of the planner, which asks for it in each step of its search: the only place to end that."""
+
+    def __init__(
+        self, make: Callable[[Any], Callable[[Any], float]], is_stopped: Callable[[], bool], task: Any
+    ) -> None:
+        self._estimate, self._is_stopped = make(task), is_stopped
+
+    def __call__(self, node: Any) -> float:
+        if self._is_stopped():
+            raise TimeoutError
+        return self._estimate(node)

@@ -6,39 +6,45 @@ Lifted to variables, the planner would need ten seconds for fifty rooms; so, 0.2
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeAlias, final
 
 from homebot.command_words.suitable_parts import part_name
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import why_it_asks
-from homebot.devices.capabilities import LIGHTS_UP
 from homebot.devices.command_messages import CommandRequest, Setting
-from homebot.devices.obedience import END_POSITIONS
-from homebot.devices.query.matching import PartFacets, fits
-from homebot.devices.query.terms import StateIs, leaves
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.values import value_text
-from homebot.errors import UsageError
-from homebot.goals.house_now import HouseNow, with_values
-from homebot.goals.operators import CommandStep, DriveStep, GoalProblem, Operator
-from homebot.goals.wishes import RobotWish, StateWish, Wish
+from homebot.goals.house_now import OPENINGS, HouseNow
+from homebot.goals.meanings import Meant, UnderstoodGoal
+from homebot.goals.operators import (
+    CommandStep,
+    DriveStep,
+    GoalProblem,
+    Operator,
+    PartSettings,
+    SceneStep,
+    Settings,
+    Step,
+)
+from homebot.goals.wishes import DOCK, RobotWish, RoomWish, SceneWish, Wish
 from homebot.places.plan import OUTSIDE
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.devices.outcomes import Refused
     from homebot.devices.places_messages import DoorInfo
+    from homebot.devices.scene_messages import SceneInfo
 
-__all__ = ["Blocked", "Preview", "build_problem"]
+__all__ = ["Asker", "Blocked", "Preview", "build_problem"]
 
 Preview: TypeAlias = Callable[[CommandRequest, Device, DevicePart], "Refused | None"]
 """Returns the refusal of a command by rights and policies, if it were given now."""
 
 Blocked: TypeAlias = Mapping[tuple[str, str], str]
-"""Why a part cannot get a value, by its place and the text of the step."""
+"""Why a step is not possible, by its place and text."""
 
-_Facts: TypeAlias = list[tuple[str, Callable[[Device], bool]]]
+_Facts: TypeAlias = dict[str, Callable[[Device], bool]]
 """Facts of a device, each with its test."""
 
 _DEEDS: Final[Mapping[str, Mapping[PlainValue, str]]] = {
@@ -48,209 +54,220 @@ _DEEDS: Final[Mapping[str, Mapping[PlainValue, str]]] = {
     "valve": {"open": "open {}", "closed": "close {}"},
     "position": {100.0: "open {}", 0.0: "close {}"},
 }
-"""The deeds by capability and value; other capabilities are set to the wished value."""
+"""Steps in words, by capability and value; others say the value."""
+
+_OF_DOORS: Final = ("lock", "movement", "position")
+_LEAST: Final = 2
+"""Parts from which on a scene is used that the goal does not name."""
 
 
-_OPENINGS: Final = frozenset({"movement", "position"})
+@dataclass(frozen=True, slots=True)
+class Asker:
+    """The client of a goal; ``preview`` says what it may not do now."""
+
+    issuer: str
+    scope: tuple[str, ...]
+    preview: Preview
 
 
 def build_problem(
-    wishes: Iterable[Wish], house: HouseNow, issuer: str, scope: tuple[str, ...], preview: Preview, blocked: Blocked
+    goal: UnderstoodGoal, house: HouseNow, asker: Asker, blocked: Blocked, unseen: Iterable[str] = ()
 ) -> GoalProblem:
     """Return the problem.
 
-    Raises:
-        UsageError: Nothing fits a wish.
+    Args:
+        unseen: Facts that steps have reached, and that cannot be read.
     """
-    builder = _Builder(house, issuer, scope, preview, blocked)
-    wished = tuple(wishes)
-    for one in wished:
-        if isinstance(one, StateWish):
-            builder.add_state(one)
-    drives = [one for one in wished if isinstance(one, RobotWish)]
-    if drives:
-        for door in house.doors:
-            builder.add_door(door)
+    builder = _Builder(house, asker, blocked)
+    for wish, meant in goal.wishes:
+        builder.add_parts(wish, meant)
+    for door in house.doors:
+        builder.add_door(door, is_way=bool(goal.drives))
     builder.add_commands()
-    for drive in drives:
+    named = {one.scene for one, _ in goal.wishes if isinstance(one, SceneWish)}
+    for scene in goal.scenes:
+        builder.add_scene(scene, is_named=scene.name in named)
+    for drive in goal.drives:
         builder.add_drive(drive)
+    builder.problem.facts.update(unseen)
     return builder.problem
 
 
 @final
 class _Builder:
-    def __init__(
-        self, house: HouseNow, issuer: str, scope: tuple[str, ...], preview: Preview, blocked: Blocked
-    ) -> None:
+    def __init__(self, house: HouseNow, asker: Asker, blocked: Blocked) -> None:
         self.problem = GoalProblem()
-        self._house, self._issuer, self._scope = house, issuer, scope
-        self._preview, self._blocked = preview, blocked
+        self._house, self._asker, self._blocked = house, asker, blocked
         self._facts: dict[str, _Facts] = {}
-        self._devices: dict[str, Device] = {}
-        self._wished: dict[tuple[str, str], list[StateIs]] = {}
+        self._wished: dict[tuple[str, str], list[Meant]] = {}
         self._follows: dict[str, str] = {}
         self._unlocked: dict[str, str] = {}
         self._closed: dict[str, str] = {}
+        self._of_doors: set[str] = set()
 
-    def add_state(self, wish: StateWish) -> None:
+    def add_parts(self, wish: Wish, meant: Iterable[Meant]) -> None:
         """Add the facts that the wish is about."""
-        found = list(_parts_of(wish, self._house.devices))
-        if not found:
-            names = [one.name for one in self._house.devices]
-            hint = did_you_mean(wish.name, names, "`homebot find` shows what there is")
-            raise UsageError(f"{wish.text}: nothing in the house fits; {hint}")
-        states = [one for one in leaves(wish.query) if isinstance(one, StateIs) and one.operator in {"=", ">=", "<="}]
-        for device, part in found:
-            name, place = part_name(device, part), part.id
-            fact = f"{name}: {wish.text}"
-            self._wished.setdefault((device.id, place), []).extend(states)
-
-            def test(one: Device, place: str = place) -> bool:
-                known = one.part(place)
-                return known is not None and fits(wish.query, PartFacets(one, known))
-
-            self._track(device, fact, test, f"{name} is {_told(device, part, states)}")
-            if wish.any_of:
+        is_any = isinstance(wish, RoomWish) and wish.is_lit
+        for one in meant:
+            device, fact = self._house.devices.get(one.device), f"{one.name}: {wish.text}"
+            self._wished.setdefault((one.device, one.part), []).append(one)
+            self.problem.contrary[fact] = f"{one.name} is not in the house any more"
+            if device is not None:
+                self._track(device, fact, one.is_so, f"{one.name} is {_told(device, one)}")
+            if is_any:
                 self._follows[fact] = wish.text
                 self.problem.operators.append(Operator(frozenset((fact,)), frozenset((wish.text,))))
+                if fact in self.problem.facts:
+                    self.problem.facts.add(wish.text)
             else:
                 self.problem.goal[fact] = None
-        if wish.any_of:
+        if is_any:
             self.problem.goal[wish.text] = None
             self.problem.contrary[wish.text] = f"not {wish.text}"
-            if any(f"{part_name(*one)}: {wish.text}" in self.problem.facts for one in found):
-                self.problem.facts.add(wish.text)
 
-    def add_door(self, door: DoorInfo) -> None:
-        """Add the facts of a door whose devices tell its state."""
+    def add_door(self, door: DoorInfo, *, is_way: bool) -> None:
+        """Add the facts of a door that is on a way, or whose devices are concerned, as its devices tell them."""
         contact, lock = self._house.called(door.contact), self._house.called(door.lock)
+        devices = {one.id for one in (contact, lock) if one is not None}
+        if not (is_way or devices & self._facts.keys()):
+            return
+        self._of_doors |= devices
         if contact is not None and (_is_open(contact) is not None or _can_open(contact)):
-            self._track(
-                contact, f"{door.name} is open", lambda one: _is_open(one) is not False, f"{door.name} is closed"
-            )
-            self._track(contact, f"{door.name} is closed", lambda one: _is_open(one) is False, f"{door.name} is open")
+            opened, closed = f"{door.name} is open", f"{door.name} is closed"
+            self._track(contact, opened, lambda one: _is_open(one) is not False, closed)
+            self._track(contact, closed, lambda one: _is_open(one) is False, opened)
         if lock is not None:
             fact = f"{door.name} is unlocked"
             self._track(lock, fact, lambda one: _value(one, "lock") != "locked", f"{door.name} is locked")
-            for one in {lock.id, contact.id if contact else lock.id}:
-                self._unlocked[one] = fact
+            self._unlocked |= dict.fromkeys(devices, fact)
             if contact is not None:
                 self._closed[lock.id] = f"{door.name} is closed"
 
     def add_commands(self) -> None:
         """Add the commands to the devices of all facts."""
-        for device in self._devices.values():
+        for device_id in self._facts:
+            device = self._house.devices[device_id]
             for part in device.parts:
                 self.problem.operators += self._commands(device, part)
+
+    def add_scene(self, scene: SceneInfo, *, is_named: bool) -> None:
+        """Add a scene, if the goal names it, or wishes all that it does."""
+        parts = tuple(
+            (one.device, one.part, tuple((each.capability, each.value.plain()) for each in one.settings))
+            for one in scene.parts
+            if all(one.settings for one in scene.parts)
+        )
+        if not (is_named or (len(parts) >= _LEAST and all(map(self._is_wished, parts)))):
+            return
+        asks = next((one.asks for one in scene.parts if one.asks), "")
+        step = SceneStep(f"apply scene {scene.name}", scene.id, parts, asks)
+        gives, takes = self._effects(step)
+        if not parts:
+            gives |= {step.text}
+            self.problem.goal[step.text] = None
+            self.problem.contrary[step.text] = f"what scene {scene.name} does is known only to its bridge"
+        refusals = (self._refusal(one, asks) for one in parts)
+        why = self._blocked.get((step.place, step.text)) or next(filter(None, refusals), "")
+        self.problem.operators.append(Operator(frozenset(), gives, takes, step, why, is_unseen=not parts))
 
     def add_drive(self, wish: RobotWish) -> None:
         """Add the ways of a robot."""
         robot, room = wish.robot, self._house.robots[wish.robot]
         self.problem.facts.add(_at(robot, room))
-        self.problem.goal[_at(robot, wish.room)] = None
-        self.problem.contrary[_at(robot, wish.room)] = f"{robot} is in {room}"
-        tracked = {fact for facts in self._facts.values() for fact, _ in facts}
+        wished = f"{robot} is not in {wish.room}" if wish.is_not else _at(robot, wish.room)
+        self.problem.goal[wished] = None
+        self.problem.contrary[wished] = _at(robot, room)
+        if wish.is_not and fold(room) != fold(wish.room):
+            self.problem.facts.add(wished)
+        if wish.room == DOCK:
+            step = DriveStep(f"{robot} drives to its dock", robot, DOCK)
+            self._add_drive(step, frozenset(), frozenset((wished,)), frozenset((_at(robot, room),)))
+            return
+        tracked = {fact for facts in self._facts.values() for fact in facts}
         for door in self._house.doors:
             if OUTSIDE in map(fold, door.rooms):
                 continue
             passable = tracked & {f"{door.name} is open", f"{door.name} is unlocked"}
             for here, there in (door.rooms, door.rooms[::-1]):
+                gives, takes = {_at(robot, there)}, {_at(robot, here)}
+                if wish.is_not:
+                    (takes if fold(there) == fold(wish.room) else gives).add(wished)
                 step = DriveStep(f"{robot} drives to {there}", robot, there)
-                why = self._house.problems.get(robot, "") or self._blocked.get((robot, step.text), "")
-                needs, gives = frozenset((_at(robot, here), *passable)), frozenset((_at(robot, there),))
-                self.problem.operators.append(Operator(needs, gives, frozenset((_at(robot, here),)), step, why))
+                self._add_drive(step, frozenset((_at(robot, here), *passable)), frozenset(gives), frozenset(takes))
+
+    def _add_drive(self, step: DriveStep, needs: frozenset[str], gives: frozenset[str], takes: frozenset[str]) -> None:
+        why = self._house.problems.get(step.robot, "") or self._blocked.get((step.robot, step.text), "")
+        self.problem.operators.append(Operator(needs, gives, takes, step, why, is_unseen=step.room == DOCK))
 
     def _track(self, device: Device, fact: str, test: Callable[[Device], bool], contrary: str) -> None:
-        self._devices[device.id] = device
-        facts = self._facts.setdefault(device.id, [])
-        if fact in (known for known, _ in facts):
-            return
-        facts.append((fact, test))
+        self._facts.setdefault(device.id, {}).setdefault(fact, test)
         self.problem.contrary[fact] = contrary
         if test(device):
             self.problem.facts.add(fact)
 
     def _commands(self, device: Device, part: DevicePart) -> Iterator[Operator]:
-        wished = self._wished.get((device.id, part.id), [])
-        for capability, value, text in _deeds(device, part, wished):
-            after = with_values(device, part.id, _implied(part, capability, value))
-            gives = frozenset(fact for fact, test in self._facts[device.id] if test(after))
-            takes = frozenset(fact for fact, test in self._facts[device.id] if fact not in gives)
-            takes |= {self._follows[one] for one in takes if one in self._follows}  # it is derived again
+        wished = {tuple(one.settings.items()): None for one in self._wished.get((device.id, part.id), ())}
+        of_door = _door_settings(part) if device.id in self._of_doors else ()
+        for settings in filter(None, dict.fromkeys((*wished, *of_door))):
+            asks = "" if settings in wished else why_it_asks(device, part)
+            step = CommandStep(_step_text(part_name(device, part), settings), device.id, part.id, settings, asks)
+            gives, takes = self._effects(step)
             needs = frozenset[str]()
-            if capability in _OPENINGS:
+            if not OPENINGS.isdisjoint(dict(settings)):
                 needs = frozenset((self._unlocked[device.id],)) if device.id in self._unlocked else needs
-            elif value == "locked" and device.id in self._closed:
+            elif dict(settings).get("lock") == "locked" and device.id in self._closed:
                 needs = frozenset((self._closed[device.id],))
-            asks = "" if wished else why_it_asks(device, part)
-            step = CommandStep(text, device, part, capability, value, asks)
-            yield Operator(needs, gives, takes, step, self._why_not(step))
+            why = self._blocked.get((step.place, step.text)) or self._refusal(step.parts[0], asks)
+            yield Operator(needs, gives, takes, step, why)
 
-    def _why_not(self, step: CommandStep) -> str:
-        device, part = step.device, step.part
-        if known := self._blocked.get((step.place, step.text)):
-            return known
-        if device.reachable.state == "no" or part.id in device.offline_parts:
+    def _effects(self, step: Step) -> tuple[frozenset[str], frozenset[str]]:
+        """Return the facts that hold after *step*, and those that do not, of the devices that it changes."""
+        gives, takes = set[str](), set[str]()
+        after = self._house.after((step,)).devices
+        for device_id in {one for one, *_ in step.parts} & self._facts.keys():
+            for fact, test in self._facts[device_id].items():
+                (gives if test(after[device_id]) else takes).add(fact)
+        takes |= {self._follows[one] for one in takes if one in self._follows}  # it is derived again
+        return frozenset(gives), frozenset(takes)
+
+    def _is_wished(self, part: PartSettings) -> bool:
+        device, its_part, settings = part
+        return any(one.settings == dict(settings) for one in self._wished.get((device, its_part), ()))
+
+    def _refusal(self, wanted: PartSettings, asks: str) -> str:
+        """Return why a part cannot get its settings now; empty if it can."""
+        device_id, part_id, settings = wanted
+        device = self._house.devices.get(device_id)
+        part = None if device is None else device.part(part_id)
+        if device is None or part is None:
+            return f"{device_id} is not in the house any more"
+        if device.reachable.state == "no" or part_id in device.offline_parts:
             return "it cannot be reached"
         request = CommandRequest(
-            device=device.id,
-            part=part.id,
-            settings=(Setting.of(step.capability, step.value),),
-            issuer=self._issuer,
-            scope=self._scope,
-            ask_first=bool(step.asks),
+            device=device_id,
+            part=part_id,
+            settings=tuple(Setting.of(*one) for one in settings),
+            issuer=self._asker.issuer,
+            scope=self._asker.scope,
+            ask_first=bool(asks),
         )
-        refused = self._preview(request, device, part)
-        return "" if refused is None else f"{step.asks and 'it always asks, and '}{refused.reason} ({refused.policy})"
+        refused = self._asker.preview(request, device, part)
+        return "" if refused is None else f"{asks and 'it always asks, and '}{refused.reason} ({refused.policy})"
 
 
-def _parts_of(wish: StateWish, devices: Sequence[Device]) -> Iterator[tuple[Device, DevicePart]]:
-    """Yield the parts that the wish is about: of devices with exactly its name, if there are any."""
-    capabilities = {one.capability for one in leaves(wish.query) if isinstance(one, StateIs)}
-    found = [
-        (device, part)
-        for device in devices
-        for part in device.parts
-        if not part.part.is_group
-        and not part.part.category
-        and capabilities.intersection(one.name for one in part.part.capabilities)
-        and fits(wish.target, PartFacets(device, part))
-    ]
-    yield from [one for one in found if wish.name in map(fold, (one[0].name, *one[0].names, part_name(*one)))] or found
+def _door_settings(part: DevicePart) -> Sequence[Settings]:
+    """Return the settings that open, close, lock and unlock a door."""
+    able = {one.name for one in part.part.capabilities if one.settable}
+    moving = able.intersection(_OF_DOORS) - ({"position"} if "movement" in able else set())
+    return [((name, value),) for name in _OF_DOORS if name in moving for value in _DEEDS[name]]
 
 
-def _deeds(device: Device, part: DevicePart, wished: Iterable[StateIs]) -> Iterator[tuple[str, PlainValue, str]]:
-    """Yield the possible changes of a part: capability, value and words."""
-    name = part_name(device, part)
-    given = {(one.capability, one.value) for one in wished}
-    for one in part.part.capabilities:
-        if not one.settable:
-            continue
-        known = _DEEDS.get(one.name, {})
-        if one.name == "position" and any(
-            other.name == "movement" and other.settable for other in part.part.capabilities
-        ):
-            known = {}
-        for value, words in known.items():
-            yield one.name, value, words.format(name)
-        for capability, value in sorted(given, key=str):
-            if capability == one.name and value not in known:
-                yield one.name, value, f"set {name} to {value_text(capability, value)}"
-
-
-def _implied(part: DevicePart, capability: str, value: PlainValue) -> dict[str, PlainValue]:
-    """Return the values of *part* after the command."""
-    able = {one.name for one in part.part.capabilities}
-    values: dict[str, PlainValue] = {capability: value}
-    if capability in LIGHTS_UP and "on_off" in able:
-        values["on_off"] = value != 0
-    if capability in _OPENINGS:
-        is_open = value != 0 if capability == "position" else value == "open"
-        said: dict[str, PlainValue] = {"movement": "open" if is_open else "closed", "contact": is_open}
-        values = {**{one: said[one] for one in said if one in able}, **values}
-        if capability == "movement" and "position" in able:
-            values["position"] = END_POSITIONS[value]
-    return values
+def _step_text(name: str, settings: Settings) -> str:
+    if len(settings) == 1:
+        ((capability, value),) = settings
+        if words := _DEEDS.get(capability, {}).get(value):
+            return words.format(name)
+    return f"set {name} to {', '.join(value_text(*one) for one in settings)}"
 
 
 def _is_open(device: Device) -> bool | None:
@@ -267,7 +284,7 @@ def _is_open(device: Device) -> bool | None:
 
 def _can_open(device: Device) -> bool:
     names = {one.name for part in device.parts for one in part.part.capabilities if one.settable}
-    return not names.isdisjoint(_OPENINGS)
+    return not names.isdisjoint(OPENINGS)
 
 
 def _value(device: Device, capability: str) -> PlainValue:
@@ -276,11 +293,10 @@ def _value(device: Device, capability: str) -> PlainValue:
     return None if newest is None else newest.value.plain()
 
 
-def _told(device: Device, part: DevicePart, states: Iterable[StateIs]) -> str:
-    wanted = {one.capability for one in states}
-    known = [one for one in device.states if one.part == part.id and one.capability in wanted]
+def _told(device: Device, meant: Meant) -> str:
+    known = [one for one in device.states if one.part == meant.part and one.capability in meant.capabilities]
     return ", ".join(value_text(one.capability, one.value.plain()) for one in known) or "in an unknown state"
 
 
 def _at(robot: str, room: str) -> str:
-    return f"{robot} is in {room}"
+    return f"{robot} is in {'its dock' if room == DOCK else room}"

@@ -5,103 +5,208 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from homebot.devices.query.parse import parse_query
-from homebot.devices.query.terms import And, AreaIs, Not, Or, Query, StateIs, leaves, split_near, type_is
+from homebot.devices.query.terms import StateIs
+from homebot.devices.query.vocabulary import ADJECTIVES
 from homebot.errors import UsageError
+from homebot.routines.steps import Do, SendRobot, read_step
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["RobotWish", "StateWish", "Wish", "read_wishes"]
+__all__ = ["DOCK", "KnownNames", "RobotWish", "RoomWish", "SceneWish", "StateWish", "Wish", "read_wishes"]
+
+DOCK: Final = "dock"
+"""The room of a wish for a robot in its dock."""
 
 _JOINED: Final = re.compile(r"""((?:"[^"]*"|\([^)]*\)|(?!\s+and\s|,).)+)(?:\s+and\s+|\s*,\s*|$)""", re.IGNORECASE)
-_LIT: Final = re.compile(r"(?:the\s+)?(?P<room>.+?)\s+(?:is\s+)?(?P<word>lit|dark)", re.IGNORECASE)
-_IN: Final = re.compile(r"(?P<robot>[\w-]+)\s+(?:is\s+)?in\s+(?:the\s+)?(?P<room>.+)", re.IGNORECASE)
-_HOW: Final = "write it like 'kitchen lit', 'hall dark', 'rosie in kitchen', 'hall lamp on' or 'front door closed'"
-_EVERYTHING: Final = And(())
+_IS: Final = r"\s+(?:(?:is|are)\s+)?(?P<no>not\s+)?"
+_LIT: Final = re.compile(rf"(?P<room>.+?){_IS}(?P<word>lit|dark)", re.IGNORECASE)
+_IN: Final = re.compile(rf"(?P<robot>[\w-]+){_IS}in\s+(?:the\s+)?(?P<room>.+)", re.IGNORECASE)
+_DOCKED: Final = re.compile(
+    r"(?P<robot>[\w-]+)\s+(?:is\s+)?(?P<way>docked|charging|(?:back\s+)?(?:at|in|on)\s+(?:the\s+|its\s+)?"
+    r"(?:dock|docking\s+station|charging\s+station|charger))",
+    re.IGNORECASE,
+)
+_SCENE: Final = re.compile(r"(?:scene\s+(?P<name>.+)|(?P<named>.+)\s+scene)", re.IGNORECASE)
+_STATE: Final = re.compile(rf"(?P<what>.+?){_IS}(?P<state>\w+)(?P<where>\s+in\s+.+)?", re.IGNORECASE)
+_AT: Final = re.compile(r"\s+(?:(?:is|are)\s+)?(?:at|set\s+to)\s+(?=[\d+-])", re.IGNORECASE)
+
+_CODE: Final = re.compile(r"\b(?:code|pin)\b\W*\d", re.IGNORECASE)
+_OPPOSITES: Final = {"on": "off", "open": "closed", "locked": "unlocked", "lit": "dark"}
+_OPPOSITE: Final = _OPPOSITES | {other: one for one, other in _OPPOSITES.items()}
+_EVERYWHERE: Final = frozenset({"house", "home", "whole house", "everything"})
+_COMMANDS: Final = {"closed": "close", "docked": "dock"}
+_NUMBERED: Final = re.compile(r"(?P<rest>[^\d]+?)\s+(?P<number>\d.*)")
+_ONCE: Final = frozenset({"toggle", "apply", "push", "press"})
+_TYPO: Final = 0.7
+_EXAMPLES: Final = "write it like 'kitchen lit', 'hall dark', 'rosie in kitchen', 'hall lamp on' or 'front door closed'"
+
+
+@dataclass(frozen=True, slots=True)
+class KnownNames:
+    """The names in the house that a wish may have; ``areas`` are rooms and floors."""
+
+    rooms: Collection[str] = ()
+    areas: Collection[str] = ()
+    robots: Collection[str] = ()
+    scenes: Collection[str] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class RobotWish:
-    """A robot is in a room."""
+    """A robot is in a room, or in none but this one; ``room`` may be :data:`DOCK`."""
 
     text: str
     robot: str
     room: str
+    is_not: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class RoomWish:
+    """One lamp of an area is on, or all are off; an empty area is the house."""
+
+    text: str
+    area: str
+    is_lit: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SceneWish:
+    """All parts are as a scene has them."""
+
+    text: str
+    scene: str
 
 
 @dataclass(frozen=True, slots=True)
 class StateWish:
-    """Parts are in a state.
+    """Parts are as after a command.
 
     Attributes:
-        target: The parts in any state.
-        query: The parts in that state.
-        name: The words without the last one, which may be the name of a device.
-        any_of: Whether one of them is enough.
+        area: Whether *target* is a whole room.
+        states: The states of the word; any of them is enough. Without any, all values of the command count.
     """
 
     text: str
-    target: Query
-    query: Query
-    name: str
-    any_of: bool = False
+    target: str
+    command: str
+    area: bool = False
+    states: tuple[StateIs, ...] = ()
 
 
-Wish: TypeAlias = RobotWish | StateWish
+Wish: TypeAlias = RobotWish | RoomWish | SceneWish | StateWish
 
 
-def read_wishes(text: str, rooms: Collection[str]) -> tuple[Wish, ...]:
-    """Return the wishes of the goal *text* for a house with *rooms*.
+def read_wishes(text: str, known: KnownNames) -> tuple[Wish, ...]:
+    """Return the wishes of the goal *text*.
 
     Raises:
-        UsageError: A wish is not understood, or names no room; the message suggests one.
+        UsageError: A wish is not understood, or names no room or scene; the message suggests one.
     """
-    found = [_wish(one.strip(), rooms) for one in _JOINED.findall(text) if one.strip()]
+    if _CODE.search(text):
+        raise UsageError("a goal has no code, as it is journaled; give it before: homebot do LOCK unlock --ask-code")
+    found: list[Wish] = []
+    subject = ""
+    for one in _JOINED.findall(text):
+        words = " ".join(one.split()).removesuffix(".")
+        if fold(words) in ADJECTIVES and subject:  # front door closed and locked
+            words = f"{subject} {words}"
+        if words:
+            subject = words.rpartition(" ")[0]
+            found.append(_wish(words, known))
     if not found:
-        raise UsageError(f"the goal is empty; {_HOW}")
+        raise UsageError(f"the goal is empty; {_EXAMPLES}")
     places: dict[str, RobotWish] = {}
     for one in found:
-        if isinstance(one, RobotWish) and places.setdefault(fold(one.robot), one).room != one.room:
-            raise UsageError(f"{one.robot} cannot be in {places[fold(one.robot)].room} and in {one.room} at once")
+        if not isinstance(one, RobotWish) or one.is_not:
+            continue
+        if (other := places.setdefault(fold(one.robot), one)).room != one.room:
+            raise UsageError(f"{one.robot} cannot be in {other.room} and in {one.room} at once")
     return tuple(dict.fromkeys(found))
 
 
-def _wish(text: str, rooms: Collection[str]) -> Wish:
-    if (lit := _LIT.fullmatch(text)) is not None:
-        room, is_lit = _room(lit["room"], rooms), fold(lit["word"]) == "lit"
-        lights = And((type_is("light"), AreaIs(fold(room))))
-        wanted = And((lights, StateIs("on_off", "=", is_lit)))
-        return StateWish(f"{room} {'lit' if is_lit else 'dark'}", lights, wanted, "", any_of=is_lit)
-    query = parse_query(text)
-    if any(isinstance(one, StateIs) for one in leaves(query)):
-        split_near(query)
-        target = _stateless(query)
-        if not any(one != _EVERYTHING for one in leaves(target)):
-            raise UsageError(f"{text!r} names no device; {_HOW}")
-        return StateWish(text, target, query, fold(text.rpartition(" ")[0]).removesuffix(" is"))
-    if (placed := _IN.fullmatch(text)) is None:
-        raise UsageError(f"{text!r} names no state; {_HOW}")
-    return RobotWish(text, placed["robot"], _room(placed["room"], rooms))
+def _wish(text: str, known: KnownNames) -> Wish:
+    plain = re.sub(r"^the\s+", "", text, flags=re.IGNORECASE)
+    first, _, rest = plain.partition(" ")
+    is_not = fold(first) in {"no", "not"} and bool(rest)
+    plain = re.sub(r"^the\s+", "", rest, flags=re.IGNORECASE) if is_not else plain
+    if (lit := _LIT.fullmatch(plain)) is not None:
+        is_lit = (fold(lit["word"]) == "lit") ^ is_not ^ bool(lit["no"])
+        area = "" if fold(lit["room"]) in _EVERYWHERE else _area(lit["room"], known.areas)
+        return RoomWish(f"{area or 'house'} {'lit' if is_lit else 'dark'}", area, is_lit)
+    if (scene := _scene(plain, known.scenes)) and not is_not:
+        return SceneWish(f"scene {scene}", scene)
+    docked = _DOCKED.fullmatch(plain)
+    if docked is not None and not is_not and (" " in docked["way"] or fold(docked["robot"]) in map(fold, known.robots)):
+        return RobotWish(text, docked["robot"], DOCK)
+    placed = _IN.fullmatch(plain)
+    if placed is not None and (_named(placed["room"], known.rooms) or not _ends_with_state(plain)):
+        room = _area(placed["room"], known.rooms)
+        return RobotWish(text, placed["robot"], room, is_not=is_not ^ bool(placed["no"]))
+    return _state(text, plain, known, is_not=is_not)
 
 
-def _room(name: str, rooms: Collection[str]) -> str:
-    for one in rooms:
-        if fold(one) == fold(name):
-            return one
-    hint = did_you_mean(name, rooms, f"rooms are {', '.join(rooms) or 'none'}")
+def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> Wish:
+    found = _STATE.fullmatch(plain)
+    if found is not None and (state := fold(found["state"])) in ADJECTIVES:
+        if is_not ^ bool(found["no"]):
+            state = _OPPOSITE.get(state, "")
+        if state:
+            return _of_parts(text, f"{found['what']}{found['where'] or ''}", state, known)
+    words = _AT.sub(" ", plain)
+    if is_not or " not " in fold(words):
+        raise UsageError(f"{text!r}: what should be so instead is unclear; say that")
+    try:
+        step = read_step(words)
+    except UsageError:
+        first, _, last = words.rpartition(" ")
+        missing = "state" if first else "device or no state"
+        hint = did_you_mean(last, [*_OPPOSITE, *ADJECTIVES], _EXAMPLES, _TYPO) if first else _EXAMPLES
+        raise UsageError(f"{text!r} names no {missing}; {hint}") from None
+    match step:
+        case SendRobot(robot=robot, room=room):
+            return RobotWish(text, robot, _area(room, known.rooms))
+        case Do(target=target, command=command, values=()) if fold(command) not in _ONCE:
+            return _of_parts(text, target, command, known)
+    raise UsageError(f"{text!r} names no state that lasts; {_EXAMPLES}")
+
+
+def _of_parts(text: str, target: str, command: str, known: KnownNames) -> StateWish:
+    target = re.sub(r"\s+(?:is|are)$", "", target, flags=re.IGNORECASE)
+    area = _named(target, known.areas)
+    if area and (named := _NUMBERED.fullmatch(command)) is not None:  # living heat 19
+        area, target, command = "", f"{target} {named['rest']}", named["number"]
+    if area and command in {"on", "off"}:
+        raise UsageError(f"{text!r} would mean everything in it; say '{area} lit', or 'lights in {area} {command}'")
+    states = ADJECTIVES.get(fold(command), ())
+    return StateWish(text, area or target, _COMMANDS.get(command, command), bool(area), states)
+
+
+def _scene(text: str, scenes: Collection[str]) -> str:
+    """Return the scene that *text* names; empty for none."""
+    if found := _named(text, scenes):
+        return found
+    named = _SCENE.fullmatch(text)
+    name = "" if named is None else named["name"] or named["named"]
+    if not name or (found := _named(name, scenes)):
+        return found if name else ""
+    raise UsageError(f"there is no scene {name!r}; {did_you_mean(name, scenes, '`homebot scene list` shows all')}")
+
+
+def _area(name: str, areas: Collection[str]) -> str:
+    if found := _named(name, areas) or _named(re.sub(r"\s+room$", "", name, flags=re.IGNORECASE), areas):
+        return found
+    hint = did_you_mean(name, areas, f"rooms are {', '.join(areas) or 'none'}")
     raise UsageError(f"there is no room {name!r}; {hint}")
 
 
-def _stateless(query: Query) -> Query:
-    """Return *query* with everything true in place of states."""
-    match query:
-        case And(terms):
-            return And(tuple(one for one in map(_stateless, terms) if one != _EVERYTHING))
-        case Or(terms):
-            known = tuple(map(_stateless, terms))
-            return _EVERYTHING if _EVERYTHING in known else Or(known)
-        case Not(term) if any(isinstance(one, StateIs) for one in leaves(term)):
-            return _EVERYTHING
-        case StateIs():
-            return _EVERYTHING
-    return query
+def _named(name: str, names: Collection[str]) -> str:
+    return next((one for one in names if fold(one) == fold(name)), "")
+
+
+def _ends_with_state(text: str) -> bool:
+    try:
+        read_step(_AT.sub(" ", text))
+    except UsageError:
+        return False
+    return True

@@ -1,0 +1,202 @@
+"""The parts and values that wishes mean, by the words of ``homebot do``."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+from homebot.command_words.suitable_parts import part_name, settings_by_part
+from homebot.command_words.targets import CommandTargets, NoTargetError, Target
+from homebot.devices import Device, DevicePart
+from homebot.devices.capabilities import MOMENTARY
+from homebot.devices.command_messages import CommandDevicesRequest
+from homebot.devices.obedience import fits as obeys
+from homebot.devices.places_messages import DoorInfo
+from homebot.devices.query.matching import PartFacets, fits
+from homebot.devices.query.terms import And, InArea, Query, StateIs, type_is
+from homebot.devices.scene_messages import SceneInfo
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError, UsageError
+from homebot.goals.house_now import HouseReader
+from homebot.goals.wishes import RobotWish, RoomWish, SceneWish, StateWish, Wish, read_wishes
+from homebot.support.folding import fold
+
+__all__ = ["Meant", "UnderstoodGoal", "understood"]
+
+
+@dataclass(frozen=True, slots=True)
+class Meant:
+    """A part that a wish is about.
+
+    Attributes:
+        name: Its name for people.
+        settings: The values that a command sets; empty for a part that only reports.
+        states: States any of which is enough; without any, all settings count.
+    """
+
+    device: str
+    part: str
+    name: str
+    settings: Mapping[str, PlainValue]
+    states: tuple[StateIs, ...] = ()
+
+    def is_so(self, device: Device) -> bool:
+        """Return whether *device* is as wished."""
+        part = device.part(self.part)
+        if part is None:
+            return False
+        if any(fits(one, PartFacets(device, part)) for one in self.states):
+            return True
+        known = {one.capability: one.value.plain() for one in device.states if one.part == self.part}
+        return bool(self.settings) and all(
+            one in known and obeys(one, value, known[one]) for one, value in self.settings.items()
+        )
+
+    @property
+    def capabilities(self) -> frozenset[str]:
+        """The capabilities that it is about."""
+        return frozenset(self.settings).union(one.capability for one in self.states)
+
+
+@dataclass(frozen=True, slots=True)
+class UnderstoodGoal:
+    """The meaning of a goal.
+
+    Attributes:
+        wishes: The wishes, each with its parts.
+        scenes: The scenes of the house.
+    """
+
+    wishes: tuple[tuple[Wish, tuple[Meant, ...]], ...] = ()
+    scenes: tuple[SceneInfo, ...] = ()
+
+    @property
+    def drives(self) -> list[RobotWish]:
+        """The wishes for robots."""
+        return [one for one, _ in self.wishes if isinstance(one, RobotWish)]
+
+
+async def understood(text: str, reader: HouseReader) -> UnderstoodGoal:
+    """Return what the goal *text* means.
+
+    Raises:
+        UsageError: A wish is not understood, or nothing fits it.
+        ServiceError: The directory does not answer.
+    """
+    scenes, doors = await reader.scenes(), (await reader.places()).doors
+    meanings = _Meanings(reader)
+    found: list[tuple[Wish, tuple[Meant, ...]]] = []
+    for wish in read_wishes(text, await reader.names(scenes)):
+        match wish:
+            case StateWish():
+                found.append((wish, await meanings.of_state(wish, doors)))
+            case RoomWish():
+                found.append((wish, await meanings.of_room(wish)))
+            case SceneWish():
+                found.append((wish, _of_scene(next(one for one in scenes if one.name == wish.scene))))
+            case RobotWish():
+                found.append((wish, ()))
+    return UnderstoodGoal(tuple(found), scenes)
+
+
+@final
+class _Meanings:
+    def __init__(self, reader: HouseReader) -> None:
+        self._lookup = reader.lookup
+        self._targets = CommandTargets(reader.node, reader.lookup, lambda *_: "")
+
+    async def of_state(self, wish: StateWish, doors: Sequence[DoorInfo]) -> tuple[Meant, ...]:
+        """Return the parts that *wish* is about.
+
+        Raises:
+            UsageError: There are none, several devices have the name, or none takes the value; the message says why.
+            ServiceError: The directory does not answer.
+        """
+        door = next((one for one in doors if fold(one.name) == fold(wish.target)), None)
+        target = (door and _door_device(door, wish.command)) or wish.target
+        target = f'everything in "{target}"' if wish.area else target
+        request = CommandDevicesRequest(target=target, command=wish.command)
+        try:
+            found = await self._targets.find(request)
+        except (NoTargetError, UsageError) as exc:
+            raise UsageError(f"{wish.text}: {exc}") from None
+        meant, problem = list[Meant](), "nothing takes it"
+        for one in found:
+            try:
+                meant += _meant(request, one, wish.states)
+            except RefusedError as exc:
+                problem = f"{one[0].name}: {exc.what}: {exc.reason}"
+        if not meant:
+            raise UsageError(f"{wish.text}: {problem}")
+        return tuple(meant)
+
+    async def of_room(self, wish: RoomWish) -> tuple[Meant, ...]:
+        """Return the lamps of an area.
+
+        Raises:
+            UsageError: There are none.
+            ServiceError: The directory does not answer.
+        """
+        lights: Query = type_is("light")
+        query = And((lights, InArea(fold(wish.area)))) if wish.area else lights
+        state = StateIs("on_off", "=", wish.is_lit)
+        found = tuple(
+            Meant(one.id, part.id, part_name(one, part), settings, (state,))
+            for one in await self._lookup.devices(query)
+            for part in one.parts
+            if fits(lights, PartFacets(one, part)) and (settings := _switched(part, is_on=wish.is_lit)) is not None
+        )
+        if not found:
+            raise UsageError(
+                f"{wish.text}: no lamp is known in {wish.area or 'the house'}; `homebot find lights` shows all"
+            )
+        return found
+
+
+def _door_device(door: DoorInfo, command: str) -> str:
+    """Return the device of *door* that *command* is for; empty for none."""
+    return door.lock if "lock" in command.casefold() else door.contact
+
+
+def _of_scene(scene: SceneInfo) -> tuple[Meant, ...]:
+    """Return the parts of *scene*; none for a native one that does not tell their values.
+
+    Raises:
+        UsageError: A part is not in the house.
+    """
+    if absent := [one.name for one in scene.parts if not one.is_known]:
+        raise UsageError(f"scene {scene.name}: {', '.join(absent[:3])} is not in the house now")
+    if not all(one.settings for one in scene.parts):
+        return ()
+    return tuple(
+        Meant(one.device, one.part, one.name, {each.capability: each.value.plain() for each in one.settings})
+        for one in scene.parts
+    )
+
+
+def _meant(request: CommandDevicesRequest, target: Target, states: tuple[StateIs, ...]) -> Iterator[Meant]:
+    """Yield the parts of a device that take the command; if none does, those that report such a state."""
+    device, parts = target
+    refused: RefusedError | None = None
+    is_taken = False
+    for part, parsed in settings_by_part(request, device, parts):
+        if isinstance(parsed, RefusedError):
+            refused = parsed
+        elif MOMENTARY.isdisjoint(parsed):
+            is_taken = True
+            yield Meant(device.id, part.id, part_name(device, part), parsed, states)
+    if is_taken:
+        return
+    told = {one.capability for one in states}
+    telling = [one for one in device.parts if told.intersection(each.name for each in one.part.capabilities)]
+    if not telling:
+        raise refused or RefusedError(request.command, "it is done once, and does not last")
+    for part in telling:
+        yield Meant(device.id, part.id, part_name(device, part), {}, states)
+
+
+def _switched(part: DevicePart, *, is_on: bool) -> dict[str, PlainValue] | None:
+    """Return the settings that turn a lamp on or off, none if it only reports that; None if it is no lamp by itself."""
+    able = [one for one in part.part.capabilities if one.name == "on_off"]
+    if not able or part.part.is_group or part.part.category:
+        return None
+    return {"on_off": is_on} if able[0].settable else {}

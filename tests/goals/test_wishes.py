@@ -1,0 +1,117 @@
+"""What people type as a goal."""
+
+from __future__ import annotations
+
+import pytest
+
+from homebot.errors import UsageError
+from homebot.goals.wishes import DOCK, KnownNames, RobotWish, RoomWish, SceneWish, StateWish, read_wishes
+
+ROOMS = ("Hall", "Living", "Kitchen", "Office 2")
+HOUSE = KnownNames(ROOMS, (*ROOMS, "upstairs"), ("rosie",), ("Film", "Good night"))
+
+
+@pytest.mark.parametrize(
+    ("text", "area", "is_lit"),
+    [
+        ("living lit", "Living", True),
+        ("the living room is dark", "Living", False),
+        ("kitchen not lit", "Kitchen", False),
+        ("no living room lit", "Living", False),
+        ("not kitchen not lit.", "Kitchen", True),
+        ("upstairs dark", "upstairs", False),
+        ("house dark", "", False),
+    ],
+)
+def test_a_wish_for_light(text: str, area: str, *, is_lit: bool) -> None:
+    (wish,) = read_wishes(text, HOUSE)
+    assert isinstance(wish, RoomWish)
+    assert (wish.area, wish.is_lit) == (area, is_lit)
+
+
+@pytest.mark.parametrize(
+    ("text", "robot", "room", "is_not"),
+    [
+        ("rosie in kitchen", "rosie", "Kitchen", False),
+        ("the robot is in the kitchen", "robot", "Kitchen", False),
+        ("rosie goes to the living room", "rosie", "Living", False),
+        ("rosie in office 2", "rosie", "Office 2", False),
+        ("rosie is not in the hall", "rosie", "Hall", True),
+        ("not rosie in hall", "rosie", "Hall", True),
+        ("rosie at the charging station", "rosie", DOCK, False),
+        ("rosie is back in its dock", "rosie", DOCK, False),
+        ("rosie docked", "rosie", DOCK, False),
+    ],
+)
+def test_a_wish_for_a_robot(text: str, robot: str, room: str, *, is_not: bool) -> None:
+    (wish,) = read_wishes(text, HOUSE)
+    assert isinstance(wish, RobotWish)
+    assert (wish.robot, wish.room, wish.is_not) == (robot, room, is_not)
+
+
+@pytest.mark.parametrize(
+    ("text", "target", "command"),
+    [
+        ("all lights off", "all lights", "off"),
+        ("no lights on", "lights", "off"),
+        ("no lights on in the hall", "lights in the hall", "off"),
+        ("hall lamp is not on", "hall lamp", "off"),
+        ("lights in kitchen on", "lights in kitchen", "on"),
+        ("the front lock is locked", "front lock", "locked"),
+        ("hall blinds closed", "hall blinds", "close"),
+        ("vacuum docked", "vacuum", "dock"),
+        ("living heat at 19 °C", "living heat", "19 °C"),
+        ("living heat is set to 19", "living heat", "19"),
+        ("living heat 19", "living heat", "19"),
+        ("living lamp 40 %", "living lamp", "40 %"),
+        ("living lamp is red", "living lamp", "red"),
+        ("office 2 lamp on", "office 2 lamp", "on"),
+    ],
+)
+def test_a_wish_for_devices(text: str, target: str, command: str) -> None:
+    (wish,) = read_wishes(text, HOUSE)
+    assert isinstance(wish, StateWish)
+    assert (wish.target, wish.command, wish.area) == (target, command, False)
+
+
+def test_a_wish_for_a_room_means_what_takes_it() -> None:
+    assert read_wishes("kitchen at 19 °C", HOUSE) == (StateWish("kitchen at 19 °C", "Kitchen", "19 °C", area=True),)
+
+
+@pytest.mark.parametrize("text", ["film", "scene film", "the film scene", "Film."])
+def test_a_scene_is_a_wish(text: str) -> None:
+    assert read_wishes(text, HOUSE) == (SceneWish("scene Film", "Film"),)
+
+
+def test_wishes_are_joined_and_the_last_subject_counts_on() -> None:
+    wishes = read_wishes("front door closed and locked, kitchen lit AND good night", HOUSE)
+    assert [one.text for one in wishes] == ["front door closed", "front door locked", "Kitchen lit", "scene Good night"]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("kitchn lit", "there is no room 'kitchn'; did you mean Kitchen?"),
+        ("scene fim", "there is no scene 'fim'; did you mean Film?"),
+        ("kitchen litt", "names no state; did you mean lit?"),
+        ("hall on", "would mean everything in it; say 'Hall lit', or 'lights in Hall on'"),
+        ("hall lamp not 40 %", "what should be so instead is unclear"),
+        ("no film", "what should be so instead is unclear"),
+        ("hall lamp toggle", "names no state that lasts"),
+        ("wait 5s", "names no state that lasts"),
+        ("rosie in hall and rosie in kitchen", "rosie cannot be in Hall and in Kitchen at once"),
+        ("on", "names no device or no state"),
+        (" , and", "names no device or no state"),
+        ("", "the goal is empty"),
+    ],
+)
+def test_what_is_not_understood_says_how_to_write_it(text: str, reason: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        read_wishes(text, HOUSE)
+    assert reason in str(caught.value)
+
+
+def test_a_code_in_a_goal_is_refused_without_being_shown_again() -> None:
+    with pytest.raises(UsageError, match="a goal has no code") as caught:
+        read_wishes("front lock unlocked with code 1234", HOUSE)
+    assert "1234" not in str(caught.value)
