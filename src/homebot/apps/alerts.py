@@ -23,7 +23,8 @@ from homebot.devices.names import (
     gateway_of,
 )
 from homebot.devices.query.term_messages import QueryTerm, query_terms
-from homebot.devices.query.terms import Or, TypeIs
+from homebot.devices.query.terms import Or
+from homebot.devices.query.vocabulary import HOUSEHOLD
 from homebot.devices.question_messages import OpenQuestions
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.errors import ServiceError
@@ -44,7 +45,6 @@ _CALM, _LONG_CALM, _DAY = 300.0, 3600.0, 86_400.0
 _WHILE_AWAY: Final = 60.0
 """Seconds after which people are told of an open door while all of them are known to be away."""
 
-_HOUSEHOLD: Final = TypeIs("household", frozenset({"x_household"}), by_word=False)
 _AT_HOME: Final = "at_home"
 
 _MOST_LINES: Final = 10
@@ -171,7 +171,7 @@ class Alerts(App[AlertsSettings]):
     async def _alerts(self, now: float) -> dict[str, Alert]:
         """Return the present alerts by cause, the worst first."""
         lost = [name for name, alert in self._gateways.items() if alert is not None]
-        devices = await self._devices(query_terms(Or((*(kind.query(lost) for kind in ALERTS), _HOUSEHOLD))), ())
+        devices = await self._devices(query_terms(Or((*(kind.query(lost) for kind in ALERTS), HOUSEHOLD))), ())
         states = [state for one in devices for state in one.states if state.capability == _AT_HOME and state.live]
         self._is_empty = any(one.value.plain() is False for one in states)
         alerts = [one for one in self._gateways.values() if one is not None]

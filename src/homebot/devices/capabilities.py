@@ -283,6 +283,12 @@ _CONDITIONS = (
     CapabilityType(
         "at_home", "bool", "whether the person, or one of the household, is at home", flags=("away", "at home")
     ),
+    CapabilityType(
+        "all_at_home",
+        "bool",
+        "whether everybody of the household is at home",
+        flags=("somebody away", "everybody at home"),
+    ),
     CapabilityType("moving", "bool", "whether it is moving", flags=("still", "moving")),
     CapabilityType("running", "bool", "whether it is running", flags=("idle", "running")),
     CapabilityType("problem", "bool", "whether it has a problem", is_alerting=True),

@@ -141,7 +141,7 @@ def _may_coincide(one: Trigger, other: Trigger) -> bool:
         case Becomes(), Becomes():
             return one.lasting == other.lasting and _may_both_hold(one, other)
         case PersonMoves(), PersonMoves():
-            return (one.query, one.is_home) == (other.query, other.is_home)
+            return (one.query, one.is_home, one.fact) == (other.query, other.is_home, other.fact)
         case _:
             return one == other
 

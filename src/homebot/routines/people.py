@@ -4,21 +4,31 @@ import re
 from typing import Final, NamedTuple
 
 from homebot.devices.query.terms import And, NameIs, Not, Or, Query, StateIs, TypeIs, leaves
+from homebot.devices.query.vocabulary import HOUSEHOLD
 from homebot.errors import UsageError
 from homebot.support.folding import fold
 
-__all__ = ["AT_HOME", "PersonState", "check_known", "may_begin", "read_move", "read_person"]
+__all__ = ["HOME_FACTS", "PersonState", "check_known", "may_begin", "read_move", "read_person"]
 
 AT_HOME: Final = "at_home"
+_ALL_AT_HOME: Final = "all_at_home"
+HOME_FACTS: Final = frozenset({AT_HOME, _ALL_AT_HOME})
 
 _IS: Final = re.compile(r"(?P<who>.+?)\s+(?:is|are)\s+(?P<no>not\s+)?(?:at\s+)?(?P<where>home|away)", re.IGNORECASE)
 _MOVES: Final = re.compile(
     r"(?P<who>.+?)\s+(?:(?P<comes>arrives?|comes?)(?:\s+home)?|(?:leaves?|has left|have left|goes away)(?:\s+home)?)",
     re.IGNORECASE,
 )
-_SOMEBODY: Final = frozenset({"somebody", "someone", "anybody", "anyone"})
-_NOBODY: Final = frozenset({"nobody", "no one", "no-one"})
-_EVERYBODY: Final = frozenset({"everybody", "everyone", "all"})
+_SOMEBODY: Final = ("somebody", "someone", "anybody", "anyone")
+_NOBODY: Final = ("nobody", "no one", "no-one")
+_EVERYBODY: Final = ("everybody", "everyone", "all")
+_HOUSEHOLD: Final = {
+    **dict.fromkeys(_SOMEBODY, ((AT_HOME, True), (_ALL_AT_HOME, False))),
+    **dict.fromkeys(_NOBODY, ((AT_HOME, False), (_ALL_AT_HOME, True))),
+    **dict.fromkeys(_EVERYBODY, ((_ALL_AT_HOME, True), (AT_HOME, False))),
+}
+"""The fact that they are at home, and that they are away."""
+
 _ROBOT: Final = frozenset({"robot"})
 
 
@@ -27,33 +37,36 @@ class PersonState(NamedTuple):
 
     Attributes:
         person: The query for the person, or the household.
+        is_home: The value of *fact*.
+        fact: The capability.
     """
 
     person: Query
     is_home: bool
+    fact: str = AT_HOME
 
     @property
     def query(self) -> Query:
         """The query that the person matches then; unknown matches neither."""
-        return And((self.person, StateIs(AT_HOME, "=", self.is_home)))
+        return And((self.person, StateIs(self.fact, "=", self.is_home)))
 
 
 def read_person(text: str) -> PersonState | None:
-    """Return the state *text*, such as ``Anna is home``; None if it is none.
+    """Return the state *text*, such as ``Anna is home`` or ``everybody is home``; None if it is none.
 
     Raises:
-        UsageError: It cannot be known of all of them together.
+        UsageError: It may be meant in two ways.
     """
     if (found := _IS.fullmatch(text)) is None:
         return None
     is_home = (found["where"].casefold() == "home") is not bool(found["no"])
     who = fold(found["who"])
-    if who in _NOBODY and not found["no"] and is_home:
-        return PersonState(_household(), is_home=False)
-    if (who in _SOMEBODY and is_home and not found["no"]) or (who in _EVERYBODY and not is_home and not found["no"]):
-        return PersonState(_household(), is_home)
-    if who.removeprefix("not ") in _SOMEBODY | _NOBODY | _EVERYBODY:
-        raise UsageError(f"{text!r}: of all people only 'somebody is home' and 'nobody is home' can be asked; name one")
+    if who in _EVERYBODY and found["no"]:
+        raise UsageError(f"{text!r}: write 'nobody is home' or 'not everybody is home'")
+    plain = who.removeprefix("not ")
+    if plain in _HOUSEHOLD:
+        fact, value = _HOUSEHOLD[plain][0 if is_home else 1]
+        return PersonState(HOUSEHOLD, value is (who == plain), fact)
     return PersonState(_person(found["who"]), is_home)
 
 
@@ -68,9 +81,11 @@ def read_move(text: str) -> PersonState | None:
         return None
     who, comes = fold(found["who"]), bool(found["comes"])
     if (who in _SOMEBODY and comes) or (who in _EVERYBODY and not comes):
-        return PersonState(_household(), comes)
-    if who in _SOMEBODY | _NOBODY | _EVERYBODY:
-        raise UsageError(f"{text!r}: write 'everybody has left', 'somebody arrives', or name a person")
+        return PersonState(HOUSEHOLD, comes)
+    if who in _HOUSEHOLD:
+        raise UsageError(
+            f"{text!r}: write 'everybody has left', 'somebody arrives', 'everybody is home', or name a person"
+        )
     return PersonState(_person(found["who"]), comes)
 
 
@@ -81,7 +96,7 @@ def check_known(text: str, query: Query) -> None:
         UsageError: It does.
     """
     match query:
-        case Not(term) if any(isinstance(one, StateIs) and one.capability == AT_HOME for one in leaves(term)):
+        case Not(term) if any(isinstance(one, StateIs) and one.capability in HOME_FACTS for one in leaves(term)):
             raise UsageError(f"{text!r} would hold as well while it is unknown; write it like 'Anna is away'")
         case And(terms) | Or(terms):
             for one in terms:
@@ -90,11 +105,7 @@ def check_known(text: str, query: Query) -> None:
 
 def may_begin(query: Query) -> bool:
     """Return whether a state that was unknown before may start something: that people are away, never a return."""
-    return all(one.value is False for one in leaves(query) if isinstance(one, StateIs) and one.capability == AT_HOME)
-
-
-def _household() -> Query:
-    return TypeIs("household", frozenset({"x_household"}), by_word=False)
+    return all(one.value is False for one in leaves(query) if isinstance(one, StateIs) and one.capability in HOME_FACTS)
 
 
 def _person(name: str) -> Query:

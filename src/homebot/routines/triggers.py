@@ -7,7 +7,7 @@ from typing import Final, TypeAlias
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import Query, StateIs, leaves, split_near
 from homebot.errors import UsageError
-from homebot.routines.people import AT_HOME, check_known, may_begin, read_move, read_person
+from homebot.routines.people import HOME_FACTS, check_known, may_begin, read_move, read_person
 from homebot.routines.times import DaysAndTime, SunMoment, read_duration
 
 __all__ = ["Becomes", "Press", "RobotArrival", "Trigger", "read_press", "read_state", "read_trigger"]
@@ -62,11 +62,17 @@ class RobotArrival:
 
 @dataclass(frozen=True, slots=True)
 class PersonMoves:
-    """The arrival or leave of a person, or of the first or last of a household, from a known other place."""
+    """The arrival or leave of a person, or of the first or last of a household, from a known other place.
+
+    Attributes:
+        is_home: The value that *fact* begins to have.
+        fact: The capability.
+    """
 
     text: str
     query: Query
     is_home: bool
+    fact: str
 
 
 Trigger: TypeAlias = Becomes | Press | RobotArrival | PersonMoves | DaysAndTime | SunMoment
@@ -84,13 +90,13 @@ def read_trigger(text: str) -> Trigger:
         return moment
     person = read_move(plain) or read_person(plain)
     if person is not None:
-        return PersonMoves(plain, person.person, person.is_home)
+        return PersonMoves(plain, *person)
     if (found := _ARRIVAL.fullmatch(plain)) is not None:
         return RobotArrival(found["robot"].casefold(), found["room"], leaves=found["word"].casefold() == "leaves")
     if (press := read_press(plain)) is not None:
         return press
     state = read_state(plain)
-    if AT_HOME in state.capabilities and not (state.lasting and may_begin(state.query)):
+    if not HOME_FACTS.isdisjoint(state.capabilities) and not (state.lasting and may_begin(state.query)):
         raise UsageError(f"{text!r} may only have been unknown before; start by 'Anna arrives' or 'everybody has left'")
     return state
 

@@ -15,7 +15,6 @@ from homebot.devices.query.matching import fits
 from homebot.devices.robot_messages import RobotPose
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.routines.people import AT_HOME
 from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
@@ -120,7 +119,7 @@ class PersonWatch(HouseWatcher):
 
     def on_values(self, change: StateChange) -> None:
         """Start the routine if a person was elsewhere before."""
-        if any(one.capability == AT_HOME for one in change.readings):
+        if any(one.capability == self._move.fact for one in change.readings):
             self._record(change.device, change)
 
     def _record(self, device_id: str, change: DeviceChange | StateChange) -> None:
@@ -128,7 +127,7 @@ class PersonWatch(HouseWatcher):
         device = None if known is None else known.current()
         if device is None or not fits(self._move.query, facets_of(device)):
             return
-        states = [one for one in device.states if one.capability == AT_HOME and one.live]
+        states = [one for one in device.states if one.capability == self._move.fact and one.live]
         if states and isinstance(is_home := states[0].value.plain(), bool):
             before = self._was_home.get(device_id)
             self._was_home[device_id] = is_home

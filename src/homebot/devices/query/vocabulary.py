@@ -194,6 +194,14 @@ ADJECTIVES: Mapping[str, tuple[StateIs, ...]] = MappingProxyType(
 )
 """Adjectives for a state: any of these values."""
 
+HOUSEHOLD = TypeIs("household", frozenset({"x_household"}), by_word=False)
+_HOUSEHOLDS: Mapping[str, StateIs] = {
+    "somebody": StateIs("at_home", "=", True),  # noqa: FBT003 - as above
+    "anybody": StateIs("at_home", "=", True),  # noqa: FBT003 - as above
+    "nobody": StateIs("at_home", "=", False),  # noqa: FBT003 - as above
+    "everybody": StateIs("all_at_home", "=", True),  # noqa: FBT003 - as above
+}
+
 _WEAK = Or((StateIs("battery", "<", 20.0), StateIs("battery_low", "=", True)))  # noqa: FBT003 - as above
 
 CONDITIONS: Mapping[str, Query] = MappingProxyType(
@@ -210,9 +218,14 @@ CONDITIONS: Mapping[str, Query] = MappingProxyType(
         "disputed": IsDisputed(),
         "unapproved": IsUnapproved(),
         "unreadable": FactIs(UNREADABLE, "payloads"),
+        **{
+            f"{who} {home}": And((HOUSEHOLD, state))
+            for who, state in _HOUSEHOLDS.items()
+            for home in ("home", "at home", "is home", "is at home")
+        },
     }
 )
-"""Adjectives for the condition of a device."""
+"""Adjectives for the condition of a device, and what is true of the household, which is one."""
 
 
 def meaning_of(phrase: str) -> Query | None:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from functools import partial
 from typing import ClassVar, Final, final
 
 import anyio
@@ -26,6 +25,7 @@ from homebot.support.similar import did_you_mean
 __all__ = ["PeopleGateway"]
 
 AT_HOME: Final = "at_home"
+ALL_AT_HOME: Final = "all_at_home"
 HOUSEHOLD: Final = "household"
 
 _ASKED_EVERY: Final = 30.0
@@ -54,7 +54,7 @@ class PeopleGateway(Gateway):
         self._ping = ping
         self._heard_at: dict[str, float] = {}
         self._since: dict[str, tuple[Sign, float]] = {}
-        self._told: dict[str, bool | None] = {}
+        self._told: dict[str, dict[str, bool | None]] = {}
         self._trackers = TrackerWatch()
         self._view: HouseView | None = None
         self._devices = PublishedDevices(self, self._refuse, settings, find_problems=self._missing)
@@ -80,10 +80,11 @@ class PeopleGateway(Gateway):
                     await self._trackers.changed.wait()
 
     def _publish_devices(self) -> None:
-        part = partial(simple_part, readable=(AT_HOME,))
         for name in self._people:
-            self._devices.put(GatewayDevice(_key(name), name, (part("x_person"),)), "[people] names the person")
-        self._devices.put(GatewayDevice(HOUSEHOLD, "Household", (part("x_household"),)), "all of [people]")
+            person = GatewayDevice(_key(name), name, (simple_part("x_person", readable=(AT_HOME,)),))
+            self._devices.put(person, "[people] names the person")
+        household = simple_part("x_household", readable=(AT_HOME, ALL_AT_HOME))
+        self._devices.put(GatewayDevice(HOUSEHOLD, "Household", (household,)), "all of [people]")
 
     async def _look(self, view: HouseView, now: float) -> float:
         """Report the changes; return the seconds until silence may change something."""
@@ -93,14 +94,16 @@ class PeopleGateway(Gateway):
             where = where_is([*self._signs(view, name, one, now)], now, one.away_after)
             due.append(where.due)
             found.append(where.is_home)
-            await self._report(_key(name), is_home=where.is_home)
-        await self._report(HOUSEHOLD, is_home=True if True in found else None if None in found else False)
+            await self._report(_key(name), {AT_HOME: where.is_home})
+        is_any = True if True in found else None if None in found else False
+        are_all = False if False in found else None if None in found else True
+        await self._report(HOUSEHOLD, {AT_HOME: is_any, ALL_AT_HOME: are_all})
         return min(due) - now
 
-    async def _report(self, key: str, *, is_home: bool | None) -> None:
-        if key not in self._told or self._told[key] is not is_home:
-            self._told[key] = is_home
-            await self._devices.report(key, {AT_HOME: is_home})
+    async def _report(self, key: str, values: dict[str, bool | None]) -> None:
+        if self._told.get(key) != values:
+            self._told[key] = values
+            await self._devices.report(key, values)
 
     def _signs(self, view: HouseView, name: str, person: PersonSettings, now: float) -> Iterator[tuple[Sign, float]]:
         for text in person.trackers:
