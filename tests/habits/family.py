@@ -60,13 +60,25 @@ class Family:
     """Days of the family.
 
     Args:
-        habits: Those that are planted; one is changed by :attr:`changes` on a day.
+        habits: Those that are planted; one is changed by :attr:`changed` on a day.
+        holidays: Days on which nothing happens.
+        guests: Days on which three times as much happens, and habits are forgotten more often.
+        bustle: How many times as much happens on all days.
     """
 
-    def __init__(self, seed: int, habits: tuple[Planted, ...] = HABITS, holidays: range = range(0)) -> None:
+    def __init__(
+        self,
+        seed: int,
+        habits: tuple[Planted, ...] = HABITS,
+        holidays: range = range(0),
+        guests: range = range(0),
+        bustle: int = 1,
+    ) -> None:
         self.random = Random(seed)  # noqa: S311 - a simulation
         self.habits = habits
         self.holidays = holidays
+        self.guests = guests
+        self.bustle = bustle
         self.changed: tuple[int, Planted, Planted] | None = None
         self.values: dict[str, str] = {}
         self.events: list[Happening] = []
@@ -97,6 +109,7 @@ class Family:
             return
 
         def times(most: int) -> list[float]:
+            most *= self.bustle * (3 if day in self.guests else 1)
             return [midnight + random.uniform(6.5, 23.5) * 3600 for _ in range(random.randint(0, most))]
 
         yield from self._devices(times)
@@ -155,7 +168,7 @@ class Family:
             day not in self.holidays
             and (habit.dark is None or habit.dark == sun_is_down(at))
             and (habit.workdays is None or habit.workdays == is_workday(at))
-            and self.random.random() < habit.share
+            and self.random.random() < habit.share - 0.1 * (day in self.guests)
         )
 
     def _happen(self, day: int, at: float, text: str, *, by_person: bool) -> None:

@@ -21,13 +21,14 @@ def part(kind: str, *names: str, part_id: str = "") -> DevicePart:
     return DevicePart(id=part_id, part=Part(id=part_id, service_type=kind, capabilities=able), routes=())
 
 
-def device(name: str, *parts: DevicePart) -> Device:
+def device(name: str, *parts: DevicePart, area: str = "") -> Device:
     endpoint = Endpoint(gateway="zigbee", key=name, address="", command_address="", freshness="fresh", last_seen=NOW)
     return Device(
         id=name.lower().replace(" ", "_"),
         name=name,
         names=(name,),
         service_type=parts[0].part.service_type,
+        area=area,
         endpoints=(endpoint,),
         metadata=(),
         first_seen=NOW,
@@ -40,8 +41,8 @@ def device(name: str, *parts: DevicePart) -> Device:
 
 HOUSE = (
     device("Hall lamp", part("light", "on_off", "level")),
-    device("Hall lamp two", part("light", "on_off")),
-    device("Hall motion", part("occupancy_sensor", "occupancy", "battery")),
+    device("Hall lamp two", part("light", "on_off"), area="hall"),
+    device("Hall motion", part("occupancy_sensor", "occupancy", "battery"), area="hall"),
     device("Front door", part("contact_sensor", "contact")),
     device("Front door lock", part("door_lock", "lock")),
     device("Bath heating", part("thermostat", "heating_setpoint")),

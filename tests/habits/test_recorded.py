@@ -20,7 +20,7 @@ from homebot.routines.conditions import read_condition
 from homebot.routines.text import read_routines
 from homebot.routines.triggers import read_trigger
 
-BERLIN = Home(ZoneInfo("Europe/Berlin"), 52.5, 13.4, "household")
+BERLIN = Home(ZoneInfo("Europe/Berlin"), 52.5, 13.4)
 START = 1_767_567_600.0  # Monday, 2026-01-05, midnight in Berlin
 WORDS = HabitWords(HOUSE)
 OWNER = issuer_of_client("owner")
@@ -72,15 +72,34 @@ def test_a_press_that_led_to_a_command_is_a_trigger() -> None:
     assert days.events == (Happening(START, "hall_button", " press", "Hall button press double", is_press=True),)
 
 
-def test_the_conditions_are_those_of_the_place() -> None:
+def test_the_conditions_are_those_of_the_place_and_of_the_people() -> None:
     home = states("household", "at_home", (START, "true"), (START + 8 * 3600, "false"))
-    days = recorded_days(WORDS, [home, states(TWO, "on_off", (START + 6 * DAY, "true"))], [], BERLIN)
-    assert days.held(START + 7 * 3600) == {"on weekdays", "sun is down", "somebody is home"}
-    assert days.held(START + 12 * 3600) == {"on weekdays", "sun is up"}
-    assert days.held(START + 5.5 * DAY) == {"on weekends", "sun is up"}
+    anna = states("anna", "at_home", (START + 9 * 3600, "true"))
+    motion = states("hall_motion", "occupancy", (START + 7 * 3600, "true"), (START + 7 * 3600 + 90, "false"))
+    week = states(TWO, "on_off", (START + 6 * DAY, "true"))
+    days = recorded_days(WORDS, [home, anna, motion, week], [], BERLIN)
+
+    def held(at: float, device: str = TWO) -> set[str]:
+        return {text for text, holds in days.conditions_on(device).items() if holds(at)}
+
+    morning = {"on weekdays", "sun is down", "somebody is home"}
+    assert held(START + 7 * 3600) == {*morning, "somebody in hall"}
+    assert held(START + 7 * 3600, "bath_heating") == morning
+    assert held(START + 9 * 3600 + 9) == {"on weekdays", "sun is up", "Anna is home", "nobody in hall"}
+    assert held(START + 5.5 * DAY) == {"on weekends", "sun is up", "nobody in hall"}
     assert all(read_condition(one) for one in days.conditions)
     assert all(read_trigger(one) for one in days.moments)
     assert days.midnight(START + DAY + 1) == START + DAY
+
+
+def test_a_day_of_the_week_is_a_condition_once_it_came_often_enough() -> None:
+    five_weeks = states(TWO, "on_off", (START, "false"), (START + 29 * DAY, "true"))
+    days = recorded_days(WORDS, [five_weeks], [], BERLIN)
+    assert {text for text, holds in days.conditions.items() if holds(START + 7 * DAY)} == {
+        "on weekdays",
+        "on mon",
+        "sun is down",
+    }
 
 
 def test_a_recorded_habit_becomes_a_routine_with_its_proof() -> None:

@@ -1,15 +1,16 @@
 """Habits of a simulated family are found, and nothing else is taken for one."""
 
 import pytest
-from tests.habits.family import HABITS, Family, Planted, days_of
+from tests.habits.family import HABITS, Family, Planted, days_of, sun_is_down
 from tests.sizes import size
 
 from homebot.habits.days import DAY, Days
 from homebot.habits.habit import FoundHabit, sure_share
-from homebot.habits.search import find_habits, occasions_after
+from homebot.habits.search import find_habits, occasions_of
 
 SEEDS = range(size(2, 20))
 HOLIDAYS = range(9, 12)
+GUESTS = range(16, 18)
 BLIND = HABITS[4]
 
 
@@ -19,28 +20,31 @@ def found_in(days: Days) -> list[FoundHabit]:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_habits_of_a_family_are_found_in_three_weeks(seed: int) -> None:
-    """With holidays, in which nothing happens; one habit changes after the first ten days."""
-    family = Family(seed, holidays=HOLIDAYS)
+    """With holidays, in which nothing happens, guests, and a habit that changes after the first ten days."""
+    family = Family(seed, holidays=HOLIDAYS, guests=GUESTS)
     family.changed = (10, BLIND, Planted("21.5", BLIND.do))
     habits = found_in(family.days(21))
     assert len({one.do for one in habits} & {one.do for one in HABITS}) >= 11
-    (blind,) = (one for one in habits if one.do == BLIND.do)
-    assert blind.when in {"21:20", "21:25", "21:30", "21:35", "21:40"}
+    assert {one.when for one in habits if one.do == BLIND.do} <= {"21:20", "21:25", "21:30", "21:35", "21:40"}
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_no_habit_is_found_where_there_is_none(seed: int) -> None:
-    assert len(found_in(Family(seed, habits=()).days(100))) <= 1
+@pytest.mark.parametrize("bustle", [1, 2])
+def test_no_habit_is_found_where_there_is_none(seed: int, bustle: int) -> None:
+    """Each fortnight, as those see it who ask again and again: the fewest days have the most luck."""
+    events = Family(seed, habits=(), bustle=bustle).days(100).events
+    fortnights = [days_of([one for one in events if first <= one.at / DAY < first + 14]) for first in range(0, 98, 14)]
+    assert len([one for days in fortnights for one in found_in(days)]) <= 1
 
 
 def test_the_precision_that_is_promised_is_what_comes() -> None:
     promised, came = [], []
     for seed in range(size(4, 20)):
-        days = Family(seed, holidays=HOLIDAYS).days(42)
+        days = Family(seed, holidays=HOLIDAYS, guests=GUESTS).days(42)
         later = days.recent(21)
         for one in found_in(days_of([event for event in days.events if event.at < 21 * DAY], HOLIDAYS)):
-            if one.when in later.by_text and one.do in later.by_text:
-                occasions = occasions_after(later, one)
+            if one.do in later.by_text:
+                occasions = occasions_of(later, one)
                 promised += [one.precision] * len(occasions)
                 came += [occasion.done_at is not None for occasion in occasions]
     assert len(came) > 100
@@ -53,7 +57,7 @@ def test_a_habit_has_its_conditions_and_every_occasion() -> None:
     assert (hall.when, hall.conditions, hall.within) == ("hall motion occupied", ("sun is down",), 60.0)
     assert hall.done >= 0.8 * len(hall.occasions)
     for one in hall.occasions:
-        assert days.held(one.at) >= {"sun is down"}
+        assert sun_is_down(one.at)
         assert one.done_at is None or 0 < one.done_at - one.at <= 60
 
 

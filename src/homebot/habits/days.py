@@ -7,11 +7,14 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
 from typing import Final, final
 
-__all__ = ["DAY", "Days", "Happening", "Happenings"]
+__all__ = ["DAY", "LEAST_DAYS", "Days", "Happening", "Happenings"]
 
 DAY: Final = 86_400.0
+LEAST_DAYS: Final = 5
+"""Days on which people did something, for it to be a habit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +48,7 @@ class Days:
         conditions: By text of a routine's condition, whether it held at a time.
         moments: By text of a routine's trigger, such as ``sunset``, the time of that moment on the day that begins at a
             midnight; None if it has none.
+        rooms: By text of a condition about a room, the devices there: it narrows only what is done with these.
     """
 
     def __init__(
@@ -53,16 +57,18 @@ class Days:
         midnight: Callable[[float], float],
         conditions: Mapping[str, Callable[[float], bool]],
         moments: Mapping[str, Callable[[float], float | None]],
+        rooms: Mapping[str, frozenset[str]] = MappingProxyType({}),
     ) -> None:
         self.events = tuple(events)
         self.midnight = midnight
         self.conditions = conditions
         self.moments = moments
+        self.rooms = rooms
 
     def recent(self, count: int) -> Days:
         """Return the last *count* days."""
         since = self.midnights[-count] if count else float("inf")
-        return Days(self.between(since, float("inf")), self.midnight, self.conditions, self.moments)
+        return Days(self.between(since, float("inf")), self.midnight, self.conditions, self.moments, self.rooms)
 
     @cached_property
     def midnights(self) -> tuple[float, ...]:
@@ -82,6 +88,15 @@ class Days:
                 kind.done.append(one.at)
         return dict(kinds)
 
+    def moments_of(self, when: str) -> list[float]:
+        """Return a time of day, such as ``22:40``, or a moment such as ``sunset - 5m``, on each day that has it."""
+        if ":" in when:
+            hours, minutes = when.split(":")
+            return [midnight + int(hours) * 3600 + int(minutes) * 60 for midnight in self.midnights]
+        name, sign, minutes = when.partition(" + ") if " + " in when else when.partition(" - ")
+        shift = float(minutes.rstrip("m") or 0) * (-60 if "-" in sign else 60)
+        return [at + shift for midnight in self.midnights if (at := self.moments[name](midnight)) is not None]
+
     def number(self, at: float) -> int:
         """Return the number of the day of *at*."""
         return bisect_right(self.midnights, at) - 1
@@ -90,9 +105,9 @@ class Days:
         """Return the events from *since* on and before *until*."""
         return self.events[bisect_left(self._times, since) : bisect_left(self._times, until)]
 
-    def held(self, at: float) -> frozenset[str]:
-        """Return the conditions that held at *at*."""
-        return frozenset(text for text, held in self.conditions.items() if held(at))
+    def conditions_on(self, device: str) -> Mapping[str, Callable[[float], bool]]:
+        """Return the conditions that may narrow what is done with *device*."""
+        return {text: one for text, one in self.conditions.items() if device in self.rooms.get(text, {device})}
 
     def is_so(self, kind: Happenings, at: float) -> bool:
         """Return whether the place of *kind* had its value already before *at*."""

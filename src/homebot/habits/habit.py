@@ -1,9 +1,9 @@
 """A habit, with the occasions that prove it. Pure."""
 
 from dataclasses import dataclass
-from math import sqrt
+from math import comb, sqrt
 
-__all__ = ["FoundHabit", "Occasion", "sure_share"]
+__all__ = ["FoundHabit", "Occasion", "luck", "sure_share"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,3 +57,8 @@ def sure_share(done: int, of: int) -> float:
     share = done / of
     spread = sqrt(z2 * (share * (1 - share) / of + z2 / (4 * of * of)))
     return (share + z2 / (2 * of) - spread) / (1 + z2 / of)
+
+
+def luck(done: int, of: int, chance: float) -> float:
+    """Return the probability of at least *done* hits *of* so many tries by *chance* alone."""
+    return sum(comb(of, hits) * chance**hits * (1 - chance) ** (of - hits) for hits in range(done, of + 1))

@@ -7,9 +7,10 @@ and other programs, which have tokens of their own, may be triggers, but are no 
 from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime, timedelta, tzinfo
-from typing import Final
+from functools import partial
+from typing import Final, NamedTuple
 
 from homebot.apps.sun import is_sun_up, sun_time
 from homebot.devices.capabilities import EVENTS
@@ -19,8 +20,8 @@ from homebot.devices.history_messages import HistorySeries
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.trigger import Trigger
 from homebot.devices.value import PlainValue
-from homebot.habits.days import DAY, Days, Happening
-from homebot.habits.words import HabitWords, rounded
+from homebot.habits.days import DAY, LEAST_DAYS, Days, Happening
+from homebot.habits.words import HabitWords, Room, rounded
 
 __all__ = ["MOST_HAPPENINGS", "Home", "is_persons", "recorded_days"]
 
@@ -30,22 +31,17 @@ MOST_HAPPENINGS: Final = 200_000
 _SAME: Final = 30.0
 """Seconds between the command of a person and the value that it leads to."""
 
+_NAMES: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 _FLAGS: Final[Mapping[str, PlainValue]] = {"true": True, "false": False}
 _PERSONS: Final = frozenset({issuer_of_client(OWNER_CLIENT), issuer_of_client(LOCAL_CLIENT)})
 
 
-@dataclass(frozen=True, slots=True)
-class Home:
-    """The place and the people of a home.
-
-    Attributes:
-        household: The id of the device that tells whether somebody is at home; empty for none.
-    """
+class Home(NamedTuple):
+    """The place of a home."""
 
     zone: tzinfo
     latitude: float | None = None
     longitude: float | None = None
-    household: str = ""
 
 
 def is_persons(entry: JournalEntry) -> bool:
@@ -65,10 +61,11 @@ def recorded_days(
     deeds = [deed for one in by_persons for deed in _deeds(words, one)]
     known = sorted(_with_deeds(happenings, deeds), key=lambda one: one.at)[-MOST_HAPPENINGS:]
     midnights = _midnights(known[0].at, known[-1].at, home.zone) if known else [0.0]
-    at_home = next((one for one in series if one.device == home.household and one.capability == "at_home"), None)
-    conditions = dict(_conditions(midnights, at_home, home))
+    rooms = words.rooms()
+    conditions = {**dict(_calendar(midnights, home)), **dict(_presence(words, rooms, series))}
     moments = {event: _moment(event, home) for event in ("sunrise", "sunset") if home.latitude is not None}
-    return Days(known, lambda at: midnights[_index(midnights, at)], conditions, moments)
+    members = {text: room.devices for room in rooms for text in room.texts}
+    return Days(known, lambda at: midnights[_index(midnights, at)], conditions, moments, members)
 
 
 def _changes(words: HabitWords, series: Iterable[HistorySeries]) -> Iterator[Happening]:
@@ -136,12 +133,17 @@ def _index(times: Sequence[float], at: float) -> int:
     return max(bisect_right(times, at) - 1, 0)
 
 
-def _conditions(
-    midnights: Sequence[float], at_home: HistorySeries | None, home: Home
-) -> Iterator[tuple[str, Callable[[float], bool]]]:
-    workdays = [datetime.fromtimestamp(at + DAY / 2, home.zone).weekday() < 5 for at in midnights]
-    yield "on weekdays", lambda at: workdays[_index(midnights, at)]
-    yield "on weekends", lambda at: not workdays[_index(midnights, at)]
+def _calendar(midnights: Sequence[float], home: Home) -> Iterator[tuple[str, Callable[[float], bool]]]:
+    """Yield the conditions of the days and of the sun; a day of the week only if it came often enough."""
+    weekdays = [datetime.fromtimestamp(at + DAY / 2, home.zone).weekday() for at in midnights]
+    spans = {"on weekdays": frozenset(range(5)), "on weekends": frozenset({5, 6})}
+    spans |= {f"on {_NAMES[day]}": frozenset({day}) for day in range(7) if weekdays.count(day) >= LEAST_DAYS}
+
+    def is_on(days: frozenset[int], at: float) -> bool:
+        return weekdays[_index(midnights, at)] in days
+
+    for text, days in spans.items():
+        yield text, partial(is_on, days)
     if home.latitude is not None:
         light = [_light(at, home) for at in midnights]
 
@@ -151,9 +153,32 @@ def _conditions(
 
         yield "sun is up", is_light
         yield "sun is down", lambda at: not is_light(at)
-    if at_home is not None and at_home.words:
-        times, homes = at_home.times, [word == "true" for word in at_home.words]
-        yield "somebody is home", lambda at: homes[_index(times, at)]
+
+
+def _presence(
+    words: HabitWords, rooms: Iterable[Room], series: Iterable[HistorySeries]
+) -> Iterator[tuple[str, Callable[[float], bool]]]:
+    """Yield who is at home, and in which rooms somebody is."""
+    known: defaultdict[tuple[str, str], list[HistorySeries]] = defaultdict(list)
+    for one in series:
+        known[one.device, one.capability].append(one)
+    for text, person in words.people().items():
+        if at_home := known[person, "at_home"]:
+            yield text, partial(_is_any, at_home)
+    for room in rooms:
+        if seen := [one for sensor in room.sensors for one in known[sensor, "occupancy"]]:
+            somebody, nobody = room.texts
+            yield somebody, partial(_is_any, seen)
+            yield nobody, partial(_is_none, seen)
+
+
+def _is_any(series: Iterable[HistorySeries], at: float) -> bool:
+    places = ((one, bisect_right(one.times, at) - 1) for one in series)
+    return any(place >= 0 and at < one.ends[place] and one.words[place] == "true" for one, place in places)
+
+
+def _is_none(series: Iterable[HistorySeries], at: float) -> bool:
+    return not _is_any(series, at)
 
 
 def _moment(event: str, home: Home) -> Callable[[float], float | None]:

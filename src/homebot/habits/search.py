@@ -8,20 +8,21 @@ conditions narrow them. A deed as likely at the same time on other days is no ha
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from itertools import combinations
 from statistics import median
 from typing import Final
 
-from homebot.habits.days import DAY, Days, Happenings
-from homebot.habits.habit import FoundHabit, Occasion, sure_share
+from homebot.habits.days import DAY, LEAST_DAYS, Days, Happenings
+from homebot.habits.habit import FoundHabit, Occasion, luck, sure_share
 
-__all__ = ["find_habits", "occasions_after"]
+__all__ = ["find_habits", "occasions_of"]
 
 _WITHIN: Final = (60.0, 300.0, 900.0)
 """Seconds within which people act after a trigger."""
+
+_REACTION: Final = 0.5
+"""Seconds that a person needs; what follows sooner is an effect, such as that of a bound button."""
 
 _TOLERANCE: Final = 1200.0
 """Seconds before and after a time of day within which people act."""
@@ -29,44 +30,59 @@ _TOLERANCE: Final = 1200.0
 _ROUND: Final = 300.0
 """Times of day are whole multiples of it."""
 
-_LEAST_DAYS: Final = 5
 _LEAST_OF_DAYS: Final = 0.4
 """The share of days on which it is done at a time of day: it may be so already on the others."""
 
-_LEAST_PRECISION: Final = 0.75
+_LEAST_PRECISION: Final = 0.7
 _LEAST_SURE: Final = 0.5
 _LEAST_RECENT: Final = 0.5
 _ABOVE_CHANCE: Final = 0.35
+_MOST_LUCK: Final = 0.01
+"""The probability that any proposal of a house without habits is mere luck."""
+
 _RECENT: Final = 7
 _FOLDS: Final = 3
 _SIMPLER: Final = 0.02
+_SOONER: Final = 0.05 / 900
+"""Per second: of two triggers that are as good, the nearer one is the cause."""
+
 _MOST_TRIGGERS: Final = 20
 _MOST_TIMES: Final = 3
+_MOST_CONDITIONS: Final = 2
 _MOST_PER_STEP: Final = 3
-_SHIFTS: Final = (-2, -1, 1, 2)
-_EARLIER_OR_LATER: Final = (-3 / 24, -1.5 / 24, 1.5 / 24, 3 / 24)
+_OTHER_DAYS: Final = (-2.0, -1.0, 1.0, 2.0)
+_OTHER_HOURS: Final = (-3 / 24, -1.5 / 24, 1.5 / 24, 3 / 24)
 
 
 def find_habits(days: Days) -> Iterator[FoundHabit | None]:
     """Yield habits, and None after each slice of work."""
+    steps = list(_steps(days))
+    unlikely = _MOST_LUCK / max(1, len(steps))  # each step is a try that luck has
     changed: list[str] = []
-    for text, done in days.by_text.items():
+    for done in steps:
         found = 0
-        for habit in _habits_of(days, done):
+        for habit in _habits_of(days, done, unlikely):
             found += habit is not None
             yield habit
         if not found:
-            changed.append(text)
+            changed.append(done.text)
     recent = days.recent(len(days.midnights) // 2)
-    for text in changed:
-        if text in recent.by_text:
-            yield from _habits_of(recent, recent.by_text[text])
+    for done in _steps(recent):
+        if done.text in changed:
+            yield from _habits_of(recent, done, unlikely)
 
 
-def occasions_after(days: Days, habit: FoundHabit) -> tuple[Occasion, ...]:
-    """Return the occasions of a habit that has an event as its trigger, in other days."""
-    tried = _tried(days, days.by_text[habit.do], days.by_text[habit.when].times, habit.within)
-    return tuple(one.occasion for one in tried if one.held.issuperset(habit.conditions))
+def _steps(days: Days) -> Iterator[Happenings]:
+    """Yield what people did on several days."""
+    for done in days.by_text.values():
+        if done.step and len({days.midnight(at) for at in done.done}) >= LEAST_DAYS:
+            yield done
+
+
+def occasions_of(days: Days, habit: FoundHabit) -> tuple[Occasion, ...]:
+    """Return the occasions of a habit in other days."""
+    rule = _rule(days, days.by_text[habit.do], habit.when, habit.within)
+    return tuple(one.occasion for one in replace(rule, conditions=habit.conditions).occasions)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,39 +96,45 @@ class _Tried:
 
 @dataclass(frozen=True, slots=True)
 class _Rule:
+    """A trigger, and the conditions that narrow it.
+
+    Attributes:
+        begins: The times from which people have *span* seconds to do it.
+        late: Seconds by which the trigger is later than that; negative if it is earlier.
+        shifts: Days by which these times are moved to see how often it is done by chance.
+    """
+
     when: str
+    begins: Sequence[float]
+    span: float
+    late: float
+    shifts: Sequence[float]
     tried: tuple[_Tried, ...]
-    within: float
-    by_chance: Callable[[], float]
     conditions: tuple[str, ...] = ()
-    times: Sequence[float] = ()
 
     @property
-    def occasions(self) -> Iterator[_Tried]:
-        return (one for one in self.tried if one.held.issuperset(self.conditions))
+    def occasions(self) -> list[_Tried]:
+        return [one for one in self.tried if one.held.issuperset(self.conditions)]
 
 
-def _habits_of(days: Days, done: Happenings) -> Iterator[FoundHabit | None]:
+def _habits_of(days: Days, done: Happenings, unlikely: float) -> Iterator[FoundHabit | None]:
     """Yield the habits of one step: the best one, and then those that explain deeds that the ones before do not."""
-    yield None
-    if not done.step or len({days.midnight(at) for at in done.done}) < _LEAST_DAYS:
-        return
     rules: list[_Rule] = []
     for rule in (*_after_events(days, done), *_at_times(days, done)):
         rules.append(rule)
         yield None
     left = set(done.done)
     for _ in range(_MOST_PER_STEP):
-        best = _best(rules, days.conditions, left, range(len(days.midnights)))
+        best = _best(rules, left, range(len(days.midnights)))
+        yield None
         if best is None:
             return
-        habit = _proved(rules, days, best, left, done)
+        habit = _proved(rules, days, best, left, done, unlikely)
         followed = {one.occasion.done_at for one in best.occasions}
         if habit is None or not followed & left:
             return
         yield habit
         left -= followed
-        yield None
 
 
 def _after_events(days: Days, done: Happenings) -> Iterator[_Rule]:
@@ -121,13 +143,11 @@ def _after_events(days: Days, done: Happenings) -> Iterator[_Rule]:
     for at in done.done:
         texts = {one.text for one in days.between(at - _WITHIN[-1], at) if one.device != done.device}
         before.update(texts)
-    least = max(_LEAST_DAYS, 0.25 * len(done.done))
+    least = max(LEAST_DAYS, 0.25 * len(done.done))
     common = [(text, count) for text, count in before.items() if count >= least]
     common.sort(key=lambda one: one[1] / len(days.by_text[one[0]].times) ** 0.5, reverse=True)
     for text, _ in common[:_MOST_TRIGGERS]:
-        times = days.by_text[text].times
-        within = _within(times, done)
-        yield _Rule(text, _tried(days, done, times, within), within, partial(_chance, days, done, times, within))
+        yield _rule(days, done, text, _within(days.by_text[text].times, done))
 
 
 def _within(times: Sequence[float], done: Happenings) -> float:
@@ -139,18 +159,17 @@ def _within(times: Sequence[float], done: Happenings) -> float:
 def _at_times(days: Days, done: Happenings) -> Iterator[_Rule]:
     """Yield the rules of the times of day, and of the sun, around which most of it is done."""
     for offset in _common_times([at - days.midnight(at) for at in done.done]):
-        clock = f"{int(offset // 3600) % 24:02}:{int(offset // 60) % 60:02}"
-        yield _timed(days, done, clock, [midnight + offset for midnight in days.midnights])
-    for text, moment in days.moments.items():
-        moments = [at for midnight in days.midnights if (at := moment(midnight)) is not None]
-        if len(moments) < _LEAST_DAYS:
+        yield _rule(days, done, f"{int(offset // 3600) % 24:02}:{int(offset // 60) % 60:02}", _TOLERANCE)
+    for text in days.moments:
+        moments = days.moments_of(text)
+        if len(moments) < LEAST_DAYS:
             continue
         gaps = [min((at - one for one in moments), key=abs) for at in done.done]
         near = [gap for gap in gaps if abs(gap) <= 3600]
-        if len(near) >= _LEAST_DAYS:
+        if len(near) >= LEAST_DAYS:
             shift = round(median(near) / _ROUND) * _ROUND
             sign = "" if not shift else f" {'+' if shift > 0 else '-'} {abs(shift) / 60:g}m"
-            yield _timed(days, done, text + sign, [at + shift for at in moments])
+            yield _rule(days, done, text + sign, _TOLERANCE)
 
 
 def _common_times(offsets: Sequence[float]) -> Iterable[float]:
@@ -160,55 +179,69 @@ def _common_times(offsets: Sequence[float]) -> Iterable[float]:
     return dict.fromkeys(round(median(one) / _ROUND) * _ROUND for one in near)
 
 
-def _timed(days: Days, done: Happenings, text: str, times: Sequence[float]) -> _Rule:
-    begins, ends = days.events[0].at, days.events[-1].at - _TOLERANCE
-    times = [at for at in times if begins <= at <= ends]
-    tried = _tried(days, done, [at - _TOLERANCE for at in times], 2 * _TOLERANCE)
-    moved = [
-        replace(one, occasion=replace(one.occasion, at=one.occasion.at + _TOLERANCE), held=days.held(at))
-        for one in tried
-        if (at := one.occasion.at + _TOLERANCE)
-    ]
-    begun = [at - _TOLERANCE for at in times]
-    chance = partial(_chance, days, done, begun, 2 * _TOLERANCE, _EARLIER_OR_LATER)
-    return _Rule(text, tuple(moved), _TOLERANCE, chance, times=times)
+def _rule(days: Days, done: Happenings, when: str, within: float) -> _Rule:
+    """Return the rule of a trigger: people do it *within* so many seconds after it, or before and after a time."""
+    if when in days.by_text:
+        begins = [at + _REACTION for at in days.by_text[when].times]
+        span, late, shifts = within - _REACTION, -_REACTION, _OTHER_DAYS
+    else:
+        first, last = days.events[0].at, days.events[-1].at - within
+        begins = [at - within for at in days.moments_of(when) if first <= at <= last]
+        span, late, shifts = 2 * within, within, _OTHER_HOURS
+    return _Rule(when, begins, span, late, shifts, _tried(days, done, begins, span, late))
 
 
-def _tried(days: Days, done: Happenings, times: Iterable[float], within: float) -> tuple[_Tried, ...]:
+def _tried(days: Days, done: Happenings, begins: Iterable[float], span: float, late: float = 0.0) -> tuple[_Tried, ...]:
     """Return the moments at which a routine would have acted: not again soon, nor where it is so already."""
     tried: list[_Tried] = []
     last = float("-inf")
-    for at in times:
-        if at < last + within or days.is_so(done, at):
+    conditions = days.conditions_on(done.device)
+    for begin in begins:
+        if begin < last + span or days.is_so(done, begin):
             continue
-        last = at
-        tried.append(_Tried(Occasion(at, done.first(at, at + within)), days.number(at), days.held(at)))
+        last, at = begin, begin + late
+        held = frozenset(text for text, holds in conditions.items() if holds(at))
+        tried.append(_Tried(Occasion(at, done.first(begin, begin + span)), days.number(at), held))
     return tuple(tried)
 
 
-def _chance(
-    days: Days, done: Happenings, times: Sequence[float], within: float, shifts: Sequence[float] = _SHIFTS
-) -> float:
-    """Return how often it is done after other times, such as those of other days."""
-    shifted = (_share(_tried(days, done, [at + shift * DAY for at in times], within)) for shift in shifts)
-    return max(shifted)
+def _by_chance(days: Days, done: Happenings, rule: _Rule) -> float:
+    """Return how often it is done after other times, such as those of other days, under the same conditions."""
+    first, last = days.events[0].at, days.events[-1].at
+    other = (
+        one
+        for shift in rule.shifts
+        for one in _tried(days, done, [at + shift * DAY for at in rule.begins], rule.span, rule.late)
+        if first <= one.occasion.at <= last and one.held.issuperset(rule.conditions)
+    )
+    followed = [one.occasion.done_at is not None for one in other]
+    return (sum(followed) + 1) / (len(followed) + 2)
 
 
 def _share(tried: Sequence[_Tried]) -> float:
-    return sum(one.occasion.done_at is not None for one in tried) / len(tried) if tried else 0.0
+    return _hits(tried) / len(tried) if tried else 0.0
 
 
-def _best(rules: Iterable[_Rule], conditions: Iterable[str], left: set[float], chosen: Iterable[int]) -> _Rule | None:
+def _hits(tried: Iterable[_Tried]) -> int:
+    return sum(one.occasion.done_at is not None for one in tried)
+
+
+def _best(rules: Iterable[_Rule], left: set[float], chosen: Iterable[int]) -> _Rule | None:
     """Return the rule, with at most two conditions, that is best on the *chosen* days; None if none is any good."""
     best, most = None, 0.0
-    numbers, conditions = frozenset(chosen), tuple(conditions)
-    combined = [(), *((one,) for one in conditions), *combinations(conditions, 2)]
+    numbers = frozenset(chosen)
     for rule in rules:
         own = [one for one in rule.tried if one.day in numbers]
-        for chosen_conditions in combined:
-            score = _score(own, chosen_conditions, left)
-            if score > most + _SIMPLER * (1 + len(chosen_conditions)):
-                best, most = replace(rule, conditions=chosen_conditions), score
+        known = sorted(frozenset[str]().union(*(one.held for one in own)))
+        conditions: tuple[str, ...] = ()
+        for count in range(_MOST_CONDITIONS + 1):
+            wider = [(*conditions, one) for one in known if one not in conditions] if count else [conditions]
+            scores = [_score(own, one, left) - _SOONER * (rule.span - rule.late) for one in wider]
+            if not scores:
+                break
+            conditions = wider[scores.index(max(scores))]
+            if max(scores) > most + _SIMPLER * (1 + count):
+                best, most = replace(rule, conditions=conditions), max(scores)
     return best
 
 
@@ -216,35 +249,43 @@ def _score(tried: Sequence[_Tried], conditions: tuple[str, ...], left: set[float
     own = [one.occasion for one in tried if one.held.issuperset(conditions)]
     followed = {one.done_at for one in own if one.done_at is not None}
     new = len(followed & left)
-    if new < _LEAST_DAYS * (_FOLDS - 1) // _FOLDS:
+    if new < LEAST_DAYS * (_FOLDS - 1) // _FOLDS:
         return 0.0
     sure = sure_share(len(followed), len(own))
     return sure + 0.3 * new / len(left) if sure >= _LEAST_SURE * 0.8 else 0.0
 
 
-def _proved(rules: Sequence[_Rule], days: Days, best: _Rule, left: set[float], done: Happenings) -> FoundHabit | None:
+def _proved(
+    rules: Sequence[_Rule], days: Days, best: _Rule, left: set[float], done: Happenings, unlikely: float
+) -> FoundHabit | None:
     """Return the habit if it holds on days that were not used to find it; None otherwise."""
-    occasions = tuple(one.occasion for one in best.occasions)
-    hits = [one for one in best.occasions if one.occasion.done_at is not None]
-    numbers = range(len(days.midnights))
-    recent = [one for one in best.occasions if one.day >= len(numbers) - _RECENT]
-    precision = _share([*_held_out(rules, days, left)])
-    usual = sum(days.held(at).issuperset(best.conditions) for at in best.times)
+    tried = best.occasions
+    hits = [one for one in tried if one.occasion.done_at is not None]
+    recent = [one for one in tried if one.day >= len(days.midnights) - _RECENT]
+    held_out = [*_held_out(rules, days, left)]
+    precision = (_hits(held_out) + 1) / (len(held_out) + 2)  # the chosen ones were lucky on these days as well
+    chance = _by_chance(days, done, best)
+    conditions = [days.conditions[one] for one in best.conditions]
+    usual = sum(all(holds(at + best.late) for holds in conditions) for at in best.begins) if best.late > 0 else 0
     is_habit = (
-        len({one.day for one in hits}) >= max(_LEAST_DAYS, _LEAST_OF_DAYS * usual)
-        and sure_share(len(hits), len(occasions)) >= _LEAST_SURE
-        and precision >= max(_LEAST_PRECISION, best.by_chance() + _ABOVE_CHANCE)
+        len({one.day for one in hits}) >= max(LEAST_DAYS, _LEAST_OF_DAYS * usual)
+        and sure_share(len(hits), len(tried)) >= _LEAST_SURE
+        and precision >= max(_LEAST_PRECISION, chance + _ABOVE_CHANCE)
+        and luck(_hits(held_out), len(held_out), chance) <= unlikely
         and _share(recent) >= _LEAST_RECENT
     )
     if not is_habit:
         return None
+    occasions = tuple(one.occasion for one in tried)
     recall = len({one.occasion.done_at for one in hits}) / len(done.done)
-    return FoundHabit(best.when, best.conditions, done.step, done.device, best.within, occasions, precision, recall)
+    return FoundHabit(
+        best.when, best.conditions, done.step, done.device, best.span - best.late, occasions, precision, recall
+    )
 
 
 def _held_out(rules: Sequence[_Rule], days: Days, left: set[float]) -> Iterator[_Tried]:
     """Yield the occasions of each third of the days, by the best rule of the others."""
     for fold in range(_FOLDS):
         known = [one for one in range(len(days.midnights)) if one % _FOLDS != fold]
-        found = _best(rules, days.conditions, {at for at in left if days.number(at) in known}, known)
+        found = _best(rules, {at for at in left if days.number(at) in known}, known)
         yield from () if found is None else (one for one in found.occasions if one.day % _FOLDS == fold)

@@ -1,9 +1,9 @@
 """Values of the devices of a house in the words of routines; each text is read back, and must mean that value. Pure."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
-from typing import Final, final
+from typing import Final, NamedTuple, final
 
 from homebot.command_words.suitable_parts import settings_by_part
 from homebot.devices import Device, DevicePart
@@ -18,16 +18,31 @@ from homebot.devices.value import PlainValue, Value
 from homebot.devices.wording.values import value_text
 from homebot.errors import UsageError
 from homebot.messages.builtin_interfaces import Time
+from homebot.routines.conditions import Matches, read_condition
 from homebot.routines.steps import Do, read_step
 from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
 from homebot.support.folding import fold
 
-__all__ = ["HabitWords", "rounded"]
+__all__ = ["HabitWords", "Room", "rounded"]
 
 _LONGEST: Final = 80
 _STEPS: Final = {"%": 5.0, "°C": 0.5}
 _PEOPLE: Final = {"x_person": ("{} has left", "{} arrives"), "x_household": ("everybody has left", "somebody arrives")}
 _NO_TIME: Final = Time(sec=0, nanosec=0)
+
+
+class Room(NamedTuple):
+    """A room with a sensor of presence.
+
+    Attributes:
+        texts: The conditions that somebody is there, and that nobody is.
+        sensors: The ids of the sensors.
+        devices: The ids of all devices there.
+    """
+
+    texts: tuple[str, str]
+    sensors: tuple[str, ...]
+    devices: frozenset[str]
 
 
 @final
@@ -42,6 +57,26 @@ class HabitWords:
         self.trigger = lru_cache(None)(self._trigger)
         self.press = lru_cache(None)(self._press)
         self.step = lru_cache(None)(self._step)
+
+    def people(self) -> Mapping[str, str]:
+        """Return the conditions that somebody is at home, with the device of the person or the household."""
+        texts = {"x_person": "{} is home", "x_household": "somebody is home"}
+        known = (
+            (texts[one.service_type].format(one.name), one)
+            for one in self._devices.values()
+            if one.service_type in texts
+        )
+        return {text: one.id for text, one in known if _holds(text, one, "at_home")}
+
+    def rooms(self) -> Sequence[Room]:
+        """Return the rooms with sensors of presence."""
+        found: list[Room] = []
+        for area in dict.fromkeys(one.area for one in self._devices.values() if one.area):
+            texts = f"somebody in {area}", f"nobody in {area}"
+            there = [one for one in self._devices.values() if fold(one.area) == fold(area)]
+            if sensors := tuple(one.id for one in there if _holds(texts[0], one, "occupancy")):
+                found.append(Room(texts, sensors, frozenset(one.id for one in there)))
+        return found
 
     def _reference(self, device_id: str) -> str:
         """Return the words that mean this device alone: its name if that is clear, or ``name="…"``."""
@@ -66,7 +101,7 @@ class HabitWords:
             return text if isinstance(_read(text), PersonMoves) else ""
         for text in self._texts(device_id, capability, value, " = "):
             read = _read(text)
-            if isinstance(read, Becomes) and _means(read, device, part, capability, value):
+            if isinstance(read, Becomes) and _means(read, device, part, capability, value=value):
                 return text
         return ""
 
@@ -125,7 +160,19 @@ def _read(text: str) -> object:
         return None
 
 
-def _means(read: Becomes, device: Device, part: str, capability: str, value: PlainValue) -> bool:
+def _holds(text: str, device: Device, capability: str) -> bool:
+    """Return whether the condition *text* holds if a part of *device* reports that this is so."""
+    try:
+        read = read_condition(text)
+    except UsageError:
+        return False
+    having = (one.id for one in device.parts if any(can.name == capability for can in one.part.capabilities))
+    return isinstance(read, Matches) and any(
+        _means(read.state, device, part, capability, value=True) for part in having
+    )
+
+
+def _means(read: Becomes, device: Device, part: str, capability: str, *, value: PlainValue) -> bool:
     """Return whether *device* matches with this value, and not without it."""
     state = State(
         part=part,

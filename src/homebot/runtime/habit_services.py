@@ -7,7 +7,6 @@ kept but rejections, and nothing leaves the machine.
 from __future__ import annotations
 
 from collections.abc import Iterator, MutableMapping, Sequence
-from datetime import tzinfo
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
 
@@ -134,7 +133,7 @@ class HabitServices:
         context = self._host.context
         zone = await to_thread.run_sync(read_zone, context.zone_name)
         words = HabitWords(devices)
-        home = self._home(devices, zone)
+        home = Home(zone, context.latitude, context.longitude)
         days = await to_thread.run_sync(recorded_days, words, series, entries, home)
         best: dict[tuple[str, str], FoundHabit] = {}
         for one in await _found(days):
@@ -151,10 +150,6 @@ class HabitServices:
             unnamed=sum(not words.reference(one.id) for one in devices),
             zone=zone_name(context.zone_name),
         )
-
-    def _home(self, devices: Sequence[Device], zone: tzinfo) -> Home:
-        household = next((one.id for one in devices if one.service_type == "x_household"), "")
-        return Home(zone, self._host.context.latitude, self._host.context.longitude, household)
 
     async def _series(self, device: Device, since: float, until: float) -> list[HistorySeries]:
         """Return the states of the main parts of *device*; numbers start no routine."""
