@@ -1,7 +1,7 @@
 """Recorded days of a house, from its history and its journal. Pure.
 
-Deeds of persons are changes by hand, and commands of the owner's own clients. The commands of apps, routines, robots
-and other programs, which have tokens of their own, may be triggers, but are no habit.
+Deeds of persons are changes by hand, and commands from the page and of the owner's own clients. The commands of apps,
+routines, scenes, robots, agents and other programs may be triggers, but are no habit.
 """
 
 from bisect import bisect_right
@@ -45,10 +45,10 @@ class Home(NamedTuple):
 
 
 def is_persons(entry: JournalEntry) -> bool:
-    """Return whether a person did this: by hand, or by a client of the owner."""
+    """Return whether a person did this: by hand, on the page, or as the owner; neither a program nor a scene."""
     if entry.kind == "changed":
         return entry.cause == "person"
-    return entry.kind == "requested" and entry.issuer in _PERSONS and not entry.trigger.kind
+    return entry.kind == "requested" and entry.issuer in _PERSONS and not (entry.trigger.kind or entry.trigger.scene)
 
 
 def recorded_days(

@@ -4,6 +4,7 @@ from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from typing import Any
 
+import aiohttp
 import anyio
 import pytest
 from pydantic import SecretStr, ValidationError
@@ -19,12 +20,13 @@ from homebot.bridges.rosbridge.access import ClientAccess, right_to_call, right_
 from homebot.devices import RawCommand
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.client_rights import LOCAL_RIGHTS, Right
-from homebot.devices.command_messages import CommandRequest, PerformCommand
+from homebot.devices.command_messages import CommandDevicesResponse, CommandRequest, PerformCommand
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.health import HealthRequest
-from homebot.devices.names import ACCESS_REFUSALS, PERFORM_COMMAND
+from homebot.devices.names import ACCESS_REFUSALS, APPLY_SCENE, PERFORM_COMMAND
 from homebot.devices.outcomes import Confirmed, Evidence, Outcome
 from homebot.devices.robot_owners import RobotOwners
+from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest
 from homebot.devices.services import SubscribeToTopicRequest
 from homebot.messages import String
 from homebot.messages.interfaces import find_message
@@ -276,21 +278,21 @@ async def test_a_client_without_the_right_raw_does_not_send_commands_by_a_gatewa
 
 
 @pytest.mark.parametrize(
-    ("token", "issuer", "scope"),
+    ("token", "issuer", "scope", "trigger"),
     [
-        ("", "client:local", ()),
-        ("robot-secret", "client:robot", ("act: light in hall", "act: lock")),
-        ("owner-secret", "client:owner", ("act: all",)),
+        ("", "client:local", (), "program"),
+        ("robot-secret", "client:robot", ("act: light in hall", "act: lock"), ""),
+        ("owner-secret", "client:owner", ("act: all",), ""),
     ],
 )
 async def test_the_issuer_of_a_command_is_its_client(
-    open_house: Any, token: str, issuer: str, scope: tuple[str, ...]
+    open_house: Any, token: str, issuer: str, scope: tuple[str, ...], trigger: str
 ) -> None:
-    """Its rights travel with it: those that it claims count as little."""
-    seen: list[tuple[str, tuple[str, ...]]] = []
+    """Its rights travel with it: those that it claims count as little; without a token it is a program, no person."""
+    seen: list[tuple[str, tuple[str, ...], str]] = []
 
     def perform(request: CommandRequest) -> Outcome:
-        seen.append((request.issuer, request.scope))
+        seen.append((request.issuer, request.scope, request.trigger.kind))
         return Confirmed(0.25, Evidence.REPORTED, command_id="1", reported={"level": 40.0})
 
     owner = {"token": SecretStr("owner-secret")} if token == "owner-secret" else {}
@@ -308,7 +310,25 @@ async def test_the_issuer_of_a_command_is_its_client(
         answer = forged["values"]
         assert (answer["outcome"], answer["text"]) == ("confirmed", "confirmed after 0.25 s (reported)")
         assert answer["reported"] == [{"capability": "level", "value": 40.0}]
-    assert seen == [(issuer, scope), (issuer, scope)]
+    assert seen == [(issuer, scope, trigger)] * 2
+
+
+async def test_a_command_of_the_http_api_is_a_programs_also_with_the_owners_token(open_house: Any) -> None:
+    seen: list[tuple[str, str]] = []
+
+    def apply(request: ApplySceneRequest) -> CommandDevicesResponse:
+        seen.append((request.issuer, request.trigger.kind))
+        return CommandDevicesResponse(success=True)
+
+    async with open_house(settings(token=SecretStr("owner-secret"))) as house:
+        house.node("scenes").create_service(ApplyScene, APPLY_SCENE, apply)
+        url, headers = f"http://127.0.0.1:{house.door.port}/api/scene", {"Authorization": "Bearer owner-secret"}
+        async with (
+            aiohttp.ClientSession() as session,
+            session.post(url, json={"scene": "x"}, headers=headers) as answer,
+        ):
+            assert answer.status == 200
+    assert seen == [("client:owner", "program")]
 
 
 async def test_each_refusal_is_counted_and_logged_and_told_on_the_graph(open_house: Any) -> None:

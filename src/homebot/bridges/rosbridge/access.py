@@ -118,6 +118,7 @@ class ClientAccess:
         owners: The robots of the house, with their topics and frames.
         is_page: Whether it is homebot's own page without a token, which may neither manage homebot, nor impersonate its
             parts or a robot.
+        is_program: Whether nobody is known to command by it: a client of the HTTP API, or one without a token.
         owner_file: The file with the owner's token; empty for none.
     """
 
@@ -125,17 +126,25 @@ class ClientAccess:
     rights: ClientRights
     owners: RobotOwners
     is_page: bool = False
+    is_program: bool = False
     owner_file: str = ""
 
     @classmethod
     def of(
-        cls, name: str, rights: ClientRights, owners: RobotOwners, *, is_page: bool, owner_file: str = ""
+        cls,
+        name: str,
+        rights: ClientRights,
+        owners: RobotOwners,
+        *,
+        is_page: bool,
+        is_program: bool = False,
+        owner_file: str = "",
     ) -> ClientAccess:
         """Return the access of a client, or of homebot's own page without a token."""
         if is_page:
             own = rights.kinds - {Right.MANAGE, Right.RAW, Right.ROBOT}
             rights = rights._replace(kinds=own, robots=())
-        return cls(name, rights, owners, is_page, owner_file)
+        return cls(name, rights, owners, is_page, is_program, owner_file)
 
     @property
     def issuer(self) -> str:
@@ -149,7 +158,7 @@ class ClientAccess:
         """
         fields = _stamped_fields(message_type)
         own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope), "listener": ""}
-        own["trigger"] = {}  # only homebot's own nodes know what led to a command
+        own["trigger"] = {"kind": "program"} if self.is_program else {}  # only homebot's own nodes know more
         return {**values, **{name: own[name] for name in fields}} if fields else values
 
     def as_own(self, message: MessageT) -> MessageT:
