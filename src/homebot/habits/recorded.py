@@ -21,7 +21,7 @@ from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.trigger import Trigger
 from homebot.devices.value import PlainValue
 from homebot.habits.days import DAY, LEAST_DAYS, Days, Happening
-from homebot.habits.words import HabitWords, Room, rounded
+from homebot.habits.words import HabitWords, WatchedRoom, rounded
 
 __all__ = ["MOST_HAPPENINGS", "Home", "is_persons", "recorded_days"]
 
@@ -156,7 +156,7 @@ def _calendar(midnights: Sequence[float], home: Home) -> Iterator[tuple[str, Cal
 
 
 def _presence(
-    words: HabitWords, rooms: Iterable[Room], series: Iterable[HistorySeries]
+    words: HabitWords, rooms: Iterable[WatchedRoom], series: Iterable[HistorySeries]
 ) -> Iterator[tuple[str, Callable[[float], bool]]]:
     """Yield who is at home, and in which rooms somebody is."""
     known: defaultdict[tuple[str, str], list[HistorySeries]] = defaultdict(list)

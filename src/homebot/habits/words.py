@@ -23,7 +23,7 @@ from homebot.routines.steps import Do, read_step
 from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
 from homebot.support.folding import fold
 
-__all__ = ["HabitWords", "Room", "rounded"]
+__all__ = ["HabitWords", "WatchedRoom", "rounded"]
 
 _LONGEST: Final = 80
 _STEPS: Final = {"%": 5.0, "°C": 0.5}
@@ -31,7 +31,7 @@ _PEOPLE: Final = {"x_person": ("{} has left", "{} arrives"), "x_household": ("ev
 _NO_TIME: Final = Time(sec=0, nanosec=0)
 
 
-class Room(NamedTuple):
+class WatchedRoom(NamedTuple):
     """A room with a sensor of presence.
 
     Attributes:
@@ -68,14 +68,14 @@ class HabitWords:
         )
         return {text: one.id for text, one in known if _holds(text, one, "at_home")}
 
-    def rooms(self) -> Sequence[Room]:
+    def rooms(self) -> Sequence[WatchedRoom]:
         """Return the rooms with sensors of presence."""
-        found: list[Room] = []
+        found: list[WatchedRoom] = []
         for area in dict.fromkeys(one.area for one in self._devices.values() if one.area):
             texts = f"somebody in {area}", f"nobody in {area}"
             there = [one for one in self._devices.values() if fold(one.area) == fold(area)]
             if sensors := tuple(one.id for one in there if _holds(texts[0], one, "occupancy")):
-                found.append(Room(texts, sensors, frozenset(one.id for one in there)))
+                found.append(WatchedRoom(texts, sensors, frozenset(one.id for one in there)))
         return found
 
     def _reference(self, device_id: str) -> str:
