@@ -1,11 +1,11 @@
 """The configuration file: what is refused, and how the error reads."""
 
-import re
 import tomllib
 from pathlib import Path
 
 import pytest
 from pydantic import AliasChoices, BaseModel, ConfigDict, Field
+from tests.guide import blocks_in, guide
 
 from homebot.config import load_config, parse_settings
 from homebot.errors import ConfigError
@@ -33,8 +33,7 @@ def test_a_full_file_is_read_into_its_tables(write: Path) -> None:
 
 def test_the_tables_that_the_guide_shows_are_valid() -> None:
     """Those for MQTT and, as the defaults, of the history."""
-    guide = (Path(__file__).parents[1] / "docs" / "configuration.md").read_text("utf-8")
-    tables = [tomllib.loads(block) for block in re.findall(r"```toml\n(.*?)```", guide, re.DOTALL)]
+    tables = [tomllib.loads(block) for block in blocks_in(guide("configuration"), "toml")]
     (mqtt,) = [table["gateways"]["mqtt"] for table in tables if "mqtt" in table.get("gateways", {})]
     (history,) = [table["history"] for table in tables if "history" in table]
     assert MqttGatewaySettings.model_validate(mqtt).act

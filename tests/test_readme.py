@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from tests.guide import commands_in
 from tests.shell import Homebot, homebot_in, run
 from tests.whole_house import WHOLE_HOUSE
 
@@ -14,7 +15,7 @@ ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 WINDOW_LIGHT = ROOT / "examples" / "02_window_light"
 
-COMMANDS = re.findall(r"^\$ (.*)$", README, re.MULTILINE)
+COMMANDS = commands_in(README)
 
 IN_A_SECOND_TERMINAL = [command for command in COMMANDS if command.startswith((".venv/bin/homebot", "homebot do"))]
 ON_YOUR_OWN_BROKER = [command for command in COMMANDS if "--mqtt" in command]

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from tests.guide import blocks_in, commands_in, guide
 from tests.patience import PATIENCE
 from tests.shell import Homebot, homebot_in, run
 from tests.system.attack_probe import until
@@ -22,15 +23,11 @@ from homebot.messages.interfaces import Interfaces
 from homebot.messages.interfaces.interface_text import messages_in
 
 ROOT = Path(__file__).parents[1]
-GUIDE = (ROOT / "docs" / "robots.md").read_text("utf-8")
+GUIDE = guide("robots")
 KNOWN = Interfaces()
 KNOWN.add_modules("homebot", OWN_MODULES)
-PROGRAM = "\n".join(re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL))
-COMMANDS = [
-    command
-    for block in re.findall(r"```console\n(.*?)```", GUIDE, re.DOTALL)
-    for command in re.findall(r"^\$ (.*)$", block, re.MULTILINE)
-]
+PROGRAM = "\n".join(blocks_in(GUIDE, "python"))
+COMMANDS = [command for block in blocks_in(GUIDE, "console") for command in commands_in(block)]
 BEFORE_IT_RUNS = ("homebot token", "homebot interface import", "homebot router --certificate")
 """These change the configuration, which is read at the start."""
 

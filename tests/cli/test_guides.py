@@ -9,18 +9,13 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
+from tests.guide import commands_in, guide
 from tests.shell import environment, homebot_in, run
 
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence
 
-GUIDES = {
-    name: (Path(__file__).parents[2] / "docs" / f"{name}.md").read_text() for name in ("agents", "control", "journal")
-}
-COMMANDS = [
-    re.sub(r" +#.*", "", command)
-    for guide in GUIDES.values()
-    for command in re.findall(r"^\$ (.*)$", guide, re.MULTILINE)
-]
+GUIDES = {name: guide(name) for name in ("agents", "control", "journal")}
+COMMANDS = commands_in("\n".join(GUIDES.values()))
 
 HOUSE = """
 [house]

@@ -6,12 +6,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.guide import commands_in, guide
 from tests.shell import homebot_in, run
 
 from homebot.cli.main import main
 
-GUIDE = (Path(__file__).parents[2] / "docs" / "gateways.md").read_text("utf-8")
-NEW, ENTER, INSTALL, TEST, RUN, *ASKED = re.findall(r"^\$ (.*)$", GUIDE.partition("\n## Write")[0], re.MULTILINE)
+NEW, ENTER, INSTALL, TEST, RUN, *ASKED = commands_in(guide("gateways").partition("\n## Write")[0])
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from tests.guide import blocks_in
 
 from homebot.cli.main import make_parser
 from homebot.devices import Devices, handles
@@ -92,7 +93,7 @@ def world(tmp_path: Path) -> World:
 
 def install(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Make a module of the program that the guide shows with the app of that name."""
-    (program,) = [one for one in re.findall(r"```python\n(.*?)```", FILE.read_text(), re.DOTALL) if APPS[name] in one]
+    (program,) = [one for one in blocks_in(FILE.read_text(), "python") if APPS[name] in one]
     module = ModuleType(name)
     exec(compile(program, name, "exec"), vars(module))  # noqa: S102  # what the guide shows
     monkeypatch.setitem(sys.modules, name, module)

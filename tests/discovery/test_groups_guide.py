@@ -1,17 +1,16 @@
 """The commands and the configuration of docs/groups.md work."""
 
-import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
+from tests.guide import blocks_in, commands_in, guide
 from tests.shell import Homebot, homebot_in
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
 
-GUIDE = (Path(__file__).parents[2] / "docs/groups.md").read_text("utf-8")
-COMMANDS = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)
-(CONFIG,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
+GUIDE = guide("groups")
+COMMANDS = commands_in(GUIDE)
+(CONFIG,) = blocks_in(GUIDE, "toml")
 HOUSE = """
 [house]
 dialect = "homeassistant"

@@ -4,17 +4,18 @@ import re
 from pathlib import Path
 
 import pytest
+from tests.guide import blocks_in, guide
 
 from homebot.cli.main import main
 from homebot.gateways.mdns.own_services import DOOR, HOMEBOT
 from homebot.integrations.matter.gateway.server_link import OLDEST_SCHEMA, SCHEMA
 
-GUIDE = (Path(__file__).parents[2] / "docs" / "protocols.md").read_text()
+GUIDE = guide("protocols")
 SECRETS = {"key": f"{'A' * 43}="}
 """Of ESPHome; others take 32 digits."""
 
 
-@pytest.mark.parametrize("shown", re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL))
+@pytest.mark.parametrize("shown", blocks_in(GUIDE, "toml"))
 def test_a_table_passes_its_check(shown: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for kind, name in re.findall(r'(\w+)_file = "(.*?)"', shown):
         (tmp_path / name).parent.mkdir(mode=0o700, exist_ok=True)

@@ -1,18 +1,17 @@
 """What docs/goals.md shows works."""
 
-import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
+from tests.guide import commands_in, guide
 from tests.shell import Homebot, homebot_in
 from tests.whole_house import WHOLE_HOUSE
 
 pytest.importorskip("up_pyperplan")
 pytestmark = [pytest.mark.slow, WHOLE_HOUSE]
 
-GUIDE = (Path(__file__).parents[2] / "docs/goals.md").read_text("utf-8")
-COMMANDS = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)
+GUIDE = guide("goals")
+COMMANDS = commands_in(GUIDE)
 HOUSE = """
 [house]
 dialect = "homeassistant"

@@ -8,18 +8,19 @@ from pathlib import Path
 from typing import cast
 
 import pytest
+from tests.guide import blocks_in, guide
 
 from homebot.clock import read_zone
 from homebot.house import World
 from homebot.house.description import load_world
 from homebot.testing import VirtualHouse, virtual_house_of
 
-GUIDE = (Path(__file__).parents[2] / "docs" / "coming-from.md").read_text("utf-8")
+GUIDE = guide("coming-from")
 SHOWN = re.findall(r"(?:<!-- (.*?) -->\n)?```python\n(.*?)```", GUIDE, re.DOTALL)
 FILES = {what.removeprefix("file: "): text for what, text in SHOWN if what.startswith("file: ")}
 (TEST,) = (text for what, text in SHOWN if what == "test")
 TESTS = re.findall(r"async def (\w+)", TEST)
-(HOUSE,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
+(HOUSE,) = blocks_in(GUIDE, "toml")
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ from contextlib import chdir
 from pathlib import Path
 
 import pytest
+from tests.guide import blocks_in, commands_in
 from tests.ports import reserve_door
 from tests.shell import Homebot, homebot_in
 from tests.system.attack_probe import until
@@ -24,7 +25,7 @@ FIRST_APP, YOUR_HOUSE, TROUBLESHOOT = (
     (DOCS / f"{name}.md").read_text("utf-8") for name in ("first-app", "your-house", "troubleshoot")
 )
 COMMANDS = [
-    *re.findall(r"^\$ (.*)$", FIRST_APP + YOUR_HOUSE, re.MULTILINE),
+    *commands_in(FIRST_APP + YOUR_HOUSE),
     *re.findall(r"^\| [^|]+ \| `(.*?)` \|", TROUBLESHOOT, re.MULTILINE),
 ]
 RUN_OTHERWISE = {
@@ -82,7 +83,7 @@ def test_a_command_of_the_guides_runs(
     sys.modules.pop("hall_light", None)  # loaded by the check of its configuration
 
 
-@pytest.mark.parametrize("shown", re.findall(r"```toml\n(.*?)```", YOUR_HOUSE, re.DOTALL))
+@pytest.mark.parametrize("shown", blocks_in(YOUR_HOUSE, "toml"))
 def test_the_configurations_of_the_house_pass_their_check(
     shown: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -9,10 +9,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from tests.guide import guide
 
 pytestmark = pytest.mark.slow
 
-GUIDE = (Path(__file__).parents[2] / "docs" / "embed.md").read_text("utf-8")
+GUIDE = guide("embed")
 FILES = dict(re.findall(r"<!-- file: (.*?) -->\n```python\n(.*?)```", GUIDE, re.DOTALL))
 
 

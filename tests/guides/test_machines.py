@@ -6,14 +6,15 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from tests.guide import blocks_in, commands_in, guide
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
 from tests.shell import environment, homebot_in
 from tests.system.attack_probe import until
 
-GUIDE = (Path(__file__).parents[2] / "docs" / "machines.md").read_text("utf-8")
-TABLES = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
-INVITE, RUN_FIRST, JOIN, RUN_SECOND = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)
+GUIDE = guide("machines")
+TABLES = blocks_in(GUIDE, "toml")
+INVITE, RUN_FIRST, JOIN, RUN_SECOND = commands_in(GUIDE)
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("machines")]
 

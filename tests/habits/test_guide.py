@@ -1,16 +1,15 @@
 """What docs/habits.md shows works, also in a house without habits."""
 
-import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
+from tests.guide import commands_in, guide
 from tests.shell import Homebot, homebot_in
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
 
-GUIDE = (Path(__file__).parents[2] / "docs/habits.md").read_text("utf-8")
-COMMANDS = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)
+GUIDE = guide("habits")
+COMMANDS = commands_in(GUIDE)
 HOUSE = """
 [house]
 dialect = "homeassistant"

@@ -1,10 +1,9 @@
 """Every command of the guide runs, against a washer on a broker."""
 
-import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
+from tests.guide import commands_in, guide
 from tests.shell import homebot_in, run
 from tests.system.attack_probe import until
 
@@ -12,8 +11,8 @@ from homebot.cli.commands.history import plot_lines
 
 pytestmark = pytest.mark.slow
 
-GUIDE = (Path(__file__).parents[2] / "docs" / "history.md").read_text()
-COMMANDS = [re.sub(r" +#.*", "", one) for one in re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)]
+GUIDE = guide("history")
+COMMANDS = commands_in(GUIDE)
 HOUSE = """
 [house]
 dialect = "homeassistant"

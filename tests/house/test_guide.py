@@ -1,33 +1,31 @@
 """What docs/house.md shows is so."""
 
-import re
 import tomllib
 from pathlib import Path
 
 import pytest
+from tests.guide import blocks_in, guide
 
 from homebot.house.description import parse_world
 from homebot.house.kinds import FAULTS, KINDS
 
 pytestmark = pytest.mark.slow
 
-GUIDE = (Path(__file__).parents[2] / "docs" / "house.md").read_text(encoding="utf-8")
+GUIDE = guide("house")
 
 
 def test_the_file_in_the_guide_is_a_house() -> None:
     """A reader can begin with it."""
-    found = re.search(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
-    assert found is not None
-    assert list(parse_world(tomllib.loads(found[1]), "guide").devices) == ["hall_lamp"]
+    shown = blocks_in(GUIDE, "toml")[0]
+    assert list(parse_world(tomllib.loads(shown), "guide").devices) == ["hall_lamp"]
 
 
 def test_the_program_in_the_guide_runs() -> None:
     """And prints a day."""
-    found = re.search(r"```python\n(.*?)```", GUIDE, re.DOTALL)
-    assert found is not None
+    shown = blocks_in(GUIDE, "python")[0]
     root = Path(__file__).parents[2]
     printed: list[str] = []
-    program = found[1].replace('Path("examples', f'Path({str(root)!r}, "examples')
+    program = shown.replace('Path("examples', f'Path({str(root)!r}, "examples')
     exec(program, {"print": printed.append})  # noqa: S102  # the guide's own program
     assert "living_lamp told on" in printed[0]
 

@@ -2,15 +2,15 @@
 
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
+from tests.guide import commands_in, guide
 from tests.shell import Homebot, homebot_in
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
 
-GUIDE = (Path(__file__).parents[2] / "docs/identify.md").read_text("utf-8")
-COMMANDS = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)
+GUIDE = guide("identify")
+COMMANDS = commands_in(GUIDE)
 HOUSE = """
 [house]
 dialect = "homeassistant"

@@ -1,22 +1,20 @@
 """What docs/routines.md shows works."""
 
 import re
-import shlex
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
+from tests.guide import blocks_in, commands_in, guide
 from tests.shell import Homebot, homebot_in
 
-from homebot.cli.main import main
 from homebot.routines.conditions import read_condition
 from homebot.routines.steps import read_step
 from homebot.routines.triggers import read_trigger
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
 
-GUIDE = (Path(__file__).parents[2] / "docs/routines.md").read_text("utf-8")
-COMMANDS = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)
+GUIDE = guide("routines")
+COMMANDS = commands_in(GUIDE)
 HOUSE = """
 [house]
 seed = 1
@@ -53,7 +51,7 @@ AUTOMATIONS = """
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
     path = tmp_path_factory.mktemp("home")
-    shown = "\n".join(re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL))
+    shown = "\n".join(blocks_in(GUIDE, "toml"))
     (path / "homebot.toml").write_text(f"{shown}\n[gateways.mqtt]\n[gateways.buttons]\nclass = 'button.py:Buttons'\n")
     (path / "button.py").write_text(BUTTON)
     (path / "house.toml").write_text(HOUSE)
@@ -66,15 +64,9 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_a_command_of_the_guide_runs(
-    home: Homebot, command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(home.folder)
-    monkeypatch.setenv("HOMEBOT_DOOR", home.door)
-    program, *words = shlex.split(command)
-    assert program == "homebot"
-    assert main(words) == 0, capsys.readouterr()
-    assert capsys.readouterr().out
+def test_a_command_of_the_guide_runs(home: Homebot, command: str) -> None:
+    done = home.run(command)
+    assert (done.returncode, done.stdout != "") == (0, True), done
 
 
 def test_the_texts_of_the_guide_are_read() -> None:

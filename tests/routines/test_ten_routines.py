@@ -8,6 +8,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+from tests.guide import guide
 from tests.routines.week import ROUTINES, Week, week
 
 from homebot.config import Config, Table, load_config
@@ -20,7 +21,7 @@ from homebot.testing import VirtualTimeLoop
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800), pytest.mark.rooms("homeassistant")]
 
-PAGE = (Path(__file__).parents[2] / "docs/ten-routines.md").read_text("utf-8")
+PAGE = guide("ten-routines")
 YAML = ROUTINES.with_name("home_assistant.yaml").read_text("utf-8")
 TABLES = ROUTINES.read_text("utf-8").split("[[routines]]\n")[1:]
 

@@ -1,20 +1,19 @@
 """What docs/scenes.md shows works."""
 
 import ast
-import re
 import tomllib
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
+from tests.guide import blocks_in, commands_in, guide
 from tests.shell import Homebot, homebot_in
 
 from homebot.scenes.settings import read_scenes
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
 
-GUIDE = (Path(__file__).parents[2] / "docs/scenes.md").read_text("utf-8")
-COMMANDS = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)
+GUIDE = guide("scenes")
+COMMANDS = commands_in(GUIDE)
 HOUSE = """
 [house]
 dialect = "homeassistant"
@@ -43,11 +42,11 @@ def test_a_command_of_the_guide_runs(home: Homebot, command: str) -> None:
 
 
 def test_the_scene_of_the_configuration_is_read() -> None:
-    (shown,) = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
+    (shown,) = blocks_in(GUIDE, "toml")
     (scene,) = read_scenes(tomllib.loads(shown)["scenes"], "homebot.toml")
     assert scene.name == "Dinner"
 
 
 def test_the_program_of_the_guide_is_python() -> None:
-    (shown,) = re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)
+    (shown,) = blocks_in(GUIDE, "python")
     compile(shown, "guide", "exec", ast.PyCF_ALLOW_TOP_LEVEL_AWAIT)

@@ -8,12 +8,13 @@ from pathlib import Path
 
 import pytest
 from tests.bags.bags import bag_of
+from tests.guide import commands_in, guide
 from tests.patience import PATIENCE
 from tests.shell import Homebot, environment, homebot_in
 from tests.system.attack_probe import until
 
-GUIDE = (Path(__file__).parents[2] / "docs" / "bags.md").read_text("utf-8")
-COMMANDS = [one.partition("  #")[0].strip() for one in re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)]
+GUIDE = guide("bags")
+COMMANDS = commands_in(GUIDE)
 RECORD, RECORD_FILE, INFO, PLAY, RECOVER, EXPORT = COMMANDS
 
 HOUSE = """

@@ -7,13 +7,14 @@ import signal
 import subprocess
 from pathlib import Path
 
+from tests.guide import commands_in, guide
 from tests.patience import PATIENCE
 from tests.shell import Homebot, environment, homebot_in
 
 import homebot.apps.light_service
 
-GUIDE = (Path(__file__).parents[2] / "docs" / "replay.md").read_text("utf-8")
-COMMANDS = [one.partition("  #")[0].strip() for one in re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)]
+GUIDE = guide("replay")
+COMMANDS = commands_in(GUIDE)
 RUNS_HERE = [
     "homebot record day.jsonl.gz --for 86400",
     "homebot replay day.jsonl.gz --diff",

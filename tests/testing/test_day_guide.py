@@ -1,18 +1,18 @@
 """What docs/days.md shows is so."""
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.guide import blocks_in, guide
 
 from homebot.testing import Day
 from homebot.testing.day_event import HAPPENINGS
 
 ROOT = Path(__file__).parents[2]
-GUIDE = (ROOT / "docs" / "days.md").read_text(encoding="utf-8")
-PROGRAMS = re.findall(r"```python\n(.*?)```", GUIDE, re.DOTALL)
-FILE = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)[0]
+GUIDE = guide("days")
+PROGRAMS = blocks_in(GUIDE, "python")
+FILE = blocks_in(GUIDE, "toml")[0]
 
 
 def _tests_in(names: dict[str, object]) -> list[Callable[[], object]]:

@@ -1,22 +1,20 @@
 """Everything that docs/people.md shows works."""
 
 import re
-import shlex
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
+from tests.guide import blocks_in, commands_in, guide
 from tests.shell import Homebot, homebot_in
 
-from homebot.cli.main import main
 from homebot.routines.conditions import read_condition
 from homebot.routines.triggers import read_trigger
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("espresense", "owntracks")]
 
-GUIDE = (Path(__file__).parents[3] / "docs/people.md").read_text("utf-8")
-COMMANDS = re.findall(r"^\$ (.*)$", GUIDE, re.MULTILINE)
-TABLES = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
+GUIDE = guide("people")
+COMMANDS = commands_in(GUIDE)
+TABLES = blocks_in(GUIDE, "toml")
 CONDITIONS, TRIGGERS = re.search(r"take (.*?) as conditions, and\s+(.*?) as triggers", GUIDE, re.DOTALL).groups()  # type: ignore[union-attr]
 
 
@@ -30,15 +28,9 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_a_command_of_the_guide_runs(
-    home: Homebot, command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(home.folder)
-    monkeypatch.setenv("HOMEBOT_DOOR", home.door)
-    program, *words = shlex.split(command)
-    assert program == "homebot"
-    assert main(words) == 0, capsys.readouterr()
-    assert capsys.readouterr().out
+def test_a_command_of_the_guide_runs(home: Homebot, command: str) -> None:
+    done = home.run(command)
+    assert (done.returncode, done.stdout != "") == (0, True), done
 
 
 def test_the_texts_of_the_guide_are_read() -> None:
