@@ -263,9 +263,9 @@ ROUTINE: Final = "routine"
 
 
 def _with_routines(tables: Mapping[str, object]) -> dict[str, object]:
-    """Return *tables* with each routine as an app, whose name is that of the routine in small letters.
+    """Return *tables* with each routine as an app with the name of the routine in small letters.
 
-    One without a name, or with that of another, is an app whose name has its number, and is reported with its values.
+    One without a name, or with that of another, is an app with its number in its name, and is reported with its values.
     """
     others = dict(tables)
     routines, apps = others.pop("routines"), others.get("apps", {})

@@ -1,4 +1,4 @@
-"""``homebot routine import``: prints the automations of another program as routines, and lists what it leaves out."""
+"""``homebot routine import``: prints automations of another program as routines, and lists all that it leaves out."""
 
 import sys
 

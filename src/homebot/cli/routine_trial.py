@@ -1,4 +1,4 @@
-"""``homebot routine try``: prints what routines would have done on recorded days."""
+"""``homebot routine try``: prints a trial of routines on recorded days."""
 
 import argparse
 import asyncio
@@ -61,7 +61,7 @@ def _print(lines: Iterable[str]) -> None:
 
 
 def _try_on_history(options: argparse.Namespace, given: Config, seconds: float, title: str) -> None:
-    """Print what the routines of *given* would have done in the last *seconds* of a running homebot."""
+    """Print a trial of the routines of *given* in the last *seconds* of a running homebot."""
 
     def show(door: DoorClient, _: argparse.Namespace) -> int:
         _print(history_lines(door, given, seconds, title))
@@ -71,7 +71,7 @@ def _try_on_history(options: argparse.Namespace, given: Config, seconds: float, 
 
 
 def history_lines(door: DoorClient, given: Config, seconds: float, title: str) -> list[str]:
-    """Return what the routines of *given* would have done in the last *seconds* of the house behind *door*.
+    """Return the lines of a trial of the routines of *given* in the last *seconds* of the house behind *door*.
 
     Raises:
         HomebotError: No history is kept, or a routine is wrong or crashed.
@@ -83,7 +83,7 @@ def history_lines(door: DoorClient, given: Config, seconds: float, title: str) -
 
 
 def text_trial(address: DoorAddress, text: str, seconds: float) -> list[str]:
-    """Return what the routines in *text* would have done in the last *seconds* of the house at *address*.
+    """Return the lines of a trial of the routines in *text* in the last *seconds* of the house at *address*.
 
     Raises:
         HomebotError: As :func:`history_lines`.
@@ -116,10 +116,10 @@ def _in_home(door: DoorClient, given: Config) -> Config:
 def trial_lines(
     title: str, recording: Recording, given: Config, unseen: Mapping[str, Sequence[str]] = _ALL_SEEN
 ) -> list[str]:
-    """Return what the routines of *given* would have done in the time of *recording*, and last a summary of each.
+    """Return the lines of a trial of the routines of *given* in the time of *recording*, and last a summary of each.
 
     Args:
-        unseen: The texts of each routine that ask for what the recording does not have.
+        unseen: The texts of each routine that ask for things that the recording lacks.
 
     Raises:
         ConfigError: A routine is wrong.

@@ -103,7 +103,7 @@ def _started_by(one: RoutineEffects, others: Iterable[RoutineEffects]) -> dict[s
     for other in others:
         for effect in one.effects:
             if effect.may_be and other is one:
-                continue  # what the trigger asks for is no longer so
+                continue  # the trigger asks for the value before
             if any(map(effect.starts, other.triggers)):
                 found.setdefault(other.name, effect.text)
     return found

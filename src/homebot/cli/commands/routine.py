@@ -223,7 +223,7 @@ def _change(change: str, door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _print_trial(door: DoorClient, routine: RoutineInfo) -> None:
-    """Print a summary of what a routine would have done in the last week, if a history is kept."""
+    """Print a summary of a trial of a routine in the last week, if a history is kept."""
     from homebot.cli.routine_trial import LAST, given_of, history_lines  # noqa: PLC0415 - a replay needs the runtime
 
     try:

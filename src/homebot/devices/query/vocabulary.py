@@ -225,7 +225,7 @@ CONDITIONS: Mapping[str, Query] = MappingProxyType(
         },
     }
 )
-"""Adjectives for the condition of a device, and what is true of the household, which is one."""
+"""Adjectives for the condition of a device, and for the facts of the household, which is one."""
 
 
 def meaning_of(phrase: str) -> Query | None:
