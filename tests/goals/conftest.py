@@ -24,7 +24,7 @@ from homebot.messages.definition import zero_message
 from homebot.messages.interfaces import find_action
 from homebot.messages.message import Message
 
-__all__ = ["Family", "family", "home", "home_settings", "open_home"]
+__all__ = ["Family", "family", "goals_of", "home", "home_settings", "open_home"]
 
 ROOMS: Final = ("Hall", "Living", "Kitchen", "Study", "Bath", "Attic")
 DOORS: Final = {
@@ -50,7 +50,7 @@ class Family:
         self.drives: list[str] = []
         self.feedback: list[AchieveFeedback] = []
         home.app.create_service(WhereIsRobot, WHERE_IS_ROBOT, self._where)
-        ActionServer(home.app, NAVIGATE, "/rosie/navigate_to_pose", self._drive)
+        self.navigation = ActionServer(home.app, NAVIGATE, "/rosie/navigate_to_pose", self._drive)
 
     async def furnish(self) -> None:
         """Put the devices and state the places."""
@@ -122,12 +122,12 @@ async def family(home: Home) -> AsyncIterator[Family]:
     """The furnished home."""
     found = Family(home)
     await found.furnish()
-    async with in_one_task(_served(home)):
+    async with in_one_task(goals_of(home)):
         yield found
 
 
 @asynccontextmanager
-async def _served(home: Home) -> AsyncIterator[None]:
+async def goals_of(home: Home) -> AsyncIterator[None]:
     async with Node(home.graph, "goals") as node:
         AchieveServer(node, lambda: home.control).serve_goals()
         yield

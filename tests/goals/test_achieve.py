@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
 from typing import Any
 
 import anyio
 import pytest
 from tests.control.conftest import ignore
 from tests.goals.conftest import Family
+from tests.one_task import in_one_task
+from tests.scenes.conftest import Kept, Scenes, served
 
 from homebot.devices.command_messages import Setting
 from homebot.devices.handles import Light
@@ -172,6 +175,71 @@ async def test_a_cancelled_goal_calls_the_robot_off_and_says_what_is_done(family
     state, answer = await goal.result()
     assert (state, answer.message) == (GoalState.CANCELED, "cancelled; 1 of 2 steps are done")
     assert family.room == "Hall"
+
+
+async def test_a_robot_that_leaves_on_its_way_is_the_reason(family: Family) -> None:
+    goal = await family.begin("rosie in kitchen")
+    await anyio.sleep(4.0)
+    family.navigation.close()
+    answer = (await goal.result())[1]
+    assert not answer.success
+    assert (
+        "rosie drives to Kitchen is not possible: no robot offers the action /rosie/navigate_to_pose" in answer.message
+    )
+
+
+async def test_a_door_is_closed_before_it_is_locked(family: Family) -> None:
+    for key, capability, value in (("study lock", "lock", "unlocked"), ("study motor", "position", 100.0)):
+        await family.home.report(key, capability, value)
+    answer = await family.achieve("study door locked and closed")
+    assert family.steps(answer) == ["close Study Motor", "lock Study Lock"]
+    assert answer.success, answer.message
+
+
+async def test_a_cover_that_is_closing_is_not_open(family: Family) -> None:
+    family.home.put("hall blind", "window_covering", "movement", "position", area="Hall")
+    await family.home.report("hall blind", "position", 80.0)
+    await family.home.report("hall blind", "movement", "closing")
+    assert family.steps(await family.achieve("hall blind open", is_dry_run=True)) == ["open Hall Blind"]
+
+
+class TestScenes:
+    @pytest.fixture
+    async def scenes(self, family: Family) -> AsyncIterator[Scenes]:
+        async with in_one_task(served(family.home, Kept())) as scenes:
+            values = [{"key": "kitchen lamp", "value": "on"}, {"key": "kitchen spot", "value": "on"}]
+            saved = await scenes.change(name="Cooking", change="save", values=values)
+            assert saved.success, saved.message
+            yield scenes
+
+    @pytest.mark.parametrize("goal", ["cooking", "lights in kitchen on"])
+    async def test_a_scene_makes_all_its_wishes_true_at_once(self, family: Family, scenes: Scenes, goal: str) -> None:
+        answer = await family.achieve(goal)
+        assert (answer.message, family.steps(answer)) == (f"{goal!r} is reached", ["apply scene Cooking"])
+        assert (await scenes.shown("Cooking")).can_undo
+
+    @pytest.mark.usefixtures("scenes")
+    async def test_a_scene_is_no_way_to_one_of_its_wishes(self, family: Family) -> None:
+        assert family.steps(await family.achieve("kitchen spot on")) == ["turn on Kitchen Spot"]
+
+    @pytest.mark.usefixtures("scenes")
+    async def test_a_lamp_that_does_not_obey_a_scene_is_commanded_by_itself(self, family: Family) -> None:
+        family.home.behaviours["kitchen spot"] = ignore
+        answer = await family.achieve("cooking")
+        assert answer.tried[0].startswith("apply scene Cooking: Kitchen Spot: no answer")
+        assert "turn on Kitchen Spot is not possible: no answer" in answer.message
+
+    @pytest.mark.usefixtures("scenes")
+    async def test_what_a_client_may_not_command_is_not_done_by_a_scene(self, family: Family) -> None:
+        answer = await family.achieve("cooking", scope=("read", 'act: name="Kitchen Lamp"'))
+        assert "turn on Kitchen Spot is not possible: client:anna may not command kitchen_spot" in answer.message
+        assert family.home.commands == []
+
+    async def test_a_scene_of_a_bridge_that_tells_no_values_is_applied(self, family: Family, scenes: Scenes) -> None:
+        family.home.put("relax", "x_scene", "scene", area="Hall")
+        (native,) = [one for one in (await scenes.listed()).scenes if one.is_native]
+        answer = await family.achieve(f"scene {native.name}")
+        assert (answer.success, family.steps(answer)) == (True, [f"apply scene {native.name}"])
 
 
 async def test_a_client_that_may_not_act_is_refused_before_the_first_step(family: Family) -> None:

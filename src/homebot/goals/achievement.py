@@ -209,7 +209,7 @@ class Achievement:
 
     async def _drive(self, step: DriveStep, move: Move) -> tuple[str, bool]:
         """Send the robot, and call it off when a door on its way is not as it was planned."""
-        lost = ""
+        lost, outcome = "", "called off"
 
         async def watch() -> None:
             nonlocal lost
@@ -226,9 +226,10 @@ class Achievement:
                 except HomebotError as exc:
                     lost = lost or str(exc)
                 tasks.cancel_scope.cancel()
+            outcome = lost or _DONE
         finally:
-            self._node.log.info(DROVE, message=f"{step.text} for {self._request.goal!r}: {lost or _DONE}")
-        return (lost, False) if lost else (_DONE, True)
+            self._node.log.info(DROVE, message=f"{step.text} for {self._request.goal!r}: {outcome}")
+        return outcome, not lost
 
     def _show(self) -> None:
         self._on_plan(AchieveFeedback(steps=tuple(self.steps), tried=tuple(self._tried)))

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 from homebot.command_words.suitable_parts import part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError, Target
@@ -21,6 +21,12 @@ from homebot.goals.wishes import RobotWish, RoomWish, SceneWish, StateWish, Wish
 from homebot.support.folding import fold
 
 __all__ = ["Meant", "UnderstoodGoal", "understood"]
+
+_LEAVING: Final[Mapping[PlainValue, StateIs]] = {
+    "closing": StateIs("movement", "=", "open"),
+    "opening": StateIs("movement", "=", "closed"),
+}
+"""The state that a cover is about to leave, by its movement."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,9 +50,11 @@ class Meant:
         part = device.part(self.part)
         if part is None:
             return False
+        known = {one.capability: one.value.plain() for one in device.states if one.part == self.part}
+        if _LEAVING.get(known.get("movement")) in self.states:
+            return False
         if any(fits(one, PartFacets(device, part)) for one in self.states):
             return True
-        known = {one.capability: one.value.plain() for one in device.states if one.part == self.part}
         return bool(self.settings) and all(
             one in known and obeys(one, value, known[one]) for one, value in self.settings.items()
         )

@@ -1,0 +1,40 @@
+"""Goals of a ROS 2 robot."""
+
+from __future__ import annotations
+
+import anyio
+import pytest
+from tests.bridges.ros2.pair import pair
+from tests.bridges.ros2.test_goals import all_parts
+from tests.control.conftest import OpenHome
+from tests.goals.conftest import goals_of
+from tests.patience import PATIENCE
+
+from homebot.devices.achieve_messages import Achieve, AchieveFeedback, AchieveGoal
+from homebot.devices.names import ACHIEVE
+from homebot.graph import Node
+from homebot.graph.actions import ActionClient
+
+pytest.importorskip("up_pyperplan")
+
+
+@pytest.mark.parametrize(
+    ("right", "text"), [("act: all", "'lamp on' is reached"), ("act: lock", "rosie may not command")]
+)
+async def test_a_robot_achieves_a_goal_with_the_rights_of_its_token(open_home: OpenHome, right: str, text: str) -> None:
+    feedback: list[AchieveFeedback] = []
+    async with (
+        open_home() as home,
+        goals_of(home),
+        pair("read", right, export="/devices/**", house=home.graph) as both,
+        Node(both.robot, "nav") as nav,
+    ):
+        await home.lamp("on_off", before={"on_off": False})
+        with anyio.fail_after(PATIENCE):
+            await all_parts(both.robot, ACHIEVE)
+            asked = AchieveGoal(goal="lamp on", issuer="client:owner", scope=("act: all",))
+            goal = await ActionClient(nav, Achieve, ACHIEVE).send_goal(asked, feedback.append)
+            answer = (await goal.result())[1]
+        assert text in answer.message
+        assert len(home.commands) == len(answer.steps) == (right == "act: all")
+    assert not answer.success or feedback[-1].steps[0].outcome.startswith("confirmed")
