@@ -113,6 +113,9 @@ class Page:
     async def write(self, selector: str, text: str) -> None:
         await to_thread.run_sync(lambda: self.browser.find_element("css selector", selector).send_keys(text))
 
+    async def clear(self, selector: str) -> None:
+        await to_thread.run_sync(self.browser.find_element("css selector", selector).clear)
+
     def tabbed(self, selector: str) -> None:
         """Press what *selector* finds with the keyboard alone, in the thread of the caller."""
         wanted = self._until(lambda: self.browser.find_elements("css selector", selector))[0]

@@ -366,18 +366,22 @@ async def test_a_device_that_can_hurt_is_approved_after_its_topics_were_shown(pa
 @pytest.mark.parametrize("width", [1200, 390])
 async def test_axe_finds_nothing(page: OpenPage, axe: str, scheme: str, width: int) -> None:
     found = []
-    async with page(tables={"routines": ROUTINES}) as own:
+    async with page() as own:
         own.prefer(scheme)
         own.resize(width, 800)
         for view, shown in dict(VIEWS).items():
             await own.open(view, shows=shown)
             found += await to_thread.run_sync(own.complaints, axe)
+    async with page(tables={**ALWAYS_ASKING, "routines": ROUTINES}, token="hunter2") as own:
+        await own.open("#token=hunter2", shows="philips165")
         await own.open("#/routines", shows="all lights off")
         await own.click(".choices button")
         await own.shows("what starts it", "form")
         found += await to_thread.run_sync(own.complaints, axe)
-    async with page(tables=ALWAYS_ASKING) as own:
-        await own.open(shows="philips165")
+        await own.open("#/house", shows="philips165")
+        await own.click(".choices button")
+        await own.click("form summary")
+        await own.shows("It keeps the present values of", "form")
         await own.click("button[aria-label='more of philips165']")
         await own.click(".opened summary")
         await own.shows("on/off", ".commands")

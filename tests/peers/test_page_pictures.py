@@ -14,7 +14,6 @@ import anyio
 import pytest
 from anyio import to_thread
 from tests.peers.chromium import Page, chromium
-from tests.peers.test_page_wall import SAVE_SCENE
 
 import homebot
 from homebot.clock import LoopClock
@@ -49,7 +48,10 @@ HEAT = "#/device/kitchen_heat"
 HOUR = "button[aria-pressed=false]"
 LOCK = "button[aria-label='show what approving Front lock allows']"
 LAMP = "button[aria-label='more of {} lamp']"
-SCENES = (("Film", "lights in living", "on, 20 %"), ("Dinner", "lights in kitchen", "on, 60 %"))
+SCENES = [
+    {"name": "Dinner", "values": {"lights in kitchen": "on, 60 %"}},
+    {"name": "Film", "values": {"lights in living": "on, 20 %"}},
+]
 ROUTINES = [
     {
         "name": "Hall light at night",
@@ -97,6 +99,7 @@ def home() -> Config:
     tables = tomllib.loads((FAMILY / "home.toml").read_text("utf-8"))
     tables["door"] = {"port": 0, "token": TOKEN}
     tables["routines"] = ROUTINES
+    tables["scenes"] = SCENES
     tables["gateways"]["mqtt"]["stale_after"] = "50s"
     tables["gateways"]["real"] = {"class": "homebot.gateways.memory:MemoryGateway"}
     tables["apps"]["lights_out"]["quiet_after"] = "45s"
@@ -140,8 +143,6 @@ def look(page: Page) -> None:
     page.resize(*SCREEN)
     page.opened(f"#token={TOKEN}", "Kitchen lamp")
     approve(page, "Kitchen window")
-    for name, target, value in SCENES:
-        page.browser.execute_async_script(SAVE_SCENE, TOKEN, name, target, value)
     for picture, (width, height), scheme, language, view, shows, clicked in VIEWS:
         page.prefer(scheme)
         page.resize(width, height)

@@ -41,6 +41,18 @@ async def test_what_is_unknown_or_away_is_left_out_and_named(home: Home, scenes:
     assert [one.name for one in answer.scenes[0].parts] == ["Lamp", "Shelf"]
 
 
+async def test_now_stands_for_the_present_values(home: Home, scenes: Scenes) -> None:
+    await evening(home)
+    home.put("new", "light", "on_off", area="living")
+    now = [{"key": key, "value": "now"} for key in ("lamp", "blind")]
+    assert (await scenes.change(name="Film", change="save", values=now)).success
+    await home.report("lamp", "level", 40.0)
+    await scenes.change(name="Film", change="edit", values=[{"key": "shelf", "value": "now"}])
+    assert await scenes.values("Film") == {"Lamp": "on, 20 %", "Blind": "position 30 %", "Shelf": "on, 60 %"}
+    answer = await scenes.change(name="Film", change="edit", values=[{"key": "new", "value": "now"}])
+    assert answer.message.endswith("New was refused: nothing of it is known that a scene could bring back")
+
+
 async def test_a_lamp_that_is_off_is_saved_as_off_alone(home: Home, scenes: Scenes) -> None:
     """Its level, or its colour, would turn it on."""
     home.put("lamp", "light", "on_off", "level")

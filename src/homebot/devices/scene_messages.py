@@ -108,8 +108,8 @@ class ChangeSceneRequest(Message):
             *values*; ``rename`` gives it the name *target*; ``remove`` forgets it.
         target: The id or name of a device, or a query such as ``lights in living``; to save a known scene, empty for
             the same parts as before.
-        values: The devices or queries, each with its values in the words of ``homebot do``, such as ``on, 20 %``;
-            without a word it is left out of the scene.
+        values: The devices or queries, each with its values in the words of ``homebot do``, such as ``on, 20 %``, or
+            ``now`` for the present ones; without a word it is left out of the scene.
         replaces: Whether the scene has only *values* then.
     """
 

@@ -25,6 +25,8 @@ from homebot.support.similar import did_you_mean
 __all__ = ["SceneChanges"]
 
 _MOST_NAMED: Final = 5
+_NOW: Final = "now"
+"""The word for the present values, in place of values in words."""
 
 
 @final
@@ -129,7 +131,7 @@ class SceneChanges:
         problem: RefusedError | None = None
         for device, part in await self._found(target):
             try:
-                values = read_values(words, device, part, part_name(device, part)) if words else {}
+                values = _values_of(words, device, part) if words else {}
                 found.append((target_of(device.id, part.id), values))
             except RefusedError as exc:
                 problem = problem or exc
@@ -151,12 +153,26 @@ class SceneChanges:
         return list(found.values())
 
 
+def _values_of(words: str, device: Device, part: DevicePart) -> dict[str, PlainValue]:
+    """Return the values that *words* give, or the present ones for ``now``; raises RefusedError if there are none."""
+    name = part_name(device, part)
+    if words != _NOW:
+        return read_values(words, device, part, name)
+    if _is_away(device) or not (values := present_values(device, part)):
+        raise RefusedError(f"the present state of {name}", "nothing of it is known that a scene could bring back")
+    return values
+
+
 def _why_left_out(device: Device, part: DevicePart, values: Mapping[str, PlainValue]) -> str | None:
     """Return why a scene is saved without *part*; empty if it has nothing to bring back, None if it is saved."""
     if reason := why_asked(device, part, values):
         return f"it always asks ({reason}); `homebot scene edit` can add it"
-    if device.reachable.state == "no" or device.freshness == "stale":
+    if _is_away(device):
         return "its values are unknown, as it cannot be reached"
     if values:
         return None
     return "its values are unknown" if any(one.settable for one in part.part.capabilities) else ""
+
+
+def _is_away(device: Device) -> bool:
+    return device.reachable.state == "no" or device.freshness == "stale"

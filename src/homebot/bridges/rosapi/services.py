@@ -33,7 +33,7 @@ __all__ = ["RosApi"]
 _Answer: TypeAlias = Mapping[str, object]
 _Answerer: TypeAlias = Callable[[Graph, Any], object]
 
-_OWN: Final = {"doctor": "Examine", "endpoints": "FindEndpoints", "load": "MeasureLoad"}
+_OWN: Final = {"doctor": "Examine", "endpoints": "FindEndpoints", "load": "MeasureLoad", "rights": "GetRights"}
 """The types of the services of our own, each in a module of its name, as few runs are asked."""
 
 _EXAMPLES: Final = {"bool": "False", "string": "", "wstring": "", "float32": "0.0", "float64": "0.0"}
@@ -246,7 +246,7 @@ class RosApi:
     """Offers the rosapi services on *node*, and the definition of types; they go with it.
 
     Names that begin with an underscore are hidden, as in ROS; ``/rosapi/endpoints`` and ``/rosapi/load``, which are
-    ours as ``/rosapi/doctor`` is, show them too.
+    ours as ``/rosapi/doctor`` and ``/rosapi/rights`` are, show them too.
 
     Args:
         node: The node that serves; its name should be ``rosapi``, though the services have that name in any case.

@@ -152,12 +152,13 @@ class ClientAccess:
         return issuer_of_client(self.name)
 
     def stamped(self, message_type: type[Message], values: Mapping[str, object]) -> Mapping[str, object]:
-        """Return *values* of a message, with the client's own issuer and scope in place of any in it.
+        """Return *values* of a message, with the client's own issuer, scope and rights in place of any in it.
 
         A listener is removed, as the client is not a node.
         """
         fields = _stamped_fields(message_type)
         own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope), "listener": ""}
+        own["rights"] = sorted(one.value for one in self.rights.kinds)
         own["trigger"] = {"kind": "program"} if self.is_program else {}  # only homebot's own nodes know more
         return {**values, **{name: own[name] for name in fields}} if fields else values
 
@@ -249,7 +250,8 @@ class ClientAccess:
 @lru_cache(maxsize=256)
 def _stamped_fields(message_type: type[Message]) -> tuple[str, ...]:
     fields = {field.name for field in fields_of(message_type)}
-    return tuple(sorted(fields & {"issuer", "scope", "listener", "trigger"})) if fields & {"issuer", "listener"} else ()
+    stamped = sorted(fields & {"issuer", "scope", "listener", "rights", "trigger"})
+    return tuple(stamped) if fields & {"issuer", "listener"} else ()
 
 
 @lru_cache(maxsize=1024)

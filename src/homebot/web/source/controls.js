@@ -1,6 +1,7 @@
 // The controls of a device, one for each value that it takes: words, a slider, a colour, steps, a choice or a field.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { command } from "./acting.js";
+import { may } from "./door.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
 import { Stepper } from "./stepper.js";
@@ -25,7 +26,7 @@ export function Controls({ short, device }) {
   const found = device.parts
     .filter(({ part }) => !part.category)
     .flatMap(({ id, part }) => part.capabilities.filter((one) => one.settable).map((capability) => ({ id, part, capability })));
-  if (!found.length) return null;
+  if (!found.length || !may("act")) return null;
   return html`<div class="commands">
     ${found.map(({ id, part, capability }) => {
       const isTwice = found.filter((one) => one.capability.name === capability.name).length > 1;

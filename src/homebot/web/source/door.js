@@ -3,7 +3,7 @@ import { signal } from "@preact/signals";
 
 const FIRST_DELAY = 500; // ms until the first attempt to connect again, twice as long each time
 const LONGEST_DELAY = 10_000;
-const ANSWER_WITHIN = 15_000;
+const ANSWER_WITHIN = 15; // seconds
 const TOKEN = "homebot.token";
 
 /** "connecting", "open", or "refused": a token is needed; with the reason in `reason`, and the name of the home. */
@@ -11,6 +11,10 @@ export const connection = signal({ state: "connecting", reason: "", home: "" });
 
 /** The right that the last request lacked, as homebot says it: the page asks for a token. */
 export const missing = signal("");
+
+/** The rights of this page, by their first words: read, act, manage, … */
+const rights = signal([]);
+export const may = (right) => rights.value.includes(right);
 
 const calls = new Map(); // by id: resolve, reject, timer
 const topics = new Map(); // by topic: handlers
@@ -46,19 +50,22 @@ export function onOpen(handler) {
   return () => openers.delete(handler);
 }
 
-/** Return the values of the answer; an Error says why there is none. */
-export function call(service, args = {}) {
+/** Return the values of the answer, which may take `timeout` seconds; an Error says why there is none. */
+export function call(service, args = {}, timeout = 0) {
   return new Promise((resolve, reject) => {
     if (connection.value.state !== "open") {
       reject(new Error("homebot cannot be reached"));
       return;
     }
     const id = `page-${++number}`;
-    const timer = setTimeout(() => finish(id, new Error(`${service} did not answer`)), ANSWER_WITHIN);
+    const timer = setTimeout(() => finish(id, new Error(`${service} did not answer`)), 1000 * (timeout || ANSWER_WITHIN));
     calls.set(id, { resolve, reject, timer });
-    send({ op: "call_service", service, args, id });
+    send({ op: "call_service", service, args, id, timeout });
   });
 }
+
+/** Return the answer of a service that tells its success; a failure of the call is an answer too. */
+export const ask = (service, args, timeout) => call(service, args, timeout).catch((error) => ({ success: false, message: error.message }));
 
 /** Call `handler` with each message of `topic`; returns the function that ends it. */
 export function subscribe(topic, handler) {
@@ -119,8 +126,7 @@ function open() {
   own.onopen = () => {
     own.send(JSON.stringify({ op: "auth", token: token.value }));
     for (const topic of topics.keys()) own.send(JSON.stringify({ op: "subscribe", topic }));
-    // Only an answer proves that the token was accepted.
-    own.send(JSON.stringify({ op: "call_service", service: "/homebot/health", id: "page-open" }));
+    own.send(JSON.stringify({ op: "call_service", service: "/rosapi/rights", id: "page-rights" }));
   };
   own.onmessage = (event) => receive(own, JSON.parse(event.data));
   own.onclose = (event) => {
@@ -141,6 +147,10 @@ function receive(own, frame) {
   if (socket !== own) return;
   if (frame.op === "publish") {
     for (const handler of topics.get(frame.topic) ?? []) handler(frame.msg);
+  } else if (frame.op === "service_response" && frame.id === "page-rights") {
+    // Only an answer proves that the token was accepted.
+    rights.value = frame.values?.rights ?? [];
+    send({ op: "call_service", service: "/homebot/health", id: "page-open" });
   } else if (frame.op === "service_response" && frame.id === "page-open") {
     delay = FIRST_DELAY;
     become("open", "", frame.values?.home);

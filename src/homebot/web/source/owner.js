@@ -1,9 +1,10 @@
 // What the owner says of a device: its name, room and tags, and whether the page hides it.
 import { useEffect, useState } from "preact/hooks";
-import { call } from "./door.js";
+import { ask, call } from "./door.js";
 import { html } from "./html.js";
 import { HIDDEN, rooms } from "./house.js";
 import { say } from "./language.js";
+import { Managing } from "./managing.js";
 
 const wordsIn = (text) => text.split(",").map((one) => one.trim()).filter(Boolean);
 
@@ -29,13 +30,13 @@ export function Owner({ device }) {
     ];
     const problems = [];
     for (const [what, args] of calls) {
-      const { success, message } = await call(`/discovery/${what}`, { device: device.id, ...args }).catch((error) => ({ success: false, message: error.message }));
+      const { success, message } = await ask(`/discovery/${what}`, { device: device.id, ...args });
       if (message) problems.push(message);
       if (what === "place") setIsDoubtful(!success);
     }
     setTold(problems);
   };
-  return html`<form class="owner" onSubmit=${submit}>
+  return html`<${Managing}><form class="fields" onSubmit=${submit}>
     <label><span>${say("Name")}</span> <input name="name" maxlength="200" defaultValue=${device.given} /></label>
     <label><span>${say("Room")}</span> <input name="room" maxlength="200" list=${list} defaultValue=${device.room} /></label>
     <datalist id=${list}>${known.map((one) => html`<option key=${one} value=${one} />`)}</datalist>
@@ -44,5 +45,5 @@ export function Owner({ device }) {
     <label><input type="checkbox" name="hidden" defaultChecked=${device.tags.includes(HIDDEN)} /> ${say("hide it in the house")}</label>
     <p class="buttons"><button>${say("save")}</button></p>
     <p role="status" class=${told?.length ? "bad" : "quiet"}>${told && (told.join("; ") || say("saved"))}</p>
-  </form>`;
+  </form><//>`;
 }

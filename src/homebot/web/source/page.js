@@ -23,12 +23,15 @@ const VIEWS = {
   routines: ["Routines", Routines],
   journal: ["Journal", Journal],
   system: ["System", System],
-  graph: ["Graph", Graph],
-  rates: ["Rates", Rates],
 };
 
-/** Views of one thing, which the address names; they belong to the first view. */
-const OF_ONE = { device: Device, room: Room };
+/** Views to which others lead; without a title, of one thing that the address names. */
+const BELOW = {
+  device: ["", Device, "house"],
+  room: ["", Room, "house"],
+  graph: ["Graph", Graph, "system"],
+  rates: ["Rates", Rates, "system"],
+};
 
 /** The last house or room that was looked at, where an installed page begins: of a tablet at the wall, its room. */
 const START = "homebot.start";
@@ -51,12 +54,12 @@ function Page() {
   const { view, id } = place.value;
   const { state, reason, home } = connection.value;
   const mustLogIn = state === "refused";
-  const [View, key] = OF_ONE[view] ? [OF_ONE[view], id] : [VIEWS[view]?.[1], view];
+  const [title, View, above = view] = VIEWS[view] ?? BELOW[view] ?? [];
   return html`
     <header>
       <h1>${home || "homebot"}</h1>
       <nav aria-label=${say("views")}>
-        ${Object.entries(VIEWS).map(([name, [title]]) => html`<a key=${name} href=${`#/${name}`} aria-current=${name === view || (name === "house" && OF_ONE[view]) ? "page" : undefined}>${say(title)}</a>`)}
+        ${Object.entries(VIEWS).map(([name, [text]]) => html`<a key=${name} href=${`#/${name}`} aria-current=${name === above ? "page" : undefined}>${say(text)}</a>`)}
       </nav>
       <p role="status" class=${state === "open" ? "" : "bad"}>
         ${state === "open" ? say("{count} devices", { count: count.value }) : say(mustLogIn ? "not logged in" : reason || "connecting …")}
@@ -67,7 +70,7 @@ function Page() {
     </header>
     ${(mustLogIn || isLoggingIn.value || missing.value) && html`<${LogIn} reason=${mustLogIn ? reason : missing.value} />`}
     <${Questions} />
-    <main class=${state === "open" ? "" : "old"}>${View ? html`<${View} key=${key} id=${id} />` : html`<p class="empty">${say("There is no such view.")}</p>`}</main>
+    <main class=${state === "open" ? "" : "old"}>${View ? html`<${View} key=${title || id} id=${id} />` : html`<p class="empty">${say("There is no such view.")}</p>`}</main>
     <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>
       ${outcome.value?.text} ${outcome.value && !outcome.value.isGood && html`<button type="button" onClick=${() => (outcome.value = null)}>${say("close|do")}</button>`}
     </p>
@@ -81,10 +84,10 @@ function LogIn({ reason }) {
     isLoggingIn.value = false;
     logIn(given.get("token").trim(), given.get("remember") === "on");
   };
-  return html`<form class="box" aria-label=${say("log in")} onSubmit=${submit}>
+  return html`<form class="box fields" aria-label=${say("log in")} onSubmit=${submit}>
     ${reason && html`<p class="bad">${reason}</p>`}
     <p>${say("A token gives this page its rights: yours is the line in owner.token, in the folder of homebot's data. For a tablet make one with:")} <code>homebot token new page --scope read --scope 'act: all' --scope manage</code></p>
-    <label>${say("Token")} <input type="password" name="token" autocomplete="off" required /></label>
+    <label><span>${say("Token")}</span> <input type="password" name="token" autocomplete="off" required /></label>
     <label><input type="checkbox" name="remember" /> ${say("keep it in this browser")}</label>
     <p class="buttons"><button>${say("log in")}</button> ${reason && token.value && html`<button type="button" onClick=${logOut}>${say("go on without a token")}</button>`} ${missing.value && html`<button type="button" onClick=${() => (missing.value = "")}>${say("not now")}</button>`}</p>
   </form>`;
@@ -102,7 +105,7 @@ effect(() => {
 });
 effect(() => {
   const { view, id } = place.value;
-  const shown = view === "device" ? isLoaded.value && nameOf(id) : view === "room" ? spoken(id) : say(VIEWS[view]?.[0] ?? "");
+  const shown = view === "device" ? isLoaded.value && nameOf(id) : view === "room" ? spoken(id) : say((VIEWS[view] ?? BELOW[view])?.[0] ?? "");
   document.title = [shown, connection.value.home || "homebot"].filter(Boolean).join(" · ");
 });
 loadVocabulary();

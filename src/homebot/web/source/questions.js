@@ -1,6 +1,6 @@
 // Questions of programs: what one wants to do is done once a person says yes.
 import { effect, signal } from "@preact/signals";
-import { call, connection, missing, subscribe, token } from "./door.js";
+import { ask, connection, may, missing, subscribe, token } from "./door.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
 
@@ -16,22 +16,17 @@ effect(() => {
 });
 
 async function answer({ question }, yes) {
-  try {
-    const { success, message } = await call("/control/answer", { question, yes });
-    problem.value = message;
-    if (!success && !token.value) missing.value = message;
-  } catch (error) {
-    problem.value = error.message;
-  }
+  const { success, message } = await ask("/control/answer", { question, yes });
+  problem.value = message;
+  if (!success && !token.value) missing.value = message;
 }
 
+/** A question with a button for yes and one for no. */
+export const Question = ({ text, problem: reason, onAnswer }) => html`<section class="box" role="alert" aria-label=${say("question")}>
+  <p><strong>${text}?</strong></p>
+  ${may("act") && html`<p class="buttons"><button type="button" onClick=${() => onAnswer(true)}>${say("yes, do it")}</button> <button type="button" onClick=${() => onAnswer(false)}>${say("no")}</button></p>`}
+  ${reason && html`<p class="bad">${reason}</p>`}
+</section>`;
+
 /** A banner for each open question. */
-export function Questions() {
-  return questions.value.map(
-    (one) => html`<section key=${one.question} class="box" role="alert" aria-label=${say("question")}>
-      <p><strong>${one.text}?</strong></p>
-      <p class="buttons"><button type="button" onClick=${() => answer(one, true)}>${say("yes, do it")}</button> <button type="button" onClick=${() => answer(one, false)}>${say("no")}</button></p>
-      ${problem.value && html`<p class="bad">${problem.value}</p>`}
-    </section>`,
-  );
-}
+export const Questions = () => questions.value.map((one) => html`<${Question} key=${one.question} text=${one.text} problem=${problem.value} onAnswer=${(yes) => answer(one, yes)} />`);

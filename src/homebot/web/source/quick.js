@@ -1,5 +1,6 @@
 // The control in the row of a device, for what is done most often with it; what can hurt has none.
 import { command } from "./acting.js";
+import { may } from "./door.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
 import { Stepper } from "./stepper.js";
@@ -16,6 +17,7 @@ export function stepped(device) {
 }
 
 export function Quick({ device }) {
+  if (!may("act")) return null;
   const states = [...device.states.values()];
   const takes = (name) => device.settable.includes(name);
   const isOn = states.find((one) => one.capability === "on_off")?.value;

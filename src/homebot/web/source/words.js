@@ -152,7 +152,7 @@ export function outcomeText(result) {
 /** The issuer of a command. */
 export function issuerText(issuer) {
   if (issuer.startsWith("client:")) return say("the client {name}", { name: issuer.slice(7) });
-  return issuer ? say("the app {name}", { name: issuer.replace(/^\//, "") }) : say("an unknown program");
+  return spoken(issuer.replace(/^\//, "")) || say("an unknown program");
 }
 
 /** What happened, by an entry of the journal. */
@@ -166,7 +166,7 @@ export function entryText(entry) {
     case "judged":
       return verdictText(entry.verdicts[0]);
     case "sent":
-      return say(entry.text === "again" ? "sent again" : "sent");
+      return sentText(entry.text);
     case "acknowledged":
       return say("the network accepted it");
     case "reported":
@@ -190,11 +190,25 @@ function verdictText(verdict) {
   return `${label(verdict.policy)}: ${verdict.reason || say(verdict.allowed ? "allowed" : "refused")}`;
 }
 
+/** How a command was sent: first, again, or with others in one message to a group or scene, which the text names. */
+function sentText(text) {
+  if (text === "again" || !text) return say(text ? "sent again" : "sent");
+  const [kind, ...name] = text.split(" ");
+  return say(kind === "scene" ? "sent in one message to the scene {name}" : "sent in one message to the group {name}", { name: name.join(" ") });
+}
+
 function triggerText(trigger) {
+  const { scene, is_undo: isUndo } = trigger;
+  return (scene ? say(isUndo ? ", as the scene {scene} was undone" : ", as the scene {scene} was applied", { scene }) : "") + causeOf(trigger);
+}
+
+function causeOf(trigger) {
   if (!trigger.kind) return "";
   if (trigger.kind === "report" && trigger.readings.length)
     return say(", because {device} reported {values}", { device: spoken(trigger.device.split("/").pop()), values: settingsText(trigger.readings) });
-  return trigger.text ? say(", because of {what}", { what: trigger.text }) : "";
+  const [first, ...rest] = trigger.text.split(" ");
+  const text = trigger.kind === "client" ? [issuerText(first), ...rest].join(" ") : trigger.text;
+  return text ? say(", because of {what}", { what: [spoken(trigger.device.split("/").pop()), text].filter(Boolean).join(" ") }) : "";
 }
 
 const CAUSES = {

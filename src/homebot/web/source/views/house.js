@@ -4,7 +4,7 @@ import { Component } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { Alerts } from "../alerts.js";
 import { Controls } from "../controls.js";
-import { call } from "../door.js";
+import { call, may } from "../door.js";
 import { count, deviceOf, isHidden, isLoaded, rooms } from "../house.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
@@ -81,7 +81,7 @@ function Cells({ id }) {
     <span>${summary(device, stepped(device))} <${Marks} device=${device} /></span>
     <span class="act">
       <${Quick} device=${device} />
-      <button type="button" class="more" aria-expanded=${isOpen} aria-label=${say("more of {name}", { name: device.name })} onClick=${() => setIsOpen(!isOpen)}>⋮</button>
+      ${may("act") && html`<button type="button" class="more" aria-expanded=${isOpen} aria-label=${say("more of {name}", { name: device.name })} onClick=${() => setIsOpen(!isOpen)}>⋮</button>`}
     </span>
     ${isOpen && html`<${More} id=${id} short=${device} />`}
   </li>`;

@@ -1,10 +1,12 @@
 // The routines: on or off, what they do, their last runs, and a form that writes their text.
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { tell } from "../acting.js";
-import { call, connection } from "../door.js";
+import { ask, call, connection, may } from "../door.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
+import { Managing, Remove } from "../managing.js";
 import { seconds, timeIn, timeText } from "../words.js";
+import { Habits } from "./habits.js";
 
 const AGAIN = 5000; // ms
 const MODES = ["single", "restart", "queued", "parallel"];
@@ -13,54 +15,57 @@ export function Routines() {
   const [found, setFound] = useState(null);
   const [written, setWritten] = useState(null); // the routine in the form: null for none, {} for a new one
   const isOpen = connection.value.state === "open";
-  const look = () => call("/routines/list").then(setFound, (error) => setFound({ routines: [], problem: error.message }));
+  const look = () => call("/routines/list", { check: true }).then(setFound, (error) => setFound({ routines: [], problem: error.message }));
   useEffect(() => {
     if (!isOpen) return undefined;
     look();
     const timer = setInterval(look, AGAIN);
     return () => clearInterval(timer);
   }, [isOpen]);
-  const change = async (routine, what, more = {}) => {
-    const { success, message } = await call("/routines/change", { name: routine.name, change: what, ...more }).catch((error) => ({ success: false, message: error.message }));
-    tell(message, success);
+  const change = async (routine, what, more) => {
+    const answer = await ask("/routines/change", { name: routine.name, change: what, ...more });
+    if (answer.success || !more) tell(answer.message, answer.success); // the form tells its own mistakes
     look();
-    return success;
+    return answer;
   };
   if (!found) return html`<p class="empty">${say("Asking homebot for its routines …")}</p>`;
   return html`
     ${found.problem && html`<p class="bad">${found.problem}</p>`}
     ${!found.routines.length && html`<p class="empty">${say("There is no routine yet.")}</p>`}
-    ${!written && html`<p class="choices"><button type="button" onClick=${() => setWritten({})}>${say("new routine")}</button></p>`}
+    <${Managing}>${!written && html`<p class="choices"><button type="button" onClick=${() => setWritten({})}>${say("new routine")}</button></p>`}<//>
     ${written && html`<${Form} key=${written.name ?? ""} routine=${written} change=${change} onClose=${() => setWritten(null)} />`}
-    <div class="rooms">${found.routines.map((one) => html`<${Routine} key=${one.app} routine=${one} zone=${found.zone} change=${change} onEdit=${() => setWritten(one)} />`)}</div>`;
+    <div class="rooms">${found.routines.map((one) => html`<${Routine} key=${one.app} routine=${one} zone=${found.zone} change=${change} onEdit=${() => setWritten(one)} />`)}</div>
+    <${Habits} zone=${found.zone} onChange=${look} />`;
 }
 
 function Routine({ routine, zone, change, onEdit }) {
-  const [isRemoved, setIsRemoved] = useState(false); // asks before it removes
   const { name, notes, is_kept: isKept, proposed_by: by } = routine;
-  const parts = [["when", routine.when], ["if", routine.conditions], ["do", routine.steps]];
   return html`<section>
     <div class="title">
       <h2><bdi>${name}</bdi></h2>
       ${routine.is_running && html`<span class="mark">${say("running")}</span>`}
       ${by && html`<span class="mark">${say("proposed by {name}", { name: by })}</span>`}
-      <button type="button" class="switch" role="switch" aria-checked=${String(routine.enabled && !routine.problem)} aria-label=${name} onClick=${() => change(routine, routine.enabled ? "disable" : "enable")}></button>
+      <button type="button" class="switch" role="switch" aria-checked=${String(routine.enabled && !routine.problem)} aria-label=${name} disabled=${!may("manage")} onClick=${() => change(routine, routine.enabled ? "disable" : "enable")}></button>
     </div>
-    ${routine.problem && html`<p class="bad">${routine.problem}</p>`}
-    <dl>
-      ${parts.filter(([, texts]) => texts.length).map(([word, texts]) => html`<div key=${word}><dt>${say(`${word}|routine`)}</dt><dd>${texts.map((text, index) => html`<div key=${index}>${text}</div>`)}</dd></div>`)}
-      ${seconds(routine.next) > 0 && html`<div><dt>${say("next")}</dt><dd>${timeIn(zone, routine.next)}</dd></div>`}
-    </dl>
+    ${[routine.problem, ...routine.hints].filter(Boolean).map((text) => html`<p key=${text} class="bad">${text}</p>`)}
+    <${Parts} of=${routine}>${seconds(routine.next) > 0 && html`<div><dt>${say("next")}</dt><dd>${timeIn(zone, routine.next)}</dd></div>`}<//>
     ${notes.length > 0 && html`<details><summary>${say("last runs")}: ${timeText(notes.at(-1).at)} ${notes.at(-1).text}</summary>
       <ol class="log">${[...notes].reverse().map((one, index) => html`<li class="own" key=${index}><time>${timeText(one.at)}</time><span>${one.text}</span></li>`)}</ol>
     </details>`}
-    <p class="choices">
+    ${may("manage") && html`<p class="choices">
       <button type="button" onClick=${() => change(routine, "run")}>${say("run now")}</button>
-      ${isKept && html`<button type="button" onClick=${onEdit}>${say("edit")}</button>`}
-      ${isKept && !isRemoved && html`<button type="button" onClick=${() => setIsRemoved(true)}>${say("remove")}</button>`}
-      ${isRemoved && html`<button type="button" class="bad" onClick=${() => change(routine, "remove")}>${say("remove {name} for good", { name })}</button>`}
-    </p>
+      ${isKept && html`<button type="button" onClick=${onEdit}>${say("edit")}</button> <${Remove} name=${name} onRemove=${() => change(routine, "remove")} />`}
+    </p>`}
   </section>`;
+}
+
+/** What starts a routine, its conditions and its steps. */
+export function Parts({ of: { when, conditions, steps }, children }) {
+  const parts = [["when", when], ["if", conditions], ["do", steps]].filter(([, texts]) => texts.length);
+  return html`<dl>
+    ${parts.map(([word, texts]) => html`<div key=${word}><dt>${say(`${word}|routine`)}</dt><dd>${texts.map((text, index) => html`<div key=${index}>${text}</div>`)}</dd></div>`)}
+    ${children}
+  </dl>`;
 }
 
 const lines = (text) => text.split("\n").map((one) => one.trim()).filter(Boolean);
@@ -77,21 +82,40 @@ function textOf({ name, when, conditions, steps, mode }) {
 function Form({ routine, change, onClose }) {
   const isNew = !routine.text;
   const [text, setText] = useState(routine.text ?? "");
+  const [problem, setProblem] = useState("");
+  const area = useRef(null); // of the text
   const write = (event) => setText(textOf(Object.fromEntries(new FormData(event.currentTarget))));
   const submit = async (event) => {
     event.preventDefault();
-    if (await change(routine, isNew ? "new" : "edit", { text })) onClose();
+    const { success, message } = await change(routine, isNew ? "new" : "edit", { text });
+    if (success) return onClose();
+    setProblem(message);
+    area.current.focus();
+    area.current.setSelectionRange(...placeIn(text, message));
   };
-  const area = (name, title, example) => html`<label>${title} <textarea name=${name} rows="2" placeholder=${example} required=${name !== "conditions"}></textarea></label>`;
-  return html`<form class="box routine" onSubmit=${submit}>
+  const field = (name, title, example) => html`<label>${title} <textarea name=${name} rows="2" placeholder=${example} required=${name !== "conditions"}></textarea></label>`;
+  return html`<form class="box fields" onSubmit=${submit}>
     ${isNew && html`<div onInput=${(event) => write({ currentTarget: event.currentTarget.closest("form") })}>
-      <label>${say("Name")} <input name="name" required maxlength="100" /></label>
-      ${area("when", say("when: what starts it, a line each"), "hall motion occupied\n22:30 on weekdays")}
-      ${area("conditions", say("if: what must hold then, all of it"), "sun is down")}
-      ${area("steps", say("do: its steps, a line each"), "hall lamp on, 20 %\nwait 5m\nundo")}
+      <label><span>${say("Name")}</span> <input name="name" required maxlength="100" /></label>
+      ${field("when", say("when: what starts it, a line each"), "hall motion occupied\n22:30 on weekdays")}
+      ${field("conditions", say("if: what must hold then, all of it"), "sun is down")}
+      ${field("steps", say("do: its steps, a line each"), "hall lamp on, 20 %\nwait 5m\nundo")}
       <label>${say("if it starts while it runs")} <select name="mode">${MODES.map((one) => html`<option key=${one} value=${one}>${say(`${one}|mode`)}</option>`)}</select></label>
     </div>`}
-    <label>${say("the text")} <textarea class="code" rows="7" spellcheck="false" required value=${text} onInput=${(event) => setText(event.target.value)}></textarea></label>
+    <label>${say("the text")} <textarea ref=${area} class="code" rows="7" spellcheck="false" required value=${text} onInput=${(event) => setText(event.target.value)}></textarea></label>
+    <p role="alert" class="bad">${problem}</p>
     <p class="buttons"><button>${say("save")}</button> <button type="button" onClick=${onClose}>${say("not now")}</button></p>
   </form>`;
+}
+
+/** Where in a text a mistake is, by its message: a line, or the item of a list, such as do.1; else its end. */
+function placeIn(text, message) {
+  const [, line] = message.match(/\bline (\d+)/) ?? [];
+  const starts = [0, ...[...text.matchAll(/\n/g)].map((one) => one.index + 1)];
+  if (line) return [starts[line - 1] ?? text.length, (starts[line] ?? text.length + 1) - 1];
+  const [, key, index = 0] = message.match(/\.(when|if|do|mode|name)(?:\.(\d+))?: /) ?? [];
+  const from = key ? text.search(new RegExp(`^\\s*${key}\\s*=`, "m")) : -1;
+  if (from < 0) return [text.length, text.length];
+  const found = [...text.slice(from).matchAll(/"(?:[^"\\]|\\.)*"|'[^']*'|\{[^}]*\}/g)][index];
+  return found ? [from + found.index, from + found.index + found[0].length] : [from, from];
 }

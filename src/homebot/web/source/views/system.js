@@ -1,9 +1,10 @@
 // Apps, gateways and what is wrong; devices that wait for approval.
 import { useEffect, useState } from "preact/hooks";
-import { call, connection, subscribeFrames, token } from "../door.js";
+import { ask, call, connection, may, subscribeFrames } from "../door.js";
 import { deviceOf, nameOf } from "../house.js";
 import { html } from "../html.js";
 import { locale, say } from "../language.js";
+import { Managing } from "../managing.js";
 import { label, seconds, timeIn, timeText } from "../words.js";
 
 const AGAIN = 5000; // ms
@@ -19,7 +20,7 @@ export function System() {
     let timer = 0;
     let isCurrent = true;
     const look = async () => {
-      const now = await ask();
+      const now = await examine();
       if (!isCurrent) return;
       setFound(now);
       timer = setTimeout(look, AGAIN);
@@ -32,6 +33,7 @@ export function System() {
   }, [isOpen, approved]);
   if (!found) return html`<p class="empty">${say("Asking homebot how it is …")}</p>`;
   return html`
+    <p class="choices"><a href="#/graph">${say("Graph")}</a> <a href="#/rates">${say("Rates")}</a></p>
     <${Waiting} devices=${found.waiting} onApproved=${() => setApproved(approved + 1)} />
     <section>
       <h2>${say("Doctor")}</h2>
@@ -86,7 +88,7 @@ const jobName = ({ name, text }) => (name.includes(text) ? name : `${name} (${te
 
 const jobText = (job, zone) => [jobName(job), job.note || (seconds(job.next) > 0 && `${say("next")} ${timeIn(zone, job.next)}`)].filter(Boolean).join(", ");
 
-async function ask() {
+async function examine() {
   const nothing = { gateways: [], findings: [] };
   const noAnswer = (error) => ({ ...nothing, findings: [{ code: "", where: "", title: error.message, is_problem: true, rows: [], total: 0, next: "" }] });
   const found = await call("/rosapi/doctor").catch(noAnswer);
@@ -102,22 +104,22 @@ function Waiting({ devices, onApproved }) {
   if (!devices.devices.length) return null;
   const reasons = new Map(devices.reasons.map((one) => [one.key, one.value]));
   const show = async (device) => {
-    const answer = await call("/discovery/approve", { device, is_preview: true }).catch((error) => ({ success: false, message: error.message }));
+    const answer = await ask("/discovery/approve", { device, is_preview: true });
     setShown({ device, ...answer });
   };
   const approve = async () => {
-    const answer = await call("/discovery/approve", { device: shown.device, digest: shown.digest }).catch((error) => ({ success: false, message: error.message }));
+    const answer = await ask("/discovery/approve", { device: shown.device, digest: shown.digest });
     setShown(answer.success ? null : { device: shown.device, ...answer });
     if (answer.success) onApproved();
   };
   return html`<section>
     <h2>${say("Waiting for your approval")}</h2>
-    ${!token.value && html`<p>${say("To approve a device, log in with a token that has the right manage.")}</p>`}
+    <${Managing} />
     <ul class="entries">
       ${devices.devices.map((id) => html`<li key=${id}>
         <div class="choices">
           <a href=${`#/device/${encodeURIComponent(id)}`}>${nameOf(id)}</a> <span>${reasons.get(id)}</span>
-          <button type="button" aria-label=${say("show what approving {name} allows", { name: nameOf(id) })} onClick=${() => show(id)}>${say("show")}</button>
+          ${may("manage") && html`<button type="button" aria-label=${say("show what approving {name} allows", { name: nameOf(id) })} onClick=${() => show(id)}>${say("show")}</button>`}
         </div>
         ${shown?.device === id && html`<div class="box">
           ${shown.message && html`<p class="bad">${shown.message}</p>`}

@@ -1,0 +1,39 @@
+"""A service of our own: the rights of the client that asks, so that it offers only what it may do."""
+
+from typing import Final
+
+from homebot.graph import Node
+from homebot.messages.message import Message, ServiceType
+
+__all__ = ["GetRights", "serve"]
+
+
+class GetRightsRequest(Message):
+    """A question for the client's own rights.
+
+    Attributes:
+        issuer: The client; set by the door.
+        rights: The first words of its rights, such as ``read`` and ``act``; set by the door.
+    """
+
+    issuer: str = ""
+    rights: tuple[str, ...] = ()
+
+
+class GetRightsResponse(Message):
+    """The client, and its rights."""
+
+    issuer: str
+    rights: tuple[str, ...]
+
+
+GetRights: Final = ServiceType("homebot/srv/GetRights", GetRightsRequest, GetRightsResponse)
+
+
+def serve(node: Node) -> None:
+    """Offer the service on *node*."""
+    node.create_service(GetRights, "/rosapi/rights", _answer)
+
+
+def _answer(request: GetRightsRequest) -> GetRightsResponse:
+    return GetRightsResponse(issuer=request.issuer, rights=request.rights)

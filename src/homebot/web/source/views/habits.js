@@ -1,0 +1,52 @@
+// What people do again and again, as routines to accept or to reject, each with its proof.
+import { useState } from "preact/hooks";
+import { tell } from "../acting.js";
+import { ask, may } from "../door.js";
+import { html } from "../html.js";
+import { language, say } from "../language.js";
+import { durationText, seconds, timeIn } from "../words.js";
+import { Parts } from "./routines.js";
+
+const LONGEST = 300; // seconds of a search
+
+export function Habits({ zone, onChange }) {
+  const [found, setFound] = useState(null); // null before it was asked for
+  const look = async () => {
+    setFound({ proposals: [], isSearching: true });
+    setFound({ proposals: [], ...(await ask("/habits/suggest", {}, LONGEST)) });
+  };
+  const decide = async (id, accept) => {
+    const { success, message } = await ask("/habits/decide", { id, accept }, LONGEST);
+    tell(message, success);
+    if (success) setFound((old) => ({ ...old, proposals: old.proposals.filter((one) => one.id !== id) }));
+    onChange();
+  };
+  const { proposals = [], isSearching, success, message } = found ?? {};
+  return html`
+    <h2>${say("Your habits")}</h2>
+    <p class="choices"><button type="button" disabled=${isSearching} onClick=${look}>${say(isSearching ? "searching …" : "look for habits")}</button> <small>${say("homebot looks in the history of three weeks for what you do again and again. It only proposes.")}</small></p>
+    ${message && html`<p class="bad">${message}</p>`}
+    ${success && !proposals.length && html`<p class="empty">${say("There is nothing to propose.")}</p>`}
+    <div class="rooms">${proposals.map((one) => html`<${Proposal} key=${one.id} proposal=${one} zone=${zone} decide=${decide} />`)}</div>`;
+}
+
+function Proposal({ proposal, zone, decide }) {
+  const { id, removes, name, when, conditions, occasions, proof } = proposal;
+  const done = occasions.filter((one) => seconds(one.done_at)).length;
+  const proved = language.value === "en" || removes ? proof : say("{done} of {total} times you did this; the routine would have done it {done} times, and {others} times when you did not.", { done, total: occasions.length, others: occasions.length - done });
+  return html`<section>
+    <h3>${removes ? say("remove {name}", { name: removes }) : html`<bdi>${name}</bdi>`}</h3>
+    ${!removes && html`<${Parts} of=${{ when: [when], conditions, steps: [proposal.do] }} />`}
+    <p>${proved}</p>
+    ${occasions.length > 0 && html`<details><summary>${say("each time")}</summary>
+      <ol class="log">${[...occasions].reverse().map((one) => html`<li class="own" key=${seconds(one.at)}><time>${timeIn(zone, one.at)}</time><span class=${seconds(one.done_at) ? "" : "bad"}>${occasionText(one)}</span></li>`)}</ol>
+    </details>`}
+    ${may("manage") && html`<p class="choices"><button type="button" onClick=${() => decide(id, true)}>${say(removes ? "remove" : "accept")}</button> <button type="button" onClick=${() => decide(id, false)}>${say(removes ? "keep" : "reject")}</button></p>`}
+  </section>`;
+}
+
+function occasionText({ at, done_at: done }) {
+  if (!seconds(done)) return say("you did not");
+  const late = seconds(done) - seconds(at);
+  return say(late < 0 ? "you did it {time} before" : "you did it {time} later", { time: durationText(Math.abs(late)) });
+}
