@@ -39,6 +39,7 @@ BENCHMARKS = (
     "places",
     "near",
     "goals",
+    "identify",
     "command_cost",
     "outcomes",
     "outcomes_networks",

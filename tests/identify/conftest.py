@@ -53,7 +53,7 @@ class Room:
         self.effects: dict[str, float] = {}
         self.values: dict[str, float] = {}
         self.random = Random(1)  # noqa: S311 - a simulation
-        self.noise = 5.0
+        self.noise, self.least = 5.0, 0.0
         self.told: list[str] = []
         self.store: dict[str, Any] = {}
         self.problem = ""

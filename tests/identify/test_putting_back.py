@@ -119,7 +119,7 @@ async def test_what_cannot_be_put_back_is_tried_again(room: Room) -> None:
     room.home.behaviours["lamp0"] = ignore
     goal.request_cancel()
     state, found = await goal.result()
-    assert (state, found.message) == (GoalState.CANCELED, "cancelled; lamp0 not yet as before; it is tried again")
+    assert (state, found.message) == (GoalState.CANCELED, "cancelled; lamp0 not yet as before, but homebot sees to it")
     assert await room.is_on() == {"Lamp0": True}
     del room.home.behaviours["lamp0"]
     await anyio.sleep(30.0)

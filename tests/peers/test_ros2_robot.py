@@ -15,6 +15,7 @@ from tests.shell import Homebot, homebot_in, run
 
 ROOT = Path(__file__).parents[2]
 ROBOT = ROOT / "examples" / "10_ros2_robot"
+EYE = Path(__file__).with_name("ros2_eye.py")
 ALL = ("read", "act: harmless", "robot: rosie")
 
 
@@ -28,17 +29,18 @@ def house(folder: Path, *scopes: str) -> Iterator[Homebot]:
     token = (folder / "rosie.token").read_text().strip()
     for name in ("homebot.toml", "robot.json5"):
         text = (folder / name).read_text()
-        (folder / name).write_text(text.replace("7447", port).replace("TOKEN", token))
+        text = text.replace("7447", port).replace("TOKEN", token)
+        (folder / name).write_text(text.replace('"/devices/command"', '"/devices/command", "/devices/identify"'))
     rooms = str(ROOT / "examples" / "08_robot" / "house.toml")
     until = ("found hall_lamp", "found kitchen_lamp", "the robot is in hall")
     with homebot_in(folder, "--config", "homebot.toml", "--house", rooms, until=until) as homebot:
         yield homebot
 
 
-def robot_at(homebot: Homebot) -> subprocess.CompletedProcess[str]:
-    """Run the robot to its end. pyzeros compiles its messages at first, which takes a minute."""
+def robot_at(homebot: Homebot, *program: str) -> subprocess.CompletedProcess[str]:
+    """Run the robot, or a *program*, to its end. pyzeros compiles its messages at first, which takes a minute."""
     pytest.importorskip("pyzeros")
-    program = [sys.executable, "ros2_robot.py"]
+    program = (sys.executable, *(program or ("ros2_robot.py",)))
     environment = os.environ | {"CYDR_CACHE_DIR": str(ROOT / ".cydr_cache")}
     return subprocess.run(program, cwd=homebot.folder, env=environment, capture_output=True, text=True, check=False)
 
@@ -64,3 +66,13 @@ def test_without_the_token_it_can_do_nothing(tmp_path: Path) -> None:
         assert homebot.run("homebot journal").stdout == "the journal is empty\n"
         found = homebot.run("homebot find 'light near rosie'")
         assert found.stderr == "homebot: the position of rosie is not known yet\n"
+
+
+@pytest.mark.parametrize(
+    ("candidates", "answer"),
+    [("light", "hall_lamp is in view"), ("kitchen_lamp", "none of the candidates is in view")],
+)
+def test_its_light_sensor_tells_which_lamp_it_sees(tmp_path: Path, candidates: str, answer: str) -> None:
+    with house(tmp_path, *ALL) as homebot:
+        seen = robot_at(homebot, str(EYE), candidates)
+        assert seen.stdout == answer, seen.stderr

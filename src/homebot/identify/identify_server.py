@@ -38,8 +38,8 @@ __all__ = ["IdentifyServer"]
 _TELLING: Final = 5.0
 """Seconds for which an identification waits until people are told."""
 
-_PUTTING_BACK: Final = 20.0
-"""Seconds for which the end waits; what is not back by then is tried again."""
+_PUTTING_BACK: Final = 5.0
+"""Seconds for which the result waits until everything is back; what is not goes on coming back."""
 
 _MOST_NAMED: Final = 8
 

@@ -120,7 +120,7 @@ class KeptValues:
     def left(self, run: str) -> str:
         """Return what is not as it was before a run, for people; empty for nothing."""
         values = self._store.get(run, {}).get("values", {})
-        return f"{', '.join(values)} not yet as before; it is tried again" if values else ""
+        return f"{', '.join(values)} not yet as before, but homebot sees to it" if values else ""
 
     async def run(self) -> None:
         """Put back what is left of earlier runs, until cancelled."""
