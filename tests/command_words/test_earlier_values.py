@@ -83,3 +83,12 @@ def test_a_command_without_an_effect_has_nothing_to_bring_back() -> None:
     assert undone_after(AlreadySo(), lamp(103.0, level=80.0)) == []
     assert undone_after(Refused("lease", "it is held"), lamp(103.0, level=80.0)) == []
     assert undone_after(NoAnswer(2.0), lamp(103.0, level=80.0)) == [LAMP], "it obeyed late"
+
+
+def test_after_a_restart_a_value_comes_back_if_it_is_as_it_was_reported() -> None:
+    """Nobody knows how old the first value since then is."""
+    confirmed, now = Confirmed(0.5, Evidence.REPORTED, reported={"level": 80.0}), lamp(500.0, level=80.0)
+    first = {place: state.model_copy(update={"is_first": True}) for place, state in now.items()}
+    dimmed = {place: state.model_copy(update={"value": Value.of(30.0)}) for place, state in first.items()}
+    assert [undone_after(confirmed, one) for one in (first, now, dimmed)] == [[LAMP], [], []]
+    assert undone_after(NoAnswer(2.0), first) == []

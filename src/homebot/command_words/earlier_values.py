@@ -101,10 +101,10 @@ class EarlierValues:
 def _is_own(state: State, entry: list[Any]) -> bool:
     """Return whether the command of *entry* brought about the value of *state*."""
     given_at, ended_at, told = entry[1], entry[2], _plain(entry[3]) if len(entry) > _TOLD else None
-    at = state.since.to_seconds()
+    at, is_as_told = state.since.to_seconds(), told is not None and fits(state.capability, told, state.value.plain())
     if not given_at - _ROUNDING <= at <= ended_at + _SETTLES:
-        return False
-    return at <= ended_at or told is None or fits(state.capability, told, state.value.plain())
+        return state.is_first and is_as_told  # since a restart nobody knows how old it is
+    return at <= ended_at or told is None or is_as_told
 
 
 def _plain(value: Any) -> PlainValue:

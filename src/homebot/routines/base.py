@@ -105,7 +105,7 @@ class RoutineBase(App[SettingsT_co]):
         self.log_limited(FAILED, f"{self.title}: {step!r} failed: {problem}")
 
     async def _follow(self, trigger: Becomes, since: float, on_start: Callable[[object], None]) -> None:
-        async for one in begun(self.node, trigger, since):
+        async for one in begun(self.node, trigger, since, self.store):
             on_start(one.cause)
 
     async def _check(self, conditions: _Conditions, start: Callable[[object], object], cause: object) -> None:

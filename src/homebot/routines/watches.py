@@ -1,8 +1,8 @@
 """Watches for the triggers of routines: states, presses, and the arrival of robots."""
 
 import math
-from collections.abc import AsyncIterator, Callable
-from typing import Final, NamedTuple, TypeAlias, final
+from collections.abc import AsyncIterator, Callable, MutableMapping
+from typing import Any, Final, NamedTuple, TypeAlias, final
 
 import anyio
 
@@ -36,13 +36,17 @@ class Begun(NamedTuple):
     cause: object
 
 
-async def begun(node: Node, state: Becomes, since: float = -math.inf) -> AsyncIterator[Begun]:
+async def begun(
+    node: Node, state: Becomes, since: float = -math.inf, store: MutableMapping[str, Any] | None = None
+) -> AsyncIterator[Begun]:
     """Yield each device when it has matched *state* for as long as that says.
 
     Args:
         since: Seconds since the Unix epoch. A device that did so earlier is left out, and so is one that is found so,
             or whose first value since the start matches: it may have been so before. -inf leaves out none.
+        store: Keeps the waits for a restart: a device that waited then, and is found so, goes on.
     """
+    kept = {} if store is None else store
     clock, due = node.graph.clock, TimerQueue[str, Begun]()
     follow = Follow(node, query=state.query, text=state.text)
     while True:
@@ -55,15 +59,25 @@ async def begun(node: Node, state: Becomes, since: float = -math.inf) -> AsyncIt
             device = change.device
             if change.kind == "removed":
                 due.discard(device.id)
+                kept.pop(_key(state, device), None)
             elif change.kind == "appeared":
                 cause = CURRENT_CAUSE.get()
                 is_found = since > -math.inf and isinstance(cause, DeviceChange) and cause.kind == "appeared"
                 matched_at = -math.inf if is_found else _matched_at(device, state, since, clock.now())
-                if matched_at + state.lasting >= since:
+                goes_on = matched_at == -math.inf and _key(state, device) in kept
+                matched_at = kept[_key(state, device)] if goes_on else matched_at
+                if goes_on or matched_at + state.lasting >= since:
                     wait = matched_at + state.lasting - clock.now()
                     due.set(device.id, clock.monotonic() + wait, Begun(device, cause))
+                    if wait > 0:
+                        kept[_key(state, device)] = matched_at
         if scope.cancelled_caught and (found := due.pop(clock.monotonic())) is not None:
+            kept.pop(_key(state, found[1].device), None)
             yield found[1]
+
+
+def _key(state: Becomes, device: Device) -> str:
+    return f"since {state.text} {device.id}"
 
 
 def _matched_at(device: Device, state: Becomes, since: float, now: float) -> float:

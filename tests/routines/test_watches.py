@@ -1,0 +1,73 @@
+"""Waits for a state that lasts, over a restart."""
+
+import json
+from typing import Any
+
+import anyio
+import pytest
+
+from homebot.graph import Node
+from homebot.mqtt.options import MqttOptions
+from homebot.routines.triggers import read_state
+from homebot.routines.watches import begun
+from homebot.testing import VirtualHouse, virtual_house_of
+
+pytestmark = [pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
+
+OPEN = read_state("front door open for 10m")
+DOOR = {"name": "Front door", "unique_id": "d", "device_class": "door", "state_topic": "d"}
+
+
+async def end_of_wait(store: dict[str, Any], start: str, found: str, *told: str) -> str:
+    """Return when the wait ends in a house that starts then.
+
+    Args:
+        found: The retained state of the door.
+        told: What it tells after the first, the second, … minute.
+    """
+    ends: dict[str, None] = {}
+
+    async def wait(house: VirtualHouse, node: Node) -> None:
+        async for _ in begun(node, OPEN, node.graph.clock.now(), store):
+            ends[f"{house.now:%H:%M}"] = None
+
+    async with (
+        virtual_house_of(start=f"2026-01-01 {start}") as house,
+        Node(house.runtime.graph, "waiter") as node,
+        anyio.create_task_group() as tasks,
+    ):
+        tasks.start_soon(wait, house, node)
+        door = house.broker.make_client(MqttOptions.from_url(house.broker.url, client_id="door"))
+        async with door.connected():
+            await door.publish("d", found.encode(), qos=1, retain=True)
+            await door.publish("homeassistant/binary_sensor/d/config", json.dumps(DOOR).encode(), qos=1, retain=True)
+        for one in told:
+            await house.run_for("1m")
+            await house.says("d", one)
+        await house.run_for("20m" if not told else "1m")
+        tasks.cancel_scope.cancel()
+    return " ".join(ends)
+
+
+async def test_a_wait_goes_on_after_a_restart_if_the_state_is_found_so() -> None:
+    store: dict[str, Any] = {}
+    assert not await end_of_wait(store, "08:00", "OFF", "ON")
+    assert len(store) == 1
+    assert await end_of_wait(store, "08:07", "ON") == "08:11"
+    assert store == {}
+
+
+async def test_a_wait_that_was_over_meanwhile_ends_at_once() -> None:
+    store: dict[str, Any] = {}
+    assert not await end_of_wait(store, "08:00", "OFF", "ON")
+    assert await end_of_wait(store, "08:20", "ON") == "08:20"
+
+
+async def test_a_state_that_begins_anew_is_waited_for_anew() -> None:
+    store: dict[str, Any] = {}
+    assert not await end_of_wait(store, "08:00", "OFF", "ON")
+    assert await end_of_wait(store, "08:07", "OFF", "ON", *["ON"] * 12) == "08:18"
+
+
+async def test_what_is_found_so_without_a_wait_before_starts_nothing() -> None:
+    assert not await end_of_wait({}, "08:07", "ON")
