@@ -128,7 +128,7 @@ async def served(room: Room) -> AsyncIterator[KeptValues]:
     """Serve the action until a restart."""
     home = room.home
     async with Node(home.graph, "identify") as node:
-        kept = KeptValues(node, DeviceLookup(node), room.store, room.flush)
+        kept = KeptValues(node, DeviceLookup(node), room.store, room.flush, home.graph.clock.now())
         node.create_task(kept.run)
         IdentifyServer(node, kept, home.control.preview, room.tell, lambda: room.quiet, room.random)
         yield kept

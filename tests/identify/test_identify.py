@@ -46,7 +46,7 @@ async def test_none_of_them_is_an_answer(room: Room) -> None:
 async def test_one_device_is_verified(room: Room) -> None:
     await room.lamps(5, 60)
     assert (await room.identify(candidates="Lamp1")).name == "Lamp1"
-    assert (await room.identify(candidates="Lamp0")).message == "none of the candidates is in view"
+    assert (await room.identify(candidates="Lamp0")).message == "Lamp0 is not in view"
 
 
 async def test_lamps_that_are_as_like_are_not_sure(room: Room) -> None:
@@ -254,7 +254,7 @@ async def test_two_goals_run_one_after_the_other(room: Room) -> None:
     await room.lamps(5, 60)
     first, second = await room.begin(candidates="Lamp1"), await room.begin(candidates="Lamp0")
     assert (await first.result())[1].name == "Lamp1"
-    assert (await second.result())[1].message == "none of the candidates is in view"
+    assert (await second.result())[1].message == "Lamp0 is not in view"
 
 
 async def test_lamps_that_are_held_are_left_out_and_stay_as_they_are(room: Room) -> None:

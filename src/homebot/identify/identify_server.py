@@ -148,7 +148,7 @@ def _result(
     if found is not None:
         message = f"{found.name} is in view{problem and f'; its position is not kept: {problem}'}"
     elif is_sure:
-        message = "none of the candidates is in view"
+        message = f"{best.name} is not in view" if len(states) == 1 else "none of the candidates is in view"
     else:
         likeliest = "none of them" if none > best.probability else best.name
         percent = 100 * max(none, best.probability)

@@ -34,7 +34,7 @@ _LONGEST: Final = 120.0
 _FIRST: Final = 10.0
 """Seconds after a start in which devices report; a silent one is commanded then."""
 
-_AGAIN: Final = 5.0
+_AGAIN: Final = 2.0
 _SELDOM: Final = 60.0
 _OLD: Final = 3600.0
 """Seconds after an identification in which values are put back: later, a person may have changed them since."""
@@ -49,6 +49,7 @@ class KeptValues:
     Args:
         store: By run, the issuer and the values; kept across restarts.
         flush: Writes the store now; returns the problem, empty for none.
+        began_at: The time before this homebot heard of any device; what is older is of an earlier one.
     """
 
     def __init__(
@@ -57,6 +58,7 @@ class KeptValues:
         lookup: DeviceLookup,
         store: MutableMapping[str, Any],
         flush: Callable[[], Awaitable[str]],
+        began_at: float,
     ) -> None:
         self._node = node
         self._clock = node.graph.clock
@@ -64,7 +66,7 @@ class KeptValues:
         self._store = store
         self._flush = flush
         self._perform = node.create_client(PerformCommand, PERFORM_COMMAND)
-        self._started_at = self._clock.now()
+        self._began_at = began_at
         self._running: set[str] = set()
         self._has_left = anyio.Event()
         if store:
@@ -173,9 +175,9 @@ class KeptValues:
             device, _, part = target.partition("#")
             state = states.get((device, part, kept[_CAPABILITY]))
             is_back = state is not None and fits(kept[_CAPABILITY], kept[_BEFORE], state.value.plain())
-            if kept[_SET_AT] < self._started_at:  # of an earlier homebot, which may have known less than the device
-                has_told = state is not None and state.told_at.to_seconds() >= self._started_at
-                if not has_told and self._clock.now() < self._started_at + _FIRST:
+            if kept[_SET_AT] < self._began_at:  # of an earlier homebot, which may have known less than the device
+                has_told = state is not None and state.told_at.to_seconds() >= self._began_at
+                if not has_told and self._clock.now() < self._began_at + _FIRST:
                     continue
                 is_done = has_told and is_back
             else:

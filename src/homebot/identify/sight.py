@@ -200,27 +200,25 @@ class _DeviceSight:
         self._last_at = self._clock.now()
         self._silent_looks = 0
         self.slack = 0.0
-        self._last: float | None = None
 
     async def values(self) -> Sequence[float]:
-        began, passed, known, found, longest = self._clock.now(), 0.0, 0.0, dict[float, float](), _LONGEST
+        began, passed, found, longest = self._clock.now(), 0.0, dict[float, float](), _LONGEST
         while passed < _LOOK or (not found and passed < longest):
             await anyio.sleep(_AGAIN)
             device, passed = await self._lookup.device(self._device), self._clock.now() - began
-            for one in () if device is None else device.states:
-                value = one.value.plain()
-                if one.capability == "illuminance" and isinstance(value, float):
-                    known, at = value, one.told_at.to_seconds()
-                    found |= {at: value} if at > began else {}
-                    longest = _LONGEST if at < self._last_at else _PROMPT
+            states = () if device is None else device.states
+            told = [one for one in states if one.capability == "illuminance" and isinstance(one.value.plain(), float)]
+            if not told:
+                raise UsageError(f"{self._device} is gone, or its illuminance is unknown")
+            known, at = told[0].value.number, told[0].told_at.to_seconds()
+            found |= {at: known} if at > began else {}
+            longest = _LONGEST if at < self._last_at else _PROMPT
         is_silent = not found and longest == _LONGEST
         self._last_at, self._silent_looks = self._clock.now(), self._silent_looks + 1 if is_silent else -_MOST
         if self._silent_looks >= _SILENT:  # the first, one with all dark, and one with all bright
             raise UsageError(f"{self._device} reported nothing while all changed: it sees none of them, or is too slow")
-        values = [*found.values()] or [known]
-        self.slack = _UNREPORTED if values[-1] == self._last else 0.0
-        self._last = values[-1]
-        return values
+        self.slack = _UNREPORTED if is_silent else 0.0
+        return [*found.values()] or [known]
 
 
 def _number_of(message_type: type[Message]) -> Callable[[Any], float]:

@@ -51,6 +51,7 @@ class AppHost:
         file: The file of the app stores; None for none.
 
     Attributes:
+        began_at: The time before anything started, in seconds since the Unix epoch.
         left_out: The mistakes of the routines, groups and scenes of the configuration that are not in force, by key.
     """
 
@@ -58,6 +59,7 @@ class AppHost:
         self._graph = graph
         self._file = file
         self._clock = clock
+        self.began_at = clock.now()
         self._notify_settings = plan.notify
         self._notifier: Notifier | None = None
         self._main: Node

@@ -32,7 +32,7 @@ class IdentifyStarter:
         self._host = host
         self._control = control
         self._random = random or Random()  # noqa: S311 - no secret
-        self._kept = KeptValues(node, DeviceLookup(node), host.identify_store, host.write_stores)
+        self._kept = KeptValues(node, DeviceLookup(node), host.identify_store, host.write_stores, host.began_at)
         node.create_task(self._kept.run)
 
     def serve(self) -> None:
