@@ -2,13 +2,14 @@
 
 import pytest
 
-from homebot.identify.sight import Looker, Noise
+from homebot.identify.sight import Noise, Sight
 
 
-class Steady:
+class Steady(Sight):
     """A sensor that always tells the same."""
 
     def __init__(self, slack: float) -> None:
+        super().__init__()
         self.slack = slack
 
     async def values(self) -> list[float]:
@@ -18,8 +19,8 @@ class Steady:
 @pytest.mark.parametrize(("slack", "deviation"), [(0.0, 0.1), (0.25, 25.0)])
 async def test_what_a_sensor_leaves_unreported_is_an_error_of_the_look(slack: float, deviation: float) -> None:
     """A sensor that reports changes of a fifth said nothing as the lamp went out, and none was sure to be in view."""
-    look = await Looker(Steady(slack), lambda: 0.0).look()
-    assert (look.value, look.variance**0.5) == (100.0, pytest.approx(deviation, rel=1e-3))
+    value, variance = await Steady(slack).look()
+    assert (value, variance**0.5) == (100.0, pytest.approx(deviation, rel=1e-3))
 
 
 def test_a_look_with_a_flash_counts_less_and_the_others_as_usual() -> None:

@@ -24,13 +24,13 @@ from homebot.errors import ServiceError, UsageError
 from homebot.identify.belief import Belief, Seen, begun
 from homebot.identify.codes import next_code
 from homebot.identify.conclusion import Conclusion
-from homebot.identify.sight import Look, Looker
 
 if TYPE_CHECKING:
     from homebot.devices.device_lookup import DeviceLookup
     from homebot.graph import Node
     from homebot.identify.candidates import CandidatePart
     from homebot.identify.kept_values import KeptValues
+    from homebot.identify.sight import Sight
 
 __all__ = ["Identification"]
 
@@ -64,7 +64,7 @@ class Identification:
         goal: IdentifyDeviceGoal,
         candidates: Sequence[CandidatePart],
         lookup: DeviceLookup,
-        looker: Looker,
+        sight: Sight,
         kept: KeptValues,
         random: Random,
         on_look: Callable[[IdentifyDeviceFeedback], None],
@@ -72,7 +72,7 @@ class Identification:
         self._run_id, self._by = run, by
         self._goal, self._candidates = goal, candidates
         self._clock = node.graph.clock
-        self._lookup, self._looker, self._kept = lookup, looker, kept
+        self._lookup, self._sight, self._kept = lookup, sight, kept
         self._random, self._on_look = random, on_look
         self._hold = node.create_client(HoldPart, HOLD_PART)
         self._renew = node.create_client(RenewLease, RENEW_LEASE)
@@ -135,11 +135,13 @@ class Identification:
                 tasks.start_soon(self._set, one, one.bright if is_bright else one.dark)
         await self._settle()
         while True:
-            look, before = await self._looker.look(), self._taking_part()
+            began = self._clock.monotonic()
+            (value, variance), before = await self._sight.look(), self._taking_part()
+            at = (began + self._clock.monotonic()) / 2
             for one in before:
                 await self._check(one)
             if self._taking_part() == before:
-                return await self._seen(look)
+                return await self._seen(value, variance, at)
 
     async def _settle(self) -> None:
         """Wait until no candidate has reported a change for as long as one of its kind goes on changing."""
@@ -163,16 +165,15 @@ class Identification:
             raise UsageError(f"no candidate takes part any more: {reasons}")
         return found
 
-    async def _seen(self, look: Look) -> Seen:
+    async def _seen(self, value: float, variance: float, at: float) -> Seen:
         states = known_states(await self._lookup.devices())
         known = ((one, states.get((*one.place, one.capability))) for one in self._candidates)
         levels = tuple(one.level_of(one.wanted if state is None else state.value.plain()) for one, state in known)
-        seconds, self._last_at = look.at - self._last_at, look.at
-        record = LookRecord(at=look.at - self._began, value=look.value, deviation=look.variance**0.5, levels=levels)
-        self.looks.append(record)
+        seconds, self._last_at = at - self._last_at, at
+        self.looks.append(LookRecord(at=at - self._began, value=value, deviation=variance**0.5, levels=levels))
         if len(self.looks) == 1:
             self._publish()
-        return Seen(levels, look.value, look.variance, seconds)
+        return Seen(levels, value, variance, seconds)
 
     async def _set(self, candidate: CandidatePart, value: PlainValue) -> None:
         """Hold *candidate* at *value*, if it takes part; it does not any more if it does not obey."""

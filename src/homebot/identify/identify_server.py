@@ -27,7 +27,7 @@ from homebot.identify.candidates import CandidatePart, Preview, check_time, find
 from homebot.identify.identification import Identification
 from homebot.identify.kept_values import KeptValues
 from homebot.identify.seen_places import keep_seen
-from homebot.identify.sight import Looker, open_sight
+from homebot.identify.sight import open_sight
 
 if TYPE_CHECKING:
     from homebot.devices.device import KeyValue
@@ -94,8 +94,7 @@ class IdentifyServer:
         candidates, left_out = await find_candidates(self._node, self._lookup, request, self._preview)
         by = f"identify by {issuer_text(request.issuer).removeprefix('the client ')}"
         with await open_sight(self._node, self._lookup, request.topic, request.region) as sight:
-            looker = Looker(sight, self._node.graph.clock.monotonic)
-            await looker.look()  # a sensor that sees nothing is found before anything changes
+            await sight.look()  # a sensor that sees nothing is found before anything changes
             await self._announce(by, request, candidates)
             await self._kept.keep(run, by, request.issuer, request.scope, candidates)
             identification = Identification(
@@ -105,7 +104,7 @@ class IdentifyServer:
                 request,
                 candidates,
                 self._lookup,
-                looker,
+                sight,
                 self._kept,
                 self._random,
                 goal.publish_feedback,

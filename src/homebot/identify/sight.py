@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from functools import partial
 from statistics import fmean, median, variance
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Self
 
 import anyio
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from homebot.graph import Node
     from homebot.messages.message import Message
 
-__all__ = ["Look", "Looker", "Sight", "open_sight"]
+__all__ = ["Noise", "Sight", "open_sight"]
 
 _LOOK: Final = 1.0
 """Seconds of a look."""
@@ -54,32 +54,6 @@ _LARGEST: Final = 1e12
 _NO_VALUES: Final = frozenset({"variance", "stamp", "header"})
 
 
-class Sight(Protocol):
-    """View of a sensor.
-
-    Attributes:
-        slack: By how much the last values may be wrong, as a share of them, because the sensor reported no change.
-    """
-
-    slack: float
-
-    async def values(self) -> Sequence[float]:
-        """Return the values of a second, at least one.
-
-        Raises:
-            UsageError: There is none in five seconds, or they cannot be read.
-        """
-
-
-@dataclass(frozen=True, slots=True)
-class Look:
-    """The value of a look, with its variance, and the time of its middle."""
-
-    value: float
-    variance: float
-    at: float
-
-
 class Noise:
     """The usual variance of the values of a sensor, from those of all looks, each about its own mean. Pure."""
 
@@ -94,31 +68,43 @@ class Noise:
         return mean, (own if own > _JUMPING * usual else usual) / len(values)
 
 
-class Looker:
-    """Looks by a sight."""
+class Sight(ABC):
+    """View of a sensor, while it is entered.
 
-    def __init__(self, sight: Sight, monotonic: Callable[[], float]) -> None:
-        self._sight = sight
-        self._monotonic = monotonic
+    Attributes:
+        slack: By how much the last values may be wrong, as a share of them, because the sensor reported no change.
+    """
+
+    def __init__(self) -> None:
+        self.slack = 0.0
         self._noise = Noise()
+        self._closing = ExitStack()
 
-    async def look(self) -> Look:
-        """Look for a second."""
-        began = self._monotonic()
-        mean, spread = self._noise.of(await self._sight.values())
-        least = (max(1e-3, self._sight.slack) * mean) ** 2 + 1e-12
-        return Look(mean, max(spread, least), (began + self._monotonic()) / 2)
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._closing.close()
+
+    @abstractmethod
+    async def values(self) -> Sequence[float]:
+        """Return the values of a second, at least one; raise `UsageError` if there is none, or none can be read."""
+
+    async def look(self) -> tuple[float, float]:
+        """Look for a second; return the mean, and its variance."""
+        mean, spread = self._noise.of(await self.values())
+        return mean, max(spread, (max(1e-3, self.slack) * mean) ** 2 + 1e-12)
 
 
-async def open_sight(node: Node, lookup: DeviceLookup, topic: str, region: Region) -> AbstractContextManager[Sight]:
-    """Return the sight of *topic*, to be entered: a topic, or the id or the name of a device.
+async def open_sight(node: Node, lookup: DeviceLookup, topic: str, region: Region) -> Sight:
+    """Return the sight of *topic*: a topic, or the id or the name of a device.
 
     Raises:
         UsageError: There is no such topic or device, or it has no value that can be read.
     """
     devices = await lookup.called(topic)
     if len(devices) == 1 and any(one.capability == "illuminance" for one in devices[0].states):
-        return _of_device(node, lookup, devices[0].id)
+        return _DeviceSight(node, lookup, devices[0].id)
     name = node.resolve_name(topic)
     message_type = node.graph.get_message_type(name)
     if message_type is None:
@@ -126,33 +112,17 @@ async def open_sight(node: Node, lookup: DeviceLookup, topic: str, region: Regio
         seeing = [one.name for one in await lookup.devices() if "light_sensor" in one.service_types]
         hint = did_you_mean(topic, [*known, *seeing], "a robot has to publish it first")
         raise UsageError(f"there is no topic {name}, nor a device with a light sensor; {hint}")
-    return _of_topic(node, name, message_type, region)
+    return _TopicSight(node, name, message_type, region)
 
 
 def _may_fit(ros_type: str) -> bool:
     return ros_type.startswith(("sensor_msgs/", "std_msgs/"))
 
 
-@contextmanager
-def _of_topic(node: Node, name: str, message_type: type[Message], region: Region) -> Iterator[Sight]:
-    sight = _TopicSight(node, name, message_type, region)
-    subscription = node.create_subscription(message_type, name, sight.on_message, qos_profile_sensor_data)
-    try:
-        yield sight
-    finally:
-        subscription.close()
-
-
-@contextmanager
-def _of_device(node: Node, lookup: DeviceLookup, device_id: str) -> Iterator[Sight]:
-    yield _DeviceSight(node, lookup, device_id)
-
-
-class _TopicSight:
-    slack = 0.0
-
+class _TopicSight(Sight):
     def __init__(self, node: Node, name: str, message_type: type[Message], region: Region) -> None:
-        self._name = name
+        super().__init__()
+        self._node, self._name, self._type = node, name, message_type
         self._clock = node.graph.clock
         read = _PICTURES.get(message_type.ros_type)
         self._read: Callable[[Any], float] = _number_of(message_type) if read is None else partial(read, region=region)
@@ -162,7 +132,12 @@ class _TopicSight:
         self._last_at = 0.0
         self._has_come = anyio.Event()
 
-    def on_message(self, message: Message) -> None:
+    def __enter__(self) -> Self:
+        qos = qos_profile_sensor_data
+        self._closing.callback(self._node.create_subscription(self._type, self._name, self._on_message, qos).close)
+        return self
+
+    def _on_message(self, message: Message) -> None:
         """Read *message* for a look that is under way; one that cannot be read is left out."""
         now = self._clock.monotonic()
         if self._values is None or now - self._last_at < self._gap:
@@ -190,19 +165,17 @@ class _TopicSight:
         return values
 
 
-class _DeviceSight:
+class _DeviceSight(Sight):
     """View of a sensor that may report changes alone: what it does not report in five seconds has changed little."""
 
     def __init__(self, node: Node, lookup: DeviceLookup, device_id: str) -> None:
-        self._clock = node.graph.clock
-        self._lookup = lookup
-        self._device = device_id
+        super().__init__()
+        self._clock, self._lookup, self._device = node.graph.clock, lookup, device_id
         self._last_at = self._clock.now()
         self._silent_looks = 0
-        self.slack = 0.0
 
     async def values(self) -> Sequence[float]:
-        began, passed, found, longest = self._clock.now(), 0.0, dict[float, float](), _LONGEST
+        began, passed, known, found, longest = self._clock.now(), 0.0, 0.0, dict[float, float](), _LONGEST
         while passed < _LOOK or (not found and passed < longest):
             await anyio.sleep(_AGAIN)
             device, passed = await self._lookup.device(self._device), self._clock.now() - began
