@@ -2,15 +2,21 @@
 
 import re
 from datetime import datetime, time
+from difflib import get_close_matches
 from typing import Final, NamedTuple
 
 from homebot.apps.wall_time import read_days, read_time
 from homebot.units import parse_duration
 
-__all__ = ["SUN_EVENTS", "DaysAndTime", "SunMoment", "TimeSpan", "read_days_of_week", "read_duration"]
+__all__ = ["SUN_EVENTS", "DaysAndTime", "SunMoment", "TimeSpan", "read_days_of_week", "read_duration", "time_hint"]
 
 SUN_EVENTS: Final = ("dawn", "sunrise", "noon", "sunset", "dusk")
-_DAYS: Final = {"weekdays": "mon-fri", "weekends": "sat,sun", "every day": "", "all days": ""}
+_DAYS: Final = {
+    **dict.fromkeys(("weekdays", "weekday"), "mon-fri"),
+    **dict.fromkeys(("weekends", "weekend"), "sat,sun"),
+    **dict.fromkeys(("every day", "all days"), ""),
+}
+_ALIKE: Final = 0.8
 _SUN: Final = re.compile(rf"(?P<event>{'|'.join(SUN_EVENTS)})(?:\s*(?P<sign>[+-])\s*(?P<offset>.+))?")
 _CLOCK: Final = re.compile(r"(?P<time>\d{1,2}:\d\d(?::\d\d)?)(?:\s+on\s+(?P<days>.+))?")
 _BETWEEN: Final = re.compile(r"between\s+(?P<begin>\S+)\s+and\s+(?P<end>\S+)")
@@ -103,6 +109,16 @@ def read_days_of_week(text: str) -> frozenset[int] | None:
     """
     word, _, days = text.partition(" ")
     return read_days(_days_text(days)) if word == "on" and days else None
+
+
+def time_hint(text: str) -> str:
+    """Return how a time or moment of the sun is written if *text* seems to mean one; else empty."""
+    if re.search(r"\b\d{1,2}[:.]\d\d\b", text):
+        return "write a time like '22:00 on weekdays', or as a condition 'after 22:00' or 'between 22:00 and 6:30'"
+    words = text.casefold().split()
+    if "sun" in words or any(get_close_matches(one, SUN_EVENTS, cutoff=_ALIKE) for one in words):
+        return "write a moment like 'sunset - 30m', or as a condition 'sun is down'"
+    return ""
 
 
 def read_duration(text: str) -> float:

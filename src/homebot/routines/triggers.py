@@ -8,12 +8,17 @@ from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import Query, StateIs, leaves, split_near
 from homebot.errors import UsageError
 from homebot.routines.people import HOME_FACTS, check_known, may_begin, read_move, read_person
-from homebot.routines.times import DaysAndTime, SunMoment, read_duration
+from homebot.routines.times import DaysAndTime, SunMoment, read_duration, time_hint
 
 __all__ = ["Becomes", "Press", "RobotArrival", "Trigger", "read_press", "read_state", "read_trigger"]
 
 _LASTING: Final = re.compile(r"(?P<state>.+?)\s+for\s+(?P<length>\d[^,]*)")
 _BY_PLACE: Final = re.compile(r"(?P<what>.+?)\s+in\s+(?P<area>.+?)\s+(?P<limit>(?:below|above|<=?|>=?)\s*\S.*)")
+_ALL: Final = re.compile(r"(?:all|every|each)\s", re.IGNORECASE)
+_EXAMPLES: Final = (
+    "write it like 'hall motion occupied', 'front door open for 5m', 'Anna arrives', "
+    "'temperature in nursery below 18 °C', 'hall button press', '22:00 on weekdays' or 'sunset - 30m'"
+)
 _PRESS: Final = re.compile(
     r"(?P<query>.+?)\s+(?:press|pressed|presses)(?:\s+(?P<value>\w+|\"[^\"]+\"|'[^']+'))?", re.IGNORECASE
 )
@@ -124,14 +129,18 @@ def read_state(text: str) -> Becomes:
         return Becomes(text, person.query, length)
     if (placed := _BY_PLACE.fullmatch(state)) is not None:  # a query has its room last
         state = f"{placed['what']} {placed['limit']} in {placed['area']}"
-    query = parse_query(state)
+    if _ALL.match(state):
+        raise UsageError(
+            f"{text!r} would hold as soon as one of them does; ask for the contrary, like 'no window open'"
+        )
+    try:
+        query = parse_query(state)
+    except UsageError as exc:
+        raise UsageError(f"{text!r}: {time_hint(text) or exc}") from exc
     check_known(text, query)
     if split_near(query)[0] is not None:
         raise UsageError(f"{text!r}: a distance to a robot starts nothing; write it like 'robot arrives in kitchen'")
     found = Becomes(text, query, length)
     if not found.capabilities:
-        raise UsageError(
-            f"{text!r} names no state; write it like 'hall motion occupied', 'front door open for 5m', 'Anna arrives', "
-            "'temperature in nursery below 18 °C', 'hall button press', '22:00 on weekdays' or 'sunset - 30m'"
-        )
+        raise UsageError(f"{text!r} names no state; {time_hint(text) or _EXAMPLES}")
     return found
