@@ -164,9 +164,9 @@ class Alerts(App[AlertsSettings]):
         """Tell people what began and what ended; return False if some of that failed."""
         due = [key for key in self._incidents if self._due(key) <= now]
         began = [key for key in due if not self._incidents[key].is_told]
-        is_told = await self._tell("Alert", began, [alerts[key].text for key in began])
+        is_told = await self._send_news("Alert", began, [alerts[key].text for key in began])
         ended = {key: self._incidents[key].end_text for key in due if key not in began}
-        return await self._tell("Over", ended, [*ended.values()]) and is_told
+        return await self._send_news("Over", ended, [*ended.values()]) and is_told
 
     async def _alerts(self, now: float) -> dict[str, Alert]:
         """Return the present alerts by cause, the worst first."""
@@ -188,7 +188,7 @@ class Alerts(App[AlertsSettings]):
     async def _devices(self, query: tuple[QueryTerm, ...], ids: tuple[str, ...]) -> tuple[Device, ...]:
         return (await self._find.call(FindDevicesRequest(query=query, ids=ids))).devices
 
-    async def _tell(self, title: str, keys: Iterable[str], texts: list[str]) -> bool:
+    async def _send_news(self, title: str, keys: Iterable[str], texts: list[str]) -> bool:
         """Tell people *texts*, the news about *keys*; return False if that failed, to be tried again."""
         more = [f"… and {len(texts) - _MOST_LINES} more: homebot doctor"] if len(texts) > _MOST_LINES else []
         text = "\n".join(texts[:_MOST_LINES] + more)

@@ -340,7 +340,7 @@ class App(ABC, Generic[SettingsT_co]):
         check_handler(command, "a handle")
         outcomes: dict[int, Outcome] = {}
 
-        async def give(number: int, handle: HandleT) -> None:
+        async def command_one(number: int, handle: HandleT) -> None:
             try:
                 outcomes[number] = await command(handle)
             except RefusedError as exc:
@@ -349,7 +349,7 @@ class App(ABC, Generic[SettingsT_co]):
         async with anyio.create_task_group() as tasks:
             with at_once():
                 for number, handle in enumerate(handles):
-                    tasks.start_soon(give, number, handle)
+                    tasks.start_soon(command_one, number, handle)
         return [outcomes[number] for number in sorted(outcomes)]
 
     def start_task(self, function: Callable[[], Coroutine[object, object, object]]) -> None:

@@ -89,7 +89,7 @@ class Schedule:
             left = float(kept["due"]) - self._clock.now()
             late, delay = max(0.0, -left), min(max(0.0, left), float(kept["delay"]))
             if handler is None or late > max(_GRACE, float(kept["catch_up"])):
-                self._keep(_TIMERS, name, None)
+                self._store(_TIMERS, name, None)
                 is_late = f"it was due {_duration(late)} ago"
                 self._skipped(name, is_late if handler else f"its method {kept.get('handler')} is gone")
                 continue
@@ -116,7 +116,7 @@ class Schedule:
         job = self._interval(self._name(name, handler, text, is_timer=True), text, handler, seconds, None)
         self._add(job)
         kept = {"handler": method, "due": self._clock.now() + seconds, "delay": seconds, "catch_up": late, "text": text}
-        self._keep(_TIMERS, job.name, kept if durable else None)
+        self._store(_TIMERS, job.name, kept if durable else None)
         return job
 
     def _taken_over(self, name: str) -> Job | None:
@@ -165,7 +165,7 @@ class Schedule:
         return None if kept is None else date.fromisoformat(kept)
 
     def _write_day(self, name: str, day: date) -> None:
-        self._keep(_DAYS, name, day.isoformat())
+        self._store(_DAYS, name, day.isoformat())
 
     def _add_wall(
         self,
@@ -228,7 +228,7 @@ class Schedule:
         if self._jobs.get(job.name) is job:
             del self._jobs[job.name]
             if _is_timer(job):
-                self._keep(_TIMERS, job.name, None)
+                self._store(_TIMERS, job.name, None)
             self._changed.set()
 
     async def _work(self) -> None:
@@ -260,7 +260,7 @@ class Schedule:
     def _kept(self, key: str) -> dict[str, Any]:
         return dict(self._app.store.get(key, {}))
 
-    def _keep(self, key: str, name: str, value: object) -> None:
+    def _store(self, key: str, name: str, value: object) -> None:
         kept = self._kept(key)
         if value is None and name not in kept:
             return

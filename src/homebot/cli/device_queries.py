@@ -36,7 +36,7 @@ __all__ = [
     "limits_of",
     "matching_devices",
     "named_device",
-    "note_near_matches",
+    "print_near_matches",
     "reasons_for",
     "unapproved",
     "why_none",
@@ -93,7 +93,7 @@ def matching_devices(door: DoorClient, query: str) -> list[Device]:
     return found
 
 
-def note_near_matches(found: QueryDevicesResponse) -> None:
+def print_near_matches(found: QueryDevicesResponse) -> None:
     """Print the words that no device found has, although some have similar ones."""
     reasons = [{one for one in result.reasons if one.endswith(_NEAR_MATCH)} for result in found.results]
     for reason in sorted(set.intersection(*reasons)):

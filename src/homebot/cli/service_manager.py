@@ -93,7 +93,7 @@ class FirstConnection:
         async with Node(self._graph, "first_connection", namespace="/homebot") as node:
             for name in self._missing:
                 topic = GatewayNames(name).state
-                node.create_subscription(GatewayState, topic, partial(self._note, name), qos_profile_latched)
+                node.create_subscription(GatewayState, topic, partial(self._record, name), qos_profile_latched)
             async with service:
                 yield
 
@@ -111,14 +111,14 @@ class FirstConnection:
             "the service ends, so that it is restarted; homebot doctor --offline --reach looks for the cause",
         )
 
-    def tell_missing(self, seconds: float | None) -> None:
+    def log_missing(self, seconds: float | None) -> None:
         """Log which gateways were not connected once in *seconds*, if any."""
         self.is_missing = bool(self._missing)
         if self.is_missing:
             reasons = "; ".join(f"gateway {name}: {reason}" for name, reason in self._missing.items())
             _log.critical(NEVER_CONNECTED, message=f"never connected in {seconds:g} s: {reasons}")
 
-    def _note(self, name: str, state: GatewayState) -> None:
+    def _record(self, name: str, state: GatewayState) -> None:
         if state.state == "active":
             self._missing.pop(name, None)
             self._connected.set()

@@ -170,11 +170,11 @@ def wait_for_message(
     """Return whether a message came on *topic* within *time_to_wait* seconds (-1: ever), and the message."""
     first = Future(node.executor)
 
-    def hear(message: object) -> None:
+    def set_first(message: object) -> None:
         if not first.done():
             first.set_result(message)
 
-    subscription = node.create_subscription(msg_type, topic, hear, qos_profile)
+    subscription = node.create_subscription(msg_type, topic, set_first, qos_profile)
     node.executor.spin_until_future_complete(first, None if time_to_wait < 0 else time_to_wait)
     node.destroy_subscription(subscription)
     return first.done(), first.result()

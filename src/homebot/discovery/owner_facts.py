@@ -130,12 +130,12 @@ class OwnerFacts:
             self.check_room(sum(name not in self._by_name for name in own))
         for statement in self._statements((*own, *_names(device_id, sources))):
             gone = [key for key in statement.announcements() if key not in present]
-            self._take_back(statement, (*own, *gone))
+            self._withdraw(statement, (*own, *gone))
         if stated.facts:
             self._put(stated)
         self.is_unsaved = True
 
-    def _take_back(self, statement: _Statement, names: Iterable[_Name]) -> None:
+    def _withdraw(self, statement: _Statement, names: Iterable[_Name]) -> None:
         """Remove *names* from a statement; without an announcement left it is dropped."""
         self._leave(statement, names)
         if not statement.announcements():  # or a device that shares a hardware address would get it too

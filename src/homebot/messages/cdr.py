@@ -146,7 +146,7 @@ class _CdrReader:
         values: dict[str, object] = {}
         fields = fields_of(message_type)
         if not fields:
-            self._take(len(_WITHOUT_FIELDS))
+            self._read_bytes(len(_WITHOUT_FIELDS))
         for field in fields:
             try:
                 values[field.name] = self._value(field)
@@ -162,7 +162,7 @@ class _CdrReader:
         if field.bound is not None and count > field.bound:
             raise _UnreadableError(f"at most {field.bound} elements are allowed", count)
         if field.is_bytes:
-            return self._take(count)
+            return self._read_bytes(count)
         if field.is_numeric:  # is made from little-endian bytes
             return self._numbers(LAYOUTS[field.ros_type], count)
         return self._elements(field, count)
@@ -184,7 +184,7 @@ class _CdrReader:
 
     def _text(self, field: FieldDefinition) -> str:
         is_wide = field.ros_type == "wstring"
-        packed = self._take(self._count() * (2 if is_wide else 1))
+        packed = self._read_bytes(self._count() * (2 if is_wide else 1))
         try:
             text = packed.decode("utf-16-le") if is_wide else packed.removesuffix(b"\x00").decode()
         except UnicodeDecodeError as exc:
@@ -194,16 +194,16 @@ class _CdrReader:
 
     def _count(self) -> int:
         self._at += -self._at % 4  # the header has four bytes too
-        return int.from_bytes(self._take(4), "little")
+        return int.from_bytes(self._read_bytes(4), "little")
 
     def _numbers(self, layout: str, count: int) -> bytes:
         if not count:
             return b""
         size = _SIZES[layout]
         padding = -(self._at - len(_HEADER)) % size
-        return self._take(padding + count * size)[padding:]
+        return self._read_bytes(padding + count * size)[padding:]
 
-    def _take(self, size: int) -> bytes:
+    def _read_bytes(self, size: int) -> bytes:
         start, self._at = self._at, self._at + size
         if self._at > len(self._data):
             self._at = start

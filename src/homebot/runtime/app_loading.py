@@ -62,7 +62,7 @@ class FreshCode:
         return self._load(name, module_name, class_name, lambda: plugins.run_file(module_name, file.resolve()))
 
     def _load(self, name: str, module_name: str, class_name: str | None, run: Callable[[], ModuleType]) -> type[Any]:
-        self._take_out(module_name)
+        self._remove(module_name)
         try:
             with _without_cache():
                 module = run()
@@ -88,7 +88,7 @@ class FreshCode:
                     setattr(sys.modules[parent], child, module)
         self._before, self.prefix = {}, ""
 
-    def _take_out(self, module_name: str) -> None:
+    def _remove(self, module_name: str) -> None:
         module = sys.modules.get(module_name)
         self.prefix = (getattr(module, "__package__", "") or module_name) if module else module_name
         self._before = {name: sys.modules.pop(name) for name in _modules_of(self.prefix)}

@@ -89,7 +89,7 @@ class _GatewayExport:
         self._node, self._session, self._names = node, session, GatewayNames(gateway)
         self._now = node.graph.clock.monotonic
         self._news = anyio.Event()
-        self._waiting = WaitingNews(node, gateway, self._tell)
+        self._waiting = WaitingNews(node, gateway, self._wake)
         self._follower, self._number, self._full_at = "", 0, 0.0
         self._out = node.create_publisher(RawCommand, self._names.out, 1000)
         self._calls: BoundedMap[tuple[str, int], None] = BoundedMap(_MOST_CALLS)
@@ -116,7 +116,7 @@ class _GatewayExport:
         await anyio.sleep(max(0.0, self._full_at - self._now()))
         if number != self._number:
             raise PeerError("it was asked again before it could answer")
-        messages = self._waiting.take(_MOST_AT_ONCE)
+        messages = self._waiting.pop(_MOST_AT_ONCE)
         self._full_at = self._now() + (0.0 if self._waiting else _PAUSE)
         fields: dict[str, Any] = {**whole, **messages}
         return FollowGatewayResponse(number=number, session=self._session, now=self._now(), is_whole=is_whole, **fields)
@@ -165,5 +165,5 @@ class _GatewayExport:
         found = self._node.graph.get_endpoints(kind=EntityKind.SERVICE, node=self._names.node)
         return tuple(one.name.rpartition("/")[2] for one in found)
 
-    def _tell(self) -> None:
+    def _wake(self) -> None:
         self._news.set()

@@ -59,9 +59,9 @@ class WaitingNews:
         for field, (kind, topic) in self._topics.items():
             source = self._node.create_subscription(kind, topic, qos_profile=_QOS, from_node=self._from)
             self._sources.append(source)
-            take = partial(self._take, field)
-            take(iter(source.take, None))
-            self._node.create_task(partial(source.run_batches, take))
+            add = partial(self._add, field)
+            add(iter(source.take, None))
+            self._node.create_task(partial(source.run_batches, add))
         sightings, reports = self._waiting["sightings"], self._waiting["reports"]
         return {"keys": tuple(map(str, sightings)), "streams": tuple(map(str, reports))}
 
@@ -69,10 +69,10 @@ class WaitingNews:
         """Follow the raw messages on *topic* too."""
         if topic not in self._raw:
             self._raw[topic] = self._node.create_subscription(
-                RawMessage, topic, lambda message: self._take("raw", iter((message,))), 1000, from_node=self._from
+                RawMessage, topic, lambda message: self._add("raw", iter((message,))), 1000, from_node=self._from
             )
 
-    def take(self, most: int) -> dict[str, tuple[Message, ...]]:
+    def pop(self, most: int) -> dict[str, tuple[Message, ...]]:
         """Return at most *most* messages, by their fields in the answer; those of devices before their reports."""
         taken: dict[str, tuple[Message, ...]] = {}
         for field, waiting in self._waiting.items():
@@ -90,7 +90,7 @@ class WaitingNews:
         for waiting in self._waiting.values():
             waiting.clear()
 
-    def _take(self, field: str, messages: Iterator[Message]) -> None:
+    def _add(self, field: str, messages: Iterator[Message]) -> None:
         waiting = self._waiting[field]
         for message in messages:
             key = next(self._numbers) if message.key_field is None else getattr(message, message.key_field)

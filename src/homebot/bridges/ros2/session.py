@@ -232,10 +232,10 @@ class ZenohSession:
                 self.lost += 1
                 return False
             self._waiting += 1
-        self._to_loop(self._take, call, value)
+        self._to_loop(self._deliver, call, value)
         return True
 
-    def _take(self, call: Callable[[Any], None], value: object) -> None:
+    def _deliver(self, call: Callable[[Any], None], value: object) -> None:
         with self._lock:
             self._waiting -= 1
         call(value)

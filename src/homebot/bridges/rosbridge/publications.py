@@ -129,24 +129,24 @@ class Publications:
             self._message(message_type_of_topic(self._node.graph, name, ros_type), op)
             publication = self._open(op.topic, ros_type, op.kept)
         if self._is_unread(publication):
-            self._keep(op.topic, op, size)
+            self._store(op.topic, op, size)
             return ()
         if self._now() >= publication.second + 1.0:
             publication.second, publication.checked = self._now(), 0
         publication.checked += 1
         message, missing = self._message(publication.message_type, op)
         if publication.kept is None:
-            self._keep(op.topic, op, size)
+            self._store(op.topic, op, size)
         publication.publisher.publish(message)
         return missing
 
-    def keep_unread(self, frame: str) -> bool:
+    def store_unread(self, frame: str) -> bool:
         """Store *frame* unparsed if it is a message on a topic without readers; return whether it is."""
         begin = _PUBLISH.match(frame)
         publication = self._topics.get(begin[2]) if begin is not None and len(frame) <= _LONGEST else None
         if begin is None or publication is None or not self._is_unread(publication):
             return False
-        self._keep(begin[2], frame, len(frame))
+        self._store(begin[2], frame, len(frame))
         return True
 
     def refused_before(self, frame: str) -> PublishOperation | None:
@@ -209,7 +209,7 @@ class Publications:
         self._topics[topic] = opened
         return opened
 
-    def _keep(self, topic: str, message: PublishOperation | str, size: int) -> None:
+    def _store(self, topic: str, message: PublishOperation | str, size: int) -> None:
         now, recent = self._now(), self._recent
         recent.append(_KeptMessage(now, size, topic, message))
         self._recent_size += size

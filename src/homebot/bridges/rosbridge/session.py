@@ -148,7 +148,7 @@ class ClientSession:
 
     async def _handle(self, frame: str) -> None:
         self._shared.counters.frames += 1
-        if self._publications.keep_unread(frame) or self._is_refused_again(frame):
+        if self._publications.store_unread(frame) or self._is_refused_again(frame):
             return
         try:
             op = await self._turns.run(self._assembler.read(frame))

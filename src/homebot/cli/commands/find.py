@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import whole
 from homebot.cli.device_json import device_json, json_text, list_text
-from homebot.cli.device_queries import find_devices, note_near_matches, unapproved, why_none
+from homebot.cli.device_queries import find_devices, print_near_matches, unapproved, why_none
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import is_terminal, print_table, to_table, without_empty
 from homebot.devices.query.tokens import MAX_QUERY, quoted
@@ -60,7 +60,7 @@ def _find(door: DoorClient, options: argparse.Namespace) -> int:
         print(list_text([json_text(one) for one in results]))
         return 0 if results else 1
     if found.results:
-        note_near_matches(found)
+        print_near_matches(found)
         _show(found, why=options.why)
     else:
         print(why_none(door, query))

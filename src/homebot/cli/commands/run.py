@@ -362,7 +362,7 @@ async def _run(
     first = FirstConnection(runtime.graph, runtime.config.gateways, is_service=is_service())
     watched = first.watched(service)
     if await serve(watched, seconds, runtime.cut_start_short, reload, first.wait_in_vain):
-        first.tell_missing(seconds)
+        first.log_missing(seconds)
     return 1 if runtime.supervisor.given_up or first.is_missing else 0
 
 

@@ -124,7 +124,7 @@ class HandleQuery(Generic[HandleT]):
         self.names: Final = (*named, *names)
         self.near: Final = _near(filters) if "near" in filters or "within" in filters else None
         self.search: Final[Query] = self._search(types, places, terms)
-        self.asks_for_values: Final = bool(terms) and _have_values(terms)
+        self.asks_for_values: Final = bool(terms) and _contain_values(terms)
 
     def _search(self, types: list[Query], places: list[Query], terms: tuple[Term, ...]) -> Query:
         """Return the query for the devices that may have such a part; with a category, no type is required."""
@@ -175,7 +175,7 @@ def _freshness(filters: CommonFilters) -> list[Query]:
     return [fresh if filters["fresh"] else Not(fresh)]
 
 
-def _have_values(terms: tuple[Term, ...]) -> bool:
+def _contain_values(terms: tuple[Term, ...]) -> bool:
     return any(isinstance(one, StateIs) for term in terms for one in leaves(term))
 
 

@@ -462,10 +462,10 @@ def test_the_second_of_two_temperatures_leaves_the_first_as_it_was_set() -> None
     """Nest's thermostat reports what it was set to a second later."""
     thermostat = only("climate.nest", "heat_cool", hvac_modes=["off", "heat_cool"], supported_features=2)
     thermostat.put({"a": {"target_temp_low": 20.0, "target_temp_high": 24.0}}, is_new=False)
-    thermostat.take(thermostat.call("cooling_setpoint", 25.0))
+    thermostat.expect(thermostat.call("cooling_setpoint", 25.0))
     heat = thermostat.call("heating_setpoint", 21.0)
     assert heat.data == {"target_temp_low": 21.0, "target_temp_high": 25.0}
-    thermostat.take(heat)
+    thermostat.expect(heat)
     thermostat.put({"a": {"target_temp_low": 19.0, "target_temp_high": 24.0}}, is_new=False)  # by hand
     assert thermostat.call("heating_setpoint", 20.0).data == {"target_temp_low": 20.0, "target_temp_high": 24.0}
 
@@ -473,7 +473,7 @@ def test_the_second_of_two_temperatures_leaves_the_first_as_it_was_set() -> None
 def test_a_temperature_after_a_mode_is_that_of_the_mode() -> None:
     thermostat = only("climate.nest", "heat", hvac_modes=["off", "heat", "heat_cool"], supported_features=3)
     thermostat.put({"a": {"target_temp_low": 20.0, "target_temp_high": 24.0}}, is_new=False)
-    thermostat.take(thermostat.call("thermostat_mode", "heat_cool"))
+    thermostat.expect(thermostat.call("thermostat_mode", "heat_cool"))
     assert thermostat.call("heating_setpoint", 21.0).data == {"target_temp_low": 21.0, "target_temp_high": 24.0}
 
 

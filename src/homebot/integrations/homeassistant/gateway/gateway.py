@@ -251,7 +251,7 @@ class HomeAssistantGateway(LinkedGateway):
             if command.code:  # the reason may contain it
                 raise RefusedError(what, "Home Assistant refuses it, or the code is wrong") from None
             raise exc from None
-        entity.take(call)
+        entity.expect(call)
 
 
 def _suppress_refusal(registry: str) -> AbstractContextManager[object, bool | None]:

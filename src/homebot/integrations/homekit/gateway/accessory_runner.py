@@ -236,12 +236,12 @@ class AccessoryRunner(DeviceRunner):
             if is_read:
                 is_away = whole_number(one.get("status")) == _NO_POWER
                 self._devices.report_reachable(accessory.device.key, reachable=not is_away)
-            if self._keep(known, one, is_routine=is_routine):
+            if self._store(known, one, is_routine=is_routine):
                 news.setdefault(aid, {})[iid] = one["value"]
         for aid, changed in news.items():
             await self._report_changed(self._accessories[aid], changed)
 
-    def _keep(self, known: HapCharacteristic, one: Mapping[str, object], *, is_routine: bool) -> bool:
+    def _store(self, known: HapCharacteristic, one: Mapping[str, object], *, is_routine: bool) -> bool:
         """Keep a value, and return whether to report it; reject one that should be a press and is not."""
         value = one.get("value")
         if known.type == PRESS and whole_number(value) not in PRESSES:

@@ -121,7 +121,7 @@ class HomekitGateway(Gateway):
         if key in self._runners and self._runners[key].link is not None:
             raise UnableError(f"{found.name} is paired with homebot already")
         pairing = await self._port.pair(found, read_homekit_digits(code))
-        await self._keep({**self._pairings, key: pairing})
+        await self._save_pairings({**self._pairings, key: pairing})
         self._stop(key)
         self._start(found)
         return found.name
@@ -136,7 +136,7 @@ class HomekitGateway(Gateway):
         link = None if runner is None else runner.link
         if link is not None:
             await link.unpair()
-        await self._keep({one: keys for one, keys in self._pairings.items() if one != key})
+        await self._save_pairings({one: keys for one, keys in self._pairings.items() if one != key})
         self._stop(key)
         self._publish_unpaired(key, (key,) if runner is None else runner.keys, is_paired=link is None)
         return key if runner is None else runner.name
@@ -148,7 +148,7 @@ class HomekitGateway(Gateway):
             self._found[key] = replace(found, is_paired=is_paired)  # until it announces that itself
             self.devices.put(describe(found).device, "it is announced")
 
-    async def _keep(self, pairings: dict[str, Pairing]) -> None:
+    async def _save_pairings(self, pairings: dict[str, Pairing]) -> None:
         await self._file.keep(pairings)
         self._pairings = pairings
 

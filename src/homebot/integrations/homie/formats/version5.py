@@ -113,7 +113,7 @@ class Version5(Registry[_Homie5Device]):
         if not device.waiting or not device.is_ready:
             return None
         document = parse_document(domain, device_id, device.waiting)
-        self._keep(device, b"")
+        self._store_waiting(device, b"")
         return document
 
     def _on_document(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> HomieDevice | None:
@@ -122,11 +122,11 @@ class Version5(Registry[_Homie5Device]):
         if device.document_hash == document_hash:
             return None
         document = parse_document(domain, device_id, payload)
-        is_kept = self._keep(device, b"" if device.is_ready else payload)
+        is_kept = self._store_waiting(device, b"" if device.is_ready else payload)
         device.document_hash = document_hash if is_kept else None
         return document if device.is_ready else None
 
-    def _keep(self, device: _Homie5Device, waiting: bytes) -> bool:
+    def _store_waiting(self, device: _Homie5Device, waiting: bytes) -> bool:
         """Keep a document that waits, or none; return False if there is too little memory."""
         is_kept = self.reserve(device, len(waiting))
         if not is_kept:
@@ -138,7 +138,7 @@ class Version5(Registry[_Homie5Device]):
         device = self.devices.get(name)
         if device is None:
             return ()
-        self._keep(device, b"")
+        self._store_waiting(device, b"")
         if attribute == "$state":
             self.devices.remove(name)
             return self.withdraw(device, name, "its state was removed", is_final=True)

@@ -119,13 +119,13 @@ class HueGateway(Gateway):
             reason = f"its button was not pressed within {self.pressed_within:g} s; press it, and run the command again"
             raise RefusedError(f"pairing {bridge.name}", reason)
         secrets = {"key": made.get_secret_value(), "certificate": certificate}
-        await self._keep(bridge, self._pairings | {key: {"name": bridge.name, "origin": origin, **secrets}})
+        await self._save_pairings(bridge, self._pairings | {key: {"name": bridge.name, "origin": origin, **secrets}})
         return bridge.name
 
     async def unpair(self, key: str) -> str:
         """Forget the key of a bridge, and its devices."""
         bridge = self._bridge(key)
-        await self._keep(bridge, {other: kept for other, kept in self._pairings.items() if other != key})
+        await self._save_pairings(bridge, {other: kept for other, kept in self._pairings.items() if other != key})
         bridge.forget_devices(f"{bridge.name} is not paired any more")
         return bridge.name
 
@@ -135,7 +135,7 @@ class HueGateway(Gateway):
             raise RefusedError(f"pairing {key[:100]}", "it is no Hue bridge; pair with the bridge that it belongs to")
         return bridge
 
-    async def _keep(self, bridge: BridgeRunner, pairings: dict[str, dict[str, object]]) -> None:
+    async def _save_pairings(self, bridge: BridgeRunner, pairings: dict[str, dict[str, object]]) -> None:
         """Save the pairings, and reconnect to a bridge."""
         await self._file.keep(pairings)
         self._pairings = pairings

@@ -128,7 +128,7 @@ class MachineGateway(Gateway):
             self.mark_ready(task_status)
             if news.is_whole:
                 self._begin(news)
-            self._mirror.take(news, link.later)
+            self._mirror.publish(news, link.later)
             for raw in news.raw:
                 message = raw.model_copy(update={"gateway": self.node.name})
                 await self._listeners.deliver(message, wait_if_full=True)

@@ -51,7 +51,7 @@ class Mirror:
         self._reports: BoundedMap[str, Report] = BoundedMap(MOST_OF_EACH)
         self.refused = 0
 
-    def take(self, news: FollowGatewayResponse, later: float) -> None:
+    def publish(self, news: FollowGatewayResponse, later: float) -> None:
         """Publish *news* of a machine whose monotonic clock is *later* seconds behind the one here."""
         if news.is_whole:
             self._forget(news)

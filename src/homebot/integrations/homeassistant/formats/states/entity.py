@@ -227,7 +227,7 @@ class HomeAssistantEntity:
             data["transition"] = require_transition(transition, _MOST_SECONDS)
         return ServiceCall(self.domain, service, self.entity_id, data)
 
-    def take(self, call: ServiceCall) -> None:
+    def expect(self, call: ServiceCall) -> None:
         """Count with what a thermostat was set to until its state comes: both ends of a pair are set together."""
         if self.domain == "climate":
             found = {"state" if key == "hvac_mode" else key: value for key, value in call.data.items()}
