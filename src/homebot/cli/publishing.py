@@ -16,9 +16,8 @@ if TYPE_CHECKING:
     from homebot.devices import GatewayState
     from homebot.devices.health import HealthResponse
 
-__all__ = ["GATEWAY_STATE", "GatewayPublisher", "gateway_state"]
+__all__ = ["GatewayPublisher", "gateway_state"]
 
-GATEWAY_STATE = "homebot/msg/GatewayState"
 _RAW_COMMAND = "homebot/msg/RawCommand"
 
 _STATE_TIMEOUT = 2.0

@@ -103,7 +103,7 @@ class FindingKind(Enum):
         self.next_step = next_step
         self.is_problem = is_problem
 
-    def finding(self, rows: Sequence[Row], where: str = "", total: int = 0, hint: str = "") -> Finding:
+    def finding(self, rows: Sequence[Row], where: str = "", total: int = 0) -> Finding:
         """Return the finding with *rows*, and with a larger *total* if there are more."""
         return Finding(
             code=self.code,
@@ -113,5 +113,4 @@ class FindingKind(Enum):
             total=max(total, len(rows)),
             rows=tuple(FindingRow(what=what, why=why) for what, why in rows),
             next=self.next_step,
-            hint=hint,
         )

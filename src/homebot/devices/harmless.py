@@ -30,7 +30,6 @@ _COLDEST, _HOTTEST = 5.0, 28.0
 _OF_LAMPS: Final = frozenset({"number", "on_off", "option", "scene"})
 """Settings of a lamp, such as its effect; its buttons may reset it, its texts contain anything."""
 
-_UNKNOWN_COVER: Final = "nothing says that it is a blind, a curtain or an awning"
 _BESIDE_LAMPS: Final = frozenset({"x_scene", "x_setting"})
 
 

@@ -82,9 +82,6 @@ _MOST_LISTED = 20
 _TRIAL = 1.0
 """Seconds after the start in which a crash of the new code restores the old."""
 
-_OWN_TRIAL = 0.05
-"""The same for homebot's own apps, such as a hundred routines: only their settings are new, and read at once."""
-
 _COLLECT_EVERY = 100
 """Reloads after which old code is freed: classes are cycles, and a process that serves collects all objects too seldom.
 That takes less than a second in a house of a thousand devices."""

@@ -26,7 +26,6 @@ class GatewayCounters:
         topics_reserved: Announced command addresses that are reserved.
         types_refused: Announced service types that were not browsed, because there were too many.
         addresses_refused: Network addresses dropped because their host announces too many.
-        requests_dropped: Requests not read because their host sent too many.
         readings_refused: Reported values that do not fit the described part.
         oversize: Messages too long to be read.
         payloads_unreadable: Values of devices that do not fit their announcement, by part.
@@ -53,7 +52,6 @@ class GatewayCounters:
     types_refused: int = fault()
     addresses_refused: int = fault()
     reports: int = 0
-    requests_dropped: int = loss()
     readings_refused: int = fault()
     oversize: int = fault()
     payloads_unreadable: int = 0

@@ -27,7 +27,6 @@ MessageT = TypeVar("MessageT")
 
 QUARANTINED = "gateway.quarantined"
 CONVENTION_FAILED = "gateway.convention_failed"
-DROPPED = "gateway.request_dropped"
 
 MAX_WARNINGS = 20
 """Most log lines of one kind in ten seconds, each about another culprit."""
@@ -201,11 +200,6 @@ class PeerQuarantine(Generic[MessageT]):
         name, why = source[:_LONGEST], why[:_LONGEST]
         self.log_limited(event, f"{name}: {why}", source=name)
         self.budgets.charge(source, length, f"{name}: {why}"[:_LONGEST], self._reporter.now)
-
-    def record_drop(self, source: str) -> None:
-        """Count and log a request that is not read, because *source* sends too many."""
-        self._counters.requests_dropped += 1
-        self.log_limited(DROPPED, f"{source[:_LONGEST]} sends more requests than homebot takes", source=source)
 
     async def serve(self, read_next: Callable[[Iterator[MessageT]], Awaitable[bool]]) -> None:
         """Read waiting messages whenever the budgets allow, until cancelled.
