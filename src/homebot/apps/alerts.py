@@ -172,8 +172,7 @@ class Alerts(App[AlertsSettings]):
         """Return the present alerts by cause, the worst first."""
         lost = [name for name, alert in self._gateways.items() if alert is not None]
         devices = await self._devices(query_terms(Or((*(kind.query(lost) for kind in ALERTS), HOUSEHOLD))), ())
-        states = [state for one in devices for state in one.states if state.capability == _AT_HOME and state.live]
-        self._is_empty = any(one.value.plain() is False for one in states)
+        self._is_empty = _is_nobody_home(devices)
         alerts = [one for one in self._gateways.values() if one is not None]
         alerts += [one for kind in ALERTS for device in devices for one in alerts_of(kind, device, now, lost)]
         return {one.key: one for one in sorted(alerts, key=lambda one: [*FindingKind].index(one.kind.finding))}
@@ -206,3 +205,8 @@ class Alerts(App[AlertsSettings]):
         if kind == "door" and self._is_empty and told_after < math.inf:
             told_after = min(told_after, _WHILE_AWAY)
         return self._incidents[key].due(told_after)
+
+
+def _is_nobody_home(devices: Iterable[Device]) -> bool:
+    states = (state for one in devices for state in one.states)
+    return any(one.capability == _AT_HOME and one.live and one.value.plain() is False for one in states)

@@ -157,21 +157,24 @@ class CommandTargets:
         """Find the device, or its part, that has the id or name, perhaps quoted or with an article."""
         spelled = _ARTICLE.fullmatch(phrase.text) or _QUOTED.fullmatch(phrase.text)
         for text in (phrase.text, *(spelled.groups() if spelled is not None else ())):
-            device_id, _, part_id = text.partition("#")
-            called = await self._lookup.called(text, device_id)
-            if part_id and called and called[0].id.casefold() == device_id.casefold():
-                if (part := called[0].part(part_id)) is None:
-                    raise NoTargetError(no_such_part(called[0].id, part_id, called[0]).text)
-                return _Matches([(called[0], (part,))])
-            if len(called) > 1:
-                return _Matches([(one, one.parts) for one in called], ask_which(text, called))
-            if called:
-                members = await self._of_native_group(phrase.request, called[0])
-                return members or _parts_called(phrase.request, called[0], text)
-            group = FactIs(GROUP, fold(text))
-            if found := await self._lookup.devices(group):
-                return _Matches([(one, _parts(one, group)) for one in found])
+            if (found := await self._called_exactly(phrase.request, text)).targets:
+                return found
         return _Matches([])
+
+    async def _called_exactly(self, request: CommandDevicesRequest, text: str) -> _Matches:
+        device_id, _, part_id = text.partition("#")
+        called = await self._lookup.called(text, device_id)
+        if part_id and called and called[0].id.casefold() == device_id.casefold():
+            if (part := called[0].part(part_id)) is None:
+                raise NoTargetError(no_such_part(called[0].id, part_id, called[0]).text)
+            return _Matches([(called[0], (part,))])
+        if len(called) > 1:
+            return _Matches([(one, one.parts) for one in called], ask_which(text, called))
+        if called:
+            members = await self._of_native_group(request, called[0])
+            return members or _parts_called(request, called[0], text)
+        group = FactIs(GROUP, fold(text))
+        return _Matches([(one, _parts(one, group)) for one in await self._lookup.devices(group)])
 
     async def _of_native_group(self, request: CommandDevicesRequest, device: Device) -> _Matches | None:
         """Find the members of a group that a gateway knows as the device; None for any other, or if none takes it."""

@@ -331,10 +331,10 @@ def _capabilities(device: Device) -> Iterator[Capability]:
 def _may_be(capability: Capability, wanted: str) -> bool:
     known = CAPABILITIES.get(capability.name, OWN)
     options = {option.casefold() for option in capability.options or known.options}
-    if not known.kind or (known.kind == "text" and not options):
+    if not known.kind:
         return True
     if known.kind == "bool":
         return wanted in _FLAGS
     if options:
         return wanted in options or _WORDS.get(wanted) in options
-    return any(char.isdigit() for char in wanted) or wanted in {"on", "off", "open", "closed"}
+    return known.kind == "text" or any(char.isdigit() for char in wanted) or wanted in {"on", "off", "open", "closed"}

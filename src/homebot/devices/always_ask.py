@@ -9,7 +9,7 @@ the choices of an oven, such as its program. See :mod:`homebot.devices.words`, a
 :mod:`homebot.devices.harmless` for the issuers to which this is not enough.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Final
 
@@ -231,13 +231,17 @@ def _why_by_itself(device: Device, part: DevicePart) -> str:
     if device.tags and _TAG in map(fold, device.tags):
         return "it has the tag always_ask"
     if kind in _RELAYS:
-        reason = why_it_drives(device, part, NO_LOCK if part.part.category else ALL_THAT_ASK)
-        return reason or (_why_on_panel(device) if kind == "switch" else "")
+        return _why_of_relay(device, part)
     if kind in _BUTTONS and (reason := _why_on_panel(device) or _why_named_setting(device, part)):
         return reason
     if kind == "x_setting":
         return _why_of_model(device, part, ALL_THAT_ASK)
     return _why_hot(device, part) if kind == "thermostat" else ""
+
+
+def _why_of_relay(device: Device, relay: DevicePart) -> str:
+    reason = why_it_drives(device, relay, NO_LOCK if relay.part.category else ALL_THAT_ASK)
+    return reason or (_why_on_panel(device) if relay.part.service_type == "switch" else "")
 
 
 def _why_on_panel(device: Device) -> str:
@@ -297,10 +301,15 @@ def _why_called(capability: Capability, device: Device, part: DevicePart) -> str
         return f"its unit is {unit}"
     names = (told.name,) if told.name else names_of(device, part)[:-1]
     if capability.name in _CHOSEN:
-        if told.category:
-            return _why_named(NO_LOCK, *names)
-        return _why_named(ALL_THAT_ASK, *names, _class_of(told)) or _why_named(HEAT, *names_of(device, part))
+        return _why_chosen(device, part, names)
     return _why_named(OPEN, *names) if capability.name in _OPENING else None
+
+
+def _why_chosen(device: Device, part: DevicePart, names: Sequence[str]) -> str:
+    told = part.part
+    if told.category:
+        return _why_named(NO_LOCK, *names)
+    return _why_named(ALL_THAT_ASK, *names, _class_of(told)) or _why_named(HEAT, *names_of(device, part))
 
 
 def _is_deed(button: Part) -> bool:

@@ -164,9 +164,7 @@ class Follow(LiveQuery[DeviceChange]):
         if query:
             terms.append(_parsed(query) if isinstance(query, str) else query)
         self._query = terms[0] if len(terms) == 1 else And(tuple(terms))
-        near: Query | None = None
-        if query:
-            near, self._query = split_near(self._query)
+        near, self._query = split_near(self._query)
         is_known = isinstance(self._query, TypeIs) and self._query.types
         text = text or f"follow({query or service_type!r})"
         super().__init__(node, _ANY if is_known else self._query, text, near)

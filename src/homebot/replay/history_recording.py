@@ -43,12 +43,10 @@ def history_recording(
     """
     began = Time.from_seconds(since)
     recording = Recording(RecordingHeader(format=FORMAT, version=__version__, home=home, started_at=began))
-    devices = [one for one in devices if one.endpoints]
-    known = {one.id for one in devices}
-    recording.devices = {one.id: _with_one_endpoint(one) for one in devices}
-    messages = [(since, message) for one in devices for message in _announcements(one, began)]
+    recording.devices = {one.id: _with_one_endpoint(one) for one in devices if one.endpoints}
+    messages = [(since, message) for one in devices if one.endpoints for message in _announcements(one, began)]
     for one in series:
-        if one.device in known:
+        if one.device in recording.devices:
             messages += ((max(since, at), message) for at, message in _reports(one))
     messages.sort(key=lambda one: one[0])
     recording.events = [RecordedEvent(at - since, message, line) for line, (at, message) in enumerate(messages)]

@@ -143,11 +143,14 @@ def read_rights(plan: Plan, settings: RosSettings, now: float, owner: SecretStr 
     """
     own = SecretStr(read_secret(settings.password_file)) if settings.password_file is not None else None
     if settings.connect:
-        login = (settings.user or settings.machine, own) if own is not None else None
-        if login is None and settings.listen and owner is not None:
-            login = OWNER_CLIENT, owner
-        return WireRights.of_routers(settings, plan.home, login)
+        return WireRights.of_routers(settings, plan.home, _login(settings, own, owner))
     machines = {name: SecretStr(read_secret(file)) for name, file in plan.other_machines.items()}
     if own is not None and settings.machine:
         machines[settings.machine] = own
     return WireRights.of_tokens(settings, plan.door, plan.home, machines, now, owner)
+
+
+def _login(settings: RosSettings, own: SecretStr | None, owner: SecretStr | None) -> tuple[str, SecretStr] | None:
+    if own is not None:
+        return settings.user or settings.machine, own
+    return (OWNER_CLIENT, owner) if settings.listen and owner is not None else None

@@ -300,10 +300,7 @@ class Runtime:
                 return
             await stack.enter_async_context(component)
         if not self._start_is_cut:
-            greeting = self._plan.greeting(None if self.door is None else self.door.page, is_dry_run=self.is_dry_run)
-            _log.info(RUNNING, message=greeting, gateways=len(gateways), apps=len(self._plan.apps))
-            text = self._plan.as_other_machine or self.app_manager.running_text(self.app_manager.apps)
-            _log.info(APPS, message=text, names=[app.name for app in self._plan.apps])
+            self._greet()
             # Loaded last: it takes longer than other parts of the start, and clients need a handshake first.
             await stack.enter_async_context(self.supervisor.running("rosapi", self._rosapi, ""))
 
@@ -422,6 +419,13 @@ class Runtime:
                 starter()
             task_status.started()
             await anyio.sleep_forever()
+
+    def _greet(self) -> None:
+        plan = self._plan
+        greeting = plan.greeting(None if self.door is None else self.door.page, is_dry_run=self.is_dry_run)
+        _log.info(RUNNING, message=greeting, gateways=len(plan.gateways), apps=len(plan.apps))
+        text = plan.as_other_machine or self.app_manager.running_text(self.app_manager.apps)
+        _log.info(APPS, message=text, names=[app.name for app in plan.apps])
 
     async def _alerts(self, *, task_status: TaskStatus[None]) -> None:
         task_status.started()

@@ -68,15 +68,19 @@ class Exports:
 
     def refresh(self, kind: EntityKind, name: str) -> None:
         """Offer what came with the full name *name*, or take back what left."""
-        graph = self._node.graph
         if kind is EntityKind.NODE:
             self._goals.end_of(name)
         if kind not in _KINDS or not fits_any(name, self._patterns):
             return
         if kind is EntityKind.ACTION_SERVER:
-            graph.get_action_type(name)  # one that waits for its first use starts, and its parts come
-            return
-        others = [one for one in graph.get_endpoints(kind=kind, name=name) if one.node != self._node.full_name]
+            self._node.graph.get_action_type(name)  # one that waits for its first use starts, and its parts come
+        else:
+            self._offer_or_withdraw(kind, name)
+
+    def _offer_or_withdraw(self, kind: EntityKind, name: str) -> None:
+        others = [
+            one for one in self._node.graph.get_endpoints(kind=kind, name=name) if one.node != self._node.full_name
+        ]
         present = self._open.get((kind, name))
         if others and present is None:
             if (opened := self._opened(kind, others)) is not None:

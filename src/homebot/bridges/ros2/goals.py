@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
@@ -91,11 +92,8 @@ async def _result(client: _Client, request: Any) -> Message:
 async def _cancel(client: _Client, request: CancelGoalRequest) -> Message:
     wanted, at = request.goal_info.goal_id, request.goal_info.stamp.to_seconds()
     is_one = wanted.uuid != _NO_ID and not at
-    chosen = [
-        one
-        for one in client.goals
-        if one.goal_id == wanted or (not is_one and (not at or one.stamp.to_seconds() <= at))
-    ]
+    latest = -math.inf if is_one else at or math.inf
+    chosen = [one for one in client.goals if one.goal_id == wanted or one.stamp.to_seconds() <= latest]
     answers = [await one.cancel() for one in chosen]
     unknown = CancelGoalResponse.ERROR_UNKNOWN_GOAL_ID if is_one else CancelGoalResponse.ERROR_NONE
     return CancelGoalResponse(

@@ -3,6 +3,7 @@
 Source: rmw_zenoh, ``docs/design.md`` and ``liveliness_utils.cpp``.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Self
 
@@ -109,15 +110,8 @@ class EntityToken:
             domain, node_id, entity_id = int(parts[1]), int(parts[3]), int(parts[4])
         except ValueError:
             raise TypeMismatchError(f"{text[:200]!r} is no token of a ROS 2 node: a number is none") from None
-        node = full_node_name(parts[8], _unescaped(parts[7]))
-        if kind is EntityKind.NODE:
-            info, type_hash = EndpointInfo(kind, node, node), ""
-        else:
-            is_topic = kind in {EntityKind.PUBLISHER, EntityKind.SUBSCRIPTION}
-            qos, type_hash = qos_from_text(parts[12]), parts[11]
-            name = validate_full_name(_unescaped(parts[9]), "name in a token")
-            info = EndpointInfo(kind, node, name, _ros_type(parts[10]), qos if is_topic else None)
-        return cls(domain, parts[2], (node_id, entity_id), info, type_hash, _unescaped(parts[6]))
+        type_hash = "" if kind is EntityKind.NODE else parts[11]
+        return cls(domain, parts[2], (node_id, entity_id), _info_in(parts, kind), type_hash, _unescaped(parts[6]))
 
 
 def data_key(domain: int, name: str, ros_type: str, type_hash: str) -> str:
@@ -129,6 +123,16 @@ def gid_of(token: str) -> bytes:
     """Return the 16 bytes that identify the entity with the text *token*: its XXH3 hash, the low half first."""
     high_first = xxhash.xxh3_128_digest(token.encode())
     return high_first[:7:-1] + high_first[7::-1]
+
+
+def _info_in(parts: Sequence[str], kind: EntityKind) -> EndpointInfo:
+    node = full_node_name(parts[8], _unescaped(parts[7]))
+    if kind is EntityKind.NODE:
+        return EndpointInfo(kind, node, node)
+    qos = qos_from_text(parts[12])
+    name = validate_full_name(_unescaped(parts[9]), "name in a token")
+    is_topic = kind in {EntityKind.PUBLISHER, EntityKind.SUBSCRIPTION}
+    return EndpointInfo(kind, node, name, _ros_type(parts[10]), qos if is_topic else None)
 
 
 def _wire_type(ros_type: str) -> str:

@@ -14,7 +14,7 @@ import anyio
 from homebot.conventions.ecosystem import ecosystems
 from homebot.conventions.vacuum_map import map_readers
 from homebot.devices import QUERY_DEVICES, Device, GatewayState, QueryDevices
-from homebot.devices.alerts import ALERTS, MOST_SHOWN, alerts_of, findings_of
+from homebot.devices.alerts import ALERTS, MOST_SHOWN, AlertKind, alerts_of, findings_of
 from homebot.devices.findings import Finding, FindingKind, Row
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
 from homebot.devices.names import (
@@ -183,15 +183,16 @@ class _Doctor:
         finally:
             client.close()
 
+    async def _alert_findings(self, kind: AlertKind, now: float, lost: Iterable[str]) -> list[Finding]:
+        found = await self._find(kind.query(lost), MOST_SHOWN)
+        alerts = [alert for one in found.results for alert in alerts_of(kind, one.device, now, lost)]
+        shown = sorted((one for one in alerts if one.is_shown(now)), key=attrgetter("target"))
+        total = found.total if found.total > MOST_SHOWN else 0
+        return [_finding(kind.text, one, max(one.total, total)) for one in findings_of(shown)]
+
     async def _device_findings(self, now: float, lost: Iterable[str]) -> list[Finding]:
         """Return the alerts of the house, and the other findings about devices."""
-        findings: list[Finding] = []
-        for kind in ALERTS:
-            found = await self._find(kind.query(lost), MOST_SHOWN)
-            alerts = [alert for one in found.results for alert in alerts_of(kind, one.device, now, lost)]
-            shown = sorted((one for one in alerts if one.is_shown(now)), key=attrgetter("target"))
-            total = found.total if found.total > MOST_SHOWN else 0
-            findings += [_finding(kind.text, one, max(one.total, total)) for one in findings_of(shown)]
+        findings = [one for kind in ALERTS for one in await self._alert_findings(kind, now, lost)]
         vacuums = (
             _DeviceCheck(FindingKind.VACUUM, f'"origin"={one.origin}', self._table, MOST_SHOWN) for one in map_readers()
         )

@@ -144,23 +144,25 @@ class Entrance:
 
     async def admit(self, connection: DoorConnection, request: Request) -> Response | None:
         """Return the answer to *request*: a refusal or a file of the page; None to admit the client."""
-        headers, is_api = request.headers, is_for_api(request)
+        headers, is_api, is_web_socket = request.headers, is_for_api(request), is_for_websocket(request)
         if (problem := refusal(self._settings, headers.get_all("Host"), headers.get_all("Origin"))) is not None:
             return self.turn_away(connection, HTTPStatus.FORBIDDEN, problem)
-        if not is_api:
-            if connection.posted is not None and not connection.posted.is_reading:
-                return self.turn_away(
-                    connection, HTTPStatus.METHOD_NOT_ALLOWED, f"there are only GET and HEAD outside {_API}"
-                )
-            if is_for_websocket(request):
-                if _is_of_own_page(headers):
-                    self._names[connection] = _PAGE
-                    return None
-            elif (file := await self._file(request)) is not None:
-                return file
-        token = token_of(
-            headers.get_all("Authorization"), request.path if is_for_websocket(request) and not is_api else ""
-        )
+        if not is_api and connection.posted is not None and not connection.posted.is_reading:
+            return self.turn_away(
+                connection, HTTPStatus.METHOD_NOT_ALLOWED, f"there are only GET and HEAD outside {_API}"
+            )
+        if not (is_api or is_web_socket) and (file := await self._file(request)) is not None:
+            return file
+        return await self._admit_client(connection, request, may_be_page=is_web_socket and not is_api)
+
+    async def _admit_client(
+        self, connection: DoorConnection, request: Request, *, may_be_page: bool
+    ) -> Response | None:
+        headers = request.headers
+        if may_be_page and _is_of_own_page(headers):
+            self._names[connection] = _PAGE
+            return None
+        token = token_of(headers.get_all("Authorization"), request.path if may_be_page else "")
         if not token and self._is_owner(connection, headers):
             self._names[connection] = OWNER_CLIENT
             self._used[OWNER_CLIENT] = self._clock.now()

@@ -14,6 +14,7 @@ from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
+    from homebot.devices.part import Capability
     from homebot.devices.services import QueryDevicesResponse
 
 __all__ = ["add_arguments"]
@@ -64,11 +65,15 @@ def _check_event(door: DoorClient, button: str, event: str) -> None:
     answer = cast("QueryDevicesResponse", JsonMessage(door.call(QUERY_DEVICES, {"query": button, "limit": _MOST})))
     if not answer.success:
         raise UsageError(answer.message)
-    parts = [part.part for one in answer.results for part in one.device.parts]
-    presses = [can for part in parts for can in part.capabilities if can.name == "press" and can.readable]
+    presses = _presses(answer)
     if not presses:
         raise UsageError(f"no button fits {button!r}; `homebot find buttons` shows those that there are")
     events = {option for can in presses for option in can.options}
     if event != _ANY and all(can.options for can in presses) and event.casefold() not in map(str.casefold, events):
         hint = did_you_mean(event, events, f"it has {', '.join(sorted(events))}")
         raise UsageError(f"{button} reports no {event!r}; {hint}")
+
+
+def _presses(answer: QueryDevicesResponse) -> list[Capability]:
+    parts = [part.part for one in answer.results for part in one.device.parts]
+    return [can for part in parts for can in part.capabilities if can.name == "press" and can.readable]

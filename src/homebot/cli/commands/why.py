@@ -129,8 +129,19 @@ def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
         chains = [chain_json(one, client.names) for one in asked]
         shown = {"device": device.id, "state": state_text(device), "wanted": options.state}
         print(json_text({**shown, "is_so": found.is_so, "asked": chains}))
-        return 0
-    now = house_time(door)
+    else:
+        _print_why_not(door, options, device, client, found)
+    return 0
+
+
+def _print_why_not(
+    door: DoorClient,
+    options: argparse.Namespace,
+    device: Device,
+    client: JournalClient,
+    found: ExplainMissingStateResponse,
+) -> None:
+    asked, now = chains_of(found.entries), house_time(door)
     _print_state(device)
     if found.is_so:
         print(f"It is already {_wanted(options)}; `homebot why {_quoted(device)}` tells why.")
@@ -142,7 +153,6 @@ def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
         print(_unasked(device, options, found, now))
     if not found.is_so:
         _print_held_back(door, device, now)
-    return 0
 
 
 def _print_held_back(door: DoorClient, device: Device, now: float) -> None:

@@ -96,16 +96,20 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
     Args:
         needs_approval: Whether dangerous devices need an approval; if so, the reason names it along with the right.
     """
-    device, part, asks = command.device, command.part, command.why_it_asks
     try:
         rights = _rights(command.scope)
     except UsageError as exc:
         return str(exc)
     if command.trigger.kind == "lease" and must_ask(command):
-        return f"a person must agree to each command of {command.issuer} to {device.id}, so it cannot hold it"
+        return f"a person must agree to each command of {command.issuer} to {command.device.id}, so it cannot hold it"
     limit = _limit(command, rights)
     if limit is None or (limit and _may_make_safe(command, rights)):
         return ""
+    return _refusal_text(command, limit, needs_approval=needs_approval)
+
+
+def _refusal_text(command: IssuedCommand, limit: str, *, needs_approval: bool) -> str:
+    device, part, asks = command.device, command.part, command.why_it_asks
     right = f"""act: {f'id="{device.id}"' if limit else part.part.service_type}"""
     why = _unlisted(limit) if limit else "it is not among what the client may command"
     why = f"such a device needs a right that names it ({asks})" if asks else why

@@ -80,6 +80,20 @@ class _BTHomeSender:
         body = frame.body if key is None else key.open(frame, now)
         return () if body is None else self._record_packet(read_objects(body), now)
 
+    def broadcast(
+        self, advertisement: Advertisement, address: bytes, values: tuple[BroadcastValue, ...], *, is_locked: bool
+    ) -> Broadcast:
+        """Return all that is known of the device, with new *values*."""
+        return Broadcast(
+            name=self.model.name_at(advertisement.address) if self.model.code else advertisement.name,
+            parts=tuple(self.parts.values()),
+            values=values,
+            metadata={"format": "BTHome v2", **self.model.facts, **self.metadata},
+            identifiers=(address.hex(":").upper(),) if address else (),
+            silence=self.silence,
+            problem="it is encrypted, and no bind key is configured for it" if is_locked else "",
+        )
+
     def _record_packet(self, packet: BTHomePacket, now: float) -> tuple[BroadcastValue, ...]:
         """Store the parts of a packet, and return its values; none if it is older than the last one."""
         if self._is_late(packet.packet_id, now):
@@ -157,15 +171,7 @@ class BTHomeParser(BroadcastParser):
             device.silence = TRIGGER_BASED
         if known is None and len(self._devices) < MAX_DEVICES:
             self._devices[advertisement.address] = device
-        return Broadcast(
-            name=device.model.name_at(advertisement.address) if device.model.code else advertisement.name,
-            parts=tuple(device.parts.values()),
-            values=values,
-            metadata={"format": "BTHome v2", **device.model.facts, **device.metadata},
-            identifiers=(frame.address.hex(":").upper(),) if frame.address else (),
-            silence=device.silence,
-            problem="it is encrypted, and no bind key is configured for it" if is_locked else "",
-        )
+        return device.broadcast(advertisement, frame.address, values, is_locked=is_locked)
 
     def forget(self, address: str) -> None:
         """Forget a device, but not the counter of its bind key."""

@@ -8,6 +8,7 @@ from collections.abc import Callable, Container, Mapping
 from homebot.conventions.command_values import bool_writer, option_writer, percent_writer, speed_of
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import (
+    JsonMessage,
     Readings,
     clean_text,
     compact_json,
@@ -217,6 +218,13 @@ def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
     return entity.build()
 
 
+def _read_vacuum_state(message: JsonMessage, text: str) -> Readings:
+    state = message.get("state")
+    if "state" in message and (state is None or (isinstance(state, str) and state in VACUUM_STATES)):
+        return {"vacuum": state}
+    return unreadable(state if text.startswith("{") else text, VACUUM_STATES)
+
+
 def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     """Describe a robot that cleans, with the commands that its ``supported_features`` name."""
     features = frozenset(config.options("supported_features") if config.has("supported_features") else _VACUUM_FEATURES)
@@ -226,12 +234,8 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
 
     def read(text: str) -> Readings:
         message = fields_of(text)
-        found: dict[str, PlainValue] = {}
-        state, speed, charge = (message.get(key) for key in ("state", "fan_speed", "battery_level"))
-        if "state" in message and (state is None or (isinstance(state, str) and state in VACUUM_STATES)):
-            found["vacuum"] = state
-        else:
-            unreadable(state if text.startswith("{") else text, VACUUM_STATES)
+        speed, charge = message.get("fan_speed"), message.get("battery_level")
+        found = dict(_read_vacuum_state(message, text))
         if speeds and isinstance(speed, str):
             found["fan_mode"] = clean_text(speed, _LONGEST_MODE)
         if "battery" in features and (percent := number_of(charge)) is not None:

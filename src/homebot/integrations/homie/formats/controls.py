@@ -72,6 +72,10 @@ def _read_movement(state: HomieProperty, payload: bytes) -> Readings:
     return {"movement": movement} if movement in _OPENINGS else NO_READINGS
 
 
+def _lock_state(state: HomieProperty | None, command: HomieProperty | None) -> HomieProperty | None:
+    return command if state is None and command is not None and _tells_lock(command) else state
+
+
 def add_lock(part: BytesPart, props: Props) -> None:
     """Add the capabilities of a lock, which is locked if its state is true, or says so.
 
@@ -79,7 +83,7 @@ def add_lock(part: BytesPart, props: Props) -> None:
     """
     state, command = props.get("lock"), props.get("lock_action")
     commands = _options_by_command(command, _LOCK_COMMANDS)
-    told = command if state is None and command is not None and _tells_lock(command) else state
+    told = _lock_state(state, command)
 
     def read(payload: bytes) -> Readings:
         value = read_plain(told, payload) if told is not None else None

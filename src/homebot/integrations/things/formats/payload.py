@@ -100,16 +100,22 @@ def decode_document(capability: Capability, affordance: Affordance, document: ob
     schema = affordance.schema
     if affordance.kind == "event" and document in (None, ""):
         return (affordance.name,)  # an event without data
-    if isinstance(document, dict) and schema.member:
-        if schema.member not in document:
-            return None
-        document = document[schema.member]
-    elif isinstance(document, dict) and affordance.name in document and schema.type not in {"", "object"}:
-        document = document[affordance.name]  # as WebThings answer: {"on": true}
+    if isinstance(document, dict) and schema.member and schema.member not in document:
+        return None
+    document = _unwrapped(affordance, document)
     if document is None or _is_no_number(capability, schema, document):
         return (None,)
     found = _decode(capability, affordance, document)
     return None if found is None else (found,)
+
+
+def _unwrapped(affordance: Affordance, document: object) -> object:
+    schema = affordance.schema
+    if isinstance(document, dict) and schema.member:
+        return document[schema.member]
+    if isinstance(document, dict) and affordance.name in document and schema.type not in {"", "object"}:
+        return document[affordance.name]  # as WebThings answer: {"on": true}
+    return document
 
 
 def _is_no_number(capability: Capability, schema: DataSchema, document: object) -> bool:

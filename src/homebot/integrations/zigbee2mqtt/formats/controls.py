@@ -63,14 +63,16 @@ class _Movement:
             return {"movement": None}
         at = _STATES.get(state) if isinstance(state, str) else None
         direction, position = self._direction(message), message.get(self.position)
-        is_at_end = self.position != "" and position == _ENDS.get(at or "")
-        if direction is not None and not is_at_end:
+        if direction is not None and not self._is_at_end(at, position):
             return {"movement": direction}
         if at is None:
             return unreadable(state, _STATES)
         if direction is None and message.get(_RUNNING) is True:
             return self._read_running(at, finite_number(position))
         return {"movement": at}
+
+    def _is_at_end(self, at: str | None, position: object) -> bool:
+        return self.position != "" and position == _ENDS.get(at or "")
 
     def _direction(self, message: JsonMessage) -> str | None:
         word = message.get(self.motor.key) if self.motor is not None else None
