@@ -157,6 +157,22 @@ async def test_a_topic_that_is_not_there_is_an_error_with_the_nearest_name(room:
     assert found.message.endswith("did you mean /rosie/light?")
 
 
+async def test_the_light_sensor_of_the_room_looks_if_none_is_named(room: Room) -> None:
+    await room.lamp("lamp", 60)
+    found = await room.identify(topic="")
+    asked = "say what looks, with `topic` (`--with`), as 0 light sensors are in its room; there are /rosie/light"
+    assert found.message == asked
+    room.home.put("lux", "light_sensor", readable=("illuminance",), area="Hall")
+    await room.home.report("lux", "illuminance", 100.0)
+
+    async def obey_and_shine(home: Home, command: Command) -> None:
+        await home.report(command.key, "on_off", command.value.flag)
+        home.later(0.3, "lux", "illuminance", 160.0 if command.value.flag else 100.0)
+
+    room.home.behaviours["lamp"] = obey_and_shine
+    assert (await room.identify(topic="")).message == "Lamp is in view"
+
+
 async def test_people_are_told_before_it_begins(room: Room) -> None:
     await room.lamps(60)
     goal = await room.begin()

@@ -29,7 +29,8 @@ class IdentifyDeviceGoal(Message, ros_type="homebot/action/IdentifyDevice_Goal")
     Attributes:
         candidates: The id or the name of a device, or a query as for ``homebot do``; 1 to 32 parts.
         topic: A topic with a number, such as ``sensor_msgs/Illuminance`` or ``std_msgs/Float64``, or with pictures,
-            ``sensor_msgs/Image`` or ``CompressedImage``; or a device that reports its illuminance within 5 s.
+            ``sensor_msgs/Image`` or ``CompressedImage``; or a device that reports its illuminance within 5 s; empty
+            for the light sensor in the room of the candidates.
         region: Of pictures, in pixels: x, y, width and height; empty for all.
         sure: The probability that is enough.
         seconds: The time limit.
@@ -43,7 +44,7 @@ class IdentifyDeviceGoal(Message, ros_type="homebot/action/IdentifyDevice_Goal")
     """
 
     candidates: Annotated[str, Field(max_length=1000)]
-    topic: _Name
+    topic: _Name = ""
     region: Annotated[tuple[UInt32, ...], Field(max_length=4)] = ()
     sure: Annotated[float, Field(ge=0.5, le=0.9999)] = 0.99
     seconds: Annotated[float, Field(ge=5.0, le=600.0)] = 60.0

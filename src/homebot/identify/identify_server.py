@@ -28,6 +28,7 @@ from homebot.identify.identification import Identification
 from homebot.identify.kept_values import KeptValues
 from homebot.identify.seen_places import keep_seen
 from homebot.identify.sight import open_sight
+from homebot.support.folding import fold
 
 if TYPE_CHECKING:
     from homebot.devices.device import KeyValue
@@ -93,7 +94,8 @@ class IdentifyServer:
         check_time(request, self._local_time(), self._quiet())
         candidates, left_out = await find_candidates(self._node, self._lookup, request, self._preview)
         by = f"identify by {issuer_text(request.issuer).removeprefix('the client ')}"
-        with await open_sight(self._node, self._lookup, request.topic, request.region) as sight:
+        rooms = {fold(one.device.area) for one in candidates if one.device.area}
+        with await open_sight(self._node, self._lookup, request.topic, request.region, rooms) as sight:
             await sight.look()  # a sensor that sees nothing is found before anything changes
             await self._announce(by, request, candidates)
             await self._kept.keep(run, by, request.issuer, request.scope, candidates)

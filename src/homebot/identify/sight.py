@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
 from functools import partial
 from statistics import fmean, median, variance
@@ -15,6 +15,7 @@ from homebot.errors import UsageError
 from homebot.graph.qos import qos_profile_sensor_data
 from homebot.identify.pictures import Region, brightness, compressed_brightness
 from homebot.messages.definition import fields_of
+from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -50,6 +51,7 @@ _JUMPING: Final = 6.0
 
 _PICTURES: Final = {"sensor_msgs/msg/Image": brightness, "sensor_msgs/msg/CompressedImage": compressed_brightness}
 _NUMBERS: Final = frozenset({f"{kind}{bits}" for kind in ("int", "uint", "float") for bits in (8, 16, 32, 64)})
+_MOST_NAMED: Final = 8
 _LARGEST: Final = 1e12
 _NO_VALUES: Final = frozenset({"variance", "stamp", "header"})
 
@@ -96,21 +98,26 @@ class Sight(ABC):
         return mean, max(spread, (max(1e-3, self.slack) * mean) ** 2 + 1e-12)
 
 
-async def open_sight(node: Node, lookup: DeviceLookup, topic: str, region: Region) -> Sight:
-    """Return the sight of *topic*: a topic, or the id or the name of a device.
+async def open_sight(node: Node, lookup: DeviceLookup, topic: str, region: Region, rooms: Collection[str]) -> Sight:
+    """Return the sight of *topic*: a topic, or the id or name of a device; empty for the light sensor in *rooms*.
 
     Raises:
         UsageError: There is no such topic or device, or it has no value that can be read.
     """
-    devices = await lookup.called(topic)
-    if len(devices) == 1 and any(one.capability == "illuminance" for one in devices[0].states):
+    seeing = [one for one in await lookup.devices() if any(each.capability == "illuminance" for each in one.states)]
+    devices = await lookup.called(topic) if topic else [one for one in seeing if fold(one.area) in rooms]
+    if len(devices) == 1 and devices[0].id in {one.id for one in seeing}:
         return _DeviceSight(node, lookup, devices[0].id)
+    topics = [one for one, ros_type in node.graph.get_topic_names_and_types().items() if _may_fit(ros_type)]
+    known = [*(one.name for one in seeing), *topics]
+    if not topic:
+        some = f"; there are {', '.join(known[:_MOST_NAMED])}" if known else ""
+        found = f"{len(devices)} light sensors are in its room" if rooms else "it is in no room"
+        raise UsageError(f"say what looks, with `topic` (`--with`), as {found}{some}")
     name = node.resolve_name(topic)
     message_type = node.graph.get_message_type(name)
     if message_type is None:
-        known = [one for one, ros_type in node.graph.get_topic_names_and_types().items() if _may_fit(ros_type)]
-        seeing = [one.name for one in await lookup.devices() if "light_sensor" in one.service_types]
-        hint = did_you_mean(topic, [*known, *seeing], "a robot has to publish it first")
+        hint = did_you_mean(topic, known, "a robot has to publish it first")
         raise UsageError(f"there is no topic {name}, nor a device with a light sensor; {hint}")
     return _TopicSight(node, name, message_type, region)
 

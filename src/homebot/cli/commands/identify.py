@@ -52,8 +52,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--with",
         dest="topic",
         metavar="TOPIC",
-        required=True,
-        help="a topic with a number or pictures, or a device with a light sensor",
+        default="",
+        help="a topic with a number or pictures, or a device with a light sensor; default: that in the same room",
     )
     parser.add_argument("--region", metavar="X,Y,W,H", type=_region, default=[], help="of pictures, in pixels")
     parser.add_argument(
