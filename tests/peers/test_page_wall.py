@@ -168,26 +168,34 @@ async def test_a_routine_is_switched_on_and_run(browser: Any, world: World, hand
         assert own.problems() == []
 
 
-async def test_a_form_writes_the_text_of_a_routine_which_is_edited_and_removed(browser: Any, world: World) -> None:
+@pytest.mark.parametrize("hand", HANDS)
+async def test_a_form_writes_the_text_of_a_routine_which_is_edited_and_removed(
+    browser: Any, world: World, hand: str
+) -> None:
     name = 'Film <b>"2"'
     async with opened_page(browser, world, token=OWNER) as own:
         await own.open(f"#token={OWNER}", shows="heating")
         await own.open("#/routines", shows="There is no routine yet.")
-        await own.click(".choices button")
+        await work(own, hand, ".choices button")
         await own.shows("what starts it", "form")
         await own.write("[name=name]", name)
         await own.write("[name=when]", "21:00\n7:30 on weekdays")
-        await own.write("[name=steps]", 'lamp on\n{ if = ["sun is down"], do = ["lamp off"] }')
-        await own.click("form .buttons button")
+        await own.write("[name=steps]", 'lamp onn\n{ if = ["lamp is on"], do = ["lamp off"] }')
+        await work(own, hand, "form .buttons button")
+        await own.shows("'lamp onn' is no step", "form [role=alert]")
+        assert own.browser.execute_script("return getSelection().toString()") == '"lamp onn"'
+        await own.clear("[name=steps]")
+        await own.write("[name=steps]", 'lamp on\n{ if = ["lamp is on"], do = ["lamp off"] }')
+        await work(own, hand, "form .buttons button")
         await own.shows("added", "[role=alert]")
-        await own.shows(f"{name}\nwhen\n21:00\n7:30 on weekdays\ndo\nlamp on\nif sun is down: lamp off", "section")
-        await own.click("section .choices button:nth-of-type(2)")
+        await own.shows(f"{name}\nwhen\n21:00\n7:30 on weekdays\ndo\nlamp on\nif lamp is on: lamp off", "section")
+        await work(own, hand, "section .choices button:nth-of-type(2)")
         await own.write("textarea", "nonsense")
-        await own.click("form .buttons button")
-        await own.shows("the text", "[role=alert]")
-        await own.click("form .buttons button[type=button]")
+        await work(own, hand, "form .buttons button")
+        await own.shows("the text", "form [role=alert]")
+        await work(own, hand, "form .buttons button[type=button]")
         for _ in range(2):  # it asks before it removes
-            await own.click("section .choices button:nth-of-type(3)")
+            await work(own, hand, "section .choices button:nth-of-type(3)")
         await own.shows("There is no routine yet.")
         assert own.problems() == []
 

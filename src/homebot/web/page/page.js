@@ -308,7 +308,10 @@ undo`)}
     <label>${_("the text")} <textarea ref=${u} class="code" rows="7" spellcheck="false" required value=${a} onInput=${g=>s(g.target.value)}></textarea></label>
     <p role="alert" class="bad">${i}</p>
     <p class="buttons"><button>${_("save")}</button> <button type="button" onClick=${n}>${_("not now")}</button></p>
-  </form>`}function Fh(e,t){let[,n]=t.match(/\bline (\d+)/)??[],o=[0,...[...e.matchAll(/\n/g)].map(u=>u.index+1)];if(n)return[o[n-1]??e.length,(o[n]??e.length+1)-1];let[,a,s=0]=t.match(/\.(when|if|do|mode|name)(?:\.(\d+))?: /)??[],i=a?e.search(new RegExp(`^\\s*${a}\\s*=`,"m")):-1;if(i<0)return[e.length,e.length];let l=[...e.slice(i).matchAll(/"(?:[^"\\]|\\.)*"|'[^']*'|\{[^}]*\}/g)][s];return l?[i+l.index,i+l.index+l[0].length]:[i,i]}var Wh=5e3,Hh=50,Vh=30;function $d(){let[e,t]=U(null),[n,o]=U(0),a=ce.value.state==="open";return ie(()=>{if(!a)return;let s=0,i=!0,l=async()=>{let u=await Yh();i&&(t(u),s=setTimeout(l,Wh))};return l(),()=>{i=!1,clearTimeout(s)}},[a,n]),e?v`
+  </form>`}function Fh(e,t){let[,n,o=0]=t.match(/\.(when|if|do|mode|name)(?:\.(\d+))?: /)??[],a=n?e.search(new RegExp(`^\\s*${n}\\s*=`,"m")):-1,s=a<0?void 0:[...e.slice(a).matchAll(/"(?:[^"\\]|\\.)*"|'[^']*'|\{[^}]*\}/g)][o];if(s)return[a+s.index,a+s.index+s[0].length];let i=Number(t.match(/(?:\bline |^[^:]*:)(\d+)/)?.[1]??1/0),l=e.split(`
+`).slice(0,i-1).join(`
+`).length+(i>1?1:0);return[l,l+(e.split(`
+`)[i-1]?.length??0)]}var Wh=5e3,Hh=50,Vh=30;function $d(){let[e,t]=U(null),[n,o]=U(0),a=ce.value.state==="open";return ie(()=>{if(!a)return;let s=0,i=!0,l=async()=>{let u=await Yh();i&&(t(u),s=setTimeout(l,Wh))};return l(),()=>{i=!1,clearTimeout(s)}},[a,n]),e?v`
     <p class="choices"><a href="#/graph">${_("Graph")}</a> <a href="#/rates">${_("Rates")}</a></p>
     <${Jh} devices=${e.waiting} onApproved=${()=>o(n+1)} />
     <section>

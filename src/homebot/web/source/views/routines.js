@@ -108,14 +108,13 @@ function Form({ routine, change, onClose }) {
   </form>`;
 }
 
-/** Where in a text a mistake is, by its message: a line, or the item of a list, such as do.1; else its end. */
+/** Where in a text a mistake is, by its message: the item of a list, such as do.1; else a line; else its end. */
 function placeIn(text, message) {
-  const [, line] = message.match(/\bline (\d+)/) ?? [];
-  const starts = [0, ...[...text.matchAll(/\n/g)].map((one) => one.index + 1)];
-  if (line) return [starts[line - 1] ?? text.length, (starts[line] ?? text.length + 1) - 1];
   const [, key, index = 0] = message.match(/\.(when|if|do|mode|name)(?:\.(\d+))?: /) ?? [];
   const from = key ? text.search(new RegExp(`^\\s*${key}\\s*=`, "m")) : -1;
-  if (from < 0) return [text.length, text.length];
-  const found = [...text.slice(from).matchAll(/"(?:[^"\\]|\\.)*"|'[^']*'|\{[^}]*\}/g)][index];
-  return found ? [from + found.index, from + found.index + found[0].length] : [from, from];
+  const found = from < 0 ? undefined : [...text.slice(from).matchAll(/"(?:[^"\\]|\\.)*"|'[^']*'|\{[^}]*\}/g)][index];
+  if (found) return [from + found.index, from + found.index + found[0].length];
+  const line = Number(message.match(/(?:\bline |^[^:]*:)(\d+)/)?.[1] ?? Infinity);
+  const before = text.split("\n").slice(0, line - 1).join("\n").length + (line > 1 ? 1 : 0);
+  return [before, before + (text.split("\n")[line - 1]?.length ?? 0)];
 }
