@@ -27,14 +27,19 @@ pytestmark = [pytest.mark.virtual_time]
 
 
 @asynccontextmanager
-async def house(*steps: object, mode: str = "single") -> AsyncIterator[Node]:
+async def house(*steps: object, mode: str = "single", is_dry_run: bool = False) -> AsyncIterator[Node]:
     """Run the small house with a robot and a routine of *steps*; it drives 8.5 m from room 405 to room 165."""
     routine = {"name": "Round", "when": ["23:59"], "do": steps, "mode": mode}
     config = {"home": {"name": "home425"}, "gateways": {"mqtt": {"root": "home425"}}, "routines": [routine]}
     async with MemoryBroker() as broker:
         services = (HostedBroker.in_memory(broker),)
         runtime = Runtime(
-            parse_config(config, "test"), house=thesis_world(), robot="robot", with_door=False, services=services
+            parse_config(config, "test"),
+            house=thesis_world(),
+            robot="robot",
+            with_door=False,
+            services=services,
+            is_dry_run=is_dry_run,
         )
         async with runtime, Node(runtime.graph, "tester") as node:
             await anyio.sleep(2)  # the robot boots
@@ -71,6 +76,14 @@ async def test_the_robot_drives_to_a_room_and_back_into_its_dock() -> None:
         await anyio.sleep(120)
         assert await room_of(node) == "Room 405"
         assert await notes(node) == ["ran", "done: 'robot go to room 165'", "done: 'robot go to dock'"]
+
+
+async def test_a_dry_run_sends_no_robot() -> None:
+    async with house("robot go to room 165", is_dry_run=True) as node:
+        await change(node, "run")
+        await anyio.sleep(60)
+        assert await room_of(node) == "Room 405"
+        assert await notes(node) == ["ran", "done: 'robot go to room 165 (only recorded)'"]
 
 
 async def test_it_stops_when_the_routine_is_switched_off() -> None:

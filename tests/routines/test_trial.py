@@ -61,6 +61,27 @@ def test_a_trial_tells_what_would_have_been_done_and_what_somebody_did_then(
     assert summary.endswith("night_light would have given 2 commands, 1 of which somebody changed within ten minutes")
 
 
+def test_the_acts_of_robots_are_told_and_scenes_and_groups_of_the_file_are_known(day: Path) -> None:
+    more = """
+[[groups]]
+name = "Night"
+members = "lights in hall"
+[[scenes]]
+name = "Dim"
+values = { "hall lamp" = "on, 20 %" }
+"""
+    text = ROUTINE.replace('["hall lamp on"]', '["scene Dim", "group=Night off", "rosie go to kitchen"]')
+    lines = trial_lines("day", load_recording(day), parse_config(tomllib.loads(text + more), "new.toml"))
+    assert [line.partition("  ")[2] for line in lines if "rosie" in line] == [
+        "would send: rosie go to kitchen  night_light"
+    ] * 2
+    assert any("hall_lamp  on, level 20 %  night_light, because the scene Dim was applied" in line for line in lines), (
+        lines
+    )
+    assert any("hall_lamp  off  night_light" in line for line in lines), lines
+    assert lines[-1].endswith("and sent a robot 2 times")
+
+
 def test_what_the_history_does_not_have_is_told_in_the_summary(day: Path) -> None:
     given = parse_config(tomllib.loads(ROUTINE), "new.toml")
     unseen = {"night_light": ["hall button press", "rosie leaves hall"]}

@@ -28,6 +28,7 @@ class AppContext:
         keeps_values: Returns whether an app may have values from an earlier run.
         notify: Sends people a message, with its title and the name of the app; returns whether it was sent.
         notifies: Whether there is a way to send messages; else they are only logged.
+        rehearse: Called with an app and an act of a robot that is only recorded, in a replay or dry run; None else.
         asleep: Returns the seconds for which the computer was suspended, while the monotonic clock stood still.
     """
 
@@ -38,6 +39,7 @@ class AppContext:
     keeps_values: Callable[[], bool] = lambda: False
     notify: Callable[[str, str, str], Awaitable[bool]] = _send_nowhere
     notifies: bool = False
+    rehearse: Callable[[str, str], None] | None = None
     asleep: Callable[[], float] = float
 
     @property

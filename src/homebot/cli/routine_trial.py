@@ -5,7 +5,7 @@ import asyncio
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, cast
 
@@ -145,12 +145,20 @@ def _lines(recording: Recording, replayed: Replayed, found: Sequence[TriedComman
         (one.time.timestamp(), f"{_stamp(one.time)}  told people: {printable(one.text)}  {one.app}")
         for one in replayed.notifications
     ]
+    lines += [
+        (one.at, f"{_stamp(datetime.fromtimestamp(one.at, UTC))}  would send: {printable(one.text)}  {one.app}")
+        for one in replayed.acts
+    ]
     for one in found:
         later = f"; {age_text(one.seconds)} later somebody: {printable(one.change)}" if one.change else ""
         lines.append((start + one.given.at, f"{command_text(one.given, start, names)}{later}"))
     yield from (line for _, line in sorted(lines))
     for name, hints in replayed.hints.items():
         yield from (f"{printable(name)}: {printable(hint, 500)}" for hint in hints)
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count:,} times"
 
 
 def _stamp(at: datetime) -> str:
@@ -167,8 +175,9 @@ def _summary(
         given = "1 command" if count == 1 else f"{count:,} commands"
         note = f", {against:,} of which somebody changed within ten minutes" if against else ""
         app = issuer.removeprefix("/")
-        told = sum(one.app == app for one in replayed.notifications)
-        people = f", and told people {'once' if told == 1 else f'{told} times'}" if told else ""
+        told, sent = (sum(one.app == app for one in acts) for acts in (replayed.notifications, replayed.acts))
+        people = f", and told people {_times(told)}" if told else ""
+        people += f", and sent a robot {_times(sent)}" if sent else ""
         missed = ", ".join(map(repr, unseen.get(app, ())))
         rest = f"; the history does not have {missed}: record some days for that (homebot record)" if missed else ""
         yield f"{printable(title)}: {app} would have given {given}{note}{people}{printable(rest, 500)}"

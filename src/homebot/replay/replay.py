@@ -35,6 +35,7 @@ from homebot.replay.replay_apps import app_tables, as_table, recorded_table
 from homebot.replay.replay_gateway import ReplayFeed
 from homebot.replay.replay_people import ReplayPeople
 from homebot.runtime import Runtime
+from homebot.runtime.app_host import RehearsedAct
 
 __all__ = ["Replayed", "replay", "replay_config"]
 
@@ -52,6 +53,7 @@ class Replayed:
         devices: The devices in the directory at the end.
         changes: The journal's entries of changes that no command explains, at most 100,000.
         notifications: The last hundred messages of apps to people.
+        acts: The last acts of robots that were only recorded.
         hints: By routine, why it cannot work in the house as it was at the end.
     """
 
@@ -62,6 +64,7 @@ class Replayed:
     changes: tuple[JournalEntry, ...] = ()
     notifications: tuple[Notification, ...] = ()
     hints: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    acts: tuple[RehearsedAct, ...] = ()
 
 
 def replay_config(
@@ -91,6 +94,8 @@ def replay_config(
             "apps": app_tables(header.apps, apps, dict(base.apps)) if tables is None else dict(tables),
             "control": base.control or recorded_table(header.control, "table [control]"),
             "places": base.places or _places(header.places),
+            "groups": list(base.groups),
+            "scenes": list(base.scenes),
             "discovery": {key: value for key, value in base.discovery.items() if key != "prefer"},  # nothing is sent
         },
         "the recording" if given is None else f"the recording and {base.source}",
@@ -136,7 +141,8 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
     issuers = tuple(f"/{name}" for name in config.apps)
     crashes = {name: one.last for name, one in runtime.supervisor.crashes.items()}
     told = tuple(runtime.app_host.notifier.recent)
-    return Replayed(journal.commands_of(issuers), issuers, crashes, devices, tuple(journal.changes), told, hints)
+    acts = tuple(runtime.app_host.rehearsed)
+    return Replayed(journal.commands_of(issuers), issuers, crashes, devices, tuple(journal.changes), told, hints, acts)
 
 
 @final

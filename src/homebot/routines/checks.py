@@ -43,10 +43,15 @@ _UNTIL: Final = "wait until "
 
 @final
 class HouseChecks:
-    """Checks routines against the directory."""
+    """Checks routines against the directory.
 
-    def __init__(self, node: Node) -> None:
+    Args:
+        with_robots: Whether robots that are missing are problems.
+    """
+
+    def __init__(self, node: Node, *, with_robots: bool = True) -> None:
         self._node = node
+        self._with_robots = with_robots
         self._lookup = DeviceLookup(node)
         self._targets = CommandTargets(node, self._lookup, lambda *_: "")
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
@@ -192,6 +197,8 @@ class HouseChecks:
     async def _drive(self, step: SendRobot) -> str:
         from homebot.routines.robot_drive import check_drive  # noqa: PLC0415 - few homes have a robot
 
+        if not self._with_robots:
+            return ""
         try:
             await check_drive(self._node, step)
         except HomebotError as exc:

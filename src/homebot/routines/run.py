@@ -9,6 +9,7 @@ from typing import Any, Final, Protocol, final
 
 import anyio
 
+from homebot.apps import AppContext
 from homebot.command_words.earlier_values import EarlierValues, KnownStates, known_states
 from homebot.command_words.settings import SET
 from homebot.devices import Devices, KeyValue
@@ -40,6 +41,7 @@ class RoutineOwner(Protocol):
     """The routine of a run."""
 
     node: Node
+    context: AppContext
     devices: Devices
     commands: Client[CommandDevicesRequest, CommandDevicesResponse]
 
@@ -144,6 +146,10 @@ class RoutineRun:
     async def _drive(self, step: SendRobot) -> None:
         from homebot.routines.robot_drive import drive  # noqa: PLC0415 - few homes have a robot
 
+        if (rehearse := self._owner.context.rehearse) is not None:
+            rehearse(self._owner.node.name, step.text)
+            self._owner.log_done(f"{step.text} (only recorded)")
+            return
         try:
             await drive(self._owner.node, step)
         except HomebotError as exc:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import sys
+from collections import deque
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any, NamedTuple, final
 
 import anyio
 from anyio.abc import TaskStatus
@@ -29,17 +30,32 @@ if TYPE_CHECKING:
     from homebot.routines.routine import Routine
     from homebot.runtime.kept_routines import KeptRoutines
 
-__all__ = ["STORE_FILE", "AppHost"]
+__all__ = ["STORE_FILE", "AppHost", "RehearsedAct"]
 
 STORE_FILE = "apps.sqlite"
 """The name of the file of the app stores, beside the index file."""
 
+_MOST_REHEARSED = 10_000
 _ROUTINES = "routines."
 _ROUTINE_MODULE = "homebot.routines.routine"
 _KEPT_ROUTINES = "routines"
 _IDENTIFY = "identify/values"
 _REJECTED = "habits/rejected"
 """The names of stores that no app can have."""
+
+
+class RehearsedAct(NamedTuple):
+    """An act of a robot that was not sent.
+
+    Attributes:
+        at: Seconds since the Unix epoch.
+        app: The name of the app.
+        text: The act, such as ``rosie go to kitchen``.
+    """
+
+    at: float
+    app: str
+    text: str
 
 
 @final
@@ -49,13 +65,15 @@ class AppHost:
     Args:
         plan: Contains the zone and the location of the home, and the settings of notifications.
         file: The file of the app stores; None for none.
+        rehearses: Whether robots are not sent, as in a replay or dry run.
 
     Attributes:
         began_at: The time before anything started, in seconds since the Unix epoch.
         left_out: The mistakes of the routines, groups and scenes of the configuration that are not in force, by key.
+        rehearsed: The newest acts of robots that were not sent.
     """
 
-    def __init__(self, graph: Graph, plan: Plan, file: Path | None, clock: Clock) -> None:
+    def __init__(self, graph: Graph, plan: Plan, file: Path | None, clock: Clock, *, rehearses: bool = False) -> None:
         self._graph = graph
         self._file = file
         self._clock = clock
@@ -66,6 +84,7 @@ class AppHost:
         self._stores: AppStores | None = None
         self.running: dict[str, App] = {}
         self.left_out = plan.left_out
+        self.rehearsed: deque[RehearsedAct] = deque(maxlen=_MOST_REHEARSED)
         self.context = AppContext(
             plan.home_settings.zone,
             plan.home_settings.latitude,
@@ -74,6 +93,7 @@ class AppHost:
             keeps_values=lambda: self._stores is not None,
             notify=self._notify,
             notifies=plan.notify is not None,
+            rehearse=self._rehearse if rehearses else None,
             asleep=clock.asleep if isinstance(clock, LoopClock) else float,
         )
 
@@ -149,7 +169,7 @@ class AppHost:
     def _checks(self) -> HouseChecks:
         from homebot.routines.checks import HouseChecks  # noqa: PLC0415 - many homes have none
 
-        return HouseChecks(self._main)
+        return HouseChecks(self._main, with_robots=self.context.rehearse is None)
 
     async def read_stores(self, main: Node) -> None:
         """Read the stores of earlier runs; *main* runs the task that writes them."""
@@ -218,6 +238,9 @@ class AppHost:
         apps = self.running.values()
         runs = ((app, one) for app in apps for one in (*(job.runs for job in app.jobs), *app.given_up))
         return {(app.node.full_name, one.title) for app, one in runs if one.trouble}
+
+    def _rehearse(self, app: str, text: str) -> None:
+        self.rehearsed.append(RehearsedAct(self._clock.now(), app, text))
 
     async def _notify(self, message: str, title: str, app: str) -> bool:
         return await self.notifier.send(message, title, app, self.context.zone)

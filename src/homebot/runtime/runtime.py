@@ -169,7 +169,13 @@ class Runtime:
         self._stack = AsyncExitStack()
         self._clock = self.clock or LoopClock()
         self.graph = Graph(self._clock)
-        self.app_host = AppHost(self.graph, self._plan, self._beside_index(STORE_FILE), self._clock)
+        self.app_host = AppHost(
+            self.graph,
+            self._plan,
+            self._beside_index(STORE_FILE),
+            self._clock,
+            rehearses=self.rehearsal is not None,
+        )
         if self._plan.interfaces is not None:
             self.graph.interfaces = self._plan.interfaces
         if self._machines is not None:
