@@ -27,7 +27,6 @@ The table of a gateway or app belongs to its plug-in: :func:`parse_settings` che
 
 import math
 import re
-import tomllib
 from collections.abc import Container, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -312,7 +311,9 @@ def check_routine_name(app: str, table: Table, source: str) -> None:
 
 def located(error: ConfigError, text: str = "") -> ConfigError:
     """Return *error* with the line of its key in *text*, by default that of its file; the same if it is unknown."""
-    from homebot.support.toml_lines import line_of  # noqa: PLC0415 - after a mistake alone
+    import tomllib  # noqa: PLC0415 - after a mistake alone
+
+    from homebot.support.toml_lines import line_of  # noqa: PLC0415
 
     path = error.key.split(".")
     with suppress(OSError, ValueError, RecursionError):

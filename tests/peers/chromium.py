@@ -85,7 +85,7 @@ class Page:
         browser.get_log("browser")  # that of the page before
 
     async def open(self, view: str = "", *, shows: str) -> str:
-        """Open *view* and return its text as soon as it shows a text."""
+        """Open *view* and return its text as soon as it has the text *shows*."""
         return await to_thread.run_sync(lambda: self.opened(view, shows))
 
     def opened(self, view: str, shows: str) -> str:
@@ -107,7 +107,7 @@ class Page:
         await to_thread.run_sync(lambda: self.clicked(selector))
 
     def clicked(self, selector: str) -> None:
-        """Click what *selector* finds, in the thread of the caller."""
+        """Click the element of *selector*, in the thread of the caller."""
         self._until(lambda: self.browser.find_elements("css selector", selector))[0].click()
 
     async def write(self, selector: str, text: str) -> None:
@@ -117,7 +117,7 @@ class Page:
         await to_thread.run_sync(self.browser.find_element("css selector", selector).clear)
 
     def tabbed(self, selector: str) -> None:
-        """Press what *selector* finds with the keyboard alone, in the thread of the caller."""
+        """Press the element of *selector* with the keyboard alone, in the thread of the caller."""
         wanted = self._until(lambda: self.browser.find_elements("css selector", selector))[0]
         for _ in range(100):
             active = self.browser.switch_to.active_element
@@ -143,7 +143,7 @@ class Page:
         self.browser.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": False})
 
     async def tap(self, selector: str) -> None:
-        """Touch what *selector* finds, as a finger does: only if nothing covers it, and it is in the window."""
+        """Touch the element of *selector*, as a finger does: only if nothing covers it, and it is in the window."""
         await to_thread.run_sync(lambda: self._tapped(selector))
 
     def _tapped(self, selector: str) -> None:
@@ -164,7 +164,7 @@ class Page:
         self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", chosen)
 
     def complaints(self, axe: str) -> list[str]:
-        """Return what *axe* says of the accessibility of what is shown."""
+        """Return the complaints of *axe* about the accessibility of the page."""
         self.browser.execute_script(axe)
         found = self.browser.execute_async_script(_AXE)
         return [f"{self.browser.current_url} {one['id']}: {one['nodes'][0]['html']}" for one in found]
@@ -180,13 +180,13 @@ class Page:
         return max(pixels, 0)
 
     def height(self) -> int:
-        """Return the height of all that the page shows, in pixels."""
+        """Return the height of the page, in pixels."""
         bottoms = "[...document.querySelectorAll('main *')].map((one) => one.getBoundingClientRect().bottom)"
         pixels: int = self.browser.execute_script(f"return Math.ceil(Math.max(...{bottoms}) + scrollY) + 16")
         return pixels
 
     def picture(self) -> bytes:
-        """Return what the window shows, as PNG."""
+        """Return the picture of the window, as PNG."""
         picture: bytes = self.browser.get_screenshot_as_png()
         return picture
 

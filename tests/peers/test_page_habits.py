@@ -78,7 +78,7 @@ async def test_a_habit_is_proved_accepted_or_rejected_and_who_may_not_only_sees_
 
 
 def proposals(page: Page, last: str) -> list[Any]:
-    """Look for habits, and return what is proposed."""
+    """Look for habits, and return the proposals."""
     page.opened("#/routines", "Your habits")
     page.clicked("p.choices:has(small) button")
     page.opened("#/routines", last)

@@ -200,7 +200,7 @@ class DoorClient:
         return identifier
 
     def cancel_goal(self, action: str, identifier: str) -> None:
-        """Ask the server of *action* to cancel a goal, whose result tells how it ended."""
+        """Ask the server of *action* to cancel a goal; its result tells how it ended."""
         self._send({"op": "cancel_action_goal", "id": identifier, "action": action})
 
     def subscribe(self, topic: str, compression: str = "none") -> None:

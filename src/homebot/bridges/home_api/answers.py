@@ -96,7 +96,7 @@ async def find_devices(home: HomeCalls, asked: shapes.ListQuestion) -> shapes.De
 
 
 async def device_details(home: HomeCalls, asked: shapes.DeviceQuestion) -> shapes.DeviceDetails:
-    """Return one device, with what it takes."""
+    """Return one device, with its commands."""
     device, _ = await meant_device(home, asked.id)
     answer = await listed(home, ids=[device.id])
     asks: tuple[str, ...] = ()

@@ -148,7 +148,7 @@ class DeviceList(_Answer):
 
 
 class DeviceDetails(DeviceLine):
-    """A device, with what it takes, and why it always asks a person."""
+    """A device, with its commands, and why it always asks a person."""
 
     state: _Told = ""
     takes: dict[str, _Told] = {}

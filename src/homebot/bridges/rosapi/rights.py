@@ -1,4 +1,4 @@
-"""A service of our own: the rights of the client that asks, so that it offers only what it may do."""
+"""A service of our own: the rights of the client that asks, so that it offers no more."""
 
 from typing import Final
 

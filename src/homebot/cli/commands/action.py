@@ -71,7 +71,7 @@ def _send_goal(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _follow_goal(action: str, received: Iterable[ReceivedMessage], options: argparse.Namespace) -> str:
-    """Print what is *received* about a goal; return the state in which it ended, empty if it has not."""
+    """Print the news *received* of a goal; return the state in which it ended, empty if it has not."""
     for _, frame, _ in received:
         values = frame.get("values")
         if not isinstance(values, dict):

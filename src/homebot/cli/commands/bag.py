@@ -80,7 +80,7 @@ def _pattern(text: str) -> str:
 
 
 def _later(module: str, function: str) -> Callable[..., int]:
-    """Return a command whose *module* is loaded when it runs, as the libraries take a while, or may be missing."""
+    """Return a command with a *module* that is loaded when it runs, as the libraries are slow, or missing."""
 
     def run(*arguments: object) -> int:
         check_extra("homebot bag", "mcap", "mcap", "yaml", "zstandard")

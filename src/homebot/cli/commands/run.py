@@ -187,7 +187,7 @@ def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError
 
 
 def _complete(options: argparse.Namespace) -> None:
-    """Add the file of the configuration, and check what is installed."""
+    """Add the file of the configuration, and check the installed packages."""
     if not options.config and DEFAULT_CONFIG.exists():
         options.config = str(DEFAULT_CONFIG)  # if it is missing at a reload, that is a mistake, not a simulated house
     if options.reload:

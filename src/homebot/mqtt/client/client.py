@@ -30,7 +30,7 @@ _log = get_logger()
 
 
 class MqttClient(ABC):
-    """A client of one broker, whose link can be made repeatedly. Create it inside a running event loop.
+    """A client of one broker, with a link that can be made repeatedly. Create it inside a running event loop.
 
     Messages arrive in the broker's order. Those of QoS 1 and 2 that are not acknowledged are sent again on the next
     link of a resumed session, so that those of QoS 1 may arrive twice. When the inbox is full, the oldest ones of QoS 0
