@@ -77,6 +77,12 @@ async def test_one_message_recalls_it_and_each_part_proves_it(home: Home, scenes
     assert [one.cause for one in entries if one.kind in {"reported", "changed"}].count("command") == 3
 
 
+async def test_a_scene_of_one_lamp_is_recalled_by_one_message_too(home: Home, scenes: Scenes) -> None:
+    await living(home, scene_part({"lamp": FILM["lamp"]}), deaf=("shelf",))
+    assert (await scenes.apply("Film")).outcome == "confirmed"
+    assert sent(home) == [("bridge0", "scene")]
+
+
 async def test_a_part_that_did_not_follow_gets_a_command_of_its_own(home: Home, scenes: Scenes) -> None:
     await living(home, scene_part(FILM), deaf=("lamp",))
     answer = await scenes.apply("Film")

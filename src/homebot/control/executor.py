@@ -123,7 +123,7 @@ class CommandExecutor:
             outcome = no_such_part(request.device, request.part, device, name)
         else:
             command = self._issued(name, request, device, part, asked_at)
-            if request.batch_size > 1:
+            if request.batch:
                 await self._together.join(command, request)
             agreed: IssuedCommand | Outcome = command
             if command.part.part.members:

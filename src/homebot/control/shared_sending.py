@@ -100,7 +100,7 @@ class SharedSending:
     def _send_if_complete(self) -> None:
         if not self.is_possible or len(self._orders) < self._awaited:
             return
-        if len(self._orders) < 2:
+        if len(self._orders) < 2 and (self._recall is None or len(self._orders[0]) < 2):
             self._give_up()
             return
         self._decided.set()

@@ -121,7 +121,7 @@ class Together:
             shared = SharedSending(self._node, self._sender, group, len(members), may_send)
             for one in members:
                 one.shared = shared
-        if len(commands) > 1 and all(one.shared is None for one in commands):
+        if all(one.shared is None for one in commands):
             await self._recall(commands)
 
     async def _recall(self, commands: Sequence[IssuedCommand]) -> None:

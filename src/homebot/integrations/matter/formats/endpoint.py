@@ -3,13 +3,18 @@
 Source: Matter 1.4 Core Specification, 7.8 (endpoints), 7.13 (global attributes), 9.5 (Descriptor cluster).
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from homebot.conventions.payload import text_of
 from homebot.support.numbers import finite_number, whole_number
+
+if TYPE_CHECKING:
+    from homebot.integrations.matter.formats.scenes import MatterScene
 
 __all__ = [
     "ACCEPTED_COMMANDS",
@@ -31,10 +36,15 @@ _TIMED_MS: Final = 1_000
 
 
 class MatterEndpoint:
-    """An endpoint (0 is the root of the node), with the server's JSON values by cluster and attribute."""
+    """An endpoint (0 is the root of the node), with the server's JSON values by cluster and attribute.
+
+    Attributes:
+        scenes: The scenes that it keeps, as far as they were asked for.
+    """
 
     def __init__(self, id: int) -> None:  # noqa: A002 - Matter's word
         self.id = id
+        self.scenes: tuple[MatterScene, ...] = ()
         self.clusters: dict[int, dict[int, object]] = {}
 
     def has(self, cluster: int, attribute: int | None = None) -> bool:

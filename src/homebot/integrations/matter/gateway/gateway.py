@@ -17,10 +17,12 @@ from homebot.gateways.linked_gateway import LinkedGateway
 from homebot.graph import Node
 from homebot.integrations.matter.formats.endpoint import DESCRIPTOR, MatterEndpoint
 from homebot.integrations.matter.formats.parts import parts_of
+from homebot.integrations.matter.formats.scenes import SCENES
 from homebot.integrations.matter.formats.sensor_clusters import SWITCH, press_of
 from homebot.integrations.matter.formats.setup_code import check_matter_setup_code
 from homebot.integrations.matter.gateway.commissioning import CommissionRequest, serve_commissioning
 from homebot.integrations.matter.gateway.node import BASIC, BRIDGED, MatterNode, NodeDevice, node_id_of, parse_path
+from homebot.integrations.matter.gateway.scene_reader import SceneReader
 from homebot.integrations.matter.gateway.server_link import MAX_FRAME_BYTES, MatterServerLink, check_result
 from homebot.plugins import check_extra
 
@@ -74,6 +76,7 @@ class MatterGateway(LinkedGateway):
         self._nodes: dict[int, MatterNode] = {}
         self._node_of: dict[str, MatterNode] = {}
         self._missed: set[int] = set()
+        self._scenes = SceneReader(self, self._on_scenes)
         self.devices = PublishedDevices(self, self._perform, settings)
         serve_commissioning(node, self, self._commission, self._decommission)
 
@@ -91,7 +94,7 @@ class MatterGateway(LinkedGateway):
             HttpClient(guard=None) as client,
             client.websocket(self._settings.url, max_bytes=MAX_FRAME_BYTES) as socket,
         ):
-            self._link = MatterServerLink(socket, self._on_nodes, self._on_event, self.on_invalid)
+            self._link = self._scenes.link = MatterServerLink(socket, self._on_nodes, self._on_event, self.on_invalid)
             await self._link.run()
 
     async def _on_nodes(self, listed: object) -> None:
@@ -151,6 +154,7 @@ class MatterGateway(LinkedGateway):
             self.devices.counters.devices_refused += 1
             return
         self._nodes[node.id] = node
+        self._scenes.look_at(node)
         self._describe(node, why)
         for one in node.published:
             for part in one.rows:
@@ -168,8 +172,13 @@ class MatterGateway(LinkedGateway):
             self.devices.put(one.device, why, confirmed=node.is_available)
             self.devices.report_reachable(one.device.key, reachable=node.is_reachable(one))
 
+    def _on_scenes(self, node: MatterNode) -> None:
+        if self._nodes.get(node.id) is node:
+            self._describe(node, "its scenes were read")
+
     def _remove_node(self, node_id: int, why: str) -> None:
         node = self._nodes.pop(node_id, None)
+        self._scenes.forget(node_id)
         for one in () if node is None else node.published:
             self._node_of.pop(one.device.key, None)
             self.devices.remove(one.device.key, why)
@@ -186,6 +195,8 @@ class MatterGateway(LinkedGateway):
         node = self._node(data[0])
         path = parse_path(data[1])
         endpoint = node.set(path, data[2])
+        if path[1] == SCENES:
+            self._scenes.look_at(node)
         if path[1] in {DESCRIPTOR, BASIC, BRIDGED} or self._has_other_parts(node, endpoint):
             self._describe(node, "it changed")
         await self._report_cluster(node, endpoint, path[1], payload)

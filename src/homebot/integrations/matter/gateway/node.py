@@ -23,6 +23,7 @@ from homebot.integrations.matter.formats.cluster_row import ClusterRow
 from homebot.integrations.matter.formats.endpoint import MatterEndpoint
 from homebot.integrations.matter.formats.opening_clusters import is_covering
 from homebot.integrations.matter.formats.parts import parts_of
+from homebot.integrations.matter.formats.scenes import scene_parts
 
 __all__ = ["MatterNode", "NodeDevice", "node_id_of", "parse_path"]
 
@@ -135,32 +136,36 @@ class MatterNode:
     def _device(
         self, key: str, root: MatterEndpoint, members: Iterable[MatterEndpoint], bridge: str, place: str
     ) -> NodeDevice:
-        parts, rows = self._parts(members)
         cluster = BRIDGED if bridge else BASIC
+        known_by = _identifiers(root, cluster, place)
+        parts, rows = self._parts(members, next(iter(known_by), ""))
         facts = {name: root.text(cluster, attribute) for name, attribute in _FACTS.items()} | {"via_device": bridge}
         device = GatewayDevice(
             key,
             root.text(cluster, _LABEL) or facts["model"] or f"Matter {key.replace('-', ' ')}",
             tuple(parts),
             {name: text for name, text in facts.items() if text},
-            _identifiers(root, cluster, place),
+            known_by,
             authenticated=True,  # the owner commissioned it: it has a certificate
             raw_address=f"matter/{key}",
         )
         return NodeDevice(device, rows, root)
 
-    def _parts(self, members: Iterable[MatterEndpoint]) -> tuple[list[Part], dict[str, _RowsOfPart]]:
-        """Return the parts that are at the endpoints *members*, and the rows of each."""
+    def _parts(self, members: Iterable[MatterEndpoint], own: str) -> tuple[list[Part], dict[str, _RowsOfPart]]:
+        """Return the parts of a device, which *own* identifies, at the endpoints *members*, and the rows of each."""
         coverings = {
             number for one in self.endpoints.values() if is_covering(one) for number in (one.id, *one.children)
         }
         parts: list[Part] = []
         rows: dict[str, _RowsOfPart] = {}
         for endpoint in members:
-            for part, found in parts_of(endpoint, covers=endpoint.id in coverings):
-                if len(parts) < MAX_PARTS:
-                    parts.append(part)
-                    rows[part.id] = endpoint, found
+            found = [(part, endpoint, some) for part, some in parts_of(endpoint, covers=endpoint.id in coverings)]
+            if found and endpoint.scenes:
+                main, _, its_rows = found[0]
+                found += scene_parts(endpoint, f"{own}#{main.id}" if own else "", its_rows)
+            for part, at, some in found[: MAX_PARTS - len(parts)]:
+                parts.append(part)
+                rows[part.id] = at, some
         return parts, rows
 
 

@@ -12,12 +12,15 @@ from homebot.house.wire import device_orders, hardware_address, mired_kelvin, sc
 
 __all__ = [
     "DEVICE_TYPES",
+    "SCENES",
     "Attributes",
     "at_endpoint",
     "attributes_of",
     "bridged_attributes",
     "command_orders",
     "root_attributes",
+    "scene_fields",
+    "scene_orders",
     "state_attributes",
     "write_orders",
 ]
@@ -40,6 +43,7 @@ DEVICE_TYPES: Final[Mapping[str, int]] = {
 """By kind: those of the house, and ``plug``, at which there is a lamp."""
 
 BRIDGED_NODE: Final = 0x0013
+SCENES: Final = 98
 _LEVELS: Final = 254
 _MIREDS: Final = 1e6
 
@@ -98,6 +102,25 @@ def write_orders(kind: str, path: str, value: object) -> tuple[str, ...] | None:
     if kind != "thermostat":
         return None
     return {"513/18": device_orders(kind, target=scaled(value, 100)) or None, "513/28": ()}.get(path)
+
+
+def scene_fields(attributes: Attributes) -> list[object]:
+    """Return the extension field sets of a scene: its attributes by cluster."""
+    found: dict[int, list[object]] = {}
+    for path, value in attributes.items():
+        cluster, attribute = map(int, path.split("/"))
+        size = "valueUnsigned8" if cluster in {6, 8} else "valueUnsigned16"
+        pair = {"attributeID": attribute, "valueSigned8": None, size: int(value) if isinstance(value, int) else 0}
+        found.setdefault(cluster, []).append(pair)
+    return [{"clusterID": cluster, "attributeValueList": pairs} for cluster, pairs in found.items()]
+
+
+def scene_orders(kind: str, attributes: Attributes) -> tuple[str, ...]:
+    """Return the orders that recalling a scene with these attributes gives a lamp."""
+    lamp = "lamp" if kind == "plug" else kind
+    if not attributes.get("6/0"):
+        return device_orders(lamp, is_on=False)
+    return (*device_orders(lamp, is_on=True), *_obey_level(lamp, {"level": attributes.get("8/0")}))
 
 
 def _endpoint(kind: str, state: DeviceState) -> Attributes:

@@ -6,12 +6,15 @@ from typing import Final
 from homebot.house.connected_device import HubDevice, ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.integrations.matter.simulated.clusters import (
+    SCENES,
     Attributes,
     at_endpoint,
     attributes_of,
     bridged_attributes,
     command_orders,
     root_attributes,
+    scene_fields,
+    scene_orders,
     state_attributes,
     write_orders,
 )
@@ -43,6 +46,7 @@ class ServedMatterNode(HubDevice, CommissionedNode):
         HubDevice.__init__(self, device, on_command)
         CommissionedNode.__init__(self, server)
         self.setup_code = setup_code
+        self._scenes: dict[object, tuple[str, Attributes]] = {}
         self._kind = kind or device.kind
 
     async def join(self) -> None:
@@ -63,7 +67,28 @@ class ServedMatterNode(HubDevice, CommissionedNode):
 
     def invoke(self, endpoint: int, cluster: int, command: str, payload: Mapping[str, object]) -> bool:
         """Carry out a command; return false for one that it does not have."""
+        if cluster == SCENES and command == "RecallScene" and payload.get("sceneID") in self._scenes:
+            return _obey(self, scene_orders(self._kind, self._scenes[payload["sceneID"]][1]))
         return endpoint == 1 and _obey(self, command_orders(self._kind, cluster, command, payload))
+
+    def store_scene(self, number: int, name: str) -> None:
+        """Keep the present attributes as a scene of no group."""
+        self._scenes[number] = name, state_attributes(self._kind, self.state)
+        info = {"0": len(self._scenes), "1": number, "2": 0, "3": True, "4": 16 - len(self._scenes), "254": 1}
+        self.change(f"1/{SCENES}/2", [info])
+
+    def answer(self, endpoint: int, cluster: int, command: str, payload: Mapping[str, object]) -> object:
+        """Return the numbers of its scenes, or one of them."""
+        if (endpoint, cluster) != (1, SCENES):
+            return None
+        if command == "GetSceneMembership":
+            return {"status": 0, "capacity": None, "groupID": 0, "sceneList": [*self._scenes]}
+        if command == "ViewScene" and (number := payload.get("sceneID")) in self._scenes:
+            name, attributes = self._scenes[number]
+            sets = scene_fields(attributes)
+            found = {"groupID": 0, "sceneID": number, "transitionTime": 0, "sceneName": name}
+            return {"status": 0, **found, "extensionFieldSetStructs": sets}
+        return None
 
     def write(self, path: str, value: object) -> bool:
         """Write an attribute; return false for one that cannot be written."""

@@ -46,6 +46,11 @@ class CommissionedNode(ABC):
     def invoke(self, endpoint: int, cluster: int, command: str, payload: Mapping[str, object]) -> bool:
         """Carry out a command; return false for one that it does not have."""
 
+    def answer(self, endpoint: int, cluster: int, command: str, payload: Mapping[str, object]) -> object:
+        """Return the answer to a question; None for a command that has none."""
+        del endpoint, cluster, command, payload
+        return None
+
     @abstractmethod
     def write(self, path: str, value: object) -> bool:
         """Write an attribute; return false for one that cannot be written."""
@@ -225,6 +230,8 @@ def _invoke(node: CommissionedNode, args: Mapping[str, object]) -> _Answer:
         return _WRONG_ARGUMENTS, "endpoint_id, cluster_id"
     if not isinstance(name, str) or not isinstance(payload, dict):
         return _WRONG_ARGUMENTS, "command_name, payload"
+    if (answer := node.answer(endpoint, cluster, name, payload)) is not None:
+        return None, answer
     if node.invoke(endpoint, cluster, name, payload):
         return None, None
     return _FAILED, "InteractionModelError: UnsupportedCommand (0x81)"
