@@ -36,7 +36,7 @@ from homebot.support.folding import fold, is_room_typo
 __all__ = ["GroupSettings", "HouseGroups", "group_name", "read_groups"]
 
 _PASSING: Final = (StateIs, FreshnessIs, ReachableIs, IsNear, IsDisputed, IsUnapproved)
-"""Terms whose matches change from moment to moment."""
+"""Terms with matches that change from moment to moment."""
 
 _SOURCE: Final = "configuration"
 _MOST: Final = 100
@@ -103,7 +103,7 @@ class HouseGroups:
 
     Attributes:
         queries: The queries for the members of the owner's, by name, as :func:`read_groups` returns them.
-        has_changed: Whether a gateway's group changed; to be reset by who gives the members their new facts.
+        has_changed: Whether a gateway's group changed; to be reset once the members have their new facts.
     """
 
     def __init__(self) -> None:

@@ -50,7 +50,7 @@ class SceneServices:
     """Lists, changes and applies scenes.
 
     Args:
-        keeper: Returns what keeps the scenes of commands; None before it runs.
+        keeper: Returns the keeper of the scenes of commands; None before it runs.
         configured: Returns the scenes of the configuration.
     """
 

@@ -18,11 +18,11 @@ from homebot.errors import RefusedError
 __all__ = ["present_values", "read_values", "values_text"]
 
 _SAVED: Final = (*RESTORED, "thermostat_mode", "fan_mode", "preset_mode", "effect")
-"""What a saved scene has, in the order of sending."""
+"""The capabilities of a saved scene, in the order of sending."""
 
 _DEEDS: Final = MOMENTARY | {"scene", "locate"}
 _BARE: Final = frozenset({"level", "color_temperature"})
-"""Capabilities whose unit says what they are."""
+"""Capabilities that are named by their unit."""
 
 _HUES: Final = ("color", "color_temperature")
 _OFF: Final = {"on_off": False, "thermostat_mode": "off"}

@@ -102,7 +102,7 @@ def scene_parts(
     """Yield the part that recalls each scene of an endpoint, with the endpoint as it is then, and its row.
 
     Args:
-        member: What a group calls the part of the endpoint; empty for nothing.
+        member: The name of the endpoint's part as a member of groups; empty for none.
         rows: Those of this part.
     """
     for scene in endpoint.scenes:
@@ -127,7 +127,7 @@ def _overlaid(known: Mapping[int, object], values: Mapping[int, object]) -> dict
 
 
 def _values(scene: MatterScene, then: MatterEndpoint, member: str, rows: Iterable[ClusterRow]) -> Iterator[SceneValue]:
-    """Yield the values that a scene sets; nothing if it sets what homebot does not know."""
+    """Yield the values that a scene sets; nothing if homebot does not know all of them."""
     found = {
         row.capability: (row.watched[0], row.read(then))
         for row in rows
