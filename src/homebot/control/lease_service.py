@@ -76,16 +76,10 @@ class LeaseService:
 
     async def hold(self, request: HoldRequest) -> LeaseState:
         """Command a value and hold it; return once the outcome of the command is known."""
-        try:
-            called = await self._lookup.called(request.device)
-        except ServiceError as exc:
-            return LeaseState(held=False, outcome=NoAnswer(0.0, str(exc)))
-        if len(called) > 1:
-            return LeaseState(held=False, outcome=Gone(ask_which(request.device, called)))
-        device = called[0] if called else None
-        part = commanded_part(device, request.part, (request.setting,))
-        if device is None or part is None:
-            return LeaseState(held=False, outcome=no_such_part(request.device, request.part, device))
+        found = await self._target(request)
+        if not isinstance(found, tuple):
+            return LeaseState(held=False, outcome=found)
+        device, part = found
         request = _resolved(request, device, part)
         key = _key(request)
         holder = LeaseHolder(
@@ -113,6 +107,19 @@ class LeaseService:
         if outcome.is_final and key in lease.holders:
             self._release(key)
         return LeaseState(key in lease.holders, outcome)
+
+    async def _target(self, request: HoldRequest) -> tuple[Device, DevicePart] | NoAnswer | Gone:
+        try:
+            called = await self._lookup.called(request.device)
+        except ServiceError as exc:
+            return NoAnswer(0.0, str(exc))
+        if len(called) > 1:
+            return Gone(ask_which(request.device, called))
+        device = called[0] if called else None
+        part = commanded_part(device, request.part, (request.setting,))
+        if device is None or part is None:
+            return no_such_part(request.device, request.part, device)
+        return device, part
 
     def renew(self, request: HolderRequest) -> LeaseState:
         """Renew the lease of a holder, and return its state."""

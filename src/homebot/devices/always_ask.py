@@ -201,14 +201,17 @@ def _waits(device: Device, part: DevicePart) -> bool:
 def _why_beside(device: Device, part: DevicePart, other: DevicePart) -> str:
     """Return why *part* always asks because of *other*; a command on the topic of a lock may unlock it."""
     shares_topic = not frozenset(part.part.writes).isdisjoint(other.part.writes)
-    kind = part.part.service_type
-    is_apart = not shares_topic and not _has_aliases(device)
-    if is_apart and (kind == "light" or (kind == "window_covering" and _has_its_program(part, other))):
+    if not shares_topic and not _has_aliases(device) and _is_told_apart(part, other):
         return ""
     reason = _why_declared(other.part)
     if not reason and shares_topic and part.part.payloads and other.part.service_type in _RELAYS:
         reason = _why_by_itself(device, other)
     return f"beside another part: {reason}" if reason else ""
+
+
+def _is_told_apart(part: DevicePart, other: DevicePart) -> bool:
+    kind = part.part.service_type
+    return kind == "light" or (kind == "window_covering" and _has_its_program(part, other))
 
 
 def _has_aliases(device: Device) -> bool:
@@ -299,6 +302,11 @@ def _why_called(capability: Capability, device: Device, part: DevicePart) -> str
         return _why_named(ALL_THAT_ASK, *names_of(device, part), f"{device.name} {told.name or part.id}")
     if capability.name == "number" and unit in _VOLUMES and not told.category:
         return f"its unit is {unit}"
+    return _why_by_own_name(capability, device, part)
+
+
+def _why_by_own_name(capability: Capability, device: Device, part: DevicePart) -> str | None:
+    told = part.part
     names = (told.name,) if told.name else names_of(device, part)[:-1]
     if capability.name in _CHOSEN:
         return _why_chosen(device, part, names)

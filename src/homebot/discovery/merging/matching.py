@@ -52,6 +52,10 @@ class Candidate(NamedTuple):
     is_alone: bool
 
 
+def _own_topics(part: Part, used: Mapping[str, int]) -> frozenset[str]:
+    return frozenset([topic for topic in part.writes or part.reads if used[topic] == 1])
+
+
 def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candidate, ...]:
     """Return the *parts* of one source as candidates.
 
@@ -76,7 +80,7 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
                 words=words,
                 prefix=max(prefix, _leading(words, known | kinds)),
                 suffix=max(suffix, _leading(reversed(words), known)),
-                topics=frozenset([topic for topic in part.writes or part.reads if used[topic] == 1]),
+                topics=_own_topics(part, used),
                 is_alone=not part.category and types[part.service_type] == 1,
             )
         )

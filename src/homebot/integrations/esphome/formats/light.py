@@ -106,13 +106,19 @@ def _read_color(info: Fields, state: Fields) -> PlainValue:
     if not isinstance(mode, int) or mode not in _CHANNELS or _is_white(mode, state):
         return None
     letters, whites = _CHANNELS[mode]
-    found = [number_of(state, name) for name in ("color_brightness", "red", "green", "blue", *whites)]
-    shares = [one for one in found if one is not None and 0 <= one <= 1]
-    if len(shares) < len(found):
+    shares = _shares(state, ("color_brightness", "red", "green", "blue", *whites))
+    if shares is None:
         return None
     strength, *channels = shares
     rgb = [one * (strength if whites else 1.0) for one in channels[:3]]
     return to_hue_saturation(letters, tuple(round(255 * one) for one in (*rgb, *channels[3:])), _kelvins(info))
+
+
+def _shares(state: Fields, names: tuple[str, ...]) -> list[float] | None:
+    """Return the numbers from 0 to 1 with these *names*; None if one of them is none."""
+    found = [number_of(state, name) for name in names]
+    shares = [one for one in found if one is not None and 0 <= one <= 1]
+    return shares if len(shares) == len(found) else None
 
 
 def _write_color(info: Fields, value: PlainValue, _code: str) -> Fields:

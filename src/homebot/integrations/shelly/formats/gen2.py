@@ -119,13 +119,16 @@ class Gen2:
         if device is None or not isinstance(params, dict):
             return ()
         if device.has_status and device.described:
-            return (self._request(device),) if method == "NotifyEvent" and is_config_change(params) else ()
+            return self._on_event(device, method, params)
         if method == "NotifyStatus" and mac_in(prefix):
             return self._add_components(device, params, f"{prefix}/events/rpc", len(payload))
         requests = self._requests(device)
         if method == "NotifyFullStatus" and self._record_answer(device, "status", params, len(payload)):
             return self._described(device, f"{prefix}/events/rpc", text_of(frame.get("src"))) + requests
         return requests
+
+    def _on_event(self, device: Gen2Device, method: object, params: Fields) -> tuple[AnnouncementEvent, ...]:
+        return (self._request(device),) if method == "NotifyEvent" and is_config_change(params) else ()
 
     def _answered(self, prefix: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         frame = parse_object(payload, MAX_ANSWER_BYTES)
