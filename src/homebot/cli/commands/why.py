@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import shlex
 from collections.abc import Sequence
 from contextlib import suppress
@@ -27,20 +28,20 @@ from homebot.devices.wording.journal_words import (
     was_obeyed,
 )
 from homebot.devices.wording.json_message import JsonMessage
-from homebot.devices.wording.time_format import iso
+from homebot.devices.wording.time_format import iso, to_seconds
 from homebot.devices.wording.values import state_text
 from homebot.errors import PeerError, UsageError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices import Device
-    from homebot.devices.app_messages import RoutinesResponse
+    from homebot.devices.app_messages import RoutineNote, RoutinesResponse
     from homebot.devices.journal_messages import (
         ExplainDeviceResponse,
         ExplainMissingStateResponse,
     )
 
-__all__ = ["add_arguments", "add_why_not_arguments"]
+__all__ = ["add_arguments", "add_why_not_arguments", "sent_by_routines"]
 
 _MOST = 10
 
@@ -49,7 +50,7 @@ _EXAMPLES = """\
   homebot why lights/roomlights405 --json
 
 Explains the state of a device: its last change, the program that asked for it, the cause, and the device's answer. If
-no command explains the change, it was made by hand, or by the device itself.
+no command explains the change, it was made by hand, or by the device itself. Of a robot, also routines that sent it.
 """
 
 
@@ -78,14 +79,37 @@ def _why(door: DoorClient, options: argparse.Namespace) -> int:
     if options.state:
         asked = f"homebot why-not {shlex.quote(options.device)} {shlex.quote(options.state)}"
         raise UsageError(f"a state is asked for by `{asked}`")
-    device = named_device(door, options.device)
+    sent = sent_by_routines(door, options.device)
+    try:
+        device = named_device(door, options.device)
+    except PeerError:
+        if not sent or options.json:  # robots need not be devices
+            raise
+        _print_sent(sent, house_time(door))
+        return 0
     client = JournalClient(door, device)
     found = cast("ExplainDeviceResponse", client.ask(EXPLAIN_DEVICE, {"device": device.id}))
     if options.json:
         print(json_text(_json(device, found, client)))
     else:
         _print(device, found, client, house_time(door))
+        _print_sent(sent, house_time(door))
     return 0
+
+
+def sent_by_routines(door: DoorClient, robot: str) -> list[tuple[RoutineNote, str]]:
+    """Return the outcomes of the steps of routines that sent *robot*, oldest first, each with the routine."""
+    step = re.compile(rf"['\"]{re.escape(robot)} (?:go|goes|drive|drives) to ", re.IGNORECASE)
+    with suppress(PeerError):  # an older homebot has none
+        routines = cast("RoutinesResponse", JsonMessage(door.call(LIST_ROUTINES, {}))).routines
+        found = [(note, one.name) for one in routines for note in one.notes if step.search(note.text)]
+        return sorted(found, key=lambda one: to_seconds(one[0].at))
+    return []
+
+
+def _print_sent(sent: Sequence[tuple[RoutineNote, str]], now: float) -> None:
+    for note, routine in sent[-_MOST:]:
+        print_line(f"The routine {printable(routine)}: {printable(note.text, 300)}, {ago_text(note.at, now)}.")
 
 
 def _print(device: Device, found: ExplainDeviceResponse, client: JournalClient, now: float) -> None:
