@@ -71,7 +71,7 @@ VIEWS = (
     ("phone", PHONE, "dark", "en", "", "Kitchen lamp", ""),
     ("phone-de", PHONE, "light", "de", "", "Kitchen lamp", ""),
     ("plan-phone", PHONE, "light", "en", "#/plan", "Kitchen lamp", ""),
-    ("routines", (1280, 480), "light", "en", "#/routines", "Good night", ""),
+    ("routines", (1280, 580), "light", "en", "#/routines", "Good night", ""),
     ("device", (1280, 820), "light", "en", HEAT, "Why", HOUR),
     ("plan", SCREEN, "light", "en", "#/plan", "Kitchen lamp", ""),
     ("approval", (1280, 480), "light", "en", "#/system", "Waiting for your approval", LOCK),

@@ -46,7 +46,7 @@ SCENES = [
     {"name": "Guests", "values": {"front_lock": "unlock"}},
 ]
 READING = {
-    "": ("Big cover", "⋮", "⋮"),
+    "": ("Guests", "⋮", "⋮"),
     "#/device/lamp": ("Why", "1 h", "24 h", "7 d", "30 d", "1 y"),
     "#/routines": ("Evening", "look for habits"),
     "#/system": ("Doctor",),

@@ -15,7 +15,7 @@ import { Plan } from "./views/plan.js";
 import { Rates } from "./views/rates.js";
 import { Routines } from "./views/routines.js";
 import { System } from "./views/system.js";
-import { loadVocabulary, spoken } from "./words.js";
+import { loadVocabulary, titled } from "./words.js";
 
 const VIEWS = {
   house: ["House", House],
@@ -105,7 +105,7 @@ effect(() => {
 });
 effect(() => {
   const { view, id } = place.value;
-  const shown = view === "device" ? isLoaded.value && nameOf(id) : view === "room" ? spoken(id) : say((VIEWS[view] ?? BELOW[view])?.[0] ?? "");
+  const shown = view === "device" ? isLoaded.value && nameOf(id) : view === "room" ? titled(id) : say((VIEWS[view] ?? BELOW[view])?.[0] ?? "");
   document.title = [shown, connection.value.home || "homebot"].filter(Boolean).join(" · ");
 });
 loadVocabulary();

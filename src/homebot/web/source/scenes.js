@@ -8,7 +8,7 @@ import { html } from "./html.js";
 import { say } from "./language.js";
 import { Remove } from "./managing.js";
 import { Question } from "./questions.js";
-import { spoken } from "./words.js";
+import { spoken, titled } from "./words.js";
 
 const LONGEST = 300; // seconds until the last part has obeyed
 
@@ -79,7 +79,7 @@ function NewScene({ room, onClose }) {
     <label><span>${say("Name")}</span> <input name="name" required maxlength="100" /></label>
     <p>${say("It keeps the present values of:")}</p>
     <div class="rooms">${found.map(([name, ids]) => html`<details key=${name} open=${room !== undefined && name.toLowerCase() === room.toLowerCase()}>
-      <summary>${name ? spoken(name) : say("Without a room")}</summary>
+      <summary>${name ? titled(name) : say("Without a room")}</summary>
       ${ids.map((id) => html`<label key=${id}><input type="checkbox" name="device" value=${id} /> <bdi>${deviceOf(id).value.name}</bdi></label>`)}
     </details>`)}</div>
     <p class="buttons"><button>${say("save")}</button> <button type="button" onClick=${onClose}>${say("not now")}</button></p>

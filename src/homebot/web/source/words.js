@@ -13,6 +13,9 @@ export async function loadVocabulary() {
 /** A name as people say it: kitchen_lamp, which is a name for programs, is "Kitchen lamp"; others are as they are. */
 export const spoken = (name) => (/^[a-z]+(_[a-z0-9]+)+$/.test(name) ? name[0].toUpperCase() + name.slice(1).replaceAll("_", " ") : name);
 
+/** The name of a room as a title. */
+export const titled = (name) => spoken(name).replace(/^./u, (first) => first.toUpperCase());
+
 /** Capabilities with texts of the vocabulary. */
 const SPOKEN = new Set(["alarm", "direction", "lock", "mower", "movement", "place", "playback", "thermostat_action", "thermostat_mode", "vacuum", "valve"]);
 /** Capabilities whose value needs no name beside it. */

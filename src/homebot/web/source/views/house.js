@@ -11,7 +11,7 @@ import { say } from "../language.js";
 import { Owner } from "../owner.js";
 import { Quick, stepped } from "../quick.js";
 import { Scenes } from "../scenes.js";
-import { hasWords, label, spoken, summary } from "../words.js";
+import { hasWords, label, summary, titled } from "../words.js";
 
 const MANY = 30; // devices from which on they can be searched
 
@@ -53,7 +53,7 @@ export function Room({ id }) {
 
 function Devices({ room, ids }) {
   return html`<section class="room">
-    <h2>${room ? html`<a href=${`#/room/${encodeURIComponent(room)}`}>${spoken(room)}</a>` : say("Without a room")} <small>${ids.length}</small></h2>
+    <h2>${room ? html`<a href=${`#/room/${encodeURIComponent(room)}`}>${titled(room)}</a>` : say("Without a room")} <small>${ids.length}</small></h2>
     <ul class="devices">${ids.map((id) => html`<${Row} key=${id} id=${id} />`)}</ul>
   </section>`;
 }

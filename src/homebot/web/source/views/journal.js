@@ -4,7 +4,7 @@ import { call, connection, subscribeFrames } from "../door.js";
 import { nameOf } from "../house.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
-import { entryText, hasWords, timeText, vocabulary } from "../words.js";
+import { entryText, hasWords, spoken, timeText, vocabulary } from "../words.js";
 
 const KEPT = 1000; // entries that can be searched, as many as homebot answers with
 const MOST = 300; // that are shown
@@ -66,7 +66,7 @@ export function Entry({ entry, outcome, own = "", names }) {
     <time>${timeText(entry.at)}</time>
     ${!own && html`<span>${device && html`<a href=${`#/device/${encodeURIComponent(device)}`}>${nameOf(device)}</a>`}</span>`}
     <span class=${isBad(entry) ? "bad" : ""}>
-      ${own && device && device !== own && `${names.get(device) ?? nameOf(device)}: `}${entryText(entry)}${outcome && html`: <span class=${isBad(outcome) ? "bad" : "quiet"}>${entryText(outcome)}</span>`}
+      ${own && device && device !== own && `${spoken(names.get(device) ?? nameOf(device))}: `}${entryText(entry)}${outcome && html`: <span class=${isBad(outcome) ? "bad" : "quiet"}>${entryText(outcome)}</span>`}
     </span>
   </li>`;
 }

@@ -5,7 +5,7 @@ import { call, connection, subscribe } from "../door.js";
 import { deviceOf, isHidden, rooms as devicesOf } from "../house.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
-import { isActive, spoken, summary } from "../words.js";
+import { isActive, summary, titled } from "../words.js";
 
 const robots = signal(new Map()); // by name: the pose
 /** One text, so that a pose draws no room anew. */
@@ -85,7 +85,7 @@ function Room({ room, unit, ids, isTurned }) {
   const more = placeOf(shown.length);
   return html`<g>
     <path class=${devices.some(isLit) ? "area lit" : "area"} fill-rule="evenodd" d=${room.areas.map(pathOf).join(" ")} />
-    <a href=${`#/room/${encodeURIComponent(room.name)}`}><text class="name" font-size=${Math.min(unit, width / room.name.length)} x=${left + unit * 0.8} y=${-top + 1.6 * unit}>${spoken(room.name)}</text></a>
+    <a href=${`#/room/${encodeURIComponent(room.name)}`}><text class="name" font-size=${Math.min(unit, width / room.name.length)} x=${left + unit * 0.8} y=${-top + 1.6 * unit}>${titled(room.name)}</text></a>
     ${shown.map((device, index) => html`<${Dot} key=${device.id} device=${device} at=${placeOf(index)} unit=${unit} most=${isNamed ? width / columns / unit : 0} />`)}
     ${shown.length < listed.length && html`<text x=${more[0] - unit * 0.4} y=${more[1] + unit * 0.35}>+${listed.length - shown.length}</text>`}
     ${placed.map((device) => html`<${Dot} key=${device.id} device=${device} at=${pointOf(device.position, isTurned)} unit=${unit} most=${0} />`)}
