@@ -3,18 +3,13 @@
 Source: Matter 1.4 Core Specification, 7.8 (endpoints), 7.13 (global attributes), 9.5 (Descriptor cluster).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 from homebot.conventions.payload import text_of
 from homebot.support.numbers import finite_number, whole_number
-
-if TYPE_CHECKING:
-    from homebot.integrations.matter.formats.scenes import MatterScene
 
 __all__ = [
     "ACCEPTED_COMMANDS",
@@ -25,6 +20,7 @@ __all__ = [
     "MatterEndpoint",
     "MatterOrder",
     "MatterOrders",
+    "MatterScene",
     "field_of",
 ]
 
@@ -33,6 +29,25 @@ _DEVICE_TYPE_LIST, _PARTS_LIST, TAG_LIST = 0, 3, 4
 _FEATURE_MAP, ACCEPTED_COMMANDS = 0xFFFC, 0xFFF9
 _NOTHING: Final[Mapping[int, object]] = {}
 _TIMED_MS: Final = 1_000
+
+
+class MatterScene(NamedTuple):
+    """A scene of an endpoint.
+
+    Attributes:
+        group: The number of its group; 0 for none.
+        clusters: The values that it sets, by cluster and attribute.
+    """
+
+    group: int
+    number: int
+    name: str
+    clusters: Mapping[int, Mapping[int, object]]
+
+    @property
+    def part_id(self) -> str:
+        """The end of the id of the part that recalls it."""
+        return f"scene-{self.group}-{self.number}"
 
 
 class MatterEndpoint:

@@ -6,7 +6,7 @@ Source: Matter 1.4 Application Clusters, 1.4 (Scenes Management); Matter 1.4 Cor
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Final, NamedTuple
+from typing import Final
 
 from homebot.conventions.command_values import require_transition
 from homebot.conventions.payload import as_fields, clean_text
@@ -14,7 +14,13 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Part, SceneValue
 from homebot.devices.value import Value
 from homebot.integrations.matter.formats.cluster_row import ClusterRow, cluster_row
-from homebot.integrations.matter.formats.endpoint import ClusterInvocation, MatterEndpoint, MatterOrders, field_of
+from homebot.integrations.matter.formats.endpoint import (
+    ClusterInvocation,
+    MatterEndpoint,
+    MatterOrders,
+    MatterScene,
+    field_of,
+)
 from homebot.support.numbers import whole_number
 
 __all__ = [
@@ -34,25 +40,6 @@ _GROUP_KEYS, _GROUP_TABLE = 63, 1
 _MOST: Final = 50
 _LONGEST: Final = 60_000.0
 """Seconds of a transition."""
-
-
-class MatterScene(NamedTuple):
-    """A scene of an endpoint.
-
-    Attributes:
-        group: The number of its group; 0 for none.
-        clusters: The values that it sets, by cluster and attribute.
-    """
-
-    group: int
-    number: int
-    name: str
-    clusters: Mapping[int, Mapping[int, object]]
-
-    @property
-    def part_id(self) -> str:
-        """The end of the id of the part that recalls it."""
-        return f"scene-{self.group}-{self.number}"
 
 
 def scene_count(endpoint: MatterEndpoint) -> int:

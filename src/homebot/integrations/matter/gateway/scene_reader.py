@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, final
 
 from homebot.errors import LinkError, PeerError
-from homebot.integrations.matter.formats.endpoint import ClusterInvocation, MatterEndpoint
+from homebot.integrations.matter.formats.endpoint import ClusterInvocation, MatterEndpoint, MatterScene
 from homebot.integrations.matter.formats.scenes import (
     SCENES,
-    MatterScene,
     groups_at,
     read_scene,
     scene_count,
