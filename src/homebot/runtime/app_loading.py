@@ -16,7 +16,7 @@ from typing import Any, Final, final
 
 from homebot import plugins
 from homebot.apps import App
-from homebot.config import Config, Table
+from homebot.config import Config, Table, located
 from homebot.errors import ConfigError, PluginError
 from homebot.names import snake_case
 from homebot.plugins import file_and_class, is_file
@@ -149,8 +149,10 @@ class AppPlanner:
             if name not in config.apps and name in self._files:
                 table["class"] = self._files[name]
             return self._checked(name, table, config, code.load), code
-        except BaseException:
+        except BaseException as exc:
             code.restore()
+            if isinstance(exc, ConfigError):
+                raise located(exc) from exc
             raise
 
     def _plan_file(self, config: Config, name: str, code: FreshCode) -> PlannedComponent[App]:

@@ -299,6 +299,8 @@ class AppManager:
     def _find(self, name: str) -> _RunningApp:
         if (found := self._apps.get(name)) is not None:
             return found
+        if name in self._host.wrong_routines:
+            raise UsageError(f"the routine {name} does not run; once it is mended: homebot app load {name}")
         hint = did_you_mean(name, self._apps, f"running are {', '.join(self._apps) or 'none'}")
         raise UsageError(f"no app {name!r} runs; {hint}")
 

@@ -201,7 +201,7 @@ async def reload_configuration(
     await _apply(new, plan, parts, rooms)
     waiting = ", ".join(keys_for_restart(running, config))
     rest = f"; restart homebot for the changes of {waiting}" if waiting else ""
-    rest += "".join(f"\nleft out: {one}" for one in new.left_out.values())
+    rest += "".join(f"; left out: {one}" for one in new.left_out.values())
     message = f"tokens, rights, policies and places were reloaded{rest}"
     _log.info(RELOADED, message=message)
     done = replace(plan, **{name: getattr(new, name) for name in _RELOADED})

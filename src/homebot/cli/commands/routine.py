@@ -177,7 +177,7 @@ def _edit(door: DoorClient, options: argparse.Namespace) -> int:
 def _write(door: DoorClient, request: dict[str, object], file: str | None, text: str) -> int:
     """Send the text of *file*, or *text* as it is edited, which is kept if it has a mistake."""
     if file is not None:
-        return _ask(door, {**request, "text": read_text(file)})
+        return _ask(door, {**request, "text": read_text(file)}, file)
     text, path = edited(text)
     try:
         _ask(door, {**request, "text": text})
@@ -233,10 +233,11 @@ def _print_trial(door: DoorClient, routine: RoutineInfo) -> None:
     print_line(printable(lines[-1], 500))
 
 
-def _ask(door: DoorClient, request: dict[str, object]) -> int:
+def _ask(door: DoorClient, request: dict[str, object], file: str = "") -> int:
     answer = door.call(CHANGE_ROUTINE, request, timeout=_LONGEST)
     if not answer["success"]:
-        raise PeerError(printable(str(answer["message"]), 2000))
+        message = str(answer["message"])
+        raise PeerError(printable(message.replace("the text:", f"{file}:", 1) if file else message, 2000))
     for line in str(answer["message"]).splitlines():
         print(printable(line, 2000))
     return 0
