@@ -20,7 +20,7 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices.command_messages import CommandDevicesResponse
 
-__all__ = ["add_arguments", "print_outcomes"]
+__all__ = ["add_arguments", "add_options_of_commands", "command_house"]
 
 _EXAMPLES = """\
   homebot do 'Kitchen lamp' on
@@ -56,6 +56,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--color", metavar="COLOR", help="a name such as red, or hue to 360 and saturation to 100: 0,100"
     )
+    parser.add_argument("--ask-code", action="store_true", help="ask for the code of a lock or an alarm")
+    add_options_of_commands(parser)
+
+
+def add_options_of_commands(parser: argparse.ArgumentParser) -> None:
+    """Add the options of :func:`command_house`, and the transition."""
     parser.add_argument(
         "--transition",
         metavar="TIME",
@@ -63,22 +69,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=0.0,
         help="seconds that the change takes, or a time such as 500ms",
     )
-    parser.add_argument("--ask-code", action="store_true", help="ask for the code of a lock or an alarm")
     parser.add_argument("--json", action="store_true", help="print the answer of homebot as JSON")
 
 
 def _do(options: argparse.Namespace) -> int:
     request = _request(options)
+    return with_client(options, lambda door, _: command_house(door, options, COMMAND_DEVICES, request))
 
-    def run(door: DoorClient, _: argparse.Namespace) -> int:
-        answer = cast("CommandDevicesResponse", JsonMessage(door.call(COMMAND_DEVICES, request, _LONGEST)))
-        if options.json:
-            print(json_text(fields_of(answer)))
-        else:
-            print_outcomes(answer, printable(door.home))
-        return 0 if answer.success else 1
 
-    return with_client(options, run)
+def command_house(door: DoorClient, options: argparse.Namespace, service: str, request: dict[str, object]) -> int:
+    """Send *request* to a *service* for commands, print the outcomes, and return the exit code."""
+    answer = cast("CommandDevicesResponse", JsonMessage(door.call(service, request, _LONGEST)))
+    if options.json:
+        print(json_text(fields_of(answer)))
+    else:
+        _print_outcomes(answer, printable(door.home))
+    return 0 if answer.success else 1
 
 
 def _request(options: argparse.Namespace) -> dict[str, object]:
@@ -100,7 +106,7 @@ def _request(options: argparse.Namespace) -> dict[str, object]:
     }
 
 
-def print_outcomes(answer: CommandDevicesResponse, home: str) -> None:
+def _print_outcomes(answer: CommandDevicesResponse, home: str) -> None:
     """Print each outcome of a command in *home*, and last the worst of several.
 
     Raises:

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Final, cast
 
-from homebot.cli.arguments import add_verb, add_verbs, duration
-from homebot.cli.commands.do import print_outcomes
+from homebot.cli.arguments import add_verb, add_verbs
+from homebot.cli.commands.do import add_options_of_commands, command_house
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient, set_door_command
@@ -17,13 +17,12 @@ from homebot.cli.terminal import print_line, print_table
 from homebot.cli.text_editor import edited
 from homebot.devices.device import target_of
 from homebot.devices.names import APPLY_SCENE, CHANGE_SCENE, LIST_SCENES
-from homebot.devices.wording.json_message import JsonMessage, fields_of
+from homebot.devices.wording.json_message import fields_of
 from homebot.devices.wording.time_format import ago
 from homebot.errors import PeerError, UsageError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
-    from homebot.devices.command_messages import CommandDevicesResponse
     from homebot.devices.scene_messages import ChangeSceneResponse, SceneInfo, ScenePart, ScenesResponse
 
 __all__ = ["add_arguments"]
@@ -44,7 +43,6 @@ Values are the words of `homebot do`. A scene that a bridge or device keeps is l
 undone like yours. Exit code 0 means that every device obeyed, or was already so. `save`, `edit`, `rename` and
 `remove` need the right `manage`.
 """
-_LONGEST: Final = 900.0
 _TEXT: Final = "# One device and its values in each line, as for `homebot do`; without its line, it is left out.\n"
 
 
@@ -64,15 +62,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for verb, summary in (("apply", "apply a scene"), ("undo", "bring back what was before a scene")):
         command = _with_name(add_verb(verbs, verb, summary))
         set_door_command(command, partial(_apply, undo=verb == "undo"), _EXAMPLES, acts=True)
-        command.add_argument(
-            "--transition",
-            metavar="TIME",
-            type=partial(duration, most=86_400),
-            default=0.0,
-            help="seconds that the change takes, or a time such as 500ms",
-        )
+        add_options_of_commands(command)
         command.add_argument("--yes", action="store_true", help="agree to what it sets on devices that always ask")
-        command.add_argument("--json", action="store_true", help="print the answer of homebot as JSON")
     command = _with_name(add_verb(verbs, "edit", "change the values of a scene"))
     set_door_command(command, _edit, _EXAMPLES, acts=True)
     command.add_argument("target", metavar="QUERY", nargs="?", default="", help="the devices whose values change")
@@ -138,12 +129,7 @@ def _apply(door: DoorClient, options: argparse.Namespace, *, undo: bool) -> int:
     asking = [] if undo else [one for one in _scenes(door, options.name)[0].parts if one.asks]
     agreed = options.yes or _agrees(asking)
     request = {"name": options.name, "transition": options.transition, "undo": undo, "agreed": agreed}
-    answer = cast("CommandDevicesResponse", JsonMessage(door.call(APPLY_SCENE, request, _LONGEST)))
-    if options.json:
-        print(json_text(fields_of(answer)))
-    else:
-        print_outcomes(answer, printable(door.home))
-    return 0 if answer.success else 1
+    return command_house(door, options, APPLY_SCENE, request)
 
 
 def _agrees(asking: list[ScenePart]) -> bool:
