@@ -266,6 +266,7 @@ async def test_a_page_that_may_only_read_shows_everything_and_has_no_button_that
             await own.open(view, shows=text)
             enabled = own.browser.find_elements("css selector", "main button:enabled, main input, main textarea")
             assert [one.text for one in enabled] == buttons, view
+            await own.hides("Commands")
         assert own.problems() == []
 
 

@@ -2,7 +2,7 @@
 import { signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
 import { Controls } from "../controls.js";
-import { call, connection, subscribe } from "../door.js";
+import { call, connection, may, subscribe } from "../door.js";
 import { deviceOf } from "../house.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
@@ -94,7 +94,7 @@ function Values({ short, full }) {
 }
 
 function Commands({ short, device }) {
-  if (!device.parts.some(({ part }) => !part.category && part.capabilities.some((one) => one.settable))) return null;
+  if (!may("act") || !device.parts.some(({ part }) => !part.category && part.capabilities.some((one) => one.settable))) return null;
   return html`<section>
     <h3>${say("Commands")}</h3>
     <${Controls} short=${short} device=${device} />
