@@ -286,13 +286,25 @@ async def test_no_mistake_in_a_routine_group_or_scene_stops_anything_else(tmp_pa
     ]
 
 
-def test_a_wrong_group_that_a_policy_asks_for_is_no_small_matter() -> None:
-    """Without it the policy would hold for nothing."""
-    group = {"name": "Valuables", "members": "open safes"}
-    control = {"quiet_hours": [{"start": "00:00", "end": "06:00", "commands": ["open group=valuables"]}]}
-    assert "groups.0" in make_plan(parse_config({"groups": [group]}, "homebot.toml")).left_out
+@pytest.mark.parametrize(
+    "limit",
+    [
+        {
+            "control": {
+                "quiet_hours": [{"start": "00:00", "end": "06:00", "commands": ["open group=valuables"]}],
+            }
+        },
+        {"door": {"scope": ["read", "act: locks and not group=valuables"]}},
+        {"apps": {"light_service": {"act": "lights and not group=valuables"}}},
+    ],
+)
+def test_a_wrong_group_that_a_policy_or_right_asks_for_is_no_small_matter(limit: dict[str, object]) -> None:
+    """Without it the limit would hold for nothing."""
+    groups = [{"name": "Valuables", "members": "open safes"}, {"name": "Value", "members": "open safes"}]
+    left_out = make_plan(parse_config({"groups": groups}, "homebot.toml")).left_out
+    assert [*left_out] == ["groups.0", "groups.1"]
     with pytest.raises(ConfigError, match=r"groups.0.members: 'open safes' depends on"):
-        make_plan(parse_config({"groups": [group], "control": control}, "homebot.toml"))
+        make_plan(parse_config({"groups": groups, **limit}, "homebot.toml"))
 
 
 def test_all_mistakes_of_a_configuration_are_listed_once() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -32,7 +33,7 @@ from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
 from homebot.runtime.door_table import read_door
-from homebot.runtime.grants import grants_of, scope_of, without_act
+from homebot.runtime.grants import ACT, grants_of, scope_of, without_act
 from homebot.runtime.settings_parameters import declare_settings
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
@@ -236,7 +237,7 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
 def _without_mistakes(config: Config) -> tuple[Config, dict[str, ConfigError]]:
     """Return *config* without its wrong routines, groups and scenes, and their mistakes by key.
 
-    A group that ``[control]`` names is kept, because without it a limit would be gone.
+    A group that a policy or right names is kept, because without it a limit would be gone.
     """
     wrong: dict[str, ConfigError] = {}
     for name, table in config.apps.items():
@@ -247,7 +248,7 @@ def _without_mistakes(config: Config) -> tuple[Config, dict[str, ConfigError]]:
                 wrong[_key_of(name, table)] = located(exc)
     apps = {name: table for name, table in config.apps.items() if _key_of(name, table) not in wrong}
     config = config.model_copy(update={"apps": apps})
-    limits = fold(repr(config.control))
+    limits = fold(repr((config.control, config.door, [table.get(ACT) for table in config.apps.values()])))
     for kind, read in (("groups", _groups), ("scenes", _scenes)):
         while (error := _mistake_in(config, read)) is not None:
             tables: list[object] = [*getattr(config, kind)]
@@ -262,7 +263,7 @@ def _without_mistakes(config: Config) -> tuple[Config, dict[str, ConfigError]]:
 
 def _is_named(group: object, folded: str) -> bool:
     name = group.get("name") if isinstance(group, dict) else None
-    return isinstance(name, str) and fold(name) in folded
+    return isinstance(name, str) and re.search(rf"\b{re.escape(fold(name))}\b", folded) is not None
 
 
 def _mistake_in(config: Config, read: Callable[[Config], object]) -> ConfigError | None:
