@@ -40,6 +40,7 @@ BENCHMARKS = (
     "near",
     "goals",
     "identify",
+    "habits",
     "command_cost",
     "outcomes",
     "outcomes_networks",

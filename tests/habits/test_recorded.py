@@ -73,7 +73,7 @@ def test_a_press_that_led_to_a_command_is_a_trigger() -> None:
     trigger = Trigger(kind="report", id="7", device="hall_button", readings=(reading,), at=Time.from_seconds(START))
     pressed = entry("requested", START + 1, TWO, "/routine", trigger=trigger, on_off=True)
     days = recorded_days(WORDS, [], [pressed], BERLIN)
-    assert days.events == (Happening(START, "hall_button", " press", "Hall button press double", is_press=True),)
+    assert days.events == [Happening(START, "hall_button", " press", "Hall button press double", is_press=True)]
 
 
 def test_the_conditions_are_those_of_the_place_and_of_the_people() -> None:

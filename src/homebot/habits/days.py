@@ -59,7 +59,7 @@ class Days:
         moments: Mapping[str, Callable[[float], float | None]],
         rooms: Mapping[str, frozenset[str]] = MappingProxyType({}),
     ) -> None:
-        self.events = tuple(events)
+        self.events = list(events)
         self.midnight = midnight
         self.conditions = conditions
         self.moments = moments
@@ -101,7 +101,7 @@ class Days:
         """Return the number of the day of *at*."""
         return bisect_right(self.midnights, at) - 1
 
-    def between(self, since: float, until: float) -> tuple[Happening, ...]:
+    def between(self, since: float, until: float) -> list[Happening]:
         """Return the events from *since* on and before *until*."""
         return self.events[bisect_left(self._times, since) : bisect_left(self._times, until)]
 

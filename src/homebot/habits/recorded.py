@@ -173,8 +173,11 @@ def _presence(
 
 
 def _is_any(series: Iterable[HistorySeries], at: float) -> bool:
-    places = ((one, bisect_right(one.times, at) - 1) for one in series)
-    return any(place >= 0 and at < one.ends[place] and one.words[place] == "true" for one, place in places)
+    for one in series:
+        place = bisect_right(one.times, at) - 1
+        if place >= 0 and one.words[place] == "true" and at < one.ends[place]:
+            return True
+    return False
 
 
 def _is_none(series: Iterable[HistorySeries], at: float) -> bool:

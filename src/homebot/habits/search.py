@@ -7,6 +7,7 @@ conditions narrow them. A deed as likely at the same time on other days is no ha
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -46,7 +47,10 @@ _SIMPLER: Final = 0.02
 _SOONER: Final = 0.05 / 900
 """Per second: of two triggers that are as good, the nearer one is the cause."""
 
-_MOST_TRIGGERS: Final = 20
+_WORTH_A_LOOK: Final = 0.15
+"""The share of its moments after which it is done; below it no condition helps a trigger."""
+
+_MOST_TRIGGERS: Final = 12
 _MOST_TIMES: Final = 3
 _MOST_CONDITIONS: Final = 2
 _MOST_PER_STEP: Final = 3
@@ -152,7 +156,8 @@ def _after_events(days: Days, done: Happenings) -> Iterator[_Rule]:
 
 def _within(times: Sequence[float], done: Happenings) -> float:
     """Return the shortest span within which most of the deeds follow."""
-    followed = [len({at for time in times if (at := done.first(time, time + span)) is not None}) for span in _WITHIN]
+    gaps = [at - times[place - 1] for at in done.done if (place := bisect_left(times, at))]
+    followed = [sum(gap <= span for gap in gaps) for span in _WITHIN]
     return next(span for span, count in zip(_WITHIN, followed, strict=True) if count >= 0.9 * followed[-1])
 
 
@@ -188,33 +193,41 @@ def _rule(days: Days, done: Happenings, when: str, within: float) -> _Rule:
         first, last = days.events[0].at, days.events[-1].at - within
         begins = [at - within for at in days.moments_of(when) if first <= at <= last]
         span, late, shifts = 2 * within, within, _OTHER_HOURS
-    return _Rule(when, begins, span, late, shifts, _tried(days, done, begins, span, late))
+    occasions = _occasions(days, done, begins, span, late)
+    is_hopeless = sum(one.done_at is not None for one in occasions) < _WORTH_A_LOOK * len(occasions)
+    return _Rule(when, begins, span, late, shifts, () if is_hopeless else _tried(days, done, occasions))
 
 
-def _tried(days: Days, done: Happenings, begins: Iterable[float], span: float, late: float = 0.0) -> tuple[_Tried, ...]:
-    """Return the moments at which a routine would have acted: not again soon, nor where it is so already."""
-    tried: list[_Tried] = []
+def _occasions(days: Days, done: Happenings, begins: Iterable[float], span: float, late: float) -> list[Occasion]:
+    """Return when a routine would have acted: not again soon, nor where it is so already."""
+    found: list[Occasion] = []
     last = float("-inf")
-    conditions = days.conditions_on(done.device)
     for begin in begins:
-        if begin < last + span or days.is_so(done, begin):
-            continue
-        last, at = begin, begin + late
-        held = frozenset(text for text, holds in conditions.items() if holds(at))
-        tried.append(_Tried(Occasion(at, done.first(begin, begin + span)), days.number(at), held))
-    return tuple(tried)
+        if begin >= last + span and not days.is_so(done, begin):
+            last = begin
+            found.append(Occasion(begin + late, done.first(begin, begin + span)))
+    return found
+
+
+def _tried(days: Days, done: Happenings, occasions: Iterable[Occasion]) -> tuple[_Tried, ...]:
+    conditions = days.conditions_on(done.device).items()
+    return tuple(
+        _Tried(one, days.number(one.at), frozenset(text for text, holds in conditions if holds(one.at)))
+        for one in occasions
+    )
 
 
 def _by_chance(days: Days, done: Happenings, rule: _Rule) -> float:
     """Return how often it is done after other times, such as those of other days, under the same conditions."""
     first, last = days.events[0].at, days.events[-1].at
-    other = (
-        one
-        for shift in rule.shifts
-        for one in _tried(days, done, [at + shift * DAY for at in rule.begins], rule.span, rule.late)
-        if first <= one.occasion.at <= last and one.held.issuperset(rule.conditions)
-    )
-    followed = [one.occasion.done_at is not None for one in other]
+    moved = ([at + shift * DAY for at in rule.begins] for shift in rule.shifts)
+    other = [one for begins in moved for one in _occasions(days, done, begins, rule.span, rule.late)]
+    conditions = [days.conditions[one] for one in rule.conditions]
+    followed = [
+        one.done_at is not None
+        for one in other
+        if first <= one.at <= last and all(holds(one.at) for holds in conditions)
+    ]
     return (sum(followed) + 1) / (len(followed) + 2)
 
 

@@ -6,9 +6,9 @@ kept but rejections, and nothing leaves the machine.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, MutableMapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, MutableMapping, Sequence
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
+from typing import TYPE_CHECKING, Any, Final, final
 
 import anyio
 from anyio import to_thread
@@ -30,7 +30,7 @@ from homebot.devices.history_messages import MOST_POINTS, HistorySeries, ReadHis
 from homebot.devices.journal_messages import MOST_ENTRIES, JournalEntry, ReadJournal, ReadJournalRequest
 from homebot.errors import HomebotError, PeerError
 from homebot.graph import Node
-from homebot.habits.days import DAY, Days
+from homebot.habits.days import DAY
 from homebot.habits.habit import FoundHabit
 from homebot.habits.proposal import UNDONE, is_same, proposal_of, undone_commands
 from homebot.habits.recorded import MOST_HAPPENINGS, Home, recorded_days
@@ -58,7 +58,6 @@ _SLICE: Final = 0.05
 """Seconds of a search until it may be cancelled."""
 
 _ENTRIES: Final = frozenset({"changed", "judged", "requested"})
-_Search: TypeAlias = "Iterator[FoundHabit | None]"
 
 
 @final
@@ -131,25 +130,12 @@ class HabitServices:
         entries = await self._entries(since)
         series = [one for device in devices for one in await self._series(device, since, until)]
         context = self._host.context
-        zone = await to_thread.run_sync(read_zone, context.zone_name)
-        words = HabitWords(devices)
-        home = Home(zone, context.latitude, context.longitude)
-        days = await to_thread.run_sync(recorded_days, words, series, entries, home)
-        best: dict[tuple[str, str], FoundHabit] = {}
-        for one in await _found(days):
-            known = best.get((one.device, one.when))
-            if known is None or known.precision + known.recall < one.precision + one.recall:
-                best[one.device, one.when] = one
-        found = [proposal_of(one) for one in best.values()]
-        return SuggestHabitsResponse(
-            success=True,
-            proposals=(*found, *self._undone(entries)),
-            searched=len(days.events),
-            by_persons=sum(bool(one.step) for one in days.events),
-            left_out=max(0, sum(len(one.words) for one in series) - MOST_HAPPENINGS),
-            unnamed=sum(not words.reference(one.id) for one in devices),
-            zone=zone_name(context.zone_name),
-        )
+        home = Home(await to_thread.run_sync(read_zone, context.zone_name), context.latitude, context.longitude)
+        made = {app: self._host.routines[app].info().name for app in self._routines.of_habits()}
+        search = _search(devices, series, entries, home, made)
+        while (answer := await to_thread.run_sync(_slice, search)) is None:
+            pass
+        return answer.model_copy(update={"zone": zone_name(context.zone_name)})
 
     async def _series(self, device: Device, since: float, until: float) -> list[HistorySeries]:
         """Return the states of the main parts of *device*; numbers start no routine."""
@@ -173,44 +159,76 @@ class HabitServices:
 
     async def _entries(self, since: float) -> list[JournalEntry]:
         """Return the entries about persons and commands, oldest first: the newest hundred thousand."""
-        found: dict[bytes, JournalEntry] = {}
+        pages: list[list[JournalEntry]] = []
         until = Time(sec=0, nanosec=0)
         for _ in range(_MOST_PAGES):
             request = ReadJournalRequest(since=Time.from_seconds(since), until=until, limit=MOST_ENTRIES)
             page = await self._journal.call(request)
             if not page.success:
                 raise PeerError(page.message)
-            for one in page.entries:
-                if one.kind in _ENTRIES:
-                    found[repr((one.at, one.kind, one.device, one.part, one.command, one.settings)).encode()] = one
+            if pages:  # this page has those at its newest time as well
+                pages[-1] = [one for one in pages[-1] if one.at != until]
+            pages.append([one for one in page.entries if one.kind in _ENTRIES])
             if page.complete or not page.entries or page.entries[0].at == until:
                 break
             until = page.entries[0].at
-        return sorted(found.values(), key=lambda one: one.at.to_seconds())
-
-    def _undone(self, entries: Sequence[JournalEntry]) -> Iterator[HabitProposal]:
-        """Yield the removal of each routine of a habit that people undo again and again."""
-        for app in self._routines.of_habits():
-            undone = undone_commands(entries, f"/{app}")
-            if undone.undone >= UNDONE:
-                name = self._host.routines[app].info().name
-                proof = f"people undid {undone.undone} of its last {undone.given} commands within ten minutes"
-                yield HabitProposal(id=f"remove/{app}", name=f"remove {name}", removes=name, proof=proof)
+        return [one for page in reversed(pages) for one in page]
 
 
-async def _found(days: Days) -> list[FoundHabit]:
-    search, found = find_habits(days), list[FoundHabit]()
-    while (batch := await to_thread.run_sync(_slice, search)) is not None:
-        found += batch
-    return found
+def _search(
+    devices: Sequence[Device],
+    series: list[HistorySeries],
+    entries: list[JournalEntry],
+    home: Home,
+    made: Mapping[str, str],
+) -> Generator[SuggestHabitsResponse | None]:
+    """Yield None after each slice of work, and at the end, with *series* and *entries* emptied, the answer.
+
+    Args:
+        made: The names of the routines that were made of habits, by app.
+    """
+    words = HabitWords(devices)
+    yield None
+    days = recorded_days(words, series, entries, home)
+    best: dict[tuple[str, str], FoundHabit] = {}
+    for one in find_habits(days):
+        yield None
+        known = None if one is None else best.get((one.device, one.when))
+        if one is not None and (known is None or known.precision + known.recall < one.precision + one.recall):
+            best[one.device, one.when] = one
+    answer = SuggestHabitsResponse(
+        success=True,
+        proposals=(*map(proposal_of, best.values()), *_removals(made, entries)),
+        searched=len(days.events),
+        by_persons=sum(bool(one.step) for one in days.events),
+        left_out=max(0, sum(len(one.words) for one in series) - MOST_HAPPENINGS),
+        unnamed=sum(not words.reference(one.id) for one in devices),
+    )
+    for large in (
+        series,
+        entries,
+        days.events,
+        *(one.times for one in days.by_text.values()),
+    ):  # to free them at once would hold the event loop for 50 ms
+        while large:
+            del large[-100:]
+            yield None
+    yield answer
 
 
-def _slice(search: _Search) -> list[FoundHabit] | None:
-    """Search for a while; return the habits found, None at the end."""
-    ends, found = perf_counter() + _SLICE, list[FoundHabit]()
-    for one in search:
-        if one is not None:
-            found.append(one)
-        if perf_counter() > ends:
-            return found
-    return found or None
+def _removals(made: Mapping[str, str], entries: Sequence[JournalEntry]) -> Iterator[HabitProposal]:
+    """Yield the removal of each routine of a habit that people undo again and again."""
+    for app, name in made.items():
+        undone = undone_commands(entries, f"/{app}")
+        if undone.undone >= UNDONE:
+            proof = f"people undid {undone.undone} of its last {undone.given} commands within ten minutes"
+            yield HabitProposal(id=f"remove/{app}", name=f"remove {name}", removes=name, proof=proof)
+
+
+def _slice(search: Generator[SuggestHabitsResponse | None]) -> SuggestHabitsResponse | None:
+    """Search for a while; return the answer at the end."""
+    ends = perf_counter() + _SLICE
+    for answer in search:
+        if answer is not None or perf_counter() > ends:
+            return answer
+    return None
