@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Mapping, MutableMapping, Sequence
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, Final, final
+from typing import TYPE_CHECKING, Any, Final, TypeVar, final
 
 import anyio
 from anyio import to_thread
@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     from homebot.runtime.routine_services import RoutineServices
 
 __all__ = ["HabitServices"]
+
+T = TypeVar("T")
 
 _DAYS: Final = 21
 _NO_HISTORY: Final = "no history is kept, or it has not begun yet; write `enabled = true` in [history] of homebot.toml"
@@ -204,16 +206,19 @@ def _search(
         left_out=max(0, sum(len(one.words) for one in series) - MOST_HAPPENINGS),
         unnamed=sum(not words.reference(one.id) for one in devices),
     )
-    for large in (
-        series,
-        entries,
-        days.events,
-        *(one.times for one in days.by_text.values()),
-    ):  # to free them at once would hold the event loop for 50 ms
-        while large:
-            del large[-100:]
-            yield None
+    yield from _free(series)
+    yield from _free(entries)
+    yield from _free(days.events)
+    for kind in days.by_text.values():
+        yield from _free(kind.times)
     yield answer
+
+
+def _free(large: list[T]) -> Iterator[None]:
+    """Empty *large* in slices: to free it at once would hold the event loop for 50 ms."""
+    while large:
+        del large[-100:]
+        yield None
 
 
 def _removals(made: Mapping[str, str], entries: Sequence[JournalEntry]) -> Iterator[HabitProposal]:
