@@ -8,7 +8,8 @@ from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
 import pytest
-from tests.gateways.watched_gateway import reading
+from aiohttp import ClientSession
+from tests.gateways.watched_gateway import reading, receive
 from tests.peers.network import INTERFACE, Lan, Machine, Program
 from tests.peers.node_package import node_folder
 from tests.peers.other_python import python_with
@@ -89,9 +90,24 @@ async def light(machine: Machine, folder: Path, matter_js: Path) -> AsyncIterato
         yield program
 
 
-async def send(node: Node, key: str, capability: str, value: PlainValue) -> SendCommandResponse:
+async def add_scene(name: str, level: int) -> None:
+    """Let the light keep scene 4, as another client of the server does."""
+    values = [(6, 1), (8, level)]
+    sets = [
+        {"clusterID": cluster, "attributeValueList": [{"attributeID": 0, "valueUnsigned8": value}]}
+        for cluster, value in values
+    ]
+    fields = {"groupID": 0, "sceneID": 4, "transitionTime": 0, "sceneName": name, "extensionFieldSetStructs": sets}
+    command = {"node_id": 1, "endpoint_id": 1, "cluster_id": 98, "command_name": "AddScene", "payload": fields}
+    async with ClientSession() as session, session.ws_connect(MatterGatewaySettings().url) as socket:
+        await socket.receive_json()
+        await socket.send_json({"message_id": "add", "command": "device_command", "args": command})
+        assert (await socket.receive_json())["result"]["status"] == 0
+
+
+async def send(node: Node, key: str, capability: str, value: PlainValue, part: str = "1") -> SendCommandResponse:
     client = node.create_client(SendCommand, NAMES.send_command)
-    return await client.call(Command(key=key, part="1", capability=capability, value=Value.of(value)), timeout=60)
+    return await client.call(Command(key=key, part=part, capability=capability, value=Value.of(value)), timeout=60)
 
 
 @pytest.mark.usefixtures("_data")
@@ -124,6 +140,15 @@ async def test_a_light_is_commissioned_commanded_lost_found_and_removed(
         assert (await send(watcher, joined.key, "level", 40.0)).success
         await lamp.prints("level is 102")
         await reading(reports, "level", 40.16)
+
+        await add_scene("Film", level=51)
+        seen = await receive(sightings, lambda one: any(part.service_type == "x_scene" for part in one.parts))
+        (scene,) = [part for part in seen.parts if part.service_type == "x_scene"]
+        assert (scene.id, scene.name) == ("1-scene-0-4", "Film")
+        assert {one.capability: one.value.plain() for one in scene.values} == {"on_off": True, "level": 20.08}
+        assert (await send(watcher, joined.key, "scene", True, scene.id)).success
+        await lamp.prints("level is 51")
+        await reading(reports, "level", 20.08)
         lamp.end(signal.SIGUSR2)
         await reading(reports, "press", "single")
         await reading(reports, "on_off", False)
