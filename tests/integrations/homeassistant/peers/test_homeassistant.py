@@ -59,6 +59,14 @@ logger: {default: error}
 """
 
 
+GROUPS = """
+light:
+  - {platform: group, name: Inner, entities: [light.bed_light, light.ceiling_lights]}
+  - {platform: group, name: Outer, entities: [light.inner, light.kitchen_lights]}
+  - {platform: group, name: Single, entities: [light.bed_light]}
+"""
+
+
 @pytest.fixture(scope="session")
 def ha_python() -> str:
     return python_with("homeassistant", "3.11", pinned=HERE / "requirements.txt")
@@ -118,13 +126,13 @@ class HomeAssistant:
 
 
 @asynccontextmanager
-async def home_assistant(python: str, folder: Path) -> AsyncIterator[HomeAssistant]:
+async def home_assistant(python: str, folder: Path, more: str = "") -> AsyncIterator[HomeAssistant]:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     (folder / "custom_components").mkdir()
     shutil.copytree(HERE / "homebot_peer", folder / "custom_components" / "homebot_peer")
-    (folder / "configuration.yaml").write_text(CONFIGURATION.replace("PORT", str(port)))
+    (folder / "configuration.yaml").write_text(CONFIGURATION.replace("PORT", str(port)) + more)
     home = HomeAssistant(python, folder, port)
     try:
         await home.begin()
@@ -376,3 +384,20 @@ async def test_every_entity_of_demo_is_read_and_commanded_as_home_assistant_does
         GOLDEN.write_text(text)
     assert wrong == ACCEPTED
     assert text == GOLDEN.read_text()
+
+
+async def test_groups_in_one_another_reach_their_lights_by_one_message(ha_python: str, tmp_path: Path) -> None:
+    async with home_assistant(ha_python, tmp_path, GROUPS) as home, house(home) as seen:
+        parts = seen.parts()
+        lights = ["light.bed_light", "light.ceiling_lights", "light.kitchen_lights"]
+        named = [f"#{parts[one][1].id}" for one in lights]
+        found = {name: parts[f"light.{name}"][1].members for name in ("inner", "outer", "single")}
+        assert {name: sorted(one) for name, one in found.items()} == {
+            "inner": sorted(named[:2]),
+            "outer": sorted(named),
+            "single": named[:1],
+        }
+        for is_on in (False, True):
+            assert (await turn_on(seen, "light.outer", on=is_on)).success
+            for one in lights:
+                await is_reported(seen, one, "on_off", is_on)
