@@ -25,6 +25,9 @@ _WITHIN: Final = (60.0, 300.0, 900.0)
 _REACTION: Final = 0.5
 """Seconds that a person needs; what follows sooner is an effect, such as that of a bound button."""
 
+_PUNCTUAL: Final = 2.0
+"""Seconds by which people are never punctual day after day."""
+
 _TOLERANCE: Final = 1200.0
 """Seconds before and after a time of day within which people act."""
 
@@ -135,7 +138,7 @@ def _habits_of(days: Days, done: Happenings, unlikely: float) -> Iterator[FoundH
             return
         habit = _proved(rules, days, best, left, done, unlikely)
         followed = {one.occasion.done_at for one in best.occasions}
-        if habit is None or not followed & left:
+        if habit is None or len(followed & left) < LEAST_DAYS:
             return
         yield habit
         left -= followed
@@ -286,6 +289,7 @@ def _proved(
         and precision >= max(_LEAST_PRECISION, chance + _ABOVE_CHANCE)
         and luck(_hits(held_out), len(held_out), chance) <= unlikely
         and _share(recent) >= _LEAST_RECENT
+        and not (best.late > 0 and _is_punctual(hits))
     )
     if not is_habit:
         return None
@@ -294,6 +298,13 @@ def _proved(
     return FoundHabit(
         best.when, best.conditions, done.step, done.device, best.span - best.late, occasions, precision, recall
     )
+
+
+def _is_punctual(hits: Iterable[_Tried]) -> bool:
+    """Return whether most was done at the same second of the day: a program of the device does that, no person."""
+    late = [one.occasion.done_at - one.occasion.at for one in hits if one.occasion.done_at is not None]
+    usual = median(late)
+    return sum(abs(one - usual) <= _PUNCTUAL for one in late) >= 0.8 * len(late)
 
 
 def _held_out(rules: Sequence[_Rule], days: Days, left: set[float]) -> Iterator[_Tried]:

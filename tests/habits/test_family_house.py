@@ -1,0 +1,31 @@
+"""The family of the examples lives for a week; nobody is said to have the habits of its devices and apps."""
+
+from datetime import timedelta
+
+import pytest
+from tests.replay.recorded_days import APPS, family
+
+from homebot.config import parse_config
+from homebot.devices.habit_messages import SuggestHabits, SuggestHabitsRequest
+from homebot.devices.names import SUGGEST_HABITS
+from homebot.graph import Node
+from homebot.testing import virtual_house_of
+
+pytestmark = [pytest.mark.virtual_time, pytest.mark.slow, pytest.mark.rooms("homeassistant", "thesis")]
+
+CONFIG = parse_config(
+    {"history": {"enabled": True}, "home": {"zone": "UTC", "latitude": 52.5, "longitude": 13.4}, "apps": APPS}, "test"
+)
+
+
+async def test_what_devices_do_by_their_own_programs_is_nobodys_habit() -> None:
+    """Covers and thermostats with daily programs do it at the same second, which looks like a hand otherwise."""
+    async with virtual_house_of(world=family(7), config=CONFIG, start="2026-01-05") as house:
+        await house.run_until(house.now + timedelta(days=7))
+        async with Node(house.runtime.graph, "owner") as node:
+            answer = await node.create_client(SuggestHabits, SUGGEST_HABITS).call(SuggestHabitsRequest(), timeout=600)
+    assert answer.success, answer.message
+    assert answer.searched > 1000
+    found = {one.do for one in answer.proposals}
+    assert "bedroom_lamp on" in found  # with which its people begin the day by hand
+    assert not [one for one in found if "_cover " in one or "_heat " in one], found
