@@ -67,12 +67,12 @@ class Achievement:
     ) -> None:
         self._reader, self._commands, self._request = reader, commands, request
         self._node = reader.node
-        self._asker = Asker(request.issuer, request.scope, preview)
         self._fight, self._on_plan = fight, on_plan
         now = Time.from_seconds(self._node.graph.clock.now())
         self._trigger = Trigger(kind="goal", id=f"goal-{run}", text=request.goal[:200], at=now)
         self._goal = UnderstoodGoal()
         self._blocked: dict[tuple[str, str], str] = {}
+        self._asker = Asker(request.issuer, request.scope, preview, self._blocked)
         self._assumed: Assumed = {}
         self._unseen: set[str] = set()
         self._tried: list[str] = []
@@ -87,7 +87,7 @@ class Achievement:
         """
         self._goal = await understood(self._request.goal, self._reader)
         for _ in range(_MOST_PLANS):
-            problem = await self._problem()
+            problem = build_problem(self._goal, await self._house(), self._unseen, self._asker)
             operators = await find_plan(problem)
             if operators is None or (problem.missing and not operators):
                 return self._answer(f"cannot be reached: {why_not(problem)}")
@@ -125,23 +125,20 @@ class Achievement:
         robots = {one.step.robot for one in own if isinstance(one.step, DriveStep)}
         if shared := robots.intersection(one.step.place for one in moves):
             return f"{min(shared)} for itself"
-        kept = self._build(after.after(one.step for one in moves))
-        lost = self._build(after).facts - kept.facts
+        kept = self._facts(after.after(one.step for one in moves))
+        lost = self._facts(after).facts - kept.facts
         wanted = kept.goal.keys() | frozenset[str]().union(*(one.needs for one in own))
         return next((repr(one) for one in sorted(wanted & lost)), "")
 
     async def _house(self) -> HouseNow:
         return await self._reader.read([(one.robot, one.room) for one in self._goal.drives], self._assumed)
 
-    def _build(self, house: HouseNow) -> GoalProblem:
-        return build_problem(self._goal, house, self._asker, self._blocked, self._unseen)
-
-    async def _problem(self) -> GoalProblem:
-        return self._build(await self._house())
+    def _facts(self, house: HouseNow) -> GoalProblem:
+        return build_problem(self._goal, house, self._unseen)
 
     async def _left(self) -> str:
         """Return the first wish that is not so after all steps, in words; empty if there is none."""
-        problem = await self._problem()
+        problem = self._facts(await self._house())
         return "".join(f"after all steps, {problem.contrary[one]}" for one in problem.missing[:1])
 
     async def _do(self, moves: Sequence[Move]) -> str:
@@ -159,7 +156,7 @@ class Achievement:
 
     async def _lost(self, needs: frozenset[str]) -> str:
         """Return those of *needs* that are not so, in words."""
-        problem = await self._problem()
+        problem = self._facts(await self._house())
         return "; ".join(problem.contrary.get(one, f"no longer: {one}") for one in sorted(needs - problem.facts))
 
     async def _one(self, move: Move) -> tuple[str, bool]:

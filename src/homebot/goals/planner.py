@@ -1,6 +1,6 @@
 """The planner: the only file that imports ``unified_planning``, which takes a second, with the first plan."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from threading import Event
@@ -93,24 +93,27 @@ def _relevant(problem: GoalProblem, operators: Sequence[Operator]) -> list[Opera
 def _simple(problem: GoalProblem, operators: Sequence[Operator]) -> list[Operator]:
     """Return operators that reach wishes without a need, and disturb nothing: the planner is slow with many lamps."""
     touched = problem.goal.keys() | frozenset[str]().union(*(one.needs for one in operators))
+    missing = dict.fromkeys(problem.missing)
     givers: dict[str, list[Operator]] = {}
-    for one in operators:
+    for one in sorted(operators, key=lambda one: -len(one.gives & missing.keys())):  # a scene before its commands
         if one.takes.isdisjoint(touched):
             for fact in one.gives:
                 givers.setdefault(fact, []).append(one)
     found: dict[Operator, None] = {}
-    missing = dict.fromkeys(problem.missing)
-    for several in givers.values():
-        several.sort(key=lambda one: len(one.gives & missing.keys()), reverse=True)  # a scene before its commands
+    given = set[str]()
     for fact in missing:
-        if any(fact in one.gives for one in found):
-            continue
-        for one in givers.get(fact, ()):
-            first = [other for need in one.needs for other in givers.get(need, ())[:1]] if one.step is None else []
-            if len(first) == len(one.needs) and not any(other.needs for other in first):
-                found.update(dict.fromkeys([*first, one]))
-                break
+        if fact not in given and (way := next(_ways(fact, givers), None)) is not None:
+            found.update(dict.fromkeys(way))
+            given.update(*(one.gives for one in way))
     return list(found)
+
+
+def _ways(fact: str, givers: Mapping[str, Sequence[Operator]]) -> Iterator[list[Operator]]:
+    """Yield operators without a need that give *fact*, alone or as what it follows from."""
+    for one in givers.get(fact, ()):
+        first = [other for need in one.needs for other in givers.get(need, ())[:1]] if one.step is None else []
+        if len(first) == len(one.needs) and not any(other.needs for other in first):
+            yield [*first, one]
 
 
 def _solve(problem: GoalProblem, operators: Sequence[Operator], is_stopped: Callable[[], bool]) -> list[int]:

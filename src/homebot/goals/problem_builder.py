@@ -63,59 +63,77 @@ _LEAST: Final = 2
 
 @dataclass(frozen=True, slots=True)
 class Asker:
-    """The client of a goal; ``preview`` says what it may not do now."""
+    """The client of a goal; ``preview`` says what it may not do now, ``blocked`` what has failed."""
 
     issuer: str
     scope: tuple[str, ...]
     preview: Preview
+    blocked: Blocked
 
 
 def build_problem(
-    goal: UnderstoodGoal, house: HouseNow, asker: Asker, blocked: Blocked, unseen: Iterable[str] = ()
+    goal: UnderstoodGoal, house: HouseNow, unseen: Iterable[str], asker: Asker | None = None
 ) -> GoalProblem:
-    """Return the problem.
+    """Return the problem; without *asker* only its facts, which takes less time.
 
     Args:
         unseen: Facts that steps have reached, and that cannot be read.
     """
-    builder = _Builder(house, asker, blocked)
+    facts = _FactBuilder(house)
     for wish, meant in goal.wishes:
-        builder.add_parts(wish, meant)
-    for door in house.doors:
-        builder.add_door(door, is_way=bool(goal.drives))
-    builder.add_commands()
+        facts.add_parts(wish, meant)
     named = {one.scene for one, _ in goal.wishes if isinstance(one, SceneWish)}
     for scene in goal.scenes:
-        builder.add_scene(scene, is_named=scene.name in named)
+        if scene.name in named and not _parts_of(scene):
+            facts.add_applied(scene)
     for drive in goal.drives:
-        builder.add_drive(drive)
-    builder.problem.facts.update(unseen)
-    return builder.problem
+        facts.add_robot(drive)
+    for door in house.doors:
+        facts.add_door(door, is_way=bool(goal.drives))
+    facts.problem.facts.update(unseen)
+    if asker is not None:
+        steps = _StepBuilder(facts, asker)
+        steps.add_commands()
+        for scene in goal.scenes:
+            steps.add_scene(scene, is_named=scene.name in named)
+        for drive in goal.drives:
+            steps.add_drives(drive)
+    return facts.problem
 
 
 @final
-class _Builder:
-    def __init__(self, house: HouseNow, asker: Asker, blocked: Blocked) -> None:
-        self.problem = GoalProblem()
-        self._house, self._asker, self._blocked = house, asker, blocked
-        self._facts: dict[str, _Facts] = {}
-        self._wished: dict[tuple[str, str], list[Meant]] = {}
-        self._follows: dict[str, str] = {}
-        self._unlocked: dict[str, str] = {}
-        self._closed: dict[str, str] = {}
-        self._of_doors: set[str] = set()
+class _FactBuilder:
+    """Facts of the house.
+
+    Attributes:
+        tests: The facts of each device.
+        wished: What is wished of each part.
+        follows: The fact that follows from another one.
+        unlocked: The fact without which a device does not open, by device.
+        closed: The fact without which a lock does not lock, by device.
+        of_doors: The devices of doors.
+    """
+
+    def __init__(self, house: HouseNow) -> None:
+        self.problem, self.house = GoalProblem(), house
+        self.tests: dict[str, _Facts] = {}
+        self.wished: dict[tuple[str, str], list[Meant]] = {}
+        self.follows: dict[str, str] = {}
+        self.unlocked: dict[str, str] = {}
+        self.closed: dict[str, str] = {}
+        self.of_doors: set[str] = set()
 
     def add_parts(self, wish: Wish, meant: Iterable[Meant]) -> None:
         """Add the facts that the wish is about."""
         is_any = isinstance(wish, RoomWish) and wish.is_lit
         for one in meant:
-            device, fact = self._house.devices.get(one.device), f"{one.name}: {wish.text}"
-            self._wished.setdefault((one.device, one.part), []).append(one)
+            device, fact = self.house.devices.get(one.device), f"{one.name}: {wish.text}"
+            self.wished.setdefault((one.device, one.part), []).append(one)
             self.problem.contrary[fact] = f"{one.name} is not in the house any more"
             if device is not None:
                 self._track(device, fact, one.is_so, f"{one.name} is {_told(device, one)}")
             if is_any:
-                self._follows[fact] = wish.text
+                self.follows[fact] = wish.text
                 self.problem.operators.append(Operator(frozenset((fact,)), frozenset((wish.text,))))
                 if fact in self.problem.facts:
                     self.problem.facts.add(wish.text)
@@ -127,11 +145,11 @@ class _Builder:
 
     def add_door(self, door: DoorInfo, *, is_way: bool) -> None:
         """Add the facts of a door that is on a way, or whose devices are concerned, as its devices tell them."""
-        contact, lock = self._house.called(door.contact), self._house.called(door.lock)
+        contact, lock = self.house.called(door.contact), self.house.called(door.lock)
         devices = {one.id for one in (contact, lock) if one is not None}
-        if not (is_way or devices & self._facts.keys()):
+        if not (is_way or devices & self.tests.keys()):
             return
-        self._of_doors |= devices
+        self.of_doors |= devices
         if contact is not None and (_is_open(contact) is not None or _can_open(contact)):
             opened, closed = f"{door.name} is open", f"{door.name} is closed"
             self._track(contact, opened, lambda one: _is_open(one) is not False, closed)
@@ -139,51 +157,66 @@ class _Builder:
         if lock is not None:
             fact = f"{door.name} is unlocked"
             self._track(lock, fact, lambda one: _value(one, "lock") != "locked", f"{door.name} is locked")
-            self._unlocked |= dict.fromkeys(devices, fact)
+            self.unlocked |= dict.fromkeys(devices, fact)
             if contact is not None:
-                self._closed[lock.id] = f"{door.name} is closed"
+                self.closed[lock.id] = f"{door.name} is closed"
+
+    def add_applied(self, scene: SceneInfo) -> None:
+        """Add the fact that a scene is applied, whose bridge does not tell its values."""
+        fact = _applied(scene)
+        self.problem.goal[fact] = None
+        self.problem.contrary[fact] = f"what scene {scene.name} does is known only to its bridge"
+
+    def add_robot(self, wish: RobotWish) -> None:
+        """Add the room of a robot."""
+        room, wished = self.house.robots[wish.robot], _wished_room(wish)
+        self.problem.facts.add(_at(wish.robot, room))
+        self.problem.goal[wished] = None
+        self.problem.contrary[wished] = _at(wish.robot, room)
+        if wish.is_not and fold(room) != fold(wish.room):
+            self.problem.facts.add(wished)
+
+    def _track(self, device: Device, fact: str, test: Callable[[Device], bool], contrary: str) -> None:
+        self.tests.setdefault(device.id, {}).setdefault(fact, test)
+        self.problem.contrary[fact] = contrary
+        if test(device):
+            self.problem.facts.add(fact)
+
+
+@final
+class _StepBuilder:
+    def __init__(self, known: _FactBuilder, asker: Asker) -> None:
+        self._known, self._house, self._asker = known, known.house, asker
 
     def add_commands(self) -> None:
         """Add the commands to the devices of all facts."""
-        for device_id in self._facts:
+        for device_id in self._known.tests:
             device = self._house.devices[device_id]
             for part in device.parts:
-                self.problem.operators += self._commands(device, part)
+                self._known.problem.operators += self._commands(device, part)
 
     def add_scene(self, scene: SceneInfo, *, is_named: bool) -> None:
         """Add a scene, if the goal names it, or wishes all that it does."""
-        parts = tuple(
-            (one.device, one.part, tuple((each.capability, each.value.plain()) for each in one.settings))
-            for one in scene.parts
-            if all(one.settings for one in scene.parts)
-        )
+        parts = _parts_of(scene)
         if not (is_named or (len(parts) >= _LEAST and all(map(self._is_wished, parts)))):
             return
         asks = next((one.asks for one in scene.parts if one.asks), "")
         step = SceneStep(f"apply scene {scene.name}", scene.id, parts, asks)
         gives, takes = self._effects(step)
-        if not parts:
-            gives |= {step.text}
-            self.problem.goal[step.text] = None
-            self.problem.contrary[step.text] = f"what scene {scene.name} does is known only to its bridge"
+        gives |= {_applied(scene)}
         refusals = (self._refusal(one, asks) for one in parts)
-        why = self._blocked.get((step.place, step.text)) or next(filter(None, refusals), "")
-        self.problem.operators.append(Operator(frozenset(), gives, takes, step, why, is_unseen=not parts))
+        why = self._asker.blocked.get((step.place, step.text)) or next(filter(None, refusals), "")
+        self._known.problem.operators.append(Operator(frozenset(), gives, takes, step, why, is_unseen=not parts))
 
-    def add_drive(self, wish: RobotWish) -> None:
+    def add_drives(self, wish: RobotWish) -> None:
         """Add the ways of a robot."""
-        robot, room = wish.robot, self._house.robots[wish.robot]
-        self.problem.facts.add(_at(robot, room))
-        wished = f"{robot} is not in {wish.room}" if wish.is_not else _at(robot, wish.room)
-        self.problem.goal[wished] = None
-        self.problem.contrary[wished] = _at(robot, room)
-        if wish.is_not and fold(room) != fold(wish.room):
-            self.problem.facts.add(wished)
+        robot, wished = wish.robot, _wished_room(wish)
+        at = _at(robot, self._house.robots[robot])
         if wish.room == DOCK:
             step = DriveStep(f"{robot} drives to its dock", robot, DOCK)
-            self._add_drive(step, frozenset(), frozenset((wished,)), frozenset((_at(robot, room),)))
+            self._add_drive(step, frozenset(), frozenset((wished,)), frozenset((at,)))
             return
-        tracked = {fact for facts in self._facts.values() for fact in facts}
+        tracked = {fact for facts in self._known.tests.values() for fact in facts}
         for door in self._house.doors:
             if OUTSIDE in map(fold, door.rooms):
                 continue
@@ -196,43 +229,37 @@ class _Builder:
                 self._add_drive(step, frozenset((_at(robot, here), *passable)), frozenset(gives), frozenset(takes))
 
     def _add_drive(self, step: DriveStep, needs: frozenset[str], gives: frozenset[str], takes: frozenset[str]) -> None:
-        why = self._house.problems.get(step.robot, "") or self._blocked.get((step.robot, step.text), "")
-        self.problem.operators.append(Operator(needs, gives, takes, step, why, is_unseen=step.room == DOCK))
-
-    def _track(self, device: Device, fact: str, test: Callable[[Device], bool], contrary: str) -> None:
-        self._facts.setdefault(device.id, {}).setdefault(fact, test)
-        self.problem.contrary[fact] = contrary
-        if test(device):
-            self.problem.facts.add(fact)
+        why = self._house.problems.get(step.robot, "") or self._asker.blocked.get((step.robot, step.text), "")
+        self._known.problem.operators.append(Operator(needs, gives, takes, step, why, is_unseen=step.room == DOCK))
 
     def _commands(self, device: Device, part: DevicePart) -> Iterator[Operator]:
-        wished = {tuple(one.settings.items()): None for one in self._wished.get((device.id, part.id), ())}
-        of_door = _door_settings(part) if device.id in self._of_doors else ()
+        wished = {tuple(one.settings.items()): None for one in self._known.wished.get((device.id, part.id), ())}
+        of_door = _door_settings(part) if device.id in self._known.of_doors else ()
         for settings in filter(None, dict.fromkeys((*wished, *of_door))):
             asks = "" if settings in wished else why_it_asks(device, part)
             step = CommandStep(_step_text(part_name(device, part), settings), device.id, part.id, settings, asks)
             gives, takes = self._effects(step)
             needs = frozenset[str]()
             if not OPENINGS.isdisjoint(dict(settings)):
-                needs = frozenset((self._unlocked[device.id],)) if device.id in self._unlocked else needs
-            elif dict(settings).get("lock") == "locked" and device.id in self._closed:
-                needs = frozenset((self._closed[device.id],))
-            why = self._blocked.get((step.place, step.text)) or self._refusal(step.parts[0], asks)
+                needs = frozenset((self._known.unlocked[device.id],)) if device.id in self._known.unlocked else needs
+            elif dict(settings).get("lock") == "locked" and device.id in self._known.closed:
+                needs = frozenset((self._known.closed[device.id],))
+            why = self._asker.blocked.get((step.place, step.text)) or self._refusal(step.parts[0], asks)
             yield Operator(needs, gives, takes, step, why)
 
     def _effects(self, step: Step) -> tuple[frozenset[str], frozenset[str]]:
         """Return the facts that hold after *step*, and those that do not, of the devices that it changes."""
         gives, takes = set[str](), set[str]()
         after = self._house.after((step,)).devices
-        for device_id in {one for one, *_ in step.parts} & self._facts.keys():
-            for fact, test in self._facts[device_id].items():
+        for device_id in {one for one, *_ in step.parts} & self._known.tests.keys():
+            for fact, test in self._known.tests[device_id].items():
                 (gives if test(after[device_id]) else takes).add(fact)
-        takes |= {self._follows[one] for one in takes if one in self._follows}  # it is derived again
+        takes |= {self._known.follows[one] for one in takes if one in self._known.follows}  # it is derived again
         return frozenset(gives), frozenset(takes)
 
     def _is_wished(self, part: PartSettings) -> bool:
         device, its_part, settings = part
-        return any(one.settings == dict(settings) for one in self._wished.get((device, its_part), ()))
+        return any(one.settings == dict(settings) for one in self._known.wished.get((device, its_part), ()))
 
     def _refusal(self, wanted: PartSettings, asks: str) -> str:
         """Return why a part cannot get its settings now; empty if it can."""
@@ -253,6 +280,19 @@ class _Builder:
         )
         refused = self._asker.preview(request, device, part)
         return "" if refused is None else f"{asks and 'it always asks, and '}{refused.reason} ({refused.policy})"
+
+
+def _parts_of(scene: SceneInfo) -> tuple[PartSettings, ...]:
+    """Return the values of a scene; none if only its bridge knows them."""
+    return tuple(
+        (one.device, one.part, tuple((each.capability, each.value.plain()) for each in one.settings))
+        for one in scene.parts
+        if all(each.settings for each in scene.parts)
+    )
+
+
+def _applied(scene: SceneInfo) -> str:
+    return f"scene {scene.name} is applied"
 
 
 def _door_settings(part: DevicePart) -> Sequence[Settings]:
@@ -300,3 +340,7 @@ def _told(device: Device, meant: Meant) -> str:
 
 def _at(robot: str, room: str) -> str:
     return f"{robot} is in {'its dock' if room == DOCK else room}"
+
+
+def _wished_room(wish: RobotWish) -> str:
+    return f"{wish.robot} is not in {wish.room}" if wish.is_not else _at(wish.robot, wish.room)

@@ -1,7 +1,7 @@
 """The wishes of a goal in words. Pure."""
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
@@ -18,6 +18,7 @@ DOCK: Final = "dock"
 """The room of a wish for a robot in its dock."""
 
 _JOINED: Final = re.compile(r"""((?:"[^"]*"|\([^)]*\)|(?!\s+and\s|,).)+)(?:\s+and\s+|\s*,\s*|$)""", re.IGNORECASE)
+_THE: Final = re.compile(r"^the\s+", re.IGNORECASE)
 _IS: Final = r"\s+(?:(?:is|are)\s+)?(?P<no>not\s+)?"
 _LIT: Final = re.compile(rf"(?P<room>.+?){_IS}(?P<word>lit|dark)", re.IGNORECASE)
 _IN: Final = re.compile(rf"(?P<robot>[\w-]+){_IS}in\s+(?:the\s+)?(?P<room>.+)", re.IGNORECASE)
@@ -105,15 +106,7 @@ def read_wishes(text: str, known: KnownNames) -> tuple[Wish, ...]:
     """
     if _CODE.search(text):
         raise UsageError("a goal has no code, as it is journaled; give it before: homebot do LOCK unlock --ask-code")
-    found: list[Wish] = []
-    subject = ""
-    for one in _JOINED.findall(text):
-        words = " ".join(one.split()).removesuffix(".")
-        if fold(words) in ADJECTIVES and subject:  # front door closed and locked
-            words = f"{subject} {words}"
-        if words:
-            subject = words.rpartition(" ")[0]
-            found.append(_wish(words, known))
+    found = [_wish(one, known) for one in _phrases(text)]
     if not found:
         raise UsageError(f"the goal is empty; {_EXAMPLES}")
     places: dict[str, RobotWish] = {}
@@ -125,25 +118,39 @@ def read_wishes(text: str, known: KnownNames) -> tuple[Wish, ...]:
     return tuple(dict.fromkeys(found))
 
 
+def _phrases(text: str) -> Iterator[str]:
+    """Yield the wishes in *text*; a state alone is of the subject before it, as in ``front door closed and locked``."""
+    subject = ""
+    for one in _JOINED.findall(text):
+        if phrase := " ".join(one.split()).removesuffix("."):
+            if fold(phrase) in ADJECTIVES and subject:
+                phrase = f"{subject} {phrase}"
+            subject = phrase.rpartition(" ")[0]
+            yield phrase
+
+
 def _wish(text: str, known: KnownNames) -> Wish:
-    plain = re.sub(r"^the\s+", "", text, flags=re.IGNORECASE)
+    plain = _THE.sub("", text)
     first, _, rest = plain.partition(" ")
     is_not = fold(first) in {"no", "not"} and bool(rest)
-    plain = re.sub(r"^the\s+", "", rest, flags=re.IGNORECASE) if is_not else plain
+    plain = _THE.sub("", rest) if is_not else plain
     if (lit := _LIT.fullmatch(plain)) is not None:
         is_lit = (fold(lit["word"]) == "lit") ^ is_not ^ bool(lit["no"])
         area = "" if fold(lit["room"]) in _EVERYWHERE else _area(lit["room"], known.areas)
         return RoomWish(f"{area or 'house'} {'lit' if is_lit else 'dark'}", area, is_lit)
     if (scene := _scene(plain, known.scenes)) and not is_not:
         return SceneWish(f"scene {scene}", scene)
+    return _of_robot(text, plain, known, is_not=is_not) or _state(text, plain, known, is_not=is_not)
+
+
+def _of_robot(text: str, plain: str, known: KnownNames, *, is_not: bool) -> RobotWish | None:
     docked = _DOCKED.fullmatch(plain)
-    if docked is not None and not is_not and (" " in docked["way"] or fold(docked["robot"]) in map(fold, known.robots)):
+    if docked is not None and not is_not and (" " in docked["way"] or _named(docked["robot"], known.robots)):
         return RobotWish(text, docked["robot"], DOCK)
     placed = _IN.fullmatch(plain)
-    if placed is not None and (_named(placed["room"], known.rooms) or not _ends_with_state(plain)):
-        room = _area(placed["room"], known.rooms)
-        return RobotWish(text, placed["robot"], room, is_not=is_not ^ bool(placed["no"]))
-    return _state(text, plain, known, is_not=is_not)
+    if placed is None or (not _named(placed["room"], known.rooms) and _ends_with_state(plain)):
+        return None
+    return RobotWish(text, placed["robot"], _area(placed["room"], known.rooms), is_not=is_not ^ bool(placed["no"]))
 
 
 def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> Wish:
