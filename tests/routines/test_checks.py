@@ -78,6 +78,7 @@ async def test_nothing_is_said_of_routines_that_work() -> None:
         ({"when": ["study motion occupied"]}, "'study motion occupied': "),
         ({"when": ["temperature in hall below 18 °C"]}, "'temperature in hall below 18 °C': "),
         ({"when": ["hall button press tripple"]}, "'hall button press tripple': it has no event 'tripple'"),
+        ({"when": ["hall button#left press"]}, "'hall button#left press': it has no button 'left'; it has "),
         ({"when": ["Anna arrives"]}, "'Anna arrives': "),
         ({"if": ["nobody is home"]}, "'nobody is home': "),
         ({"if": ["nobody in studdy"]}, "'nobody in studdy': "),

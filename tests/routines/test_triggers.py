@@ -36,6 +36,15 @@ def test_a_press_may_be_a_certain_one() -> None:
     assert not every.value
 
 
+def test_a_press_may_be_of_one_of_several_buttons() -> None:
+    found = read_trigger("remote#Button 2 press 'remote_button_short_press turn_on'")
+    assert isinstance(found, Press)
+    assert (found.part, found.value) == ("button 2", "remote_button_short_press turn_on")
+    named = read_trigger("Button #2 press")
+    assert isinstance(named, Press)
+    assert not named.part, "that is a name"
+
+
 def test_a_robot_comes_and_goes() -> None:
     assert read_trigger("Rosie arrives in living room") == RobotArrival("rosie", "living room")
     assert read_trigger("robot leaves kitchen") == RobotArrival("robot", "kitchen", leaves=True)

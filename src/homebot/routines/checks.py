@@ -31,7 +31,6 @@ from homebot.routines.settings import RoutineSettings
 from homebot.routines.steps import APPLY, Do, SendRobot, Wait, WaitUntil
 from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
 from homebot.support.folding import fold
-from homebot.support.similar import did_you_mean
 
 __all__ = ["HouseChecks", "asked_about"]
 
@@ -94,10 +93,10 @@ class HouseChecks:
 
     async def _of(self, routine: RoutineSettings, effects: list[Effect]) -> AsyncIterator[str]:
         """Yield the problems of one routine, and add the effects of its steps to *effects*."""
-        for text, query, value in _states(routine):
+        for text, query, press in _states(routine):
             if problem := (
                 await self._problem_of(query)
-                or await self._unknown_event(query, value)
+                or (press and await self._unknown_event(press))
                 or await self._others(text, query)
             ):
                 yield f"{text!r}: {problem}"
@@ -125,17 +124,19 @@ class HouseChecks:
             "" if answer.total else answer.message or "nothing in the house fits this; `homebot find` shows what does"
         )
 
-    async def _unknown_event(self, query: Query, value: str) -> str:
-        """Return that no device that fits *query* tells of the event *value*; empty if one does, or may."""
-        if not value:
+    async def _unknown_event(self, press: Press) -> str:
+        """Return that no device that fits has the button, or tells of the event, of *press*; empty if one may."""
+        devices = [one.device for one in (await self._ask(press.query, _MOST)).results]
+        parts = [
+            part for one in devices for part in one.parts if any(can.name in EVENTS for can in part.part.capabilities)
+        ]
+        buttons = [one for one in parts if press.is_of(one)]
+        if parts and not buttons:
+            return f"it has no button {press.part!r}; it has {', '.join(one.part.name or one.id for one in parts)}"
+        options = [option for one in buttons for can in one.part.capabilities for option in can.options]
+        if not press.value or not options or press.value in map(str.casefold, options):
             return ""
-        devices = [one.device for one in (await self._ask(query, _MOST)).results]
-        told = [one for device in devices for part in device.parts for one in part.part.capabilities]
-        options = [option for one in told if one.name in EVENTS for option in one.options]
-        if not options or value in map(str.casefold, options):
-            return ""
-        hint = did_you_mean(value, options, f"it has {', '.join(options)}")
-        return f"it has no event {value!r}; {hint}"
+        return f"it has no event {press.value!r}; it has {', '.join(dict.fromkeys(options))}"
 
     async def _others(self, text: str, query: Query) -> str:
         """Return that *query* means others as well, if *text* begins with the name of one device, as in a command."""
@@ -212,14 +213,14 @@ class HouseChecks:
         return self._answers[key]
 
 
-def _states(routine: RoutineSettings) -> Iterator[tuple[str, Query, str]]:
-    """Yield the text of each state and press, its query, and the event."""
+def _states(routine: RoutineSettings) -> Iterator[tuple[str, Query, Press | None]]:
+    """Yield the text of each state and press, with its query."""
     for text, one in routine.asked():
         match one:
             case Becomes(query=query) | PersonMoves(query=query) | Matches(state=Becomes(query=query)):
-                yield text, query, ""
-            case Press(query=query, value=value):
-                yield text, query, value
+                yield text, query, None
+            case Press() as press:
+                yield text, press.query, press
 
 
 def asked_about(routines: Iterable[RoutineSettings]) -> Callable[[Device], bool]:

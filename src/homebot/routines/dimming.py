@@ -1,6 +1,7 @@
 """Dimming while a button is held: level by level, because few devices report that they take moves."""
 
 from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import replace
 from typing import Final
 
 import anyio
@@ -11,13 +12,15 @@ from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
 from homebot.graph import Node
 from homebot.routines.steps import Dim
-from homebot.routines.triggers import Press
 from homebot.routines.watches import PressWatch
 
 __all__ = ["MOST_DIMMED", "dim"]
 
 MOST_DIMMED: Final = 10.0
 """Seconds; a release may get lost."""
+
+_REPEATED: Final = "repeat"
+"""The event of Hue's buttons every 0.8 s while they are held."""
 
 _STEP, _EVERY = 10.0, 0.5
 """Percent, and seconds: the whole range in five seconds, as with most dimmers."""
@@ -37,10 +40,11 @@ async def dim(node: Node, step: Dim, devices: Sequence[Device], set_level: Calla
     over = anyio.Event()
 
     def on_press(change: object) -> None:
-        if isinstance(change, StateChange) and str(change.readings[0].value.plain()).casefold() != step.event:
+        if isinstance(change, StateChange) and str(change.readings[0].value.plain()).casefold() not in held:
             over.set()
 
-    watch = PressWatch(node, Press(step.text, step.button), on_press)
+    held = {step.held.value, _REPEATED}
+    watch = PressWatch(node, replace(step.held, value=""), on_press)
     try:
         with anyio.move_on_after(MOST_DIMMED):
             while not over.is_set() and level != (_BRIGHTEST if is_up else _DARKEST):

@@ -137,7 +137,8 @@ def _may_coincide(one: Trigger, other: Trigger) -> bool:
                 read_days(other.days)
             )
         case Press(), Press():
-            return one.query == other.query and (not one.value or not other.value or one.value == other.value)
+            pairs = (one.value, other.value), (one.part, other.part)
+            return one.query == other.query and all(not a or not b or a == b for a, b in pairs)
         case Becomes(), Becomes():
             return one.lasting == other.lasting and _may_both_hold(one, other)
         case PersonMoves(), PersonMoves():

@@ -13,7 +13,7 @@ from homebot.devices.query.terms import Query
 from homebot.devices.text.colors import COLORS, WHITES
 from homebot.errors import UsageError
 from homebot.routines.times import read_duration
-from homebot.routines.triggers import Becomes, read_state
+from homebot.routines.triggers import Becomes, Press, read_press, read_state
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
@@ -29,7 +29,8 @@ APPLY: Final = "apply"
 _SCENE: Final = re.compile(r"scene\s+(?P<name>.+?)(?:,\s*over\s+(?P<length>\d.*))?", re.IGNORECASE)
 _DRIVE: Final = re.compile(r"(?P<robot>\w+)\s+(?:go|goes|drive|drives)\s+to\s+(?:the\s+)?(?P<room>.+)", re.IGNORECASE)
 _DIM: Final = re.compile(
-    r"(?P<target>.+?)\s+(?P<way>dim|brighten|darken)\s+while\s+(?P<button>.+?)\s+(?P<event>\w+)", re.IGNORECASE
+    r"(?P<target>.+?)\s+(?P<way>dim|brighten|darken)\s+while\s+(?P<button>.+?)\s+(?P<event>\w+|\"[^\"]+\"|'[^']+')",
+    re.IGNORECASE,
 )
 _OVER: Final = re.compile(r"over\s+(?P<length>\d.*)", re.IGNORECASE)
 _NUMBER: Final = re.compile(r"[+-]?\d+(?:\.\d+)?\s*(?P<unit>%|k|°?[cf])?", re.IGNORECASE)
@@ -72,16 +73,14 @@ class Dim:
     Attributes:
         query: The query of *target*.
         way: ``brighten``, ``darken``, or ``dim`` for away from the nearer end.
-        button: The query for the button.
-        event: Its event while it is held; any other one ends the step.
+        held: The event of the button while it is held; any other one ends the step.
     """
 
     text: str
     target: str
     query: Query
     way: str
-    button: Query
-    event: str
+    held: Press
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +148,8 @@ def read_step(text: str) -> Step:
         return SendRobot(plain, driven["robot"].casefold(), driven["room"])
     if (held := _DIM.fullmatch(plain)) is not None:
         target, way, button, event = held.group("target", "way", "button", "event")
-        return Dim(plain, target, parse_query(target), way.casefold(), parse_query(button), event.casefold())
+        if (press := read_press(f"{button} press {event}")) is not None:
+            return Dim(plain, target, parse_query(target), way.casefold(), press)
     if (scene := _SCENE.fullmatch(plain)) is not None:
         length = read_duration(scene["length"]) if scene["length"] else 0.0
         return Do(plain, f"scene {scene['name']}", APPLY, transition=length)

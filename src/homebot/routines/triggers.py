@@ -4,11 +4,13 @@ import re
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from homebot.devices.device import DevicePart
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import Query, StateIs, leaves, split_near
 from homebot.errors import UsageError
 from homebot.routines.people import HOME_FACTS, check_known, may_begin, read_move, read_person
 from homebot.routines.times import DaysAndTime, SunMoment, read_duration, time_hint
+from homebot.support.folding import fold
 
 __all__ = ["Becomes", "Press", "RobotArrival", "Trigger", "read_press", "read_state", "read_trigger"]
 
@@ -20,7 +22,9 @@ _EXAMPLES: Final = (
     "'temperature in nursery below 18 °C', 'hall button press', '22:00 on weekdays' or 'sunset - 30m'"
 )
 _PRESS: Final = re.compile(
-    r"(?P<query>.+?)\s+(?:press|pressed|presses)(?:\s+(?P<value>\w+|\"[^\"]+\"|'[^']+'))?", re.IGNORECASE
+    r"(?P<query>.+?)(?:(?<=\S)#(?P<part>[^#'\"]+?))?\s+(?:press|pressed|presses)"
+    r"(?:\s+(?P<value>\w+|\"[^\"]+\"|'[^']+'))?",
+    re.IGNORECASE,
 )
 _ARRIVAL: Final = re.compile(r"(?P<robot>\w+)\s+(?P<word>arrives in|leaves)\s+(?P<room>.+)", re.IGNORECASE)
 
@@ -49,11 +53,17 @@ class Press:
 
     Attributes:
         value: The event, such as ``double``; empty for any.
+        part: The id or name of the button, if the device has several: ``Remote#2``; empty for any.
     """
 
     text: str
     query: Query
     value: str = ""
+    part: str = ""
+
+    def is_of(self, part: DevicePart) -> bool:
+        """Return whether *part* of a device is the button."""
+        return not self.part or self.part in map(fold, (part.id, part.part.name, part.part.tag))
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +124,8 @@ def read_press(text: str) -> Press | None:
     """
     if (pressed := _PRESS.fullmatch(text)) is None:
         return None
-    return Press(text, parse_query(pressed["query"]), (pressed["value"] or "").strip("\"'").casefold())
+    value = (pressed["value"] or "").strip("\"'").casefold()
+    return Press(text, parse_query(pressed["query"]), value, fold(pressed["part"] or ""))
 
 
 def read_state(text: str) -> Becomes:

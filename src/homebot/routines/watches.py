@@ -94,8 +94,11 @@ def is_press(view: HouseView, press: Press, change: object) -> bool:
     if not isinstance(change, StateChange) or not change.is_event:
         return False
     known, value = view.get(change.device), str(change.readings[0].value.plain()).casefold()
-    is_meant = known is not None and change.live and fits(press.query, facets_of(known.current()))
-    return is_meant and press.value in {"", value}
+    if known is None or not change.live or press.value not in {"", value}:
+        return False
+    device = known.current()
+    is_button = not press.part or any(one.id == change.readings[0].part and press.is_of(one) for one in device.parts)
+    return is_button and fits(press.query, facets_of(device))
 
 
 @final

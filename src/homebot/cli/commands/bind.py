@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Final, cast
 
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.devices.names import CHANGE_ROUTINE, QUERY_DEVICES
+from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError, UsageError
 from homebot.routines.text import routine_text
+from homebot.routines.triggers import read_press
+from homebot.support.folding import fold
 from homebot.support.printable import printable
-from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
-    from homebot.devices.part import Capability
     from homebot.devices.services import QueryDevicesResponse
 
 __all__ = ["add_arguments"]
@@ -24,6 +25,7 @@ _EXAMPLES: Final = """\
   homebot bind 'Hall button' double scene Film
   homebot bind 'Hall button' hold 'hall lamp' dim       while it is held, at most 10 s; also brighten, darken
   homebot bind 'Hall button' any 'lights in hall' off
+  homebot bind 'Dimmer#2' single 'hall lamp' off        the second button of a device with several
 
 It writes a routine, which `homebot routine list`, `show`, `edit`, `disable` and `remove` know by the name of the button
 and its event, and needs the right `manage`. `homebot show 'Hall button'` lists the events of a button.
@@ -43,14 +45,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _bind(door: DoorClient, options: argparse.Namespace) -> int:
-    _check_event(door, options.button, options.event)
-    event = "" if options.event == _ANY else f" {options.event}"
+    button = _button(door, options.button, options.event)
+    event = f" {options.event}" if options.event.replace("_", "").isalnum() else f" '{options.event}'"
+    event = "" if options.event == _ANY else event
     step = " ".join(options.step)
     if options.step[-1] in _DIMS and options.step[0] != "scene":
         if not event:
             raise UsageError("say while which event it dims, such as hold")
-        step = f"{step} while {options.button}{event}"
-    text = routine_text({"name": f"{options.button}{event}", "when": [f"{options.button} press{event}"], "do": [step]})
+        step = f"{step} while {button}{event}"
+    name = f"{options.button} {options.event}".removesuffix(f" {_ANY}")
+    text = routine_text({"name": name, "when": [f"{button} press{event}"], "do": [step]})
     answer = door.call(CHANGE_ROUTINE, {"change": "new", "text": text}, timeout=_LONGEST)
     if not answer["success"]:
         raise PeerError(printable(str(answer["message"]), 2000))
@@ -60,20 +64,28 @@ def _bind(door: DoorClient, options: argparse.Namespace) -> int:
     return 0
 
 
-def _check_event(door: DoorClient, button: str, event: str) -> None:
-    """Check that a device fits *button*, and that one reports *event*, if any tells its events."""
-    answer = cast("QueryDevicesResponse", JsonMessage(door.call(QUERY_DEVICES, {"query": button, "limit": _MOST})))
+def _button(door: DoorClient, text: str, event: str) -> str:
+    """Return the words for the button *text*, which is known to report *event*, or does not tell its events."""
+    press = read_press(f"{text} press")
+    query, number, part = text.rpartition("#") if press and press.part else (text, "", "")
+    answer = cast("QueryDevicesResponse", JsonMessage(door.call(QUERY_DEVICES, {"query": query, "limit": _MOST})))
     if not answer.success:
         raise UsageError(answer.message)
-    presses = _presses(answer)
+    found = [(one.device.name or one.device.id, part) for one in answer.results for part in one.device.parts]
+    presses = [
+        (name, part, can.options) for name, part in found for can in part.part.capabilities if can.name == "press"
+    ]
     if not presses:
-        raise UsageError(f"no button fits {button!r}; `homebot find buttons` shows those that there are")
-    events = {option for can in presses for option in can.options}
-    if event != _ANY and all(can.options for can in presses) and event.casefold() not in map(str.casefold, events):
-        hint = did_you_mean(event, events, f"it has {', '.join(sorted(events))}")
-        raise UsageError(f"{button} reports no {event!r}; {hint}")
-
-
-def _presses(answer: QueryDevicesResponse) -> list[Capability]:
-    parts = [part.part for one in answer.results for part in one.device.parts]
-    return [can for part in parts for can in part.capabilities if can.name == "press" and can.readable]
+        raise UsageError(f"no button fits {query!r}; `homebot find buttons` shows those that there are")
+    if (own := [one for one in presses if fold(one[0]) == fold(query)]) and len(own) < len(presses):
+        presses, query = own, f"name={quoted(query)}"
+    named = [one for one in presses if press is None or press.is_of(one[1])]
+    telling = [one for one in named if event == _ANY or not one[2] or fold(event) in map(fold, one[2])]
+    if named and not telling:
+        events = dict.fromkeys(option for _, _, options in named for option in options)
+        raise UsageError(f"{text} reports no {event!r}; it has {', '.join(events)}")
+    if not named or len({name for name, _, _ in telling}) == 1 < len(telling):
+        names = [f"'{name}#{part.part.name or part.part.tag or part.id}'" for name, part, _ in telling or presses]
+        problem = f"{names[0].partition('#')[0][1:]} has {len(names)} buttons" if named else f"there is no {text}"
+        raise UsageError(f"{problem}; name one of {', '.join(names)}")
+    return f"{query}{number}{part}"
