@@ -281,10 +281,8 @@ def _proved(
     held_out = [*_held_out(rules, days, left)]
     precision = (_hits(held_out) + 1) / (len(held_out) + 2)  # the chosen ones were lucky on these days as well
     chance = _by_chance(days, done, best)
-    conditions = [days.conditions[one] for one in best.conditions]
-    usual = sum(all(holds(at + best.late) for holds in conditions) for at in best.begins) if best.late > 0 else 0
     is_habit = (
-        len({one.day for one in hits}) >= max(LEAST_DAYS, _LEAST_OF_DAYS * usual)
+        len({one.day for one in hits}) >= max(LEAST_DAYS, _LEAST_OF_DAYS * _chances(days, best))
         and sure_share(len(hits), len(tried)) >= _LEAST_SURE
         and precision >= max(_LEAST_PRECISION, chance + _ABOVE_CHANCE)
         and luck(_hits(held_out), len(held_out), chance) <= unlikely
@@ -298,6 +296,12 @@ def _proved(
     return FoundHabit(
         best.when, best.conditions, done.step, done.device, best.span - best.late, occasions, precision, recall
     )
+
+
+def _chances(days: Days, rule: _Rule) -> int:
+    """Return how often there was an occasion for a rule that is late; 0 for any other."""
+    conditions = [days.conditions[one] for one in rule.conditions]
+    return sum(all(holds(at + rule.late) for holds in conditions) for at in rule.begins) if rule.late > 0 else 0
 
 
 def _is_punctual(hits: Iterable[_Tried]) -> bool:

@@ -9,7 +9,7 @@ from typing import Final, final
 
 from homebot.command_words.suitable_parts import part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError, Target
-from homebot.devices import QUERY_DEVICES, Device, KeyValue, QueryDevices
+from homebot.devices import QUERY_DEVICES, Device, DevicePart, KeyValue, QueryDevices
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device_lookup import DeviceLookup
@@ -127,9 +127,7 @@ class HouseChecks:
     async def _unknown_event(self, press: Press) -> str:
         """Return that no device that fits has the button, or tells of the event, of *press*; empty if one may."""
         devices = [one.device for one in (await self._ask(press.query, _MOST)).results]
-        parts = [
-            part for one in devices for part in one.parts if any(can.name in EVENTS for can in part.part.capabilities)
-        ]
+        parts = [part for one in devices for part in one.parts if _has_events(part)]
         buttons = [one for one in parts if press.is_of(one)]
         if parts and not buttons:
             return f"it has no button {press.part!r}; it has {', '.join(one.part.name or one.id for one in parts)}"
@@ -233,6 +231,10 @@ def asked_about(routines: Iterable[RoutineSettings]) -> Callable[[Device], bool]
                 with suppress(UsageError):
                     queries.append(_stateless(parse_query(line.step.target)))
     return lambda device: any(fits(query, facets_of(device)) for query in queries)
+
+
+def _has_events(part: DevicePart) -> bool:
+    return any(one.name in EVENTS for one in part.part.capabilities)
 
 
 def _stateless(query: Query) -> Query:

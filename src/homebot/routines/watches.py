@@ -61,14 +61,12 @@ async def begun(
                 due.discard(device.id)
                 kept.pop(_key(state, device), None)
             elif change.kind == "appeared":
-                cause = CURRENT_CAUSE.get()
-                is_found = since > -math.inf and isinstance(cause, DeviceChange) and cause.kind == "appeared"
-                matched_at = -math.inf if is_found else _matched_at(device, state, since, clock.now())
+                matched_at = _matched_at(device, state, since, clock.now())
                 goes_on = matched_at == -math.inf and _key(state, device) in kept
                 matched_at = kept[_key(state, device)] if goes_on else matched_at
                 if goes_on or matched_at + state.lasting >= since:
                     wait = matched_at + state.lasting - clock.now()
-                    due.set(device.id, clock.monotonic() + wait, Begun(device, cause))
+                    due.set(device.id, clock.monotonic() + wait, Begun(device, CURRENT_CAUSE.get()))
                     if wait > 0:
                         kept[_key(state, device)] = matched_at
         if scope.cancelled_caught and (found := due.pop(clock.monotonic())) is not None:
@@ -82,6 +80,9 @@ def _key(state: Becomes, device: Device) -> str:
 
 def _matched_at(device: Device, state: Becomes, since: float, now: float) -> float:
     """Return since when *device* has the values of *state*; -inf if only since before the time *since*."""
+    cause = CURRENT_CAUSE.get()
+    if since > -math.inf and isinstance(cause, DeviceChange) and cause.kind == "appeared":  # it is found so
+        return -math.inf
     values = [one for one in device.states if one.capability in state.capabilities and one.live]
     if not values:
         return now if since == -math.inf else -math.inf

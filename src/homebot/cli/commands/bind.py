@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Final, cast
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final, NamedTuple, cast
 
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.devices.names import CHANGE_ROUTINE, QUERY_DEVICES
@@ -16,6 +17,7 @@ from homebot.support.folding import fold
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
+    from homebot.devices import DevicePart
     from homebot.devices.services import QueryDevicesResponse
 
 __all__ = ["add_arguments"]
@@ -64,28 +66,52 @@ def _bind(door: DoorClient, options: argparse.Namespace) -> int:
     return 0
 
 
+class _Button(NamedTuple):
+    """A part that tells of presses, and the name of its device."""
+
+    name: str
+    part: DevicePart
+    events: tuple[str, ...]
+
+    def may_tell(self, event: str) -> bool:
+        """Return whether it tells of *event*, or does not say of which it does."""
+        return event == _ANY or not self.events or fold(event) in map(fold, self.events)
+
+
 def _button(door: DoorClient, text: str, event: str) -> str:
     """Return the words for the button *text*, which is known to report *event*, or does not tell its events."""
     press = read_press(f"{text} press")
     query, number, part = text.rpartition("#") if press and press.part else (text, "", "")
+    found = _buttons(door, query)
+    if (own := [one for one in found if fold(one.name) == fold(query)]) and len(own) < len(found):
+        found, query = own, f"name={quoted(query)}"
+    named = [one for one in found if press is None or press.is_of(one.part)]
+    if not named:
+        raise UsageError(f"there is no {text}; name one of {_numbered(found)}")
+    telling = [one for one in named if one.may_tell(event)]
+    if not telling:
+        events = dict.fromkeys(option for one in named for option in one.events)
+        raise UsageError(f"{text} reports no {event!r}; it has {', '.join(events)}")
+    if len({one.name for one in telling}) == 1 < len(telling):
+        raise UsageError(f"{telling[0].name} has {len(telling)} buttons; name one of {_numbered(telling)}")
+    return f"{query}{number}{part}"
+
+
+def _buttons(door: DoorClient, query: str) -> list[_Button]:
     answer = cast("QueryDevicesResponse", JsonMessage(door.call(QUERY_DEVICES, {"query": query, "limit": _MOST})))
     if not answer.success:
         raise UsageError(answer.message)
-    found = [(one.device.name or one.device.id, part) for one in answer.results for part in one.device.parts]
-    presses = [
-        (name, part, can.options) for name, part in found for can in part.part.capabilities if can.name == "press"
+    found = [
+        _Button(one.device.name or one.device.id, part, can.options)
+        for one in answer.results
+        for part in one.device.parts
+        for can in part.part.capabilities
+        if can.name == "press"
     ]
-    if not presses:
+    if not found:
         raise UsageError(f"no button fits {query!r}; `homebot find buttons` shows those that there are")
-    if (own := [one for one in presses if fold(one[0]) == fold(query)]) and len(own) < len(presses):
-        presses, query = own, f"name={quoted(query)}"
-    named = [one for one in presses if press is None or press.is_of(one[1])]
-    telling = [one for one in named if event == _ANY or not one[2] or fold(event) in map(fold, one[2])]
-    if named and not telling:
-        events = dict.fromkeys(option for _, _, options in named for option in options)
-        raise UsageError(f"{text} reports no {event!r}; it has {', '.join(events)}")
-    if not named or len({name for name, _, _ in telling}) == 1 < len(telling):
-        names = [f"'{name}#{part.part.name or part.part.tag or part.id}'" for name, part, _ in telling or presses]
-        problem = f"{names[0].partition('#')[0][1:]} has {len(names)} buttons" if named else f"there is no {text}"
-        raise UsageError(f"{problem}; name one of {', '.join(names)}")
-    return f"{query}{number}{part}"
+    return found
+
+
+def _numbered(buttons: Sequence[_Button]) -> str:
+    return ", ".join(f"'{name}#{part.part.name or part.part.tag or part.id}'" for name, part, _ in buttons)

@@ -63,10 +63,7 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
         case "time":
             return _time(fields)
         case "sun":
-            told = fields.text("after", ""), fields.text("before", "")
-            if told not in _SUN:
-                raise NotCarriedError("condition sun: routines know day and night, but no such part of a day")
-            return _SUN[told]
+            return _sun(fields)
         case "trigger":
             if automation.trigger is None:
                 raise NotCarriedError("condition trigger: no trigger has an id")
@@ -81,6 +78,13 @@ def _state(automation: Automation, kind: str, fields: UnreadFields) -> list[Cond
     each = STATES[kind](automation.entities, fields, "state")
     found = [_any_of([[Condition(one, one not in _BY_SUN)] for one in states]) for states in each]
     return _any_of(found) if of_any else [one for some in found for one in some]
+
+
+def _sun(fields: UnreadFields) -> list[Condition]:
+    told = fields.text("after", ""), fields.text("before", "")
+    if told not in _SUN:
+        raise NotCarriedError("condition sun: routines know day and night, but no such part of a day")
+    return _SUN[told]
 
 
 def _time(fields: UnreadFields) -> list[Condition]:

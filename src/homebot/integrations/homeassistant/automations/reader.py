@@ -70,15 +70,7 @@ def _tables(whole: Automation, fields: UnreadFields, name: str) -> Iterator[dict
     """Yield the tables of the routines of an automation."""
     for key in ("id", "description", "trace", "max_exceeded"):
         fields.take(key)
-    enabled, mode, most = (
-        fields.flag("initial_state", default=True),
-        fields.text("mode", "single"),
-        fields.numbers("max"),
-    )
-    if mode not in _MODES:
-        raise NotCarriedError(f"mode: {mode!r}")
-    if mode in {"queued", "parallel"} and most not in ([], [_MOST_RUNS]):
-        raise NotCarriedError("max: routines have no such limit")
+    enabled, mode = fields.flag("initial_state", default=True), _mode(fields)
     triggers, conditions, actions = (fields.items(one, f"{one}s") for one in ("trigger", "condition", "action"))
     with whole.in_line(0):
         fields.end()
@@ -101,6 +93,15 @@ def _tables(whole: Automation, fields: UnreadFields, name: str) -> Iterator[dict
                 **({"mode": mode} if mode != "single" else {}),
                 **({} if enabled else {"enabled": False}),
             }
+
+
+def _mode(fields: UnreadFields) -> str:
+    mode, most = fields.text("mode", "single"), fields.numbers("max")
+    if mode not in _MODES:
+        raise NotCarriedError(f"mode: {mode!r}")
+    if mode in {"queued", "parallel"} and most not in ([], [_MOST_RUNS]):
+        raise NotCarriedError("max: routines have no such limit")
+    return mode
 
 
 def _parts(asking: Sequence[Located], triggers: Sequence[Located]) -> list[tuple[str | None, list[Located]]]:

@@ -86,39 +86,76 @@ _FIELDS: Final = {
 
 def steps_of_service(entities: Entities, fields: UnreadFields, key: str) -> list[str]:
     """Return the steps of the call of a service, which the field *key* names: a scene, or an action of a device."""
+    name = _service_name(fields, key)
+    domain, data = name.partition(".")[0], fields.inner("data", "service_data")
+    target = _target_of(fields, data)
+    if domain in {"notify", "persistent_notification"} and target.is_to_notify:
+        return [_message(name, data)]
+    if name not in _WORDS and name not in _DATA:
+        raise NotCarriedError(f"the service {name} has no counterpart in routines")
+    target.check()
+    settings, over = [*_settings(name, data)], data.duration("transition") if domain == "light" else ""
+    data.end()
+    if target.areas or target.entities == ["all"]:
+        if name not in {"light.turn_on", "light.turn_off"} or len(settings) > 1 or over:
+            raise NotCarriedError(f"{name}: by `area_id` or `all` only lights are switched, and only on and off")
+        return [_step(one, [settings[0].words]) for one in _lights(entities, target.areas)]
+    known = _of_domain(domain, [*map(entities.find, target.entities)])
+    return [step for one in known for step in _steps(one, settings, over)]
+
+
+def _of_domain(domain: str, known: list[KnownEntity]) -> list[KnownEntity]:
+    if others := [one.id for one in known if domain not in {one.domain, "homeassistant"}]:
+        raise NotCarriedError(f"a service of {domain}: {others[0]} belongs to another domain")
+    return known
+
+
+def _lights(entities: Entities, areas: Sequence[str]) -> list[str]:
+    return [f"lights in {entities.room_of(one)}" for one in areas] or ["all lights"]
+
+
+class _Target(NamedTuple):
+    """What a service is called for."""
+
+    entities: list[str]
+    areas: list[str]
+    devices: list[str]
+
+    @property
+    def is_to_notify(self) -> bool:
+        """True unless other entities than those of messages are named."""
+        return all(one.startswith("notify.") for one in self.entities)
+
+    def check(self) -> None:
+        """Refuse what names no entity or area, or more than one kind."""
+        if self.devices:
+            raise NotCarriedError("the target `device_id`: name the entity")
+        if not self.entities and not self.areas:
+            raise NotCarriedError("no target; name an entity")
+        if self.entities and self.areas:
+            raise NotCarriedError("the target has both `entity_id` and `area_id`; name the entities")
+
+
+def _service_name(fields: UnreadFields, key: str) -> str:
     match key:
         case "device_id":
             fields.take(key)
-            name = f"{fields.text('domain')}.{fields.text('type')}"
+            return f"{fields.text('domain')}.{fields.text('type')}"
         case "scene":
-            name = "scene.turn_on"
+            return "scene.turn_on"
         case _:
-            name = fields.text(key)
-    domain = name.partition(".")[0]
-    target, data = fields.inner("target"), fields.inner("data", "service_data")
+            return fields.text(key)
+
+
+def _target_of(fields: UnreadFields, data: UnreadFields) -> _Target:
+    """Return the target, which older texts have in the data or beside the service."""
+    target = fields.inner("target")
     ids, areas, devices = (
         [one for place in (target, data, fields) for one in place.texts(kind)]
         for kind in ("entity_id", "area_id", "device_id")
     )
-    ids += fields.texts("scene")
     target.end()
-    if domain in {"notify", "persistent_notification"} and all(one.startswith("notify.") for one in ids):
-        return [_message(name, data)]
-    if name not in _WORDS and name not in _DATA:
-        raise NotCarriedError(f"the service {name} has no counterpart in routines")
-    if devices or not (ids or areas):
-        raise NotCarriedError("the target `device_id`: name the entity" if devices else "no target; name an entity")
-    settings, over = [*_settings(name, data)], data.duration("transition") if domain == "light" else ""
-    data.end()
-    if areas or ids == ["all"]:
-        if name not in {"light.turn_on", "light.turn_off"} or len(settings) > 1 or over or (ids and areas):
-            raise NotCarriedError(f"{name}: by `area_id` or `all` only lights are switched, and only on and off")
-        groups = [f"lights in {entities.room_of(one)}" for one in areas] or ["all lights"]
-        return [_step(one, [settings[0].words]) for one in groups]
-    known = [*map(entities.find, ids)]
-    if others := [one.id for one in known if domain not in {one.domain, "homeassistant"}]:
-        raise NotCarriedError(f"{name}: {others[0]} belongs to another domain")
-    return [step for one in known for step in _steps(one, settings, over)]
+    return _Target([*ids, *fields.texts("scene")], areas, devices)
 
 
 def _message(name: str, data: UnreadFields) -> str:

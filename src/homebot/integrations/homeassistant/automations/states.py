@@ -115,8 +115,7 @@ def _meaning(entity: KnownEntity, state: str) -> _Meaning:
         raise NotCarriedError(f"{entity.id}: {state!r} is no state that a routine can ask for")
     if entity.domain == "binary_sensor" and state in _FLAGS:
         return entity.capability, "=", _FLAGS[state]
-    is_playing_or_idle = entity.domain == "media_player" and state == "on"  # in homebot, what plays is on as well
-    if state in _FLAGS and "on_off" in entity.controls and entity.has("on_off") and not is_playing_or_idle:
+    if state in _FLAGS and _is_switched(entity, state):
         return "on_off", "=", _FLAGS[state]
     if entity.domain == "cover" and not entity.has("movement") and state in _COVERS and entity.has("position"):
         return _COVERS[state]
@@ -124,6 +123,11 @@ def _meaning(entity: KnownEntity, state: str) -> _Meaning:
     if entity.has(capability) and state in _told(entity, capability):
         return capability, "=", state
     raise NotCarriedError(f"{entity.id}: homebot knows no state {state!r} of it")
+
+
+def _is_switched(entity: KnownEntity, state: str) -> bool:
+    is_playing_or_idle = entity.domain == "media_player" and state == "on"  # in homebot, what plays is on as well
+    return "on_off" in entity.controls and entity.has("on_off") and not is_playing_or_idle
 
 
 def _told(entity: KnownEntity, capability: str) -> Collection[str]:
