@@ -242,7 +242,7 @@ def resident() -> int:
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="it reads Linux's figures of the process")
 async def test_reloads_leave_nothing_behind(tmp_path: Path) -> None:
-    """Once ``/rosout`` keeps as many lines as it may, and the caches of Python are full."""
+    """Once ``/rosout`` keeps as many lines as it may, the caches of Python are full, and what begins late has begun."""
     rounds = size(200, 1000)
 
     def seen(runtime: Runtime) -> tuple[int, int, int, int]:
@@ -263,7 +263,7 @@ async def test_reloads_leave_nothing_behind(tmp_path: Path) -> None:
         with anyio.fail_after(PATIENCE):
             while "/alerts" not in runtime.graph.get_node_names():  # noqa: ASYNC110 - it begins when all else has
                 await anyio.sleep(0.01)
-        await reload(runtime, 10)
+        await reload(runtime, rounds)
         first, before = seen(runtime), resident()
         await reload(runtime, rounds)
         second, grown = seen(runtime), resident() - before
