@@ -195,8 +195,8 @@ class Page:
         return [one["message"] for one in self.browser.get_log("browser") if one["level"] == "SEVERE"]
 
     def _shown(self, text: str, place: str) -> str:
-        self._until(lambda: text in self._text(place))
-        return self._text(place)
+        shown: str = self._until(lambda: found if text in (found := self._text(place)) else "")
+        return shown
 
     def _text(self, place: str) -> str:
         text: str = self.browser.find_element("css selector", place).text
@@ -204,7 +204,8 @@ class Page:
 
     def _until(self, seen: Callable[[], Any]) -> Any:
         support: Any = pytest.importorskip("selenium.webdriver.support.ui")
-        return support.WebDriverWait(self.browser, PATIENCE, 0.05).until(lambda _: seen())
+        redrawn: Any = pytest.importorskip("selenium.common.exceptions").StaleElementReferenceException
+        return support.WebDriverWait(self.browser, PATIENCE, 0.05, [redrawn]).until(lambda _: seen())
 
 
 @asynccontextmanager
