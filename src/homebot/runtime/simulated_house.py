@@ -49,7 +49,7 @@ class HouseOfRun:
         self._world = world
         self.robot = robot if any(room.corners for room in world.rooms.rooms.values()) else ""
         self._configured = frozenset(configured)
-        self.home = _HOME
+        self.home, self._has_root = _HOME, True
         self.network = HouseNetwork(world.families())
 
     def completed(self, plan: Plan, source: str) -> Plan:
@@ -62,7 +62,8 @@ class HouseOfRun:
         if not any(map(_is_host, plan.gateways)):
             raise ConfigError(source, "gateways", SimulatedHouse.WITHOUT_HOST)
         homes = (gateway.kind.home(gateway.settings) for gateway in plan.gateways)
-        self.home = next(filter(None, homes), self.home)
+        root = next(filter(None, homes), "")
+        self.home, self._has_root = root or plan.home, bool(root)
         if plan.places is NO_PLACES:
             places = self.places()
             HousePlan(plan.home, places.rooms, source, places.doors)  # validates the names
@@ -80,7 +81,7 @@ class HouseOfRun:
     def places(self) -> Places:
         """Return the devices in their rooms; with a robot, also the rooms that have an extent, and their doors."""
         rooms, devices = self._world.rooms, self._world.devices
-        known_by = {name: identifiers(placed, self.home) for name, placed in devices.items()}
+        known_by = {name: identifiers(placed, self.home, has_root=self._has_root) for name, placed in devices.items()}
         facts = {known_by[name]: tuple(_facts(name, placed)) for name, placed in devices.items()}
         if not self.robot:
             return Places((), facts)
@@ -152,15 +153,16 @@ class HouseOfRun:
             await served.serve()
 
 
-def identifiers(placed: Placed, home: str) -> tuple[str, ...]:
+def identifiers(placed: Placed, home: str, *, has_root: bool = True) -> tuple[str, ...]:
     """Return the id of a simulated device in the directory, or the possible id and hardware address.
 
     Args:
         home: The first level of the devices' topics, on which hardware addresses depend.
+        has_root: Whether the gateway listens to that home alone; the id of a device has no home then.
     """
     name, kind = placed.device.device_id, placed.device.service_type
     if not announces(placed.dialect):
-        return (f"{kind}/{name}",)
+        return (f"{kind}/{name}" if has_root else f"{home}/{kind}/{name}",)
     from homebot.house.wire import hardware_address  # noqa: PLC0415 - what announces nothing has none
 
     address = hardware_address(SimulatedDeviceInfo(home, "", name, kind, placed.room))
