@@ -115,7 +115,7 @@ def _lights(entities: Entities, areas: Sequence[str]) -> list[str]:
 
 
 class _Target(NamedTuple):
-    """What a service is called for."""
+    """The target of a service."""
 
     entities: list[str]
     areas: list[str]
