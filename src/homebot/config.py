@@ -27,11 +27,10 @@ The table of a gateway or app belongs to its plug-in: :func:`parse_settings` che
 
 import math
 import re
-from collections.abc import Container, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self, TypeAlias, TypeVar, get_args, get_origin
-from zlib import crc32
 from zoneinfo import available_timezones
 
 from pydantic import (
@@ -53,7 +52,6 @@ from homebot.clock import read_zone
 from homebot.errors import ConfigError, HomebotError, InvalidNameError, UsageError
 from homebot.names import validate_node_name
 from homebot.support.file_access import why_not_trusted
-from homebot.support.folding import words_of
 from homebot.support.similar import did_you_mean, unknown_key
 from homebot.units import DURATION
 
@@ -66,12 +64,10 @@ __all__ = [
     "FilePath",
     "HomeSettings",
     "Table",
-    "check_routine_name",
     "folder_of",
     "in_folder",
     "load_config",
     "load_tables",
-    "located",
     "parse_config",
     "parse_settings",
     "value_errors",
@@ -83,7 +79,6 @@ _HERE = Path()
 _FOLDER = "folder"
 _LONGEST_SHOWN = 200
 _MOST_ERRORS = 100
-_LONGEST_APP = 100
 
 _GONE: Final = {"thing_directory": "is gone; programs read and command the devices at the door (docs/agents.md)"}
 """Tables that homebot had once, and the ways to what they offered."""
@@ -262,70 +257,15 @@ ROUTINE: Final = "routine"
 
 
 def _with_routines(tables: Mapping[str, object]) -> dict[str, object]:
-    """Return *tables* with each routine as an app with the name of the routine in small letters.
+    """Return *tables* with each routine as an app."""
+    from homebot.routine_tables import apps_of_routines  # noqa: PLC0415 - many homes have none
 
-    One without a name, or with that of another, is an app with its number in its name, and is reported with its values.
-    """
     others = dict(tables)
     routines, apps = others.pop("routines"), others.get("apps", {})
     if not isinstance(apps, dict):
         return others  # reported with the other tables
-    return {**others, "apps": apps | _apps_of(routines, apps)}
-
-
-def _apps_of(routines: object, taken: Container[str]) -> dict[str, Table]:
-    found: dict[str, Table] = {}
-    for number, table in enumerate(routines if isinstance(routines, list) else [routines], 1):
-        fields = table if isinstance(table, dict) else {}
-        app = app_of_routine(fields.get("name"))
-        is_new = app and app not in taken and app not in found
-        found[app if is_new else f"{app or ROUTINE}_{number}"] = {**fields, "class": ROUTINE}
-    return found
-
-
-def app_of_routine(name: object) -> str:
-    """Return the name of the app of the routine *name*; empty if that is no name."""
-    if not isinstance(name, str) or not name.strip():
-        return ""
-    app = "_".join(words_of(name))[:_LONGEST_APP]
-    if not app or not app.isascii():  # names of nodes have only Latin letters
-        return f"{ROUTINE}_{crc32(name.encode()):x}"
-    return app if app[0].isalpha() else f"{ROUTINE}_{app}"
-
-
-def check_routine_name(app: str, table: Table, source: str) -> None:
-    """Check that the routine *table* has a name, which no other routine or app has.
-
-    Args:
-        app: The name of its app.
-
-    Raises:
-        ConfigError: It has none, or that of another.
-    """
-    name = table.get("name")
-    if (expected := app_of_routine(name)) != app:
-        problem = f"{name!r} is also the name of another routine or app; choose another one"
-        reason = problem if expected else f"must be a name, such as 'Hall light', got {name!r}"
-        raise ConfigError(source, f"routines.{app}.name", reason)
-
-
-def located(error: ConfigError, text: str = "") -> ConfigError:
-    """Return *error* with the line of its key in *text*, by default that of its file; the same if it is unknown."""
-    import tomllib  # noqa: PLC0415 - after a mistake alone
-
-    from homebot.support.toml_lines import line_of  # noqa: PLC0415
-
-    path = error.key.split(".")
-    with suppress(OSError, ValueError, RecursionError):
-        text = text or Path(error.source).read_text("utf-8-sig")
-        if path[0] == "routines":  # they are named by their apps
-            tables = tomllib.loads(text)
-            apps = [*_apps_of(tables["routines"], tables.get("apps", {}))]
-            path[1:2] = [str(apps.index(one)) for one in path[1:2]]
-    line = line_of(text, *path)
-    found = ConfigError(f"{error.source}:{line}" if line else error.source, error.key, error.reason)
-    found.others = tuple(located(one, text) for one in error.others)
-    return found
+    found = {name: {**table, "class": ROUTINE} for name, table in apps_of_routines(routines, apps).items()}
+    return {**others, "apps": apps | found}
 
 
 PEOPLE: Final = "people"

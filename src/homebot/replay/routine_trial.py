@@ -4,13 +4,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from homebot.config import ROUTINE, Config, Table, located
+from homebot.config import ROUTINE, Config, Table
 from homebot.control.timeline.cause import Cause
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.wording.journal_words import settings_text
 from homebot.errors import ConfigError, UsageError
 from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.replay import Replayed, replay_config
+from homebot.routine_tables import located
 from homebot.runtime.plan import plan_errors
 
 __all__ = ["TriedCommand", "routines_of", "trial_config", "tried"]

@@ -4,8 +4,9 @@ import re
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
-from homebot.config import Table, check_routine_name, located, parse_config, parse_settings
+from homebot.config import Table, parse_config, parse_settings
 from homebot.errors import ConfigError
+from homebot.routine_tables import check_routine_name, located
 from homebot.routines.settings import RoutineSettings
 from homebot.support.toml_file import parse_toml
 from homebot.support.toml_text import toml_value

@@ -16,7 +16,7 @@ from typing import Any, Final, final
 
 from homebot import plugins
 from homebot.apps import App
-from homebot.config import Config, Table, located
+from homebot.config import Config, Table
 from homebot.errors import ConfigError, PluginError
 from homebot.names import snake_case
 from homebot.plugins import file_and_class, is_file
@@ -152,6 +152,8 @@ class AppPlanner:
         except BaseException as exc:
             code.restore()
             if isinstance(exc, ConfigError):
+                from homebot.routine_tables import located  # noqa: PLC0415 - after a mistake alone
+
                 raise located(exc) from exc
             raise
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -15,17 +14,7 @@ import homebot.control
 import homebot.places
 from homebot.apps import App
 from homebot.bridges.rosbridge import DoorSettings
-from homebot.config import (
-    PEOPLE,
-    ROUTINE,
-    UNNAMED,
-    Config,
-    HomeSettings,
-    Table,
-    check_routine_name,
-    located,
-    parse_settings,
-)
+from homebot.config import PEOPLE, ROUTINE, UNNAMED, Config, HomeSettings, Table, parse_settings
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.gateways import Gateway
@@ -33,9 +22,8 @@ from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
 from homebot.runtime.door_table import read_door
-from homebot.runtime.grants import ACT, grants_of, scope_of, without_act
+from homebot.runtime.grants import grants_of, scope_of, without_act
 from homebot.runtime.settings_parameters import declare_settings
-from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -234,48 +222,21 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
     return tuple(found)
 
 
-def _without_mistakes(config: Config) -> tuple[Config, dict[str, ConfigError]]:
-    """Return *config* without its wrong routines, groups and scenes, and their mistakes by key.
+def _without_mistakes(config: Config) -> tuple[Config, Mapping[str, ConfigError]]:
+    if not (config.groups or config.scenes or any(map(_is_routine, config.apps.values()))):
+        return config, {}
+    from homebot.runtime.left_out import without_mistakes  # noqa: PLC0415 - many homes have none of these
 
-    A group that a policy or right names is kept, because without it a limit would be gone.
-    """
-    wrong: dict[str, ConfigError] = {}
-    for name, table in config.apps.items():
-        if table.get("class") == ROUTINE:
-            try:
-                planned_app(name, table, config)
-            except ConfigError as exc:
-                wrong[_key_of(name, table)] = located(exc)
-    apps = {name: table for name, table in config.apps.items() if _key_of(name, table) not in wrong}
-    config = config.model_copy(update={"apps": apps})
-    limits = fold(repr((config.control, config.door, [table.get(ACT) for table in config.apps.values()])))
-    for kind, read in (("groups", _groups), ("scenes", _scenes)):
-        while (error := _mistake_in(config, read)) is not None:
-            tables: list[object] = [*getattr(config, kind)]
-            number = error.key.partition(".")[2].partition(".")[0]
-            place = int(number) if number else max(at for at, one in enumerate(tables) if one is not None)
-            if kind == "groups" and _is_named(tables[place], limits):
-                break
-            wrong[f"{kind}.{place}"], tables[place] = located(error), None
-            config = config.model_copy(update={kind: tuple(tables)})
-    return config, wrong
+    planned = {_key_of(name, table): partial(planned_app, name, table, config) for name, table in config.apps.items()}
+    return without_mistakes(config, planned, {"groups": _groups, "scenes": _scenes})
 
 
-def _is_named(group: object, folded: str) -> bool:
-    name = group.get("name") if isinstance(group, dict) else None
-    return isinstance(name, str) and re.search(rf"\b{re.escape(fold(name))}\b", folded) is not None
-
-
-def _mistake_in(config: Config, read: Callable[[Config], object]) -> ConfigError | None:
-    try:
-        read(config)
-    except ConfigError as exc:
-        return exc
-    return None
+def _is_routine(table: Table) -> bool:
+    return table.get("class") == ROUTINE
 
 
 def _key_of(name: str, table: Table) -> str:
-    return f"{'routines' if table.get('class') == ROUTINE else 'apps'}.{name}"
+    return f"{'routines' if _is_routine(table) else 'apps'}.{name}"
 
 
 def index_place(config: Config) -> Path:
@@ -313,14 +274,16 @@ def planned_app(
         problem = f"the program gives the class {given.__name__} for this app; remove the key, or rename one of both"
         raise ConfigError(config.source, f"apps.{name}.class", problem)
     key = _key_of(name, table)
-    if table.get("class") == ROUTINE:
+    if _is_routine(table):
+        from homebot.routine_tables import check_routine_name  # noqa: PLC0415 - many homes have no routine
+
         check_routine_name(name, table, config.source)
     _check_name(key, name, config.source)
     scope_of(key, table, config)
     made = load if given is None else lambda *_: given
     app = _component(App, APPS, name, without_act(table), config, key, made)  # type: ignore[type-abstract]
-    if table.get("class") == ROUTINE and config.home.latitude is None:
-        from homebot.routines.settings import RoutineSettings  # noqa: PLC0415 - many homes have no routine
+    if _is_routine(table) and config.home.latitude is None:
+        from homebot.routines.settings import RoutineSettings  # noqa: PLC0415 - as above
 
         if isinstance(app.settings, RoutineSettings) and (asking := app.settings.asking_the_sun()):
             reason = f"{asking[0]!r} needs the place of the home: set latitude and longitude in the table [home]"

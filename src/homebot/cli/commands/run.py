@@ -24,7 +24,7 @@ from homebot.cli.arguments import (
 )
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
-from homebot.config import Config, load_config, load_tables, located, parse_config
+from homebot.config import Config, load_config, load_tables, parse_config
 from homebot.errors import ConfigError, UsageError
 from homebot.log import LogFormat, configure_logging
 from homebot.plugins import add_app, check_extra, is_file, name_in_file
@@ -166,6 +166,8 @@ def _problems(first: UsageError, path: str | None) -> Iterable[UsageError]:
     """Return *first* and all other mistakes in the configuration, as in ``homebot config check``."""
     if not isinstance(first, ConfigError):
         return (first,)
+    from homebot.routine_tables import located  # noqa: PLC0415 - after a mistake alone
+
     found = [located(first), *map(located, first.others)]
     with suppress(ConfigError):
         found += config_errors(load_tables(Path(path)), Path(path)) if path else ()
@@ -174,7 +176,8 @@ def _problems(first: UsageError, path: str | None) -> Iterable[UsageError]:
 
 def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]:
     """Return all mistakes in *tables*; the content of a malformed table is not checked."""
-    from homebot.runtime.plan import plan_errors  # noqa: PLC0415 - after a mistake alone
+    from homebot.routine_tables import located  # noqa: PLC0415 - after a mistake alone
+    from homebot.runtime.plan import plan_errors  # noqa: PLC0415 - as above
 
     try:
         errors = plan_errors(with_environment(parse_config(tables, str(path), path.parent)))

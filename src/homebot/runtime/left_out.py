@@ -1,0 +1,56 @@
+"""Wrong routines, groups and scenes of a configuration, which stop nothing else. Pure."""
+
+import re
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from homebot.config import Config
+from homebot.errors import ConfigError
+from homebot.routine_tables import located
+from homebot.runtime.grants import ACT
+from homebot.support.folding import fold
+
+__all__ = ["without_mistakes"]
+
+
+def without_mistakes(
+    config: Config, planned: Mapping[str, Callable[[], object]], readers: Mapping[str, Callable[[Config], object]]
+) -> tuple[Config, dict[str, ConfigError]]:
+    """Return *config* without its wrong routines, groups and scenes, and their mistakes by key.
+
+    A group that a policy or right names is kept, because without it a limit would be gone.
+
+    Args:
+        planned: Calls that raise the mistake of each app or routine, by its key.
+        readers: Readers of lists of tables, which raise the first mistake, by the names of the lists.
+    """
+    wrong: dict[str, ConfigError] = {}
+    for key, plan in planned.items():
+        if key.startswith("routines.") and (error := _mistake_in(plan)) is not None:
+            wrong[key] = located(error)
+    apps = {name: table for name, table in config.apps.items() if f"routines.{name}" not in wrong}
+    config = config.model_copy(update={"apps": apps})
+    limits = fold(repr((config.control, config.door, [table.get(ACT) for table in config.apps.values()])))
+    for kind, read in readers.items():
+        while (error := _mistake_in(partial(read, config))) is not None:
+            tables: list[object] = [*getattr(config, kind)]
+            number = error.key.partition(".")[2].partition(".")[0]
+            place = int(number) if number else max(at for at, one in enumerate(tables) if one is not None)
+            if kind == "groups" and _is_named(tables[place], limits):
+                break
+            wrong[f"{kind}.{place}"], tables[place] = located(error), None
+            config = config.model_copy(update={kind: tuple(tables)})
+    return config, wrong
+
+
+def _is_named(group: object, folded: str) -> bool:
+    name = group.get("name") if isinstance(group, dict) else None
+    return isinstance(name, str) and re.search(rf"\b{re.escape(fold(name))}\b", folded) is not None
+
+
+def _mistake_in(read: Callable[[], object]) -> ConfigError | None:
+    try:
+        read()
+    except ConfigError as exc:
+        return exc
+    return None
