@@ -141,7 +141,10 @@ class HouseGroups:
         for group, members in self._native.pop(device_id, ()):
             self.has_changed = True
             for one in members:
-                self._by_member.get(one, {}).pop(group, None)
+                groups = self._by_member.get(one, {})
+                groups.pop(group, None)
+                if not groups:
+                    self._by_member.pop(one, None)
 
     def native_facts(self, device: Device) -> tuple[Fact, ...]:
         """Return a fact for each gateway's group of which *device* is a member, unless the owner's has its name."""
