@@ -63,7 +63,7 @@ class HouseOfRun:
             raise ConfigError(source, "gateways", SimulatedHouse.WITHOUT_HOST)
         homes = (gateway.kind.home(gateway.settings) for gateway in plan.gateways)
         root = next(filter(None, homes), "")
-        self.home, self._has_root = root or plan.home, bool(root)
+        self.home, self._has_root = root or _HOME, bool(root)
         if plan.places is NO_PLACES:
             places = self.places()
             HousePlan(plan.home, places.rooms, source, places.doors)  # validates the names
