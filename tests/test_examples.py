@@ -74,17 +74,22 @@ def test_the_gateway_runs_as_the_list_says_and_changes_nothing_of_the_example(tm
 
 
 @WHOLE_HOUSE
-def test_the_robot_turns_on_the_nearest_lamp_by_the_way_through_the_door() -> None:
-    """By air the lamp behind the wall is nearer. The program has at most 40 lines."""
+def test_the_robot_turns_on_the_nearest_lamp_by_the_way_through_the_door_if_it_sees_it() -> None:
+    """By air the lamp behind the wall is nearer; it is not in view, and stays off. The program has at most 40 lines."""
     folder = EXAMPLES / "08_robot"
     assert len((folder / "robot.py").read_text().splitlines()) <= 40
     until = ("found hall_lamp", "found kitchen_lamp", "the robot is in hall")
     with homebot_in(folder, "--config", "homebot.toml", "--house", "house.toml", until=until) as homebot:
         done = homebot.run("python robot.py")
         other = homebot.run("python robot.py")
+        still_off = homebot.run("homebot find 'off light'").stdout
+        homebot.run("homebot do kitchen_lamp on")
         dark = homebot.run("python robot.py")
     assert (dark.returncode, dark.stderr[:12]) == (1, "rosie was in"), dark.stderr  # no lamp is off any more
-    assert re.search(r"(sees none of them|is not in view).*\nkitchen_lamp is on", other.stdout)  # it is behind the wall
+    assert other.returncode == 1
+    assert re.match("kitchen_lamp stays as it is: .*(sees none of them|is not in view)", other.stderr), other.stderr
+    assert "kitchen_lamp" in still_off
+    assert "hall_lamp" not in still_off
     assert done.returncode == 0, done.stderr
     hall, kitchen, seen, outcome = done.stdout.splitlines()
     assert hall.startswith("hall_lamp - ")

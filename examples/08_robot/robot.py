@@ -31,6 +31,8 @@ try:
     lamp = found["results"][0]["device"]["id"]
     asked = {"candidates": lamp, "topic": EYE, "at_night": True}
     identify.wait_goal(identify.send_goal(asked, seen.update, lambda _: None, print), 90)
+    if seen["values"]["device"] != lamp:  # it is not in view, or not sure
+        raise SystemExit(f"{lamp} stays as it is: {seen['values']['message']}")
     print(seen["values"]["message"])
     result = command.call({"target": lamp, "command": "on"}, timeout=30)["results"][0]["result"]
     print(f"{lamp} is on: {result['outcome']}, evidence {result['evidence']}")
