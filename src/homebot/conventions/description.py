@@ -189,6 +189,7 @@ class DeviceAnnounced(NamedTuple):
         implies_alive: Whether a live announcement is a sign of life of the device.
         text: The topics of a text device; the service type of its only part is empty if the vocabulary has none. It is
             announced by any first message on its topic, and withdrawn by an empty one.
+        stale_after: Seconds of silence after which it counts as stale; 0 for the gateway's default.
     """
 
     key: str
@@ -205,6 +206,7 @@ class DeviceAnnounced(NamedTuple):
     native: bool = False
     whole_device: bool = False
     text: TextEndpoint | None = None
+    stale_after: float = 0.0
 
     @property
     def full_key(self) -> str:

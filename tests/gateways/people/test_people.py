@@ -43,7 +43,7 @@ async def heard(house: VirtualHouse, minutes: int = 0) -> None:
 
 
 async def is_in(house: VirtualHouse, *regions: str) -> None:
-    message = {"_type": "location", "inregions": list(regions), "tst": 1}
+    message = {"_type": "location", "tst": 1} | ({"inregions": list(regions)} if regions else {})
     await house.says("owntracks/ben/phone", json.dumps(message))
     await house.run_for(1)
 
@@ -86,6 +86,15 @@ async def test_the_silence_of_nodes_that_are_offline_means_nothing() -> None:
         assert (await at_home(house))["Anna"] is None
         await house.run_for("15m")
         assert (await at_home(house))["Anna"] is False
+
+
+async def test_a_phone_that_stays_where_it_is_may_be_silent_for_a_day() -> None:
+    async with house_with({"Ben": BEN}) as house:
+        await is_in(house, "Home")
+        await house.run_for("20h")
+        assert (await at_home(house))["Ben"] is True
+        await house.run_for("6h")
+        assert (await at_home(house))["Ben"] is None
 
 
 async def test_people_do_not_become_stale() -> None:

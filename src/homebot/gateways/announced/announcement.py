@@ -171,7 +171,6 @@ class StoredAnnouncement:
     Attributes:
         excess: Bytes beyond the length that its number of parts justifies.
         since: Its place in the order of announcements with these topics; 0 if it was retained, as their order is lost.
-        stale_after: Seconds of silence after which it counts as stale; 0 for the gateway's default.
         reachability: Reported reachability of the device (``""``) and of the parts that report it.
         is_confirmed: Whether the last sighting was a sign of life of the device itself.
         heard_at: When it last reported or was announced live, on the monotonic clock; -inf for never.
@@ -186,7 +185,6 @@ class StoredAnnouncement:
     described: DeviceAnnounced
     excess: int = 0
     since: int = 0
-    stale_after: float = 0.0
     parts: dict[str, AnnouncedPart] = field(init=False)
     reachability: Mapping[str, SharedReachability] = field(init=False)
     is_confirmed: bool = field(default=False, init=False)

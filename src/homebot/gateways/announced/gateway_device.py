@@ -68,12 +68,20 @@ class GatewayDevice:
             for one in self.parts
         )
         return DeviceAnnounced(
-            self.key, "", self.identifiers, self.name, parts, "", self.area, self.metadata, native=self.native
+            self.key,
+            "",
+            self.identifiers,
+            self.name,
+            parts,
+            "",
+            self.area,
+            self.metadata,
+            native=self.native,
+            stale_after=self.stale_after,
         )
 
     def complete(self, stored: StoredAnnouncement) -> None:
-        """Add the data that announcements lack to *stored*: the device's own addresses and its expiry."""
-        stored.stale_after = self.stale_after
+        """Add the data that announcements lack to *stored*: the device's own addresses."""
         own = {name: getattr(self, name) for name in ("service_type", "address", "command_address")}
         given: dict[str, object] = {name: text for name, text in own.items() if text}
         if self.authenticated:

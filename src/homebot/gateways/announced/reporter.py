@@ -54,7 +54,7 @@ class DeviceReporter:
         """Publish that a device has appeared, is still there, or is gone."""
         device.refresh_at = self.now + REFRESH
         device.is_confirmed = confirmed
-        stale_after = device.stale_after or self._stale_after
+        stale_after = device.described.stale_after or self._stale_after
         if stale_after != self._until[0]:  # the same for nearly all devices
             self._until = stale_after, Time.from_seconds(min(self._seconds + stale_after, _LAST))
         device.template = device.template.model_copy(

@@ -1,8 +1,8 @@
 """OwnTracks: where the phones of people are, by the regions that they enter.
 
 Reads: ``place`` of each phone, ``home`` in a region of that name, otherwise the region or ``not_home``, and its
-battery. A message without ``inregions`` tells nothing about the place. Name the phone in ``[people]``
-(``docs/people.md``).
+battery. A message that is older than the phone's newest one (``tst``) is late, and not read. Name the phone in
+``[people]`` (``docs/people.md``).
 
 Transport: MQTT, JSON on ``owntracks/USER/DEVICE`` and ``…/event`` (``homebot.mqtt_conventions``). ``prefix`` in its
 table names another first level.

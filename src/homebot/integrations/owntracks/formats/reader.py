@@ -1,18 +1,36 @@
 """Messages of OwnTracks: each phone is a tracker. Pure.
 
-Source: owntracks.org/booklet/tech/json, ``_type=location`` and ``_type=transition``.
+Source: owntracks.org/booklet/tech/json, ``_type=location`` and ``_type=transition``; both apps leave ``inregions`` out
+of a location in no region (owntracks/ios issue 670; owntracks/android, ``MessageLocation.kt``).
 """
 
 from typing import Final
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, parse_object, percent_of, text_of
+from homebot.conventions.payload import (
+    NO_READINGS,
+    JsonMessage,
+    Readings,
+    number_of,
+    parse_object,
+    percent_of,
+    text_of,
+)
+from homebot.conventions.table_codec import Reader
+from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
 
 __all__ = ["OwnTracksReader"]
 
 _MOST_NAMED: Final = 20
+_MOST_PHONES: Final = 200
+
+_STALE_AFTER: Final = 86_400.0
+"""Seconds; a phone that stays where it is tells nothing for hours, and an iPhone nothing for most of a day."""
+
+_LATE: Final = 7 * 86_400.0
+"""Seconds; the app for Android tries for a week to send a message. Older ones are those of a clock that was set."""
 
 
 class OwnTracksReader:
@@ -26,6 +44,7 @@ class OwnTracksReader:
         self.rejected = 0
         self._prefix = prefix
         self._encrypted: dict[str, None] = {}
+        self._phones: BoundedMap[str, DeviceAnnounced] = BoundedMap(_MOST_PHONES)
 
     def problems(self) -> tuple[str, ...]:
         """Return the phones that encrypt."""
@@ -44,15 +63,40 @@ class OwnTracksReader:
         kind = parse_object(payload).get("_type")
         if kind == "encrypted" and len(self._encrypted) < _MOST_NAMED:
             self._encrypted[topic] = None
-        return (_phone(topic, user, device),) if kind == "location" else ()
+        if kind != "location":
+            return ()
+        self._encrypted.pop(topic, None)
+        self._phones[topic] = phone = self._phones.get(topic) or _phone(topic, user, device)
+        return (phone,)
+
+
+class _Order:
+    """The order of the messages of a phone, by their times: some come late, from its queue or from the broker."""
+
+    def __init__(self) -> None:
+        self._newest = 0.0
+
+    def of(self, read: Reader[JsonMessage]) -> Reader[JsonMessage]:
+        """Return *read* for the messages about a place that are not late, and for all others."""
+
+        def read_in_order(message: JsonMessage) -> Readings:
+            found, told_at = read(message), number_of(message.get("tst"))
+            if "place" not in found or told_at is None:
+                return found
+            if 0 < self._newest - told_at <= _LATE:
+                return NO_READINGS
+            self._newest = told_at
+            return found
+
+        return read_in_order
 
 
 def _phone(topic: str, user: str, device: str) -> DeviceAnnounced:
-    part = JsonPart("", "x_tracker", tag="gps")
+    part, order = JsonPart("", "x_tracker", tag="gps"), _Order()
     part.add_capability("place")
     part.add_capability("battery")
-    part.read_from(topic, _read_location)
-    part.read_from(f"{topic}/event", _read_transition)
+    part.read_from(topic, order.of(_read_location))
+    part.read_from(f"{topic}/event", order.of(_read_transition))
     return DeviceAnnounced(
         key=f"{user}/{device}",
         convention="owntracks",
@@ -64,6 +108,7 @@ def _phone(topic: str, user: str, device: str) -> DeviceAnnounced:
         implies_alive=True,
         native=True,
         whole_device=True,
+        stale_after=_STALE_AFTER,
     )
 
 
@@ -73,7 +118,7 @@ def _read_location(message: JsonMessage) -> Readings:
     found: dict[str, str | float | None] = {}
     if (charge := percent_of(message.get("batt"))) is not None:
         found["battery"] = charge
-    regions = message.get("inregions")
+    regions = message.get("inregions", [])
     if isinstance(regions, list):
         names = [name for one in regions if (name := text_of(one))]
         found["place"] = "home" if any(map(_is_home, names)) else names[0] if names else "not_home"
