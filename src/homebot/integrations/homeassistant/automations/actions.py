@@ -150,9 +150,8 @@ class Actions:
         text = str(node.value if node else "").strip()
         if (found := _IS_STATE.fullmatch(text.replace('"', "'"))) is None:
             raise NotCarriedError(f"wait_template: {text[:60]!r}; only is_state(...) is carried over")
-        return state_texts(self._automation.entities, found["entity"] or found["of"], [found["state"] or found["is"]])[
-            0
-        ]
+        entity_id, state = found["entity"] or found["of"], found["state"] or found["same"]
+        return state_texts(self._automation.entities, entity_id, [state])[0]
 
 
 def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: Sequence[Step]) -> list[Step]:

@@ -56,21 +56,28 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
     joint = kind or next((one for one in JOINTS if one in fields), "")
     match joint:
         case "and" | "or" | "not":
-            each = _each(automation, fields.items("conditions" if kind else joint))
-            if joint == "or":
-                return _any_of(each)
-            return [one for some in each for one in (_denied(some) if joint == "not" else some)]
+            return _joined(joint, _each(automation, fields.items("conditions" if kind else joint)))
         case "time":
             return _time(fields)
         case "sun":
             return _sun(fields)
         case "trigger":
-            if automation.trigger is None:
-                raise NotCarriedError("condition trigger: no trigger has an id")
-            return [] if automation.trigger in fields.texts("id") else [NEVER]
+            return _trigger(automation, fields)
         case kind if kind in STATES:
             return _state(automation, kind, fields)
     raise NotCarriedError(f"condition: {kind!r} has no counterpart in routines")
+
+
+def _joined(joint: str, each: Sequence[list[Condition]]) -> list[Condition]:
+    if joint == "or":
+        return _any_of(each)
+    return [one for some in each for one in (_denied(some) if joint == "not" else some)]
+
+
+def _trigger(automation: Automation, fields: UnreadFields) -> list[Condition]:
+    if automation.trigger is None:
+        raise NotCarriedError("condition trigger: no trigger has an id")
+    return [] if automation.trigger in fields.texts("id") else [NEVER]
 
 
 def _state(automation: Automation, kind: str, fields: UnreadFields) -> list[Condition]:

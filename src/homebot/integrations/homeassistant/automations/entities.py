@@ -7,7 +7,7 @@ from typing import Final, NamedTuple, final
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device import Device, DevicePart
-from homebot.devices.part import Capability
+from homebot.devices.part import Capability, Part
 from homebot.devices.query.tokens import quoted
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.support.folding import fold
@@ -219,10 +219,14 @@ def _possible(device: Device, domain: str) -> Iterator[_Meant]:
     """Yield the parts that an entity of *domain* may be."""
     kinds, able = _CONTROLS.get(domain, ("", ""))
     for part in device.parts:
-        for one in part.part.capabilities if domain in _SENSORS else ():
-            is_flag = CAPABILITIES.get(one.name, OWN).kind == "bool" or one.name == "state"
-            if one.readable and not one.settable and is_flag is _SENSORS[domain]:
-                yield _Meant(device, part, one.name)
+        yield from (_Meant(device, part, name) for name in _measured(part.part, domain))
         abilities = {one.name for one in part.part.capabilities}
         if part.part.service_type in kinds.split() and not abilities.isdisjoint(able.split()):
             yield _Meant(device, part, "")
+
+
+def _measured(part: Part, domain: str) -> Iterator[str]:
+    for one in part.capabilities if domain in _SENSORS else ():
+        is_flag = CAPABILITIES.get(one.name, OWN).kind == "bool" or one.name == "state"
+        if one.readable and not one.settable and is_flag is _SENSORS[domain]:
+            yield one.name

@@ -23,6 +23,7 @@ from homebot.support.located import Located
 __all__ = ["HomeAssistantAutomations"]
 
 _MODES: Final = frozenset({"single", "restart", "queued", "parallel"})
+_USUAL: Final[Mapping[str, object]] = {"if": [], "mode": "single", "enabled": True}
 _MOST_RUNS: Final = 10.0
 """The default of ``max``, and the limit of routines."""
 
@@ -84,15 +85,10 @@ def _tables(whole: Automation, fields: UnreadFields, name: str) -> Iterator[dict
         first, steps = Actions(part, mode, is_split=len(parts) > 1).all_of(actions)
         held += first
         if NEVER not in held and steps and when:
+            own_name = f"{name} ({trigger})" if len(parts) > 1 else name
             texts = [*dict.fromkeys(one.text for one in held)]
-            yield {
-                "name": f"{name} ({trigger})" if len(parts) > 1 else name,
-                "when": when,
-                **({"if": texts} if texts else {}),
-                "do": steps,
-                **({"mode": mode} if mode != "single" else {}),
-                **({} if enabled else {"enabled": False}),
-            }
+            table = {"name": own_name, "when": when, "if": texts, "do": steps, "mode": mode, "enabled": enabled}
+            yield {key: value for key, value in table.items() if _USUAL.get(key) != value}
 
 
 def _mode(fields: UnreadFields) -> str:

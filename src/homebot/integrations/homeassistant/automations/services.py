@@ -97,9 +97,8 @@ def steps_of_service(entities: Entities, fields: UnreadFields, key: str) -> list
     settings, over = [*_settings(name, data)], data.duration("transition") if domain == "light" else ""
     data.end()
     if target.areas or target.entities == ["all"]:
-        if name not in {"light.turn_on", "light.turn_off"} or len(settings) > 1 or over:
-            raise NotCarriedError(f"{name}: by `area_id` or `all` only lights are switched, and only on and off")
-        return [_step(one, [settings[0].words]) for one in _lights(entities, target.areas)]
+        is_switched = name in {"light.turn_on", "light.turn_off"} and len(settings) == 1 and not over
+        return _steps_of_lights(entities, target.areas, name, settings[0].words if is_switched else "")
     known = _of_domain(domain, [*map(entities.find, target.entities)])
     return [step for one in known for step in _steps(one, settings, over)]
 
@@ -110,8 +109,10 @@ def _of_domain(domain: str, known: list[KnownEntity]) -> list[KnownEntity]:
     return known
 
 
-def _lights(entities: Entities, areas: Sequence[str]) -> list[str]:
-    return [f"lights in {entities.room_of(one)}" for one in areas] or ["all lights"]
+def _steps_of_lights(entities: Entities, areas: Sequence[str], name: str, words: str) -> list[str]:
+    if not words:
+        raise NotCarriedError(f"{name}: by `area_id` or `all` only lights are switched, and only on and off")
+    return [_step(one, [words]) for one in [f"lights in {entities.room_of(one)}" for one in areas] or ["all lights"]]
 
 
 class _Target(NamedTuple):
@@ -180,14 +181,20 @@ def _settings(name: str, data: UnreadFields) -> Iterator[_Setting]:
         row = _FIELDS[key]
         if CAPABILITIES[row.capabilities.split()[0]].kind != "number":
             yield row._replace(value=data.text(key))
-            continue
-        for number in data.numbers(key):
-            value = 1_000_000 / max(1.0, number) if key == "color_temp" else number * row.factor
-            if row.capabilities == "level" and not 0 < value <= 100:
-                raise NotCarriedError(f"data: `{key}` is {value:g} %")
-            yield row._replace(value=max(1, round(value)) if name == "light.turn_on" else value)
+        elif name == "light.turn_on":
+            yield from (row._replace(value=_of_light(key, number * row.factor)) for number in data.numbers(key))
+        else:
+            yield from (row._replace(value=number * row.factor) for number in data.numbers(key))
     if name == "light.turn_on" and (color := _color(data)) is not None:
         yield _Setting("color", f"color {color[0]:.0f} {color[1]:.0f}")
+
+
+def _of_light(key: str, number: float) -> int:
+    """Return the brightness in per cent, or the colour temperature in K."""
+    value = 1_000_000 / max(1.0, number) if key == "color_temp" else number
+    if key.startswith("brightness") and not 0 < value <= 100:
+        raise NotCarriedError(f"data: `{key}` is {value:g} %")
+    return max(1, round(value))
 
 
 def _color(data: UnreadFields) -> tuple[float, float] | None:

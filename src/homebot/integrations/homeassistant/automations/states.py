@@ -113,21 +113,22 @@ def _limit_text(entity: KnownEntity, limits: Sequence[tuple[Operator, float]]) -
 def _meaning(entity: KnownEntity, state: str) -> _Meaning:
     if fold(state) in _UNKNOWN:
         raise NotCarriedError(f"{entity.id}: {state!r} is no state that a routine can ask for")
-    if entity.domain == "binary_sensor" and state in _FLAGS:
-        return entity.capability, "=", _FLAGS[state]
-    if state in _FLAGS and _is_switched(entity, state):
-        return "on_off", "=", _FLAGS[state]
+    if state in _FLAGS and (flag := _flag_of(entity, state)):
+        return flag, "=", _FLAGS[state]
     if entity.domain == "cover" and not entity.has("movement") and state in _COVERS and entity.has("position"):
         return _COVERS[state]
-    capability = entity.controls[0] if entity.controls else ""
+    capability = next(iter(entity.controls), "")
     if entity.has(capability) and state in _told(entity, capability):
         return capability, "=", state
     raise NotCarriedError(f"{entity.id}: homebot knows no state {state!r} of it")
 
 
-def _is_switched(entity: KnownEntity, state: str) -> bool:
+def _flag_of(entity: KnownEntity, state: str) -> str:
+    """Return the capability that is true or false in *state*, ``on`` or ``off``; empty for none."""
+    if entity.domain == "binary_sensor":
+        return entity.capability
     is_playing_or_idle = entity.domain == "media_player" and state == "on"  # in homebot, what plays is on as well
-    return "on_off" in entity.controls and entity.has("on_off") and not is_playing_or_idle
+    return "on_off" if "on_off" in entity.controls and entity.has("on_off") and not is_playing_or_idle else ""
 
 
 def _told(entity: KnownEntity, capability: str) -> Collection[str]:

@@ -26,11 +26,7 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[str]:
     fields.take("id")
     match kind:
         case "time":
-            days = fields.days()
-            times = [f"{one} {days}".rstrip() for one in fields.clock_times("at")]
-            if not times:
-                raise NotCarriedError("trigger time: `at` is missing")
-            return times
+            return _times(fields)
         case "sun":
             return [_sun(fields)]
         case "device" if "entity_id" not in fields:
@@ -38,11 +34,16 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[str]:
         case "state":
             return _state(automation, fields)
         case kind if kind in STATES:
-            leaves = kind == "zone" and fields.text("event", "enter") == "leave"
-            lasting = _lasting(fields)
-            texts = [text for each in STATES[kind](automation.entities, fields, "to") for text in each]
-            return [f"{one.replace('place=', 'place!=') if leaves else one}{lasting}" for one in texts]
+            return _other_state(automation, kind, fields)
     raise NotCarriedError(f"trigger: {kind!r} has no counterpart in routines")
+
+
+def _times(fields: UnreadFields) -> list[str]:
+    days = fields.days()
+    times = [f"{one} {days}".rstrip() for one in fields.clock_times("at")]
+    if not times:
+        raise NotCarriedError("trigger time: `at` is missing")
+    return times
 
 
 def _sun(fields: UnreadFields) -> str:
@@ -62,14 +63,22 @@ def _state(automation: Automation, fields: UnreadFields) -> list[str]:
     lasting, attribute = _lasting(fields), fields.text("attribute", "")
     found = []
     for one in ids:
-        entity = None if one == "sun.sun" else automation.entities.find(one)
-        if entity is not None and entity.has("press") and not (lasting or before):
+        entity = None if lasting or before or one == "sun.sun" else automation.entities.find(one)
+        if entity is not None and entity.has("press"):
             found += _presses(entity, states, attribute)
-            continue
-        if attribute:
+        elif attribute:
             raise NotCarriedError(f"trigger state: the attribute {attribute!r}")
-        found += [f"{text}{lasting}" for text in state_texts(automation.entities, one, states, "to")]
+        else:
+            found += [f"{text}{lasting}" for text in state_texts(automation.entities, one, states, "to")]
     return found
+
+
+def _other_state(automation: Automation, kind: str, fields: UnreadFields) -> list[str]:
+    """Read a state of a kind that conditions have as well."""
+    leaves = kind == "zone" and fields.text("event", "enter") == "leave"
+    lasting = _lasting(fields)
+    texts = [text for each in STATES[kind](automation.entities, fields, "to") for text in each]
+    return [f"{one.replace('place=', 'place!=') if leaves else one}{lasting}" for one in texts]
 
 
 def _device_press(automation: Automation, fields: UnreadFields) -> str:
