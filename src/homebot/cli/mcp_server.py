@@ -187,7 +187,13 @@ class _HouseServer(MCPServer):
 
 def house_server(api: ApiClient) -> MCPServer:
     """Return a server whose tools use *api*."""
+    server = _HouseServer("homebot", instructions=_GUIDE, version=__version__, log_level="WARNING")
+    for add in (_add_questions, _add_command, _add_scenes, _add_goals, _add_identification, _add_routines):
+        add(server, api)
+    return server
 
+
+def _add_questions(server: MCPServer, api: ApiClient) -> None:
     async def home() -> str:
         """Return the rooms of the house, with the number of devices by type."""
         return await api.read("/api/home")
@@ -204,6 +210,11 @@ def house_server(api: ApiClient) -> MCPServer:
         """Return past values of a device, or of one capability such as `temperature`, for the last `24h` or `7d`."""
         return await api.read("/api/history", device=device, capability=capability, since=since, points=points)
 
+    for tool in (home, find_devices, why, history):
+        server.add_tool(tool, annotations=_READS, structured_output=False)
+
+
+def _add_command(server: MCPServer, api: ApiClient) -> None:
     async def details(device: Words | Several) -> list[Any]:
         names = [device] if isinstance(device, str) else device
         found = [await api.read("/api/devices/", one.partition("#")[0]) for one in names]
@@ -229,15 +240,7 @@ def house_server(api: ApiClient) -> MCPServer:
         wanted = {"device": targets if len(targets) > 1 else targets[0], "do": do, "ask": ask}
         return await api.post("/api/command", wanted)
 
-    server = _HouseServer("homebot", instructions=_GUIDE, version=__version__, log_level="WARNING")
-    for tool in (home, find_devices, why, history):
-        server.add_tool(tool, annotations=_READS, structured_output=False)
     server.add_tool(command, annotations=_ACTS, structured_output=False)
-    _add_scenes(server, api)
-    _add_goals(server, api)
-    _add_identification(server, api)
-    _add_routines(server, api)
-    return server
 
 
 def _add_scenes(server: MCPServer, api: ApiClient) -> None:

@@ -57,9 +57,8 @@ def run(
     _check_caller()
     options = make_parser(["run"]).parse_args(["run"])
     options.app = [app if isinstance(app, str) else _plugin_name(app) for app in apps]
-    options.config, options.house = config, house
-    options.mqtt, options.root, options.act = mqtt, root, act
-    options.ephemeral, options.seconds, options.plain = ephemeral, seconds, True
+    vars(options).update(config=config, house=house, mqtt=mqtt, root=root, act=act, ephemeral=ephemeral)
+    options.seconds, options.plain = seconds, True
     if structlog.is_configured():
         options.log_format = None
     return run_configured(options)

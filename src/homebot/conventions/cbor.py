@@ -55,7 +55,7 @@ def encode_cbor(document: object) -> bytes:
         case bool():
             return b"\xf5" if document else b"\xf4"
         case int() if -(2**64) <= document < 2**64:
-            return cbor_head(0, document) if document >= 0 else cbor_head(1, -1 - document)
+            return cbor_head(int(document < 0), max(document, -1 - document))
         case int() | float():
             return _encode_float(float(document))
         case str():
@@ -66,8 +66,7 @@ def encode_cbor(document: object) -> bytes:
         case dict():
             pairs = (encode_cbor(key) + encode_cbor(value) for key, value in document.items())
             return cbor_head(5, len(document)) + b"".join(pairs)
-        case _:
-            raise TypeError(f"CBOR of a {type(document).__name__} is not supported")
+    raise TypeError(f"CBOR of a {type(document).__name__} is not supported")
 
 
 def _encode_float(number: float) -> bytes:
@@ -127,8 +126,7 @@ class _Reader:
                 return [self._inner(depth) for _ in range(self._count(number))]
             case 5:
                 return dict([self._pair(depth) for _ in range(self._count(number))])
-            case _:  # a tag
-                return self._inner(depth)
+        return self._inner(depth)  # a tag
 
     def _consume(self, count: int) -> bytes:
         found = self._payload[self.at : self.at + count]

@@ -123,12 +123,16 @@ async def find_candidates(
                 found.append(candidate)
             else:
                 left_out.append(KeyValue(key=part_name(device, part), value=problem))
-    if not found:
+    _check_count(len(found), left_out, goal)
+    return found, tuple(left_out)
+
+
+def _check_count(count: int, left_out: list[KeyValue], goal: IdentifyDeviceGoal) -> None:
+    if count == 0:
         reasons = "; ".join(f"{one.key}: {one.value}" for one in left_out[:_MOST_NAMED])
         raise UsageError(f"nothing of {goal.candidates!r} can be identified; {reasons}")
-    if len(found) > MOST_CANDIDATES:
-        raise UsageError(f"{len(found)} parts fit {goal.candidates!r}; at most {MOST_CANDIDATES} can be told apart")
-    return found, tuple(left_out)
+    if count > MOST_CANDIDATES:
+        raise UsageError(f"{count} parts fit {goal.candidates!r}; at most {MOST_CANDIDATES} can be told apart")
 
 
 def _candidate(device: Device, part: DevicePart) -> CandidatePart | None:

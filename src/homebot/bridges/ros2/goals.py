@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Final
 
 from homebot.errors import GoalRejectedError, PeerError
@@ -98,7 +99,7 @@ async def _cancel(client: _Client, request: CancelGoalRequest) -> Message:
     unknown = CancelGoalResponse.ERROR_UNKNOWN_GOAL_ID if is_one else CancelGoalResponse.ERROR_NONE
     return CancelGoalResponse(
         return_code=min((one.return_code for one in answers), default=unknown),
-        goals_canceling=tuple(goal for one in answers for goal in one.goals_canceling),
+        goals_canceling=tuple(chain.from_iterable(one.goals_canceling for one in answers)),
     )
 
 

@@ -211,11 +211,12 @@ def _check(kind: type[Handle], filters: CommonFilters, terms: tuple[Term, ...]) 
         known = " or ".join(repr(one) for one in _CATEGORIES if one)
         raise ValueError(f"category is {known}, not {category!r}")
     for term in terms:
-        if isinstance(term, StateIs) and term.capability in CAPABILITIES:
-            _check_value(term)
+        _check_value(term)
 
 
-def _check_value(term: StateIs) -> None:
+def _check_value(term: Term) -> None:
+    if not isinstance(term, StateIs) or term.capability not in CAPABILITIES:
+        return
     expected = {"bool": bool, "number": float, "text": str}.get(CAPABILITIES[term.capability].kind, tuple)
     if not isinstance(term.value, expected):
         raise TypeError(f"{term.capability} is {_called(expected)}, not {term.value!r}")

@@ -133,7 +133,7 @@ class AnnouncedDevices:
         Args:
             raw: Whether to deliver its bytes to the listeners of the topic itself.
         """
-        topic, payload = message.topic, message.payload
+        topic, payload, waits = message.topic, message.payload, message.qos > 0
         if route.texts:
             self._announcements.handle_text(message, route.texts)
             route = self.route(topic) or route
@@ -144,9 +144,7 @@ class AnnouncedDevices:
         if route.text is not None:
             raw = False
             if payload:
-                await self._states.read_text(
-                    topic, payload, route.text, retained=message.retain, wait_if_full=message.qos > 0
-                )
+                await self._states.read_text(topic, payload, route.text, retained=message.retain, wait_if_full=waits)
             else:
                 self._announcements.remove(route.text.stored.key, "its retained message was deleted")
         if not route.announced_parts and not route.availability_readers:
@@ -161,7 +159,7 @@ class AnnouncedDevices:
             route.announced_parts,
             route.availability_readers,
             retained=message.retain,
-            wait_if_full=message.qos > 0,
+            wait_if_full=waits,
             longest=MAX_LONG_STATE_BYTES if route.conventions else MAX_STATE_BYTES,
         )
         if raw and route.announced_parts:

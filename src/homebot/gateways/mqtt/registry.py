@@ -237,8 +237,7 @@ def _route_of(
     availability_readers = tuple(one for one in readers if isinstance(one, AvailabilityReader))
     announced_parts = tuple(one for one in readers if isinstance(one, AnnouncedPart))
     only_text = None if conventions or readers else text
-    others = conventions or texts or text or availability_readers
-    only_states = not others and len(announced_parts) <= _FEW_PARTS
+    only_states = not any((conventions, texts, text, availability_readers)) and len(announced_parts) <= _FEW_PARTS
     return TopicReaders(conventions, texts, text, only_text, availability_readers, announced_parts, only_states)
 
 

@@ -78,17 +78,26 @@ def _tables(whole: Automation, fields: UnreadFields, name: str) -> Iterator[dict
     parts = _parts([*conditions, *actions], triggers)
     for trigger, nodes in parts:
         part = Automation(whole.entities, whole.problems, trigger)
-        when = [one for each in part.each(nodes, "trigger", partial(read_triggers, part)) for one in each]
-        if len(part.starts) != len(nodes):
-            part.starts.clear()
-        held = conditions_of(part, conditions)
-        first, steps = Actions(part, mode, is_split=len(parts) > 1).all_of(actions)
-        held += first
-        if NEVER not in held and steps and when:
+        reader = Actions(part, mode, is_split=len(parts) > 1)
+        if table := _table(part, nodes, conditions, reader, actions):
             own_name = f"{name} ({trigger})" if len(parts) > 1 else name
-            texts = [*dict.fromkeys(one.text for one in held)]
-            table = {"name": own_name, "when": when, "if": texts, "do": steps, "mode": mode, "enabled": enabled}
+            table = {"name": own_name, **table, "mode": mode, "enabled": enabled}
             yield {key: value for key, value in table.items() if _USUAL.get(key) != value}
+
+
+def _table(
+    part: Automation, triggers: list[Located], conditions: list[Located], reader: Actions, actions: list[Located]
+) -> dict[str, object]:
+    """Return what a routine is made of; nothing if it would never do anything."""
+    when = [one for each in part.each(triggers, "trigger", partial(read_triggers, part)) for one in each]
+    if len(part.starts) != len(triggers):
+        part.starts.clear()
+    held = conditions_of(part, conditions)
+    first, steps = reader.all_of(actions)
+    held += first
+    if NEVER in held or not steps or not when:
+        return {}
+    return {"when": when, "if": [*dict.fromkeys(one.text for one in held)], "do": steps}
 
 
 def _mode(fields: UnreadFields) -> str:

@@ -2,6 +2,7 @@
 
 import colorsys
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import Final, NamedTuple
 
 from homebot.devices.capabilities import CAPABILITIES
@@ -51,6 +52,8 @@ _DATA: Final = {
 }
 """The fields of the data of services; without words one of them is needed."""
 
+_SERVICES: Final = _WORDS.keys() | _DATA.keys()
+
 
 class _Setting(NamedTuple):
     """A value of a service.
@@ -91,16 +94,17 @@ def steps_of_service(entities: Entities, fields: UnreadFields, key: str) -> list
     target = _target_of(fields, data)
     if domain in {"notify", "persistent_notification"} and target.is_to_notify:
         return [_message(name, data)]
-    if name not in _WORDS and name not in _DATA:
+    if name not in _SERVICES:
         raise NotCarriedError(f"the service {name} has no counterpart in routines")
     target.check()
     settings, over = [*_settings(name, data)], data.duration("transition") if domain == "light" else ""
     data.end()
-    if target.areas or target.entities == ["all"]:
-        is_switched = name in {"light.turn_on", "light.turn_off"} and len(settings) == 1 and not over
-        return _steps_of_lights(entities, target.areas, name, settings[0].words if is_switched else "")
+    if target.is_of_rooms:
+        if name not in {"light.turn_on", "light.turn_off"} or len(settings) > 1 or over:
+            raise NotCarriedError(f"{name}: by `area_id` or `all` only lights are switched, and only on and off")
+        return _steps_of_lights(entities, target.areas, settings[0].words)
     known = _of_domain(domain, [*map(entities.find, target.entities)])
-    return [step for one in known for step in _steps(one, settings, over)]
+    return [*chain.from_iterable(_steps(one, settings, over) for one in known)]
 
 
 def _of_domain(domain: str, known: list[KnownEntity]) -> list[KnownEntity]:
@@ -109,9 +113,7 @@ def _of_domain(domain: str, known: list[KnownEntity]) -> list[KnownEntity]:
     return known
 
 
-def _steps_of_lights(entities: Entities, areas: Sequence[str], name: str, words: str) -> list[str]:
-    if not words:
-        raise NotCarriedError(f"{name}: by `area_id` or `all` only lights are switched, and only on and off")
+def _steps_of_lights(entities: Entities, areas: Sequence[str], words: str) -> list[str]:
     return [_step(one, [words]) for one in [f"lights in {entities.room_of(one)}" for one in areas] or ["all lights"]]
 
 
@@ -126,6 +128,11 @@ class _Target(NamedTuple):
     def is_to_notify(self) -> bool:
         """True unless other entities than those of messages are named."""
         return all(one.startswith("notify.") for one in self.entities)
+
+    @property
+    def is_of_rooms(self) -> bool:
+        """True for all that is in some rooms, or in the house."""
+        return bool(self.areas) or self.entities == ["all"]
 
     def check(self) -> None:
         """Refuse what names no entity or area, or more than one kind."""
@@ -171,20 +178,20 @@ def _message(name: str, data: UnreadFields) -> str:
 
 def _settings(name: str, data: UnreadFields) -> Iterator[_Setting]:
     """Yield the values that a service sets."""
+    keys = [key for key in _DATA.get(name, ()) if key in data]
     if name in _WORDS:
         capabilities, _, words = _WORDS[name].partition(" ")
         yield _Setting(capabilities, words)
-    keys = [key for key in _DATA.get(name, ()) if key in data]
-    if not keys and name not in _WORDS:
+    elif not keys:
         raise NotCarriedError(f"data: `{_DATA[name][0]}` is missing")
     for key in keys:
         row = _FIELDS[key]
         if CAPABILITIES[row.capabilities.split()[0]].kind != "number":
             yield row._replace(value=data.text(key))
-        elif name == "light.turn_on":
-            yield from (row._replace(value=_of_light(key, number * row.factor)) for number in data.numbers(key))
-        else:
-            yield from (row._replace(value=number * row.factor) for number in data.numbers(key))
+            continue
+        for number in data.numbers(key):
+            value = number * row.factor
+            yield row._replace(value=_of_light(key, value) if name == "light.turn_on" else value)
     if name == "light.turn_on" and (color := _color(data)) is not None:
         yield _Setting("color", f"color {color[0]:.0f} {color[1]:.0f}")
 

@@ -58,8 +58,7 @@ def _state(automation: Automation, fields: UnreadFields) -> list[str]:
     if not ids:
         raise NotCarriedError("trigger state: `entity_id` is missing")
     automation.starts.append((frozenset(ids), frozenset(states)))
-    if before and [_OPPOSITES.get(one, "") for one in states] != before:
-        raise NotCarriedError(f"trigger state: `from` {', '.join(before)}; routines know only the new state")
+    _check_before(before, states)
     lasting, attribute = _lasting(fields), fields.text("attribute", "")
     found = []
     for one in ids:
@@ -71,6 +70,11 @@ def _state(automation: Automation, fields: UnreadFields) -> list[str]:
         else:
             found += [f"{text}{lasting}" for text in state_texts(automation.entities, one, states, "to")]
     return found
+
+
+def _check_before(before: list[str], states: list[str]) -> None:
+    if before and [_OPPOSITES.get(one, "") for one in states] != before:
+        raise NotCarriedError(f"trigger state: `from` {', '.join(before)}; routines know only the new state")
 
 
 def _other_state(automation: Automation, kind: str, fields: UnreadFields) -> list[str]:

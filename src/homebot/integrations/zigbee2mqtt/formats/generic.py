@@ -169,7 +169,7 @@ def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
 
 
 def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart | None:
-    if expose.type == "binary" and expose.name == "state" and not expose.category:
+    if (expose.type, expose.name, expose.category) == ("binary", "state", ""):
         return _switch(topics, expose)
     part = Zigbee2MqttPart.of(topics, expose, "x_setting", expose.category or "config")
     match expose.type:
