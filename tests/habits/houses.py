@@ -48,6 +48,7 @@ HOUSE = (
     device("Bath heating", part("thermostat", "heating_setpoint")),
     device("Blind", part("window_covering", "movement", "position")),
     device("Hall button", part("generic_switch", "press")),
+    device("Sofa pad", part("generic_switch", "press", part_id="1"), part("generic_switch", "press", part_id="2")),
     device("Double relay", part("switch", "on_off", part_id="l"), part("switch", "on_off", part_id="r")),
     device("nobody in hall", part("light", "on_off")),
     device("wait 5m", part("light", "on_off")),

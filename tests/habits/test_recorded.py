@@ -1,5 +1,6 @@
 """What the history and the journal tell becomes days in which only persons have habits."""
 
+from dataclasses import replace
 from zoneinfo import ZoneInfo
 
 import pytest
@@ -9,13 +10,11 @@ from homebot.devices.client_rights import issuer_of_client
 from homebot.devices.habit_messages import HabitProposal
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.trigger import Trigger
-from homebot.devices.value import Reading, Value
 from homebot.habits.days import DAY, Happening
 from homebot.habits.proposal import is_same, proposal_of, undone_commands
 from homebot.habits.recorded import Home, recorded_days
 from homebot.habits.search import find_habits
 from homebot.habits.words import HabitWords
-from homebot.messages import Time
 from homebot.routines.conditions import read_condition
 from homebot.routines.text import read_routines
 from homebot.routines.triggers import read_trigger
@@ -68,12 +67,11 @@ def test_a_change_and_its_cause_are_one_happening() -> None:
     assert texts == ["Hall lamp two off", "Hall lamp two on"]
 
 
-def test_a_press_that_led_to_a_command_is_a_trigger() -> None:
-    reading = Reading(part="", capability="press", value=Value.of("double"))
-    trigger = Trigger(kind="report", id="7", device="hall_button", readings=(reading,), at=Time.from_seconds(START))
-    pressed = entry("requested", START + 1, TWO, "/routine", trigger=trigger, on_off=True)
-    days = recorded_days(WORDS, [], [pressed], BERLIN)
-    assert days.events == [Happening(START, "hall_button", " press", "Hall button press double", is_press=True)]
+def test_each_press_is_a_trigger() -> None:
+    pressed = states("hall_button", "press", (START, "double"), (START + 1, "double"))
+    days = recorded_days(WORDS, [pressed], [], BERLIN)
+    one = Happening(START, "hall_button", " press", "Hall button press double", is_press=True)
+    assert days.events == [one, replace(one, at=START + 1)]
 
 
 def test_the_conditions_are_those_of_the_place_and_of_the_people() -> None:

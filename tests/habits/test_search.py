@@ -51,6 +51,14 @@ def test_the_precision_that_is_promised_is_what_comes() -> None:
     assert sum(promised) / len(promised) == pytest.approx(sum(came) / len(came), abs=0.05)
 
 
+def test_the_lamp_of_a_bound_button_is_nobodys_habit() -> None:
+    """Its lamp says a second later that it is on, and the journal takes that for a hand."""
+    bound = Planted("hall button single pressed", "office lamp on", late=1.8)
+    habits = found_in(Family(1, habits=(bound, *HABITS[:5])).days(21))
+    assert HABITS[0].do in {one.do for one in habits}
+    assert not [one for one in habits if one.when == bound.when]
+
+
 def test_a_habit_has_its_conditions_and_every_occasion() -> None:
     days = Family(1, holidays=HOLIDAYS).days(21)
     (hall,) = (one for one in found_in(days) if one.do == "hall lamp on")

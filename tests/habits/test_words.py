@@ -53,6 +53,24 @@ def test_a_value_is_a_step(device: str, capability: str, value: PlainValue, text
     assert WORDS.step(device, "", capability, value) == text
 
 
+@pytest.mark.parametrize(
+    ("device", "part", "value", "text"),
+    [
+        ("hall_button", "", "double", "Hall button press double"),
+        ("hall_button", "", "04-A2", 'Hall button press "04-A2"'),  # a tag
+        ("hall_button", "", "", ""),
+        ("hall_button", "", 'a" b', ""),
+        ("hall_button", "", "x\x1b[2J", ""),
+        ("hall_button", "", "a\nb", ""),
+        ("sofa_pad", "2", "hold", "Sofa pad#2 press hold"),
+        ("sofa_pad", "3", "hold", ""),
+        ("gone", "", "hold", ""),
+    ],
+)
+def test_a_press_is_a_trigger_of_its_button(device: str, part: str, value: str, text: str) -> None:
+    assert WORDS.press(device, part, value) == text
+
+
 def test_every_text_is_read_and_hostile_names_mean_nothing_else() -> None:
     capabilities = {can.name for one in HOUSE for part in one.parts for can in part.part.capabilities}
     found = 0

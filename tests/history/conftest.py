@@ -37,7 +37,7 @@ MIDNIGHT = 1_767_225_600.0
 
 
 class KeptHouse:
-    """A meter, a thermometer and a lamp.
+    """A meter, a thermometer, a lamp and a button.
 
     Attributes:
         clock: The wall clock, which a test may set.
@@ -112,6 +112,7 @@ def kept(tmp_path: Path) -> MakeHouse:
                 ("meter", "electrical_meter", ("power", "energy")),
                 ("thermometer", "temperature_sensor", ("temperature",)),
                 ("lamp", "light", ("on_off",)),
+                ("button", "generic_switch", ("press",)),
             ):
                 part = simple_part(kind, readable=readable)
                 gateway.devices.put(GatewayDevice(name, name.title(), (part,)), "it is there")

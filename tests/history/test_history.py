@@ -64,6 +64,20 @@ async def test_flags_are_kept_where_they_change_with_their_ends(kept: MakeHouse)
     assert [end - at for at, end in zip(series.times, series.ends, strict=True)] == pytest.approx([HOUR] * 3, abs=1)
 
 
+async def test_each_press_is_kept_with_its_time_alone(kept: MakeHouse) -> None:
+    async with kept() as house:
+        for press in ("single", "single", "hold"):
+            await house.report("button", press=press)
+            await anyio.sleep(60)
+    async with kept(MIDNIGHT + HOUR) as house:
+        await house.report("button", press="double")
+        series = await house.read("button")
+        assert (await house.response("button", since=HOUR / 2)).series[0].words == ("double",)  # the last one is over
+    assert series.words == ("single", "single", "hold", "double")
+    assert series.times == series.ends
+    assert [at - MIDNIGHT for at in series.times] == pytest.approx([2, 62, 122, HOUR + 2], abs=1)
+
+
 async def test_a_restart_keeps_all_and_counts_the_energy_of_the_time_between(kept: MakeHouse) -> None:
     async with kept() as house:
         await house.report("meter", energy=100.0)

@@ -72,6 +72,18 @@ async def test_of_more_values_than_may_wait_the_oldest_are_lost_and_counted(kept
         assert collector.batch.values[0] > MOST_WAITING - 1  # the newest are there
 
 
+@pytest.mark.virtual_time
+async def test_of_a_flood_of_presses_the_first_of_each_batch_are_kept_and_the_others_counted(kept: MakeHouse) -> None:
+    async with kept() as house:
+        for _ in range(2):
+            for _ in range(100):
+                await house.report("button", press="single")
+                await anyio.sleep(1)
+            await anyio.sleep(600)
+        assert len((await house.read("button")).words) == 120
+        assert counts(house.history)["history_folded"] == 80
+
+
 def test_after_a_month_only_hours_become_more(tmp_path: Path) -> None:
     """Values of two days, summaries of thirty; a row a day for ever; words of a year."""
     file = HistoryFile(tmp_path / "history.sqlite", KeepSettings())

@@ -1,6 +1,7 @@
 """A trial of routines by the history of a house, where nothing was recorded."""
 
 import asyncio
+import json
 
 import pytest
 from tests.apps.houses import hall
@@ -27,19 +28,26 @@ ROUTINES = {
     "home": {"zone": "UTC"},
     "routines": [
         {"name": "Light", "when": ["hall motion occupied"], "do": ["my lamps on", "wait 4m", "undo"]},
+        {"name": "Pressed", "when": ["hall button press"], "do": ["notify It was pressed"]},
+        {"name": "Held", "when": ["hall button press hold"], "do": ["notify It was held"]},
         {"name": "Told", "when": ["hall lamp on for 2m"], "if": ["hall motion clear"], "do": ["notify It is on"]},
     ],
 }
 
 
 async def lived() -> tuple[tuple[Device, ...], tuple[HistorySeries, ...], tuple[JournalEntry, ...], float, float]:
-    """Half an hour in which Anna comes twice; the owner has tagged the lamp, and turns it on and off by hand."""
+    """Half an hour in which Anna comes twice; the owner has tagged the lamp, and turns it on and off by hand.
+
+    Nothing follows the presses of a button.
+    """
     world = hall(("08:05", "hall"), ("08:06", "outside"), ("08:20", "hall"))
     config = {"history": {"enabled": True}}
     async with (
         virtual_house_of(world=world, start="2026-01-01 08:00", config=config) as house,
         Node(house.runtime.graph, "owner") as owner,
     ):
+        button = {"name": "hall button", "unique_id": "b", "state_topic": "button", "event_types": ["single", "hold"]}
+        await house.says("homeassistant/event/button/config", json.dumps(button))
         await house.run_until("08:01")
         tag = TagDevice.Request(device="hall_lamp", tag="my lamps")
         assert (await owner.create_client(TagDevice, TAG_DEVICE).call(tag)).success
@@ -47,6 +55,9 @@ async def lived() -> tuple[tuple[Device, ...], tuple[HistorySeries, ...], tuple[
         await house.press("hall_lamp", "on")
         await house.run_until("08:16")
         await house.press("hall_lamp", "off")
+        for press in ("single", "hold", "hold"):
+            await house.run_for("3m")
+            await house.says("button", json.dumps({"event_type": press}))
         await house.run_until("08:30")
         until = house.now.timestamp()
         since = until - 29.5 * 60
@@ -72,6 +83,10 @@ def replayed() -> Replayed:
     return found
 
 
+def told(replayed: Replayed, text: str) -> list[str]:
+    return [f"{one.time:%H:%M}" for one in replayed.notifications if one.message == text]
+
+
 def test_commands_come_when_the_history_has_their_triggers(replayed: Replayed) -> None:
     assert replayed.crashes == {}
     given = [(one.command.device, int(one.at / 60)) for one in replayed.commands]
@@ -79,7 +94,12 @@ def test_commands_come_when_the_history_has_their_triggers(replayed: Replayed) -
 
 
 def test_a_state_that_lasted_starts_a_routine_too(replayed: Replayed) -> None:
-    assert [(one.message, f"{one.time:%H:%M}") for one in replayed.notifications] == [("It is on", "08:14")]
+    assert told(replayed, "It is on") == ["08:14"]
+
+
+def test_each_press_starts_a_routine_though_nothing_followed_it_then(replayed: Replayed) -> None:
+    assert told(replayed, "It was pressed") == ["08:19", "08:22", "08:25"]
+    assert told(replayed, "It was held") == ["08:22", "08:25"]
 
 
 def test_names_and_tags_of_the_owner_count(replayed: Replayed) -> None:

@@ -1,5 +1,6 @@
 """Habits of the people in a running house are proposed, accepted, rejected and forgotten."""
 
+import json
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from datetime import timedelta
@@ -104,6 +105,28 @@ async def test_what_a_person_does_each_day_is_proposed_accepted_and_rejected() -
         assert not left.keys() & {"hall_lamp on", "desk_lamp on"}
         assert not (await owner.decide(evening, accept=True)).success
         assert await owner.routines() == {"hall_lamp on": True}
+
+
+@pytest.mark.rooms("homeassistant")
+async def test_what_a_person_does_after_a_press_that_starts_nothing_is_proposed() -> None:
+    button = {"name": "Hall button", "unique_id": "b", "state_topic": "button", "event_types": ["single", "double"]}
+    async with (
+        virtual_house_of(world=world(), config=CONFIG, start="2026-01-05") as house,
+        Node(house.runtime.graph, "owner") as node,
+    ):
+        await house.says("homeassistant/event/button/config", json.dumps(button))
+        for day in range(DAYS):
+            for hour, press in ((7 + 2 * (day % 4), "single"), (18 + day % 3, "double")):
+                await house.run_until(house.now.replace(hour=hour, minute=5 * day))
+                await house.says("button", json.dumps({"event_type": press}))
+                await house.run_for(f"{10 + 5 * day}s")
+                await house.press("desk_lamp", "on" if press == "double" else "off")
+            await house.run_until(house.now.replace(hour=0, minute=0) + timedelta(days=1))
+        found = await Owner(node).proposals()
+    assert {one.do: one.when for one in found.values()} == {
+        "desk_lamp on": "Hall button press double",
+        "desk_lamp off": "Hall button press single",
+    }
 
 
 async def test_a_routine_that_people_undo_is_proposed_for_removal() -> None:

@@ -26,7 +26,7 @@ from homebot.replay.routine_trial import TriedCommand, routines_of, trial_config
 from homebot.routines.checks import asked_about
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.text import read_routines
-from homebot.routines.triggers import Press, RobotArrival
+from homebot.routines.triggers import RobotArrival
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.units import parse_duration
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 __all__ = ["LAST", "given_of", "history_lines", "text_trial", "trial_lines", "try_routines"]
 
 
-_UNSEEN: Final = (Press, RobotArrival)
 _ALL_SEEN: Final[Mapping[str, Sequence[str]]] = {}
 
 LAST: Final = {"last-day": 86_400.0, "last-week": 7 * 86_400.0}
@@ -78,7 +77,7 @@ def history_lines(door: DoorClient, given: Config, seconds: float, title: str) -
     """
     read = {name: parse_settings(RoutineSettings, one, given.source, name) for name, one in routines_of(given)}
     recording = read_house_history(door, seconds, asked_about(read.values()))
-    unseen = {name: [text for text, kind in one.asked() if isinstance(kind, _UNSEEN)] for name, one in read.items()}
+    unseen = {key: [text for text, kind in one.asked() if isinstance(kind, RobotArrival)] for key, one in read.items()}
     return trial_lines(title, recording, _in_home(door, given), unseen)
 
 

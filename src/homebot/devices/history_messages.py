@@ -66,7 +66,7 @@ class HistorySeries(Message):
         lows: The smallest numbers; empty if each point is a single value.
         highs: The largest numbers; empty if each point is a single value.
         words: The words in place of numbers; ``true`` and ``false`` for a flag.
-        ends: When each word ended; the end of the answer if it lasts.
+        ends: When each word ended; the end of the answer if it lasts, and its own time for an event.
         complete: Whether these are all values; otherwise they are the newest.
     """
 

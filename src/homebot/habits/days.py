@@ -81,7 +81,7 @@ class Days:
         kinds: defaultdict[str, Happenings] = defaultdict(Happenings)
         for one in self.events:
             kind = kinds[one.text]
-            kind.text, kind.device, kind.what = one.text, one.device, one.what
+            kind.text, kind.device, kind.what, kind.is_press = one.text, one.device, one.what, one.is_press
             kind.times.append(one.at)
             if one.step:
                 kind.step = one.step
@@ -135,6 +135,7 @@ class Happenings:
 
     Attributes:
         done: The times at which a person did it.
+        is_press: Whether it is over at once.
     """
 
     text: str = ""
@@ -143,6 +144,7 @@ class Happenings:
     step: str = ""
     times: list[float] = field(default_factory=list)
     done: list[float] = field(default_factory=list)
+    is_press: bool = False
 
     def first(self, since: float, until: float) -> float | None:
         """Return when a person first did it in a span; None for never."""

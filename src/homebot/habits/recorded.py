@@ -18,7 +18,6 @@ from homebot.devices.client_rights import LOCAL_CLIENT, OWNER_CLIENT, issuer_of_
 from homebot.devices.command_messages import Setting
 from homebot.devices.history_messages import HistorySeries
 from homebot.devices.journal_messages import JournalEntry
-from homebot.devices.trigger import Trigger
 from homebot.devices.value import PlainValue
 from homebot.habits.days import DAY, LEAST_DAYS, Days, Happening
 from homebot.habits.words import HabitWords, WatchedRoom, rounded
@@ -56,7 +55,7 @@ def recorded_days(
 ) -> Days:
     """Return the days of *series*, the states of the house, and *entries* of its journal, oldest first."""
     refused = {one.command for one in entries if any(not verdict.allowed for verdict in one.verdicts)}
-    happenings = [*_changes(words, series), *_presses(words, entries)]
+    happenings = _changes(words, series)
     by_persons = (one for one in entries if is_persons(one) and (not one.command or one.command not in refused))
     deeds = [deed for one in by_persons for deed in _deeds(words, one)]
     known = sorted(_with_deeds(happenings, deeds), key=lambda one: one.at)[-MOST_HAPPENINGS:]
@@ -70,23 +69,15 @@ def recorded_days(
 
 def _changes(words: HabitWords, series: Iterable[HistorySeries]) -> Iterator[Happening]:
     for one in series:
-        before = ""
+        before, is_event = "", one.capability in EVENTS
         for at, word in zip(one.times, one.words, strict=False):
-            text = words.trigger(one.device, one.part, one.capability, _FLAGS.get(word, word))
-            if text and word != before:
-                yield Happening(at, one.device, f"{one.part} {one.capability}", text)
+            if is_event:
+                text = words.press(one.device, one.part, word)
+            else:
+                text = words.trigger(one.device, one.part, one.capability, _FLAGS.get(word, word))
+            if text and (is_event or word != before):
+                yield Happening(at, one.device, f"{one.part} {one.capability}", text, is_press=is_event)
             before = word
-
-
-def _presses(words: HabitWords, entries: Iterable[JournalEntry]) -> Iterator[Happening]:
-    """Yield the presses that led to commands; others are not kept."""
-    triggers: dict[str, Trigger] = {one.trigger.id: one.trigger for one in entries if one.trigger.kind == "report"}
-    for trigger in triggers.values():
-        for one in trigger.readings:
-            value = one.value.plain()
-            if one.capability in EVENTS and isinstance(value, str) and (text := words.press(trigger.device, value)):
-                what = f"{one.part} {one.capability}"
-                yield Happening(trigger.at.to_seconds(), trigger.device, what, text, is_press=True)
 
 
 def _deeds(words: HabitWords, entry: JournalEntry) -> Iterator[Happening]:

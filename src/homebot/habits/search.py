@@ -26,7 +26,7 @@ _REACTION: Final = 0.5
 """Seconds that a person needs; what follows sooner is an effect, such as that of a bound button."""
 
 _PUNCTUAL: Final = 2.0
-"""Seconds by which people are never punctual day after day."""
+"""Seconds by which people are never punctual day after day, and within which they never do more after a press."""
 
 _TOLERANCE: Final = 1200.0
 """Seconds before and after a time of day within which people act."""
@@ -287,7 +287,7 @@ def _proved(
         and precision >= max(_LEAST_PRECISION, chance + _ABOVE_CHANCE)
         and luck(_hits(held_out), len(held_out), chance) <= unlikely
         and _share(recent) >= _LEAST_RECENT
-        and not (best.late > 0 and _is_punctual(hits))
+        and not _is_automatic(days, best, hits)
     )
     if not is_habit:
         return None
@@ -304,10 +304,15 @@ def _chances(days: Days, rule: _Rule) -> int:
     return sum(all(holds(at + rule.late) for holds in conditions) for at in rule.begins) if rule.late > 0 else 0
 
 
-def _is_punctual(hits: Iterable[_Tried]) -> bool:
-    """Return whether most was done at the same second of the day: a program of the device does that, no person."""
+def _is_automatic(days: Days, rule: _Rule, hits: Iterable[_Tried]) -> bool:
+    """Return whether most was done at the same second of the day, or right after a press: no person does that.
+
+    Programs of devices do, and buttons that are bound to the device.
+    """
+    if rule.late < 0 and not days.by_text[rule.when].is_press:
+        return False
     late = [one.occasion.done_at - one.occasion.at for one in hits if one.occasion.done_at is not None]
-    usual = median(late)
+    usual = median(late) if rule.late > 0 else 0.0
     return sum(abs(one - usual) <= _PUNCTUAL for one in late) >= 0.8 * len(late)
 
 

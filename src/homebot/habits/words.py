@@ -8,7 +8,7 @@ from typing import Final, NamedTuple, final
 from homebot.command_words.suitable_parts import settings_by_part
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import always_asks
-from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device import State
 from homebot.devices.query.facets import facets_of
@@ -105,10 +105,18 @@ class HabitWords:
                 return text
         return ""
 
-    def _press(self, device_id: str, value: str) -> str:
-        """Return the trigger that the press *value* starts."""
-        text = f"{self.reference(device_id)} press {value}"
-        return text if self.reference(device_id) and isinstance(_read(text), Press) else ""
+    def _press(self, device_id: str, part: str, value: str) -> str:
+        """Return the trigger that the press *value* starts; it names the button if there are several."""
+        device, reference = self._devices.get(device_id), self.reference(device_id)
+        if device is None or not (reference and value and value.isprintable()):
+            return ""
+        buttons = [one for one in device.parts if any(can.name in EVENTS for can in one.part.capabilities)]
+        button = f"{reference}#{part}" if len(buttons) > 1 else reference
+        for text in (f"{button} press {value}", f'{button} press "{value}"'):
+            read = _read(text)
+            if isinstance(read, Press) and read.value == value.casefold() and fits(read.query, facets_of(device)):
+                return text if [one.id for one in buttons if read.is_of(one)] == [part] else ""
+        return ""
 
     def _step(self, device_id: str, part: str, capability: str, value: PlainValue) -> str:
         """Return the step that sets this value, rounded; none for a part that always asks."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, final
 
-from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
 from homebot.devices.house_view import HouseWatcher
 from homebot.history.batch import Batch, Place, Series, StateRow, StoredState
 from homebot.history.buckets import COUNTERS
@@ -24,8 +24,8 @@ MOST_WAITING: Final = 100_000
 
 _LOST_AT_ONCE: Final = 1000
 _MOST_STATES: Final = 60
-"""The limit of changes of a word or flag in one batch, after which only the newest counts: some texts change with each
-message."""
+"""The limit of changes of a word or flag in one batch, after which only the newest counts, and of events, after which
+none does: some texts change with each message."""
 
 _MOST_WAITING_STATES: Final = 20_000
 _LONGEST_WORD: Final = 100
@@ -61,7 +61,7 @@ class Collector(HouseWatcher):
         batch: The values, states and new series to be written.
         lost: Values and states that were dropped because too many were waiting.
         left_out: Series for which there was no room.
-        folded: Dropped changes of words and flags, of which only the newest was collected.
+        folded: Dropped changes of words and flags, of which only the newest was collected, and dropped events.
     """
 
     def __init__(self, clock: Clock, most: int, known: Mapping[Place, Series], last: Mapping[int, float]) -> None:
@@ -105,6 +105,10 @@ class Collector(HouseWatcher):
         at = change.told_at.sec * 1000 + change.told_at.nanosec // 1_000_000
         for reading in change.readings:
             self._record(change.device, reading.part, reading.capability, reading.value.plain(), at)
+
+    def on_event(self, change: StateChange) -> None:
+        """Collect an event, such as a press, as a word that ends at once."""
+        self.on_values(change)
 
     def restart_total(self, series: int, last: float | None) -> None:
         """Let the counter of *series*, if it is one, go on from its *last* value after a correction."""
@@ -166,6 +170,8 @@ class Collector(HouseWatcher):
         if followed is None and (value is None or (followed := self._follow((device, part, capability))) is None):
             return
         match value:
+            case str() if capability in EVENTS:
+                self._record_event(followed, value[:_LONGEST_WORD], at)
             case bool() | str():
                 word = int(value) if isinstance(value, bool) else value[:_LONGEST_WORD]
                 self._record_state(followed, word, at)
@@ -200,6 +206,14 @@ class Collector(HouseWatcher):
                 return
             self._close_state(followed, at)
         self._open_state(followed, value, at)
+
+    def _record_event(self, followed: _CollectedValue, word: str, at: int) -> None:
+        followed.changes += 1
+        if followed.changes > _MOST_STATES:
+            self.folded += 1
+            return
+        self._open_state(followed, word, at)
+        self._close_state(followed, followed.opened_at)
 
     def _open_state(self, followed: _CollectedValue, value: StoredState, at: int) -> None:
         states, number = self.batch.states, followed.series.number

@@ -17,7 +17,7 @@ class KeepSettings(BaseModel):
     Attributes:
         values: How long each value is kept.
         five_minutes: How long five-minute summaries are kept.
-        states: How long words and flags are kept.
+        states: How long words, flags and events are kept.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)

@@ -1,7 +1,7 @@
 """A recording made of the history of a house, for times that nobody recorded. Pure.
 
-It has the states and numbers of all devices as the history kept them: no events, such as presses of buttons, no
-pauses, and after two days only the means of five minutes.
+It has the states, events and numbers of all devices as the history kept them: no pauses, and after two days only the
+means of five minutes.
 """
 
 import json

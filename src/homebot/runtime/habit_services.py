@@ -16,7 +16,7 @@ from anyio import to_thread
 from homebot.clock import read_zone, zone_name
 from homebot.devices import Device, names
 from homebot.devices.app_messages import ChangeRoutineResponse
-from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
+from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.habit_messages import (
     DecideHabit,
@@ -140,10 +140,10 @@ class HabitServices:
         return answer.model_copy(update={"zone": zone_name(context.zone_name)})
 
     async def _series(self, device: Device, since: float, until: float) -> list[HistorySeries]:
-        """Return the states of the main parts of *device*; numbers start no routine."""
+        """Return the states and events of the main parts of *device*; numbers start no routine."""
         found: list[HistorySeries] = []
         named = {can.name for part in device.parts if not part.part.category for can in part.part.capabilities}
-        for name in sorted(named - EVENTS):
+        for name in sorted(named):
             if CAPABILITIES.get(name, OWN).kind not in {"bool", "text"}:
                 continue
             request = ReadHistoryRequest(

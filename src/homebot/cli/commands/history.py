@@ -18,7 +18,7 @@ from homebot.cli.device_queries import device_or_similar, find_devices, house_ti
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import entities
 from homebot.cli.terminal import print_table
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, EVENTS
 from homebot.devices.names import CORRECT_HISTORY, READ_ENERGY, READ_HISTORY
 from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.devices.wording.time_format import from_seconds
@@ -222,7 +222,10 @@ def _print_table(one: HistorySeries, length: float) -> None:
             (_clock(at, length), value_text(one.capability, flags.get(word, word)), _span_text(end - at))
             for at, word, end in zip(one.times, one.words, one.ends, strict=True)
         ]
-        print_table(("SINCE", "STATE", "FOR"), rows)
+        if one.capability in EVENTS:
+            print_table(("TIME", "EVENT"), [row[:2] for row in rows])
+        else:
+            print_table(("SINCE", "STATE", "FOR"), rows)
         if not one.complete:
             print("… there are older ones; --points shows more")
     elif one.lows:

@@ -40,7 +40,7 @@ _EXAMPLES = """\
   homebot routine export 'Hall light'      write it as an app in Python, hall_light.py, and its test
   homebot routine import automations.yaml > new.toml    those of another program; lists what it leaves out
   homebot routine try new.toml --on last-week       what the routines of a file would have done, by the history
-  homebot routine try new.toml --on day.jsonl.gz    the same on a recorded day, also with events such as presses
+  homebot routine try new.toml --on day.jsonl.gz    the same on a recorded day, also with the ways of robots
 
 Routines are the tables [[routines]] of homebot.toml, which you change there (`homebot app reload hall_light` reads one
 again), and those that `new` adds, which homebot keeps. All but `list`, `show` and `try` need the right `manage`.
