@@ -1,4 +1,4 @@
-"""Rows of tables: a capability of what a protocol describes, with what reads it and what sets it. Pure."""
+"""Rows of tables: a capability of an entity, service, cluster or resource, with its reader and writer. Pure."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ class CapabilityRow(Generic[SourceT, ReadT, WriteT]):
     Attributes:
         named: Returns its name, in place of *capability*, if the source decides on it.
         read: Returns its value, None for unknown; never raises. None if it is never reported, or only by events.
-        write: Returns what a command that fits it sets; raises RefusedError. None if it cannot be set.
+        write: Returns the values that a command sets; raises RefusedError. None if it cannot be set.
         when: Whether a source has it; None if all have.
         readable: Whether it is reported; by default if it is read, or cannot be set.
-        settable: Whether what can be written can be set.
-        watched: What its value depends on, by the protocol's names or numbers.
+        settable: Whether it can be set, if it has a *write*.
+        watched: The names or numbers, in the protocol, that its value depends on.
         part: The part with it beside the main one of the source, such as ``battery``; empty for the main one.
         spare_part: The part with it if another row gives the main part its capability; empty for none.
     """

@@ -209,9 +209,9 @@ class Gateway(ABC):
 
     @classmethod
     def other_machine(cls, name: str, settings: BaseModel) -> tuple[str, Path] | None:  # noqa: ARG003 - most are here
-        """Return the machine whose gateway *name* is, with the file of its secret; None if its devices are of this one.
+        """Return the machine that gateway *name* connects, with the file of its secret; None if its devices are of this one.
 
-        What is of another machine gets to no third one by this one.
+        Devices of another machine get to no third one by this one.
         """
         return None
 

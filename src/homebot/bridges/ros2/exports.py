@@ -67,7 +67,7 @@ class Exports:
         self._open: dict[tuple[EntityKind, str], tuple[EntityToken, Callable[[], None]]] = {}
 
     def refresh(self, kind: EntityKind, name: str) -> None:
-        """Offer what came with the full name *name*, or take back what left."""
+        """Offer a new entity with the full name *name*, or withdraw one that left."""
         if kind is EntityKind.NODE:
             self._goals.end_of(name)
         if kind not in _KINDS or not fits_any(name, self._patterns):

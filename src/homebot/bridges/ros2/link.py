@@ -32,7 +32,7 @@ async def serve_link(
     *,
     task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED,
 ) -> None:
-    """Bring to robots what is exported, and to the graph of *node* what is imported, until cancelled."""
+    """Export entities to robots, and import theirs to the graph of *node*, until cancelled."""
     own = OwnEntities(node, session, settings.domain)
     health = LinkHealth(node)
     imports = Imports(node, own, robots, health)

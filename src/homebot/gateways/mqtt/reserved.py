@@ -37,7 +37,7 @@ class ReservedTopics:
     """Reserved topics of one gateway.
 
     Args:
-        conventions: Conventions whose topics of announcements and texts are reserved.
+        conventions: Conventions with reserved topics of announcements and texts.
         own_commands: The filters of commands to homebot's own devices.
 
     Attributes:

@@ -48,7 +48,7 @@ class UnreadFields:
     """The fields of a mapping.
 
     Args:
-        what: What it is, for messages.
+        what: Its name in messages.
 
     Attributes:
         left: Those that are still to be read.

@@ -88,7 +88,7 @@ def _tables(whole: Automation, fields: UnreadFields, name: str) -> Iterator[dict
 def _table(
     part: Automation, triggers: list[Located], conditions: list[Located], reader: Actions, actions: list[Located]
 ) -> dict[str, object]:
-    """Return what a routine is made of; nothing if it would never do anything."""
+    """Return the keys of a routine; none if it would never do anything."""
     when = [one for each in part.each(triggers, "trigger", partial(read_triggers, part)) for one in each]
     if len(part.starts) != len(triggers):
         part.starts.clear()

@@ -195,7 +195,7 @@ class _ThreadLink(_PairedLink):
             self._written -= values.keys()
 
     def _on_event(self, values: HomekitValues) -> None:
-        """Relay what the accessory reported, but not what the library repeats of a write."""
+        """Relay the reports of the accessory, but not the library's repetitions of a write."""
         self._relay({key: one for key, one in values.items() if key not in self._written})
 
 

@@ -106,7 +106,7 @@ def tokens_in(*texts: str) -> frozenset[str]:
 
 
 _RATINGS = frozenset({"advertised", "limit", "maximum", "nameplate", "nominal", "rated", "rating", "soe"})
-"""Words of what a thing is made for, allowed or holds, not of what is measured: a breaker of 200 A."""
+"""Words for purposes, limits and contents, which are not measured: a breaker of 200 A."""
 
 _RETURNED = frozenset({"export", "exported", "returned"})
 

@@ -111,7 +111,7 @@ def _all_lights(resources: HueResources, group: Fields) -> Iterator[HueDevice]:
 
 
 def _lights(resources: HueResources, group: Fields) -> Iterator[str]:
-    """Yield the lights in a room, whose children are devices, in a zone, whose children are lights, or in all rooms."""
+    """Yield the lights in a room (its children are devices), a zone (its children are lights), or all rooms."""
     for child, resource in resources.referred(group, "children"):
         if resource.get("type") == "room" and group.get("type") == "bridge_home":
             yield from _lights(resources, resource)

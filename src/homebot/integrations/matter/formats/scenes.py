@@ -127,7 +127,7 @@ def _values(scene: MatterScene, then: MatterEndpoint, member: str, rows: Iterabl
 def _settable(
     scene: MatterScene, then: MatterEndpoint, rows: Iterable[ClusterRow]
 ) -> dict[str, tuple[int | str, PlainValue]]:
-    """Return what homebot can set of a scene: by capability its cluster and value."""
+    """Return, by capability, the clusters and values of a scene that homebot can set."""
     found = {
         row.capability: (row.watched[0], row.read(then))
         for row in rows
