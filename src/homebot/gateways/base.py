@@ -209,7 +209,7 @@ class Gateway(ABC):
 
     @classmethod
     def other_machine(cls, name: str, settings: BaseModel) -> tuple[str, Path] | None:  # noqa: ARG003 - most are here
-        """Return the machine that gateway *name* connects, with the file of its secret; None if its devices are of this one.
+        """Return the machine that gateway *name* connects, and its secret's file; None if its devices are of this one.
 
         Devices of another machine get to no third one by this one.
         """

@@ -59,7 +59,7 @@ def _switch_of(service: HapService) -> str:
 
 
 def _turned_on(service: HapService) -> dict[str, float]:
-    """Return the values that turn on a light that is off; Apple sends no more, and Vimar's dimmers that are on take it for 100 %."""
+    """Return the values that turn on a light, if it is off: Vimar's dimmers that are on take that for 100 %."""
     switch = _switch_of(service)
     return {} if service.number(switch) == 1 else {switch: 1.0}
 
