@@ -173,9 +173,25 @@ async def test_a_question_is_answered_once(home: Home) -> None:
     client = home.app.create_client(AnswerQuestion, ANSWER_QUESTION)
     first, second = await client.call(request), await client.call(request.model_copy(update={"yes": True}))
     assert (first.success, second.success) == (True, False)
-    assert "there is no such question now" in second.message
+    assert second.message == "the question is over: client:owner said no"
     await anyio.sleep(0.1)
     assert agent.results[0].reason == "client:owner said no"
+
+
+@pytest.mark.parametrize(("is_cancelled", "end"), [(True, "the client agent asks no more"), (False, "nobody answered")])
+async def test_a_late_answer_is_told_why_it_does_not_count(home: Home, *, is_cancelled: bool, end: str) -> None:
+    await put_house(home)
+    agent = Asker(home)
+    await agent.begin()
+    (question,) = await open_questions(home)
+    agent.waiting.cancel() if is_cancelled else await anyio.sleep(60)
+    await anyio.sleep(0.1)
+    request = AnswerQuestionRequest(question=question.question, yes=True, issuer="client:owner", scope=OWNER)
+    client = home.app.create_client(AnswerQuestion, ANSWER_QUESTION)
+    assert (await client.call(request)).message.startswith(f"the question is over: {end}")
+    unknown = await client.call(request.model_copy(update={"question": "of an earlier homebot"}))
+    assert unknown.message.startswith("there is no such question now")
+    assert home.commands == []
 
 
 @pytest.mark.parametrize("scope", [("act: all", "ask: lock"), ("act: lock", "ask: in hall"), ("ask: all",)])

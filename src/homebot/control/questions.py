@@ -35,6 +35,8 @@ _MOST, _MOST_OF_ONE = 20, 5
 
 _MOST_DENIED: Final = 100
 
+_NOBODY: Final = f"nobody answered within {_PATIENCE:.0f} s"
+
 
 @dataclass(slots=True, eq=False)
 class _Asked:
@@ -56,6 +58,7 @@ class Questions:
         self._policies = policies
         self._journal = journal
         self._open: dict[str, _Asked] = {}
+        self._ends: BoundedMap[str, str] = BoundedMap(_MOST_DENIED)  # of questions that somebody may answer late
         self._denied: BoundedMap[tuple[object, ...], tuple[str, float]] = BoundedMap(_MOST_DENIED)
 
     async def must_ask(self, command: IssuedCommand) -> bool:
@@ -98,35 +101,40 @@ class Questions:
             ASKED, message=f"{message.text}? answer: homebot answer {command.id} yes", command=command.id
         )
         self._publish()
+        end = _NOBODY
         try:
             with anyio.move_on_after(_PATIENCE):
                 await question.answered.wait()
         except anyio.get_cancelled_exc_class():
+            end = f"{issuer_text(command.issuer)} asks no more"
             self._journal.decided(
                 command.issuer, command.place, NoAnswer(0.0, "it was cancelled", command_id=command.id)
             )
             raise
         finally:
-            del self._open[command.id]
-            self._publish()
+            if command.id in self._open:
+                self._close(command.id, end)
         if question.yes:
             self._journal.judged(command, Verdict(ASK, allowed=True, reason=f"{question.by} said yes"))
             return None
         if question.by:
             self._denied[key] = question.by, self._clock.monotonic() + _PATIENCE
-        nobody = f"nobody answered within {_PATIENCE:.0f} s: a person does on the page, or with `homebot answer`"
+        nobody = f"{_NOBODY}: a person does on the page, or with `homebot answer`"
         return Refused(ASK, f"{question.by} said no" if question.by else nobody, command_id=command.id)
 
     def answer(self, request: AnswerQuestionRequest) -> AnswerQuestionResponse:
         """Answer an open question, once, unless who answers may not give the command without asking."""
         question = self._open.get(request.question)
-        if question is None or question.answered.is_set():
-            problem = "there is no such question now; `homebot answer` lists those that are open"
+        if question is None:
+            end = self._ends.get(request.question)
+            unknown = "there is no such question now; `homebot answer` lists those that are open"
+            problem = unknown if end is None else f"the question is over: {end}"
         else:
             problem = self._why_not_answered(question.command, request)
             if not problem:
                 question.by, question.yes = request.issuer, request.yes
                 question.answered.set()
+                self._close(request.question, f"{request.issuer} said {'yes' if request.yes else 'no'}")
         return AnswerQuestionResponse(success=not problem, message=problem)
 
     def listed(self) -> OpenQuestions:
@@ -150,6 +158,11 @@ class Questions:
         if must_ask(answering):
             return f"{request.issuer} must ask itself"
         return self._policies.client_refusal(answering)
+
+    def _close(self, question: str, end: str) -> None:
+        del self._open[question]
+        self._ends[question] = end
+        self._publish()
 
     def _publish(self) -> None:
         self._publisher.publish(self.listed())
