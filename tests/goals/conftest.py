@@ -42,11 +42,18 @@ METRES: Final = 10.0
 
 
 class Family:
-    """The home, whose robot ``rosie`` is in the hall and takes ten seconds for a drive."""
+    """The home, whose robot ``rosie`` is in the hall and takes ten seconds for a drive.
+
+    Attributes:
+        lag: Seconds after its arrival until it says where it is.
+        is_lost_on_its_way: Whether it is between two rooms then.
+    """
 
     def __init__(self, home: Home) -> None:
         self.home = home
         self.room = "Hall"
+        self.lag = 0.0
+        self.is_lost_on_its_way = False
         self.drives: list[str] = []
         self.feedback: list[AchieveFeedback] = []
         home.app.create_service(WhereIsRobot, WHERE_IS_ROBOT, self._where)
@@ -95,10 +102,16 @@ class Family:
     async def _drive(self, goal: Any) -> None:
         room = ROOMS[int(goal.request.pose.pose.position.x // METRES)]
         self.drives.append(room)
+        before, self.room = self.room, "" if self.is_lost_on_its_way else self.room
         await anyio.sleep(10.0)
-        self.room = room
+        self.room = before
+        self.home.tasks.start_soon(self._arrive, room)
         result: type[Message] = NAVIGATE.Result
         goal.succeed(zero_message(result))
+
+    async def _arrive(self, room: str) -> None:
+        await anyio.sleep(self.lag)
+        self.room = room
 
 
 def _places() -> str:

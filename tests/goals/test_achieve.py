@@ -7,7 +7,7 @@ from typing import Any
 
 import anyio
 import pytest
-from tests.control.conftest import ignore
+from tests.control.conftest import Home, ignore
 from tests.goals.conftest import Family
 from tests.one_task import in_one_task
 from tests.scenes.conftest import Kept, Scenes, served
@@ -177,6 +177,20 @@ async def test_a_cancelled_goal_calls_the_robot_off_and_says_what_is_done(family
     assert family.room == "Hall"
 
 
+async def test_a_robot_between_two_rooms_is_on_its_way(family: Family) -> None:
+    family.is_lost_on_its_way, family.lag = True, 3.0
+    answer = await family.achieve("rosie in kitchen")
+    assert answer.message == "'rosie in kitchen' is reached"
+    assert (family.drives, answer.tried) == (["Kitchen"], ())
+
+
+async def test_a_robot_that_does_not_know_where_it_is_is_the_reason(family: Family) -> None:
+    family.room = ""
+    answer = await family.achieve("rosie in kitchen")
+    assert answer.message.startswith("'rosie in kitchen' cannot be reached: the room of rosie is unknown")
+    assert family.drives == []
+
+
 async def test_a_robot_that_leaves_on_its_way_is_the_reason(family: Family) -> None:
     goal = await family.begin("rosie in kitchen")
     await anyio.sleep(4.0)
@@ -268,22 +282,88 @@ async def test_what_another_holds_is_the_reason(family: Family) -> None:
     assert "Film night" in answer.message
 
 
+class Owner:
+    """A person who answers the questions of goals."""
+
+    def __init__(self, home: Home) -> None:
+        self.asked: list[OpenQuestions] = []
+        home.app.create_subscription(OpenQuestions, OPEN_QUESTIONS, self.asked.append, qos_profile_latched)
+        self.client = home.app.create_client(AnswerQuestion, ANSWER_QUESTION)
+
+    async def question(self) -> str:
+        """Return the question that is open soon."""
+        await anyio.sleep(5.0)
+        return self.asked[-1].questions[0].question
+
+    async def answer(self, question: str, *, yes: bool, issuer: str = "client:owner") -> str:
+        """Return why the answer does not count; empty if it does."""
+        asked = AnswerQuestionRequest(question=question, yes=yes, issuer=issuer, scope=("act: all",))
+        return (await self.client.call(asked)).message
+
+
 @pytest.mark.parametrize(("yes", "room"), [(True, "Study"), (False, "Hall")])
 async def test_a_person_decides_on_a_lock_on_the_way(family: Family, *, yes: bool, room: str) -> None:
-    asked: list[OpenQuestions] = []
-    family.home.app.create_subscription(OpenQuestions, OPEN_QUESTIONS, asked.append, qos_profile_latched)
-    answering = family.home.app.create_client(AnswerQuestion, ANSWER_QUESTION)
-    goal = await family.begin("rosie in study")
+    owner, goal = Owner(family.home), await family.begin("rosie in study")
     for _ in range(2 if yes else 1):
-        await anyio.sleep(5.0)
-        question = asked[-1].questions[0].question
-        owner = AnswerQuestionRequest(question=question, yes=yes, issuer="client:owner", scope=("act: all",))
-        answered = await answering.call(owner)
-        assert answered.success, answered.message
+        assert await owner.answer(await owner.question(), yes=yes) == ""
     answer = (await goal.result())[1]
     assert answer.success == yes, answer.message
     assert family.room == room
     assert yes or "owner said no" in answer.message
+
+
+async def test_of_two_answers_the_first_counts_and_the_second_is_told(family: Family) -> None:
+    owner, goal = Owner(family.home), await family.begin("rosie in study")
+    question = await owner.question()
+    assert await owner.answer(question, yes=False) == ""
+    second = await owner.answer(question, yes=True, issuer="client:ben")
+    assert second == "the question is over: client:owner said no"
+    assert "client:owner said no" in (await goal.result())[1].message
+    assert (family.home.commands, family.drives) == ([], [])
+
+
+async def test_after_a_cancelled_goal_its_question_is_over_and_no_step_is_taken(family: Family) -> None:
+    owner, goal = Owner(family.home), await family.begin("rosie in study and hall lit")
+    question = await owner.question()
+    goal.request_cancel()
+    state, answer = await goal.result()
+    assert (state, answer.message) == (GoalState.CANCELED, "cancelled; 1 of 4 steps are done")
+    assert await owner.answer(question, yes=True) == "the question is over: the client anna asks no more"
+    await anyio.sleep(100.0)
+    assert ([one.key for one in family.home.commands], family.drives) == (["hall lamp"], [])
+
+
+async def test_a_yes_after_the_minute_takes_no_step(family: Family) -> None:
+    owner, goal = Owner(family.home), await family.begin("rosie in study")
+    question = await owner.question()
+    await goal.result()
+    assert (await owner.answer(question, yes=True)).startswith("the question is over: nobody answered within 60 s")
+    await anyio.sleep(100.0)
+    assert (family.home.commands, family.drives) == ([], [])
+
+
+async def test_a_yes_to_a_door_that_was_locked_meanwhile_opens_nothing(family: Family) -> None:
+    await family.home.report("study lock", "lock", "unlocked")
+    owner, goal = Owner(family.home), await family.begin("rosie in study")
+    question = await owner.question()
+    await family.home.report("study lock", "lock", "locked")
+    await anyio.sleep(2.0)
+    assert await owner.answer(question, yes=True) == "the question is over: the client anna asks no more"
+    unlock = await owner.question()
+    goal.request_cancel()
+    assert (await goal.result())[1].tried == ("open Study Motor: Study door is locked",)
+    assert (family.home.commands, unlock != question) == ([], True)
+
+
+async def test_a_goal_that_waits_for_a_door_is_cancelled(family: Family) -> None:
+    family.home.behaviours["kitchen motor"] = ignore
+    goal = await family.begin("rosie in kitchen")
+    await anyio.sleep(3.0)
+    goal.request_cancel()
+    state, answer = await goal.result()
+    assert (state, answer.message) == (GoalState.CANCELED, "cancelled; 0 of 2 steps are done")
+    await anyio.sleep(100.0)
+    assert ({one.key for one in family.home.commands}, family.drives) == ({"kitchen motor"}, [])
 
 
 class TestQuietHours:

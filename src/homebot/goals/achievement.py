@@ -14,11 +14,11 @@ from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.names import APPLY_SCENE
 from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest
 from homebot.devices.trigger import Trigger
-from homebot.errors import HomebotError, ServiceError
+from homebot.errors import HomebotError
 from homebot.goals.house_now import Assumed, HouseNow, HouseReader
 from homebot.goals.meanings import UnderstoodGoal, understood
 from homebot.goals.obstacles import why_not
-from homebot.goals.operators import CommandStep, DriveStep, GoalProblem, Operator, SceneStep, Step
+from homebot.goals.operators import DriveStep, GoalProblem, Operator, SceneStep, Step
 from homebot.goals.planner import find_plan
 from homebot.goals.problem_builder import Asker, Preview, build_problem
 from homebot.messages import Time
@@ -36,7 +36,10 @@ _MOST_PLANS: Final = 4
 
 _LONGEST: Final = 900.0
 _LOOK: Final = 1.0
-"""Seconds after which a drive is checked against the doors again."""
+"""Seconds after which the facts that a step needs are read again, such as the doors on a robot's way."""
+
+_LAG: Final = 5.0
+"""Seconds after the last step in which a robot still says where it is."""
 
 _DONE: Final = "done"
 DROVE: Final = "goals.drove"
@@ -139,6 +142,10 @@ class Achievement:
     async def _left(self) -> str:
         """Return the first wish that is not so after all steps, in words; empty if there is none."""
         problem = self._facts(await self._house())
+        with anyio.move_on_after(_LAG):
+            while self._goal.drives and problem.missing:
+                await anyio.sleep(_LOOK)
+                problem = self._facts(await self._house())
         return "".join(f"after all steps, {problem.contrary[one]}" for one in problem.missing[:1])
 
     async def _do(self, moves: Sequence[Move]) -> str:
@@ -160,53 +167,11 @@ class Achievement:
         return "; ".join(problem.contrary.get(one, f"no longer: {one}") for one in sorted(needs - problem.facts))
 
     async def _one(self, move: Move) -> tuple[str, bool]:
-        """Do a step; return its outcome, and whether it was done. A failure by itself is not tried again."""
-        step = move.step
-        if isinstance(step, CommandStep):
-            outcome, is_done = await self._command(step)
-        elif isinstance(step, SceneStep):
-            outcome, is_done = await self._apply(step)
-        else:
-            outcome, is_done = await self._drive(step, move)
-        if is_done:
-            for device, part, settings in step.parts:
-                self._assumed.setdefault((device, part), {}).update(settings)
-            self._unseen |= move.unseen
-        elif not isinstance(step, DriveStep) or not await self._lost(move.needs):
-            self._blocked[step.place, step.text] = outcome
-        return outcome, is_done
+        """Do a step, unless a fact that it needs is lost meanwhile; return its outcome, and whether it was done.
 
-    async def _command(self, step: CommandStep) -> tuple[str, bool]:
-        request = CommandRequest(
-            device=step.device,
-            part=step.part,
-            settings=tuple(Setting.of(*one) for one in step.settings),
-            issuer=self._request.issuer,
-            scope=self._request.scope,
-            ask_first=bool(step.asks),
-            cause=self._trigger.id,
-            trigger=self._trigger,
-        )
-        try:
-            outcome = await self._commands.call(request, timeout=_LONGEST, cancel_with_caller=True)
-        except ServiceError as exc:
-            return str(exc), False
-        return outcome.text, outcome.succeeded
-
-    async def _apply(self, step: SceneStep) -> tuple[str, bool]:
-        asked = ApplySceneRequest(
-            name=step.scene, issuer=self._request.issuer, scope=self._request.scope, trigger=self._trigger
-        )
-        try:
-            with closing(self._node.create_client(ApplyScene, APPLY_SCENE)) as client:
-                answer = await client.call(asked, timeout=_LONGEST, cancel_with_caller=True)
-        except ServiceError as exc:
-            return str(exc), False
-        return answer.message or _DONE, answer.success
-
-    async def _drive(self, step: DriveStep, move: Move) -> tuple[str, bool]:
-        """Send the robot, and call it off when a door on its way is not as it was planned."""
-        lost, outcome = "", "called off"
+        A failure by itself is not tried again.
+        """
+        step, lost, outcome, is_done = move.step, "", "called off", False
 
         async def watch() -> None:
             nonlocal lost
@@ -217,16 +182,47 @@ class Achievement:
 
         try:
             async with anyio.create_task_group() as tasks:
-                tasks.start_soon(watch)
-                try:
-                    await drive(self._node, SendRobot(step.text, step.robot, step.room))
-                except HomebotError as exc:
-                    lost = lost or str(exc)
+                if move.needs:
+                    tasks.start_soon(watch)
+                outcome, is_done = await self._perform(step)
                 tasks.cancel_scope.cancel()
-            outcome = lost or _DONE
+            outcome = outcome if is_done else lost or outcome
         finally:
-            self._node.log.info(DROVE, message=f"{step.text} for {self._request.goal!r}: {outcome}")
-        return outcome, not lost
+            if isinstance(step, DriveStep):
+                self._node.log.info(DROVE, message=f"{step.text} for {self._request.goal!r}: {outcome}")
+        if is_done:
+            for device, part, settings in step.parts:
+                self._assumed.setdefault((device, part), {}).update(settings)
+            self._unseen |= move.unseen
+        elif not (lost or await self._lost(move.needs)):
+            self._blocked[step.place, step.text] = outcome
+        return outcome, is_done
+
+    async def _perform(self, step: Step) -> tuple[str, bool]:
+        issuer, scope = self._request.issuer, self._request.scope
+        try:
+            if isinstance(step, DriveStep):
+                await drive(self._node, SendRobot(step.text, step.robot, step.room))
+                return _DONE, True
+            if isinstance(step, SceneStep):
+                with closing(self._node.create_client(ApplyScene, APPLY_SCENE)) as client:
+                    asked = ApplySceneRequest(name=step.scene, issuer=issuer, scope=scope, trigger=self._trigger)
+                    answer = await client.call(asked, timeout=_LONGEST, cancel_with_caller=True)
+                return answer.message or _DONE, answer.success
+            request = CommandRequest(
+                device=step.device,
+                part=step.part,
+                settings=tuple(Setting.of(*one) for one in step.settings),
+                issuer=issuer,
+                scope=scope,
+                ask_first=bool(step.asks),
+                cause=self._trigger.id,
+                trigger=self._trigger,
+            )
+            outcome = await self._commands.call(request, timeout=_LONGEST, cancel_with_caller=True)
+        except HomebotError as exc:
+            return str(exc), False
+        return outcome.text, outcome.succeeded
 
     def _show(self) -> None:
         self._on_plan(AchieveFeedback(steps=tuple(self.steps), tried=tuple(self._tried)))

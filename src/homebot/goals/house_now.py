@@ -11,7 +11,7 @@ from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import GET_PLACES, WHERE_IS_ROBOT
 from homebot.devices.obedience import END_POSITIONS
 from homebot.devices.places_messages import DoorInfo, GetPlaces, GetPlacesResponse
-from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
+from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.scene_client import Scenes
 from homebot.devices.scene_messages import SceneInfo
 from homebot.devices.value import PlainValue, Value
@@ -39,12 +39,14 @@ class HouseNow:
     Attributes:
         devices: By id.
         robots: The room of each robot of the goal, by the name in the goal.
+        lost: Why the room of a robot is unknown, by that name.
         problems: Why a robot cannot be sent, by that name.
     """
 
     devices: Mapping[str, Device]
     doors: Sequence[DoorInfo]
     robots: Mapping[str, str]
+    lost: Mapping[str, str]
     problems: Mapping[str, str]
 
     def called(self, named: str) -> Device | None:
@@ -112,29 +114,33 @@ class HouseReader:
         """Return the house with *robots*, each with the room that it is to reach.
 
         Raises:
-            UsageError: There is no such robot, or its room is unknown.
+            UsageError: There is no such robot.
             ServiceError: The directory does not answer.
         """
         devices = {one.id: _assuming(one, assumed) for one in await self.lookup.devices()}
-        at, problems = dict[str, str](), dict[str, str]()
+        at, lost, problems = dict[str, str](), dict[str, str](), dict[str, str]()
         for robot, room in robots:
-            at[robot] = await self._room_of(robot)
+            found = await self._robot(robot)
+            if found.success and found.pose[0].room:
+                at[robot] = found.pose[0].room
+            else:
+                lost[robot] = found.message or f"the room of {robot} is unknown"
             try:
                 await check_drive(self.node, SendRobot("", robot, room))
             except UsageError as exc:
                 problems[robot] = str(exc)
-        return HouseNow(devices, (await self.places()).doors, at, problems)
+        return HouseNow(devices, (await self.places()).doors, at, lost, problems)
 
-    async def _room_of(self, robot: str) -> str:
+    async def _robot(self, robot: str) -> WhereIsRobotResponse:
         try:
             found = await self._where.call(WhereIsRobotRequest(robot=robot))
         except ServiceUnavailableError:
             raise UsageError(
                 f"there is no robot {robot!r}: none has said where it is, for example on /NAME/pose"
             ) from None
-        if not found.success or not found.pose[0].room:
-            raise UsageError(found.message or f"the room of {robot} is unknown")
-        return found.pose[0].room
+        if found.is_mistake:
+            raise UsageError(found.message)
+        return found
 
 
 def with_settings(device: Device, part: str, settings: Settings) -> Device:

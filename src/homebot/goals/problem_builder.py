@@ -169,10 +169,12 @@ class _FactBuilder:
 
     def add_robot(self, wish: RobotWish) -> None:
         """Add the room of a robot."""
-        room, wished = self.house.robots[wish.robot], _wished_room(wish)
-        self.problem.facts.add(_at(wish.robot, room))
+        room, wished = self.house.robots.get(wish.robot, ""), _wished_room(wish)
         self.problem.goal[wished] = None
-        self.problem.contrary[wished] = _at(wish.robot, room)
+        self.problem.contrary[wished] = self.house.lost.get(wish.robot) or _at(wish.robot, room)
+        if not room:
+            return
+        self.problem.facts.add(_at(wish.robot, room))
         if wish.is_not and fold(room) != fold(wish.room):
             self.problem.facts.add(wished)
 
@@ -211,7 +213,7 @@ class _StepBuilder:
     def add_drives(self, wish: RobotWish) -> None:
         """Add the ways of a robot."""
         robot, wished = wish.robot, _wished_room(wish)
-        at = _at(robot, self._house.robots[robot])
+        at = _at(robot, self._house.robots.get(robot, ""))
         if wish.room == DOCK:
             step = DriveStep(f"{robot} drives to its dock", robot, DOCK)
             self._add_drive(step, frozenset(), frozenset((wished,)), frozenset((at,)))
