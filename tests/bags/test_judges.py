@@ -66,12 +66,16 @@ def test_rosbags_reads_the_quality_of_service_and_the_hash(tmp_path: Path, name:
         assert hashes == {topic("/any").type_hash}
 
 
-def test_a_bag_of_rosbags_with_a_type_of_its_own_is_read(tmp_path: Path) -> None:
+@pytest.mark.parametrize("compressed", [None, "STORAGE", "MESSAGE"])
+def test_a_bag_of_rosbags_with_a_type_of_its_own_is_read(tmp_path: Path, compressed: str | None) -> None:
     store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
     store.register(typesys.get_types_from_msg("string name\ngeometry_msgs/Point[2] ends\n", "acme_msgs/msg/Wall"))
     point, wall = store.types["geometry_msgs/msg/Point"], store.types["acme_msgs/msg/Wall"]
     plugin = rosbag2.StoragePlugin.MCAP
-    with rosbag2.Writer(tmp_path / "theirs", version=9, storage_plugin=plugin) as writer:
+    writer = rosbag2.Writer(tmp_path / "theirs", version=9, storage_plugin=plugin)
+    if compressed is not None:
+        writer.set_compression(rosbag2.CompressionMode[compressed], rosbag2.CompressionFormat.ZSTD)
+    with writer:
         connection = writer.add_connection("/walls", "acme_msgs/msg/Wall", typestore=store)
         made = wall(name="north", ends=[point(x=0.0, y=1.0, z=2.0), point(x=3.0, y=4.0, z=5.0)])
         writer.write(connection, START, store.serialize_cdr(made, "acme_msgs/msg/Wall"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final, NamedTuple, final
@@ -48,8 +49,8 @@ class BagTopic:
 
     @property
     def is_latched(self) -> bool:
-        """True if late subscribers got messages from before."""
-        return "transient_local" in self.qos
+        """True if late subscribers got messages from before; ROS 2 wrote numbers before Jazzy."""
+        return re.search(r'durability"?: "?(transient_local|1)\b', self.qos) is not None
 
     def message_type(self) -> type[Message]:
         """Return the type of the messages, built from its text.

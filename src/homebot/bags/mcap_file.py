@@ -15,7 +15,7 @@ from mcap.exceptions import EndOfFile, InvalidMagic, McapError
 from mcap.reader import NonSeekingReader, SeekingReader
 from mcap.records import Channel, Schema
 from mcap.writer import Writer
-from zstandard import ZstdError
+from zstandard import ZstdDecompressor, ZstdError
 
 from homebot.bags.bag_topic import BagMessage, BagTopic
 from homebot.errors import UsageError
@@ -27,6 +27,9 @@ CHUNK: Final = 256 * 1024
 
 _LARGEST: Final = 1024**3
 """Bytes of a record that a reader believes."""
+
+_COMPRESSED: Final = b"\x28\xb5\x2f\xfd"
+"""The first bytes of a message that rosbag2 compressed by itself; CDR begins with 00."""
 
 _BROKEN: Final = (McapError, ZstdError, struct.error, ValueError, KeyError, OverflowError, MemoryError)
 
@@ -136,7 +139,10 @@ class McapFile:
         with self._checked(), self.path.open("rb") as file:
             reader = (NonSeekingReader if is_cut else SeekingReader)(file, True, (), _LARGEST)  # noqa: FBT003 - its CRCs
             for schema, channel, message in reader.iter_messages(log_time_order=not is_cut):
-                yield BagMessage(_topic(schema, channel), message.log_time, message.data)
+                data = message.data
+                if data.startswith(_COMPRESSED):
+                    data = ZstdDecompressor().decompress(data)
+                yield BagMessage(_topic(schema, channel), message.log_time, data)
 
     @contextmanager
     def _checked(self) -> Iterator[None]:
