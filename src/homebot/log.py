@@ -9,7 +9,6 @@ import re
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Literal, TextIO, TypeAlias, cast, final
 
@@ -18,7 +17,7 @@ from structlog.typing import EventDict, Processor, WrappedLogger
 
 from homebot.clock import Clock
 from homebot.errors import UsageError
-from homebot.support.bounded_map import BoundedMap
+from homebot.support.limiter import Limiter
 from homebot.support.logger import ConsoleRenderer, LineWriter, sentence, with_local_time
 from homebot.support.output import CleanText, QueuedText, is_journal, wants_colour
 
@@ -126,20 +125,15 @@ class LogLimit:
 
     def __init__(self, clock: Clock, interval: float = 10.0, burst: int = 1) -> None:
         self._clock = clock
-        self._interval = interval
         self._burst = burst
-        self._kinds: BoundedMap[str, _Interval] = BoundedMap(_MAX_KEYS)
+        self._kinds = Limiter[str, None](interval, _MAX_KEYS)
 
     def allows(self, kind: str) -> int | None:
         """Return how many lines of *kind* were held back since the last one, or None to hold back this one too.
 
         The 1,000 most recently used kinds are remembered.
         """
-        now = self._clock.monotonic()
-        current = self._kinds.get(kind)
-        if current is None or now - current.start >= self._interval:
-            current = _Interval(now, held_back=current.held_back if current else 0)
-        self._kinds[kind] = current
+        current = self._kinds.of(kind, self._clock.monotonic())
         if current.passed >= self._burst:
             current.held_back += 1
             return None
@@ -151,13 +145,6 @@ class LogLimit:
 def more_like_this(held_back: int) -> str:
     """Return the suffix of a line that counts those that a :class:`LogLimit` held back; empty if there are none."""
     return f" (and {held_back} more like this)" if held_back else ""
-
-
-@dataclass(slots=True)
-class _Interval:
-    start: float
-    passed: int = 0
-    held_back: int = 0
 
 
 FORGOTTEN_AWAIT = "python.forgotten_await"

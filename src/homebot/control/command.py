@@ -159,7 +159,7 @@ def label_of(device: Device, part_id: str) -> str:
 def order_of(command: IssuedCommand) -> Order:
     """Return *command* as an order for the timeline."""
     settings, readable, echoed, has_ramp = command.settings, set[str](), _NO_ECHO, False
-    is_undone = is_told_once(command.part.part.service_type, settings)  # or a second attempt with its code counts
+    is_told = bool(command.text or command.code or command.why_it_asks)  # a second attempt with its code may count
     for one in command.part.part.capabilities:
         if one.readable:
             readable.add(one.name)
@@ -172,7 +172,7 @@ def order_of(command: IssuedCommand) -> Order:
         _expected(settings, readable),
         command.transition,
         moves=not _MOTIONS.isdisjoint(settings) and any(settings[one] != STOPPED for one in _MOTIONS & settings.keys()),
-        is_told_once=is_undone or bool(command.code or command.why_it_asks),
+        is_told_once=is_told or is_told_once(command.part.part.service_type, settings),
         opens_further=settings.get("movement") == "open" and _is_half_open(command.values.get("position")),
         turns_on="on_off" not in settings and _turns_on(command),
         has_ramp=has_ramp,

@@ -124,7 +124,7 @@ def read_entry(device_id: str, text: str) -> Entry:
         record.first_seen,
         "unconfirmed",
         sources,
-        report_interval=ReportInterval(gaps),
+        report_interval=ReportInterval.of(gaps),
         known_ids=ids,
         trusted=frozenset(record.trusted[:MAX_TRUSTED]),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import final
 
 __all__ = ["ReportInterval"]
@@ -23,6 +24,7 @@ _LONGEST = 7 * 86_400.0
 
 
 @final
+@dataclass(slots=True, eq=False)
 class ReportInterval:
     """The gaps between the last reports of a device: at most eight, so that old habits are forgotten.
 
@@ -33,14 +35,15 @@ class ReportInterval:
         expected_silence: Seconds of silence that are usual after a report; 0 if unknown.
     """
 
-    __slots__ = ("_last", "expected_silence", "gaps")
+    gaps: tuple[float, ...] = ()
+    expected_silence: float = 0.0
+    _last: float | None = None
 
-    def __init__(self, gaps: Iterable[float] = ()) -> None:
-        self._last: float | None = None
-        self.gaps: tuple[float, ...] = ()
-        self.expected_silence = 0.0
-        if gaps:
-            self._learn(tuple(gaps)[-_KEPT:])
+    @classmethod
+    def of(cls, gaps: Iterable[float]) -> ReportInterval:
+        """Return the interval that these *gaps* of an earlier run show."""
+        known = tuple(gaps)[-_KEPT:]
+        return cls(known, _usual_silence(known))
 
     def record(self, now: float) -> float:
         """Record a report at *now*, in seconds; return the expected silence after it."""

@@ -1,17 +1,16 @@
 """Folding of equal commands of one issuer to one part: the newest of each minute, with their count. Pure."""
 
-from collections import defaultdict
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from typing import Final, TypeAlias, final
 
 from homebot.devices.outcomes import Refused
 from homebot.journal.store import JournalNote
+from homebot.support.limiter import Limiter, LimitInterval
 
 __all__ = ["IN_FULL", "MOST_OF_ISSUER", "CommandFolding"]
 
 IN_FULL: Final = 10
-"""Commands of one issuer to one part in each minute that are stored regardless of their outcome."""
+"""Equal commands of one issuer to one part in each minute that are stored in full."""
 
 _STEPS: Final = frozenset({"judged", "sent", "acknowledged", "reported", "reverted", "would"})
 """Steps of a command other than its request and its outcome."""
@@ -20,92 +19,58 @@ MOST_OF_ISSUER: Final = 1000
 """Commands of one issuer that are stored in each minute; further ones are folded as if all were to one part."""
 
 _MINUTE: Final = 60.0
-_MOST_MINUTES: Final = 10_000
+_MOST_COUNTED: Final = 30_000
+"""Issuers, their parts, and the outcomes there."""
 
-_Key: TypeAlias = tuple[str, str, str]
-"""Issuer, and the ids of the device and its part."""
-
-
-@dataclass(slots=True)
-class _Minute:
-    """The commands of one issuer to one part in a minute.
-
-    Attributes:
-        began: Time of the first command, in seconds since the Unix epoch.
-        folded: The entries of the newest folded command for each outcome; the first entry counts the others.
-    """
-
-    began: float
-    stored: int = 0
-    outcomes: set[str] = field(default_factory=set)
-    folded: dict[str, list[JournalNote]] = field(default_factory=dict)
-
-    def fold(self, outcome: str, notes: list[JournalNote]) -> bool:
-        """Replace the earlier command with the same *outcome* by *notes*; False if it is the first."""
-        if outcome not in self.outcomes:
-            self.outcomes.add(outcome)
-            return False
-        if (before := self.folded.pop(outcome, None)) is not None:
-            notes[0] = notes[0]._replace(folded=before[0].folded + 1)
-        self.folded[outcome] = notes
-        return True
+_Notes: TypeAlias = list[JournalNote]
 
 
 @final
 class CommandFolding:
     """Filter in front of the store: a flood of equal commands becomes a few entries a minute.
 
-    An entry without an issuer passes. At most 1,000 commands of one issuer are stored in a minute, and 10,000 pairs of
-    issuer and part are counted.
+    An entry without an issuer passes. At most 1,000 commands of one issuer are stored in a minute.
     """
 
     def __init__(self) -> None:
-        self._minutes: dict[_Key, _Minute] = {}
-        self._first: _Minute | None = None
-        self._stored: defaultdict[str, int] = defaultdict(int)  # by issuer, in the current minute
-        self._counted_since = 0.0
+        self._counted = Limiter[tuple[str, ...], _Notes](_MINUTE, _MOST_COUNTED, self._on_over)
+        self._ended: _Notes = []
 
     def add(self, notes: Sequence[JournalNote]) -> Sequence[JournalNote]:
         """Return the entries to store after *notes*: those of one command, or one other entry."""
         first, last = notes[0], notes[-1]
         if first.kind in _STEPS and last.kind in _STEPS:  # of a stored command
             return notes
-        ended = tuple(self._ended(last.at))
         is_bounded = not first.issuer or (first.kind == "denied" and not first.settings)  # as for denials of the door
-        return (*ended, *(notes if is_bounded else self._limited(notes)))
+        stored = notes if is_bounded or self._passes(notes) else ()
+        self._counted.drop(last.at)
+        ended, self._ended = self._ended, []
+        return (*ended, *stored)
 
     def waiting(self) -> list[JournalNote]:
         """Return the entries that are not stored yet."""
-        return [note for minute in self._minutes.values() for notes in minute.folded.values() for note in notes]
+        return [note for one in self._counted.values() for note in _folded(one.newest, one.held_back)]
 
-    def _limited(self, notes: Sequence[JournalNote]) -> Sequence[JournalNote]:
-        first, last = notes[0], notes[-1]
-        if not 0 <= last.at - self._counted_since < _MINUTE:
-            self._counted_since = last.at
-            self._stored.clear()
-        key = first.issuer, first.device, first.part
-        if self._stored[first.issuer] >= MOST_OF_ISSUER:  # the named devices may not exist
-            key = first.issuer, "", ""
-        minute = self._minutes.get(key)
-        if minute is None:
-            minute = self._minutes[key] = _Minute(last.at)
-            self._first = self._first or minute
-        if minute.stored >= IN_FULL:
-            return () if minute.fold(_outcome(last), list(notes)) else notes
-        minute.stored += 1
-        self._stored[first.issuer] += 1
-        minute.outcomes.add(_outcome(last))
-        return notes
+    def _passes(self, notes: Sequence[JournalNote]) -> bool:
+        """Return whether to store *notes*; if not, they take the place of the command before with the same outcome."""
+        first, last, of = notes[0], notes[-1], self._counted.of
+        issuer = of((first.issuer,), last.at)
+        is_flood = issuer.passed >= MOST_OF_ISSUER  # the named devices may not exist
+        key = (first.issuer, "", "") if is_flood else (first.issuer, first.device, first.part)
+        part = of(key, last.at)
+        if part.passed >= IN_FULL - 1 and not of((*key, _outcome(last)), last.at).admit(1, list(notes)):
+            return False
+        issuer.passed += 1
+        part.passed += 1
+        return True
 
-    def _ended(self, now: float) -> Iterator[JournalNote]:
-        """Remove the ended minutes, and the oldest if there are too many; yield their folded entries."""
-        while (first := self._first) is not None:
-            if 0 <= now - first.began < _MINUTE and len(self._minutes) < _MOST_MINUTES:
-                return
-            del self._minutes[next(iter(self._minutes))]
-            self._first = next(iter(self._minutes.values()), None)
-            for notes in first.folded.values():
-                yield from notes
+    def _on_over(self, _key: object, interval: LimitInterval[_Notes]) -> None:
+        self._ended += _folded(*interval.release())
+
+
+def _folded(notes: _Notes | None, count: int) -> _Notes:
+    """Return the newest of *count* folded commands; its first entry counts the others."""
+    return [notes[0]._replace(folded=count - 1), *notes[1:]] if notes else []
 
 
 def _outcome(note: JournalNote) -> str:

@@ -2,7 +2,7 @@
 
 from collections import OrderedDict
 from collections.abc import Callable
-from typing import TypeVar, final
+from typing import TypeVar
 
 __all__ = ["BoundedMap"]
 
@@ -10,7 +10,6 @@ Key = TypeVar("Key")
 Value = TypeVar("Value")
 
 
-@final
 class BoundedMap(OrderedDict[Key, Value]):
     """A dictionary that drops its oldest entry when too large; assignment makes an entry the newest.
 

@@ -1,6 +1,5 @@
 """Entries for requests of clients that lack a right: a few for each client, and a count of the rest."""
 
-from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 
 import anyio
@@ -11,6 +10,7 @@ from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, gateway_of
 from homebot.errors import ServiceError
 from homebot.graph import Node
+from homebot.support.limiter import Limiter, LimitInterval
 
 __all__ = ["DeniedRequests"]
 
@@ -23,22 +23,8 @@ MOST_CLIENTS: Final = 100
 _HOUR: Final = 3600.0
 _WITH_DEVICE: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND})
 
-
-_Request: TypeAlias = tuple[str, str, str, str]
-
-
-@dataclass(slots=True)
-class _DeniedOfClient:
-    """The denied requests of one client in this hour.
-
-    Attributes:
-        recorded: The requests that have an entry, each with the id of its device.
-        newest: The newest request without one.
-    """
-
-    recorded: dict[_Request, str] = field(default_factory=dict)
-    more: int = 0
-    newest: AccessRefused | None = None
+_Request: TypeAlias = tuple[str, str, str, str, str]
+"""The name of the client's count, and the parts of its request."""
 
 
 @final
@@ -53,21 +39,21 @@ class DeniedRequests:
         self._node = node
         self._lookup = lookup
         self._journal = journal
-        self._clients: dict[str, _DeniedOfClient] = {}
+        self._clients = Limiter[str, tuple[_Request, AccessRefused]](_HOUR, MOST_CLIENTS + 1, self._record_count)
+        self._devices: dict[_Request, str] = {}  # of the requests with an entry
 
     async def record(self, refused: AccessRefused) -> None:
         """Record a refused request."""
         if not self._clients:
             self._node.create_task(self._end_hour)
         name = refused.issuer if refused.issuer in self._clients or len(self._clients) < MOST_CLIENTS else ""
-        client = self._clients.setdefault(name, _DeniedOfClient())
-        request = _request(refused)
+        client = self._clients.of(name, self._node.graph.clock.monotonic())
+        request = name, refused.operation, refused.target, refused.subject, refused.wanted
         count = 1 + refused.held_back
-        if request in client.recorded or len(client.recorded) >= MOST_ENTRIES:
-            client.more, client.newest = client.more + count, refused
+        if not client.admit(0 if request in self._devices else MOST_ENTRIES, (request, refused), count):
             return
-        client.recorded[request] = ""
-        client.recorded[request] = device = await self._device_of(refused)
+        self._devices[request] = ""
+        self._devices[request] = device = await self._device_of(refused)
         self._journal.denied(refused, device, count)
 
     async def _end_hour(self) -> None:
@@ -76,11 +62,13 @@ class DeniedRequests:
 
     def record_counts(self) -> None:
         """Record the counts of all clients, and reset them."""
-        clients, self._clients = self._clients, {}
-        for client in clients.values():
-            if client.newest is not None:
-                device = client.recorded.get(_request(client.newest), "")
-                self._journal.denied(client.newest, device, client.more)
+        self._clients.drop()
+        self._devices.clear()
+
+    def _record_count(self, _name: str, client: LimitInterval[tuple[_Request, AccessRefused]]) -> None:
+        newest, count = client.release()
+        if newest is not None:
+            self._journal.denied(newest[1], self._devices.get(newest[0], ""), count)
 
     async def _device_of(self, refused: AccessRefused) -> str:
         """Return the id of the device that a command is for; empty if there is none, or several."""
@@ -98,7 +86,3 @@ class DeniedRequests:
         except ServiceError:
             return ""
         return found[0].id if len(found) == 1 else ""
-
-
-def _request(refused: AccessRefused) -> _Request:
-    return refused.operation, refused.target, refused.subject, refused.wanted

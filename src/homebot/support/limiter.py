@@ -1,0 +1,72 @@
+"""A limit on how many of each kind pass in an interval; the others are counted. Pure: callers pass the time."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, TypeVar, final
+
+from homebot.support.bounded_map import BoundedMap
+
+__all__ = ["LimitInterval", "Limiter"]
+
+Kind = TypeVar("Kind")
+Item = TypeVar("Item")
+
+
+@final
+@dataclass(slots=True, eq=False)
+class LimitInterval(Generic[Item]):
+    """The current interval of one kind: how many passed, how many were held back, and the newest of these."""
+
+    began: float
+    passed: int = 0
+    held_back: int = 0
+    newest: Item | None = None
+
+    def admit(self, most: int, item: Item | None = None, count: int = 1) -> bool:
+        """Return whether one more passes, of at most *most*; if not, *item* is held back in place of the one before."""
+        if self.passed < most:
+            self.passed += 1
+            return True
+        self.held_back, self.newest = self.held_back + count, item
+        return False
+
+    def release(self) -> tuple[Item | None, int]:
+        """Return the newest that was held back, and the number of all, and forget both."""
+        held = self.newest, self.held_back
+        self.newest, self.held_back = None, 0
+        return held
+
+
+@final
+class Limiter(BoundedMap[Kind, LimitInterval[Item]]):
+    """The intervals of the *most* recently used kinds; each begins with the first of its kind.
+
+    Args:
+        seconds: The length of an interval.
+        on_over: Called with a kind and its interval when it is over and the next of its kind comes, or it is dropped.
+            By default its count goes on until it is released.
+    """
+
+    def __init__(
+        self, seconds: float, most: int, on_over: Callable[[Kind, LimitInterval[Item]], object] = lambda *_: None
+    ) -> None:
+        super().__init__(most, on_over)
+        self._seconds = seconds
+
+    def of(self, kind: Kind, now: float) -> LimitInterval[Item]:
+        """Return the interval of *kind* at *now*."""
+        found = self.get(kind)
+        if found is None:
+            found = self[kind] = LimitInterval(now)
+            return found
+        self.move_to_end(kind)
+        if not 0 <= now - found.began < self._seconds:
+            self._on_drop(kind, found)
+            found.began, found.passed = now, 0
+        return found
+
+    def drop(self, now: float = math.inf) -> None:
+        """Drop the intervals that are over, from the least recently used on up to the first that is not."""
+        while self and not 0 <= now - next(iter(self.values())).began < self._seconds:
+            self._on_drop(*self.popitem(last=False))

@@ -1,0 +1,53 @@
+"""Limits on how many of each kind pass in an interval."""
+
+import pytest
+
+from homebot.support.limiter import Limiter, LimitInterval
+
+
+class Limited:
+    """A limit of two of each kind in ten seconds, for two kinds, and what was held back when an interval was over."""
+
+    def __init__(self) -> None:
+        self.over: list[tuple[str, str | None, int]] = []
+        self.kinds = Limiter[str, str](10.0, 2, self._on_over)
+
+    def admit(self, kind: str, item: str, now: float = 0.0) -> bool:
+        return self.kinds.of(kind, now).admit(2, item)
+
+    def _on_over(self, kind: str, interval: LimitInterval[str]) -> None:
+        self.over.append((kind, *interval.release()))
+
+
+def test_what_an_interval_holds_back_is_known_when_the_next_begins() -> None:
+    limited = Limited()
+    assert [limited.admit("a", item) for item in ("1", "2", "3", "4")] == [True, True, False, False]
+    assert limited.admit("b", "1", now=9.0)
+    assert limited.over == []
+    assert limited.admit("a", "5", now=10.0)
+    assert limited.over == [("a", "4", 2)]
+    assert limited.kinds["a"] is limited.kinds.of("a", 19.9)
+
+
+def test_the_kind_that_was_used_least_recently_makes_room_as_if_it_were_over() -> None:
+    limited = Limited()
+    for kind in ("a", "b", "a", "a", "c"):
+        limited.admit(kind, kind)
+    assert limited.over == [("b", None, 0)]
+    assert (list(limited.kinds), limited.kinds["a"].held_back) == (["a", "c"], 1)
+
+
+@pytest.mark.parametrize(("now", "left"), [(9.9, ["a", "b"]), (10.0, ["b"]), (15.0, []), (-1.0, [])])
+def test_intervals_that_are_over_are_dropped_also_when_the_clock_goes_back(now: float, left: list[str]) -> None:
+    limited = Limited()
+    limited.admit("a", "1")
+    limited.admit("b", "1", now=5.0)
+    limited.kinds.drop(now)
+    assert list(limited.kinds) == left
+
+
+def test_a_limit_without_an_owner_goes_on_counting_until_the_number_is_released() -> None:
+    kinds = Limiter[str, None](10.0, 2)
+    assert [kinds.of("a", now).admit(1) for now in (0.0, 1.0, 10.0, 11.0)] == [True, False, True, False]
+    assert kinds.of("a", 12.0).release() == (None, 2)
+    assert kinds.of("a", 12.0).release() == (None, 0)
