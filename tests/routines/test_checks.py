@@ -5,11 +5,14 @@ from collections.abc import Mapping, Sequence
 
 import pytest
 from tests.apps.houses import hall, lamp
+from tests.habits.houses import HOUSE
 
 from homebot.devices.app_messages import ListRoutines, RoutinesRequest
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.names import LIST_ROUTINES, RUNTIME_HEALTH
 from homebot.graph import Node
+from homebot.routines.checks import asked_about
+from homebot.routines.settings import RoutineSettings
 from homebot.testing import virtual_house_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
@@ -75,6 +78,8 @@ async def test_nothing_is_said_of_routines_that_work() -> None:
         ({"do": [{"if": ["hall lamp on"], "do": ["attic lamp on"]}]}, "'attic lamp on': "),
         ({"do": ["hall lamp on", "wait until attic motion clear, at most 1h"]}, "'wait until attic motion clear, "),
         ({"do": ["robot go to hall"]}, "'robot go to hall': "),
+        ({"do": ["attic lamp dim while hall button single"]}, "'attic lamp dim while hall button single': "),
+        ({"do": ["hall lamp dim while attic button single"]}, "'attic button press single': "),
         ({"when": ["study motion occupied"]}, "'study motion occupied': "),
         ({"when": ["temperature in hall below 18 °C"]}, "'temperature in hall below 18 °C': "),
         ({"when": ["hall button press tripple"]}, "'hall button press tripple': it has no event 'tripple'"),
@@ -87,6 +92,13 @@ async def test_nothing_is_said_of_routines_that_work() -> None:
 async def test_a_name_or_value_that_the_house_lacks_is_named(change: dict[str, object], problem: str) -> None:
     found = await hints(DAILY | change)
     assert [one[: len(problem)] for one in found["A"]] == [problem], found
+
+
+def test_a_trial_knows_the_devices_that_a_routine_asks_about_or_commands() -> None:
+    steps = ["wait until front door open, at most 1m", "bath heating 20 °C", "hall lamp two dim while hall button hold"]
+    routine = RoutineSettings.model_validate({"name": "A", "when": ["Anna arrives"], "do": steps})
+    known = {one.id for one in HOUSE if asked_about([routine])(one)}
+    assert known == {"anna", "front_door", "bath_heating", "hall_lamp_two", "hall_button"}
 
 
 async def test_a_routine_that_starts_itself_through_others_is_named() -> None:

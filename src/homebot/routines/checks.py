@@ -28,7 +28,7 @@ from homebot.routines.conditions import Matches, read_condition
 from homebot.routines.effects import Effect, RoutineEffects, fights, loops
 from homebot.routines.program import program_of
 from homebot.routines.settings import RoutineSettings
-from homebot.routines.steps import APPLY, Do, SendRobot, Wait, WaitUntil
+from homebot.routines.steps import APPLY, Dim, Do, SendRobot, Wait, WaitUntil
 from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
 from homebot.support.folding import fold
 
@@ -105,6 +105,9 @@ class HouseChecks:
             match line.step:
                 case Do() as step:
                     for problem in await self._command(step, effects, is_prompt=is_prompt):
+                        yield f"{step.text!r}: {problem}"
+                case Dim() as step:
+                    if problem := await self._problem_of(step.query):
                         yield f"{step.text!r}: {problem}"
                 case SendRobot() as step:
                     if problem := await self._drive(step):
@@ -227,7 +230,7 @@ def asked_about(routines: Iterable[RoutineSettings]) -> Callable[[Device], bool]
     for one in routines:
         queries += [_stateless(query) for _, query, _ in _states(one)]
         for line in program_of(one.do):
-            if isinstance(line.step, Do):
+            if isinstance(line.step, Do | Dim):
                 with suppress(UsageError):
                     queries.append(_stateless(parse_query(line.step.target)))
     return lambda device: any(fits(query, facets_of(device)) for query in queries)

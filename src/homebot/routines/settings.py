@@ -10,7 +10,7 @@ from homebot.apps.run_modes import RunMode
 from homebot.config import value_errors
 from homebot.routines.conditions import Condition, SunIs
 from homebot.routines.program import MOST, Branch, ConditionText, StepSetting, Text, conditions_of, program_of
-from homebot.routines.steps import Do, Undo, WaitUntil
+from homebot.routines.steps import Dim, Do, Undo, WaitUntil
 from homebot.routines.times import SunMoment
 from homebot.routines.triggers import Becomes, Trigger, read_trigger
 from homebot.support.folding import fold
@@ -53,7 +53,7 @@ class RoutineSettings(AppSettings):
     enabled: bool = True
 
     def asked(self) -> Iterator[tuple[str, Trigger | Condition]]:
-        """Yield each trigger, condition and awaited state, with its text."""
+        """Yield each trigger, condition, awaited state and held button, with its text."""
         yield from ((text, read_trigger(text)) for text in self.when)
         yield from conditions_of(self.conditions)
         for line in program_of(self.do):
@@ -62,6 +62,8 @@ class RoutineSettings(AppSettings):
                     yield from conditions
                 case WaitUntil(state=state):
                     yield line.text, state
+                case Dim(held=held):
+                    yield held.text, held
 
     def asking_the_sun(self) -> tuple[str, ...]:
         """Return its texts for which the place of the home must be known."""
