@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Collection
 from ipaddress import ip_address
 from pathlib import Path
+from textwrap import fill
 from typing import Final, TypeAlias
 from urllib.parse import urlsplit
 
@@ -59,8 +60,6 @@ class HelpFormatter(argparse.RawDescriptionHelpFormatter):
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
         del indent
-        from textwrap import fill  # noqa: PLC0415 - for help alone
-
         lines = re.sub(r"(?<=\S)\n(?=\S)", " ", text).splitlines()
         for place, line in enumerate(lines):
             if len(line) > width:

@@ -8,7 +8,6 @@ functions.
 
 import json
 from collections.abc import Awaitable, Callable, Mapping
-from functools import partial
 from http import HTTPStatus
 from operator import itemgetter
 from typing import Annotated, Any, Final, TypeAlias
@@ -289,15 +288,10 @@ def _add_routines(server: MCPServer, api: ApiClient) -> None:
         TOML: `name="Hall"`, `when=["hall motion occupied", "22:00"]`, `if=["sun is down"]`,
         `do=["hall lamp on, 20 %", "wait 5m", "undo"]`.
         """
-        from homebot.cli.routine_trial import text_trial  # noqa: PLC0415 - a replay needs the whole runtime
-
         answer = json.loads(await api.post("/api/routines", {"text": text}))
         if "outcome" in answer:
             raise _MistakeError(json.dumps(answer))
-        try:
-            trial = await to_thread.run_sync(partial(text_trial, api.address, text, days * 86_400.0))
-        except HomebotError as exc:
-            trial = [f"no trial: {exc}"]
+        trial = await to_thread.run_sync(_trial, api.address, text, days)
         return json.dumps({**answer, "trial": trial[-_MOST_LINES:]}, ensure_ascii=False)
 
     async def habits() -> str:
@@ -306,6 +300,15 @@ def _add_routines(server: MCPServer, api: ApiClient) -> None:
 
     server.add_tool(propose_routine, annotations=_ACTS, structured_output=False)
     server.add_tool(habits, annotations=_READS, structured_output=False)
+
+
+def _trial(address: DoorAddress, text: str, days: float) -> list[str]:
+    from homebot.cli.routine_trial import text_trial  # noqa: PLC0415 - a replay needs the whole runtime
+
+    try:
+        return text_trial(address, text, days * 86_400.0)
+    except HomebotError as exc:
+        return [f"no trial: {exc}"]
 
 
 def _targets(details: list[Any], named: str | list[str]) -> list[str]:

@@ -1,21 +1,29 @@
 """A routine as an app in Python, with its test. Pure."""
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from keyword import iskeyword
 from typing import Final
 
 from homebot.routines.program import Choice
 from homebot.routines.settings import RoutineSettings
+from homebot.routines.text import read_settings
 from homebot.support.folding import words_of
 
-__all__ = ["app_text", "class_name", "module_name", "pytest_text"]
+__all__ = ["app_files", "app_text", "class_name", "module_name", "pytest_text"]
 
 _TAKEN: Final = frozenset({"homebot", "pytest"})
 _INDENT: Final = " " * 8
 _MOST_CHOICES: Final = 3
 """Choices of which the test takes every way; of more, only two."""
+
+
+def app_files(text: str, source: str, app: str) -> tuple[Mapping[str, str], str]:
+    """Return the files of the routine *text* by name, the test last, and the app's ``class`` in a configuration."""
+    settings, module = read_settings(text, source), module_name(app)
+    files = {f"{module}.py": app_text(settings), f"test_{module}.py": pytest_text(settings, module)}
+    return files, f"{module}.py:{class_name(settings)}"
 
 
 def class_name(routine: RoutineSettings) -> str:

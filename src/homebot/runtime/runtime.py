@@ -399,32 +399,30 @@ class Runtime:
 
     async def _goals(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "goals") as node:
-
-            @cache
-            def server() -> AchieveServer:
-                from homebot.goals.achieve_server import AchieveServer  # noqa: PLC0415 - few homes plan
-
-                return AchieveServer(node, lambda: self._controller)
-
+            server = cache(partial(self._achieve_server, node))
             node.offer_action("homebot/action/Achieve", ACHIEVE, lambda: server().serve_goals())
             node.offer_service("homebot/srv/AchieveWords", ACHIEVE_WORDS, lambda: server().serve_words())
             task_status.started()
             await anyio.sleep_forever()
 
+    def _achieve_server(self, node: Node) -> AchieveServer:
+        from homebot.goals.achieve_server import AchieveServer  # noqa: PLC0415 - few homes plan
+
+        return AchieveServer(node, lambda: self._controller)
+
     async def _identify(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "identify") as node:
-
-            @cache
-            def starter() -> IdentifyStarter:
-                from homebot.runtime.identify_starter import IdentifyStarter  # noqa: PLC0415 - few homes identify
-
-                return IdentifyStarter(node, self.app_host, lambda: self._controller, self._context.random)
-
+            starter = cache(partial(self._identify_starter, node))
             node.offer_action("homebot/action/IdentifyDevice", IDENTIFY_DEVICE, lambda: starter().serve())
             if self.app_host.has_identify_store:
                 starter()
             task_status.started()
             await anyio.sleep_forever()
+
+    def _identify_starter(self, node: Node) -> IdentifyStarter:
+        from homebot.runtime.identify_starter import IdentifyStarter  # noqa: PLC0415 - few homes identify
+
+        return IdentifyStarter(node, self.app_host, lambda: self._controller, self._context.random)
 
     def _greet(self) -> None:
         plan = self._plan

@@ -199,20 +199,17 @@ def _import(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _export(door: DoorClient, options: argparse.Namespace) -> int:
-    from homebot.routines.export import app_text, class_name, module_name, pytest_text  # noqa: PLC0415 - reads routines
-    from homebot.routines.text import read_settings  # noqa: PLC0415 - as before
+    from homebot.routines.export import app_files  # noqa: PLC0415 - reads routines
 
     found = _named(door, options.name)
-    settings = read_settings(found.text, found.name)
-    module = module_name(found.app)
-    files = {f"{module}.py": app_text(settings), f"test_{module}.py": pytest_text(settings, module)}
+    files, app = app_files(found.text, found.name, found.app)
     if there := [name for name in files if Path(name).exists()]:
         raise UsageError(f"{' and '.join(there)} is here already; move it, or export in another folder")
     for name, text in files.items():
         Path(name).write_text(text, "utf-8")
     print(f"wrote {' and '.join(files)}; run it in place of the routine:")
     print(f"  pytest {list(files)[1]} && homebot routine disable {shlex.quote(found.name)}")
-    print(f'  and in homebot.toml: [apps.{found.app}_app] class = "{module}.py:{class_name(settings)}"')
+    print(f'  and in homebot.toml: [apps.{found.app}_app] class = "{app}"')
     return 0
 
 

@@ -166,9 +166,7 @@ def _problems(first: UsageError, path: str | None) -> Iterable[UsageError]:
     """Return *first* and all other mistakes in the configuration, as in ``homebot config check``."""
     if not isinstance(first, ConfigError):
         return (first,)
-    from homebot.routine_tables import located  # noqa: PLC0415 - after a mistake alone
-
-    found = [located(first), *map(located, first.others)]
+    found = _located((first, *first.others))
     with suppress(ConfigError):
         found += config_errors(load_tables(Path(path)), Path(path)) if path else ()
     return [*{(one.key, one.reason): one for one in reversed(found)}.values()][::-1]
@@ -176,17 +174,21 @@ def _problems(first: UsageError, path: str | None) -> Iterable[UsageError]:
 
 def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]:
     """Return all mistakes in *tables*; the content of a malformed table is not checked."""
-    from homebot.routine_tables import located  # noqa: PLC0415 - after a mistake alone
-    from homebot.runtime.plan import plan_errors  # noqa: PLC0415 - as above
+    from homebot.runtime.plan import plan_errors  # noqa: PLC0415 - after a mistake alone
 
     try:
-        errors = plan_errors(with_environment(parse_config(tables, str(path), path.parent)))
-        return tuple(map(located, errors))
+        return _located(plan_errors(with_environment(parse_config(tables, str(path), path.parent))))
     except ConfigError as exc:
-        found = (located(exc), *map(located, exc.others))
+        found = _located((exc, *exc.others))
         wrong = {error.key.partition(".")[0] for error in found}
     rest = {name: table for name, table in tables.items() if name not in wrong}
     return (*found, *config_errors(rest, path)) if len(rest) < len(tables) else found
+
+
+def _located(errors: Iterable[ConfigError]) -> tuple[ConfigError, ...]:
+    from homebot.routine_tables import located  # noqa: PLC0415 - after a mistake alone
+
+    return tuple(map(located, errors))
 
 
 def _complete(options: argparse.Namespace) -> None:
