@@ -5,7 +5,7 @@ from datetime import UTC, datetime, time
 import pytest
 
 from homebot.errors import UsageError
-from homebot.routines.conditions import Matches, OnDays, SunIs, read_condition
+from homebot.routines.conditions import AnyOf, Matches, OnDays, SunIs, read_condition
 from homebot.routines.times import TimeSpan
 
 
@@ -46,7 +46,31 @@ def test_a_state_holds_or_does_not(text: str, *, is_none: bool) -> None:
     assert found.is_none is is_none
 
 
-@pytest.mark.parametrize(("text", "problem"), [("door open for 5m", "holds now"), ("hall lamp", "names no state")])
+def test_or_joins_conditions_of_all_kinds() -> None:
+    parts = ("sun is down", "between 22:00 and 6:30", "no window open", "Anna is home")
+    assert read_condition(" or ".join(parts)) == AnyOf(tuple(map(read_condition, parts)))
+    assert isinstance(read_condition("no window open or door open"), Matches), "none of both"
+    assert isinstance(read_condition("window open or no door open"), AnyOf)
+
+
+def test_not_denies_times_days_and_the_sun() -> None:
+    assert read_condition("not sun is down") == SunIs(is_up=True)
+    assert read_condition("not on weekdays") == OnDays(frozenset({5, 6}))
+    assert read_condition("not between 22:00 and 6:30") == TimeSpan(time(6, 30), time(22))
+    assert read_condition("on sat and sun") == OnDays(frozenset({5, 6}))
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("door open for 5m", "holds now"),
+        ("hall lamp", "names no state"),
+        ("hall lamp off and sun is down", "write 'sun is down' for itself"),
+        ("hall lamp on and no window open", "write each as a condition for itself"),
+        ("Anna or Ben is home", "names no state"),
+        ("not before 0:00", "would never hold"),
+    ],
+)
 def test_a_mistake_is_named(text: str, problem: str) -> None:
     with pytest.raises(UsageError, match=problem):
         read_condition(text)

@@ -40,6 +40,11 @@ def test_other_steps() -> None:
     ("text", "problem"),
     [
         ("hall lamp onn", "did you mean on"),
+        ("hall lamp", "say what to do, such as on"),
+        ("hall lamp on 20 %", "write a comma after 'on'"),
+        ("hall lamp on, over 5s, 20 %", "write 'over 5s' last"),
+        ("turn on hall lamp", "write the device first, like 'hall lamp on'"),
+        ("wait", "write it like 'wait 5m'"),
         ("wait until lamp on", "may last forever"),
         ("lamp on, open", "cannot follow"),
         ("lamp", "is no step"),

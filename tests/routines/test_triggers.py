@@ -71,6 +71,9 @@ def test_times_of_the_day_and_of_the_sun() -> None:
         ("all windows closed", "would hold as soon as one of them does; ask for the contrary, like 'no window open'"),
         ("lamp on near robot", "arrives in"),
         ("front door open for 5 parsecs", "is not a duration"),
+        ("front door open or sunset", "`or` joins only states of devices here; write 'sunset' for itself"),
+        ("Anna arrives or Ben arrives", "write 'Anna arrives' for itself"),
+        ("front door open and nobody in study", "write 'nobody in study' for itself"),
     ],
 )
 def test_a_mistake_is_named(text: str, problem: str) -> None:

@@ -18,7 +18,7 @@ from homebot.devices.query.term_messages import query_terms
 from homebot.devices.services import QueryDevices, QueryDevicesRequest
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
-from homebot.routines.conditions import Condition, Matches, OnDays, SunIs
+from homebot.routines.conditions import AnyOf, Condition, Matches, OnDays, SunIs
 from homebot.routines.times import DaysAndTime, SunMoment, TimeSpan
 from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
 from homebot.routines.watches import ArrivalWatch, PersonWatch, PressWatch, begun, is_press
@@ -129,5 +129,10 @@ class RoutineBase(App[SettingsT_co]):
                 return bool(answer.results) is not condition.is_none
             case Press():
                 return is_press(HouseView.of(self.node), condition, CURRENT_CAUSE.get())
+            case AnyOf():
+                for one in condition.conditions:
+                    if await self._holds(one):
+                        return True
+                return False
             case _:
                 assert_never(condition)

@@ -1,6 +1,8 @@
 """Conditions of routines, as text. Pure."""
 
 import re
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
@@ -8,17 +10,24 @@ from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.routines.people import check_known, read_person
 from homebot.routines.times import TimeSpan, read_days_of_week
-from homebot.routines.triggers import Becomes, Press, read_press, read_state
-
-__all__ = ["Condition", "Matches", "OnDays", "SunIs", "read_condition"]
-
-_SUN: Final = {"sun is up": True, "sun is down": False, "it is dark": False, "it is light": True}
-_NOBODY: Final = re.compile(
-    r"(?P<word>nobody|somebody)\s+(?:is\s+)?(?P<sleeps>sleeps\s+)?in\s+(?P<room>.+)", re.IGNORECASE
+from homebot.routines.triggers import (
+    NOBODY,
+    SUN,
+    Becomes,
+    Press,
+    check_alone,
+    divided,
+    is_no_state,
+    read_press,
+    read_state,
 )
+
+__all__ = ["AnyOf", "Condition", "Matches", "OnDays", "SunIs", "read_condition", "single_conditions"]
+
 _PRESENCE: Final = "motion occupied in"
 _IN_BED: Final = "tag=bed occupied in"
 """Sensors that the owner tagged as those of a bed, such as a Withings Sleep mat or a zone of an Aqara FP2."""
+_ALL_DAYS: Final = frozenset(range(7))
 _NONE: Final = re.compile(r"(?:no|not|none of)\s+(?P<state>.+)", re.IGNORECASE)
 
 
@@ -44,7 +53,14 @@ class Matches:
     is_none: bool = False
 
 
-Condition: TypeAlias = SunIs | OnDays | TimeSpan | Matches | Press
+@dataclass(frozen=True, slots=True)
+class AnyOf:
+    """At least one of several conditions holds."""
+
+    conditions: tuple["Condition", ...]
+
+
+Condition: TypeAlias = SunIs | OnDays | TimeSpan | Matches | Press | AnyOf
 """A press holds in the run that it started."""
 
 
@@ -55,15 +71,20 @@ def read_condition(text: str) -> Condition:
         UsageError: It is none; the message shows how it could be written.
     """
     plain = " ".join(text.split())
-    if (is_up := _SUN.get(plain.casefold())) is not None:
-        return SunIs(is_up)
-    if (days := read_days_of_week(plain)) is not None:
-        return OnDays(days)
-    if (span := TimeSpan.read(plain)) is not None:
-        return span
-    if (found := _NOBODY.fullmatch(plain)) is not None:
-        seen = _IN_BED if found["sleeps"] else _PRESENCE
-        return Matches(read_state(f"{seen} {found['room']}"), found["word"].casefold() == "nobody")
+    parts = divided(plain, "or")
+    if any(map(is_no_state, parts if len(parts) > 1 else ())) or _denies(parts):
+        return AnyOf(tuple(map(read_condition, parts)))
+    denied = plain[4:] if plain.casefold().startswith("not ") else ""
+    if (found := _of_time(plain)) is not None:
+        return found
+    if (found := _of_time(denied)) is not None:
+        return _denied(found)
+    check_alone(plain, "and")
+    if _denies(divided(plain, "and")):
+        raise UsageError(f"{text!r}: this denies a state of the same device; write each as a condition for itself")
+    if (people := NOBODY.fullmatch(plain)) is not None:
+        seen = _IN_BED if people["sleeps"] else _PRESENCE
+        return Matches(read_state(f"{seen} {people['room']}"), people["word"].casefold() == "nobody")
     if (press := read_press(plain)) is not None:
         return press
     none = None if read_person(plain) else _NONE.fullmatch(plain)
@@ -73,3 +94,39 @@ def read_condition(text: str) -> Condition:
     if state.lasting:
         raise UsageError(f"{text!r}: a condition holds now; only `when` and `wait until` can ask for how long")
     return Matches(state, none is not None)
+
+
+def single_conditions(condition: Condition) -> Iterator[Condition]:
+    """Yield *condition*, or those of which one must hold."""
+    yield from condition.conditions if isinstance(condition, AnyOf) else (condition,)
+
+
+def _denies(parts: Sequence[str]) -> bool:
+    """Return whether one of several *parts* denies a state; a first one without brackets denies all of them."""
+    first, *others = parts
+    if others and first.casefold().startswith("not ("):
+        return True
+    for one in filter(None, map(_NONE.fullmatch, others)):
+        with suppress(UsageError):  # `not in hall` is no state
+            read_state(one["state"])
+            return True
+    return False
+
+
+def _of_time(text: str) -> SunIs | OnDays | TimeSpan | None:
+    if (is_up := SUN.get(text.casefold())) is not None:
+        return SunIs(is_up)
+    if (days := read_days_of_week(text)) is not None:
+        return OnDays(days)
+    return TimeSpan.read(text)
+
+
+def _denied(condition: SunIs | OnDays | TimeSpan) -> Condition:
+    match condition:
+        case SunIs():
+            return SunIs(not condition.is_up)
+        case OnDays() if len(condition.days) < len(_ALL_DAYS):
+            return OnDays(_ALL_DAYS - condition.days)
+        case TimeSpan() if condition.begin != condition.end:
+            return TimeSpan(condition.end, condition.begin)
+    raise UsageError("this would never hold; leave out the `not`")

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, ConfigDict, Field, model_validator
 from homebot.apps import AppSettings
 from homebot.apps.run_modes import RunMode
 from homebot.config import value_errors
-from homebot.routines.conditions import Condition, SunIs
+from homebot.routines.conditions import Condition, SunIs, single_conditions
 from homebot.routines.program import MOST, Branch, ConditionText, StepSetting, Text, conditions_of, program_of
 from homebot.routines.steps import Dim, Do, Undo, WaitUntil
 from homebot.routines.times import SunMoment
@@ -55,15 +55,16 @@ class RoutineSettings(AppSettings):
     def asked(self) -> Iterator[tuple[str, Trigger | Condition]]:
         """Yield each trigger, condition, awaited state and held button, with its text."""
         yield from ((text, read_trigger(text)) for text in self.when)
-        yield from conditions_of(self.conditions)
+        conditions = [*conditions_of(self.conditions)]
         for line in program_of(self.do):
             match line.step:
-                case Branch(conditions=conditions):
-                    yield from conditions
+                case Branch():
+                    conditions += line.step.conditions
                 case WaitUntil(state=state):
                     yield line.text, state
                 case Dim(held=held):
                     yield held.text, held
+        yield from ((text, one) for text, condition in conditions for one in single_conditions(condition))
 
     def asking_the_sun(self) -> tuple[str, ...]:
         """Return its texts for which the place of the home must be known."""

@@ -35,6 +35,16 @@ _DIM: Final = re.compile(
 _OVER: Final = re.compile(r"over\s+(?P<length>\d.*)", re.IGNORECASE)
 _NUMBER: Final = re.compile(r"[+-]?\d+(?:\.\d+)?\s*(?P<unit>%|k|°?[cf])?", re.IGNORECASE)
 _UNITS: Final = {"%": "level", "k": "color_temperature"}
+_HOW_LONG: Final = "write it like 'wait 5m' or 'wait until hall motion clear, at most 30m'"
+_HINTS: Final = {
+    **dict.fromkeys(("wait", "delay", "pause", "sleep"), _HOW_LONG),
+    **dict.fromkeys(("turn", "switch", "set"), "write the device first, like 'hall lamp on' or 'heater to 21 °C'"),
+    "notify": "write it like 'notify The door is open'",
+    "scene": "write it like 'scene Film'",
+}
+"""By the first word."""
+
+_ALIKE: Final = 0.7
 _WORDS: Final = frozenset(
     chain(
         ("toggle", "turn on", "turn off"),
@@ -170,9 +180,14 @@ def _read_do(text: str) -> Do:
     for place in range(1, len(words)):
         commands = [one.strip().removeprefix("to ") for one in " ".join(words[place:]).split(",")]
         if _is_command(commands[0]) and all(_is_command(one) or _OVER.fullmatch(one) for one in commands):
+            if place > 1 and words[place - 1].casefold() in {"on", "off"}:
+                raise UsageError(f"{text!r}: write a comma after {words[place - 1]!r}, like 'hall lamp on, 20 %'")
             return _combined(text, " ".join(words[:place]), commands)
-    hint = did_you_mean(words[-1].casefold(), sorted(_WORDS), "say what to do, such as on, off, open or 40 %")
-    raise UsageError(f"{text!r} is no step: it ends with no command; {hint}, or divide it, such as 'washer: eco'")
+    hint = _HINTS.get(words[0].casefold()) or (
+        did_you_mean(words[-1].casefold(), sorted(_WORDS), "say what to do, such as on, off, open or 40 %", _ALIKE)
+        + ", or divide it, such as 'washer: eco'"
+    )
+    raise UsageError(f"{text!r} is no step: it ends with no command; {hint}")
 
 
 def _is_command(text: str) -> bool:
@@ -193,6 +208,8 @@ def _combined(text: str, target: str, commands: list[str]) -> Do:
     for one in others:
         number = _NUMBER.fullmatch(one)
         capability = _UNITS.get((number["unit"] or "").casefold(), "") if number else _color_of(one)
+        if _OVER.fullmatch(one):
+            raise UsageError(f"{text!r}: write {one!r} last")
         if not capability:
             raise UsageError(f"{text!r}: {one!r} cannot follow {first!r}; write it as a step of its own")
         values.append((capability, one))

@@ -135,5 +135,5 @@ _LONG_UNITS: Final = re.compile(r"\b([smhd])(?:ec(?:ond)?s?|in(?:ute)?s?|ours?|a
 
 
 def _days_text(days: str) -> str:
-    given = days.strip().lower()
-    return _DAYS.get(given, given)
+    given = re.split(r"\s*(?:,|\band\b)\s*", days.strip().lower())
+    return ",".join(_DAYS.get(one, one) for one in given)

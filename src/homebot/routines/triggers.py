@@ -1,18 +1,34 @@
 """Triggers of routines, as text: a state, a press, a time, the sun, or the arrival of a robot. Pure."""
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 from homebot.devices.device import DevicePart
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import Query, StateIs, leaves, split_near
+from homebot.devices.query.tokens import tokens_of
 from homebot.errors import UsageError
 from homebot.routines.people import HOME_FACTS, check_known, may_begin, read_move, read_person
-from homebot.routines.times import DaysAndTime, SunMoment, read_duration, time_hint
+from homebot.routines.times import DaysAndTime, SunMoment, TimeSpan, read_days_of_week, read_duration, time_hint
 from homebot.support.folding import fold
 
-__all__ = ["Becomes", "Press", "RobotArrival", "Trigger", "read_press", "read_state", "read_trigger"]
+__all__ = [
+    "NOBODY",
+    "SUN",
+    "Becomes",
+    "PersonMoves",
+    "Press",
+    "RobotArrival",
+    "Trigger",
+    "check_alone",
+    "divided",
+    "is_no_state",
+    "read_press",
+    "read_state",
+    "read_trigger",
+]
 
 _LASTING: Final = re.compile(r"(?P<state>.+?)\s+for\s+(?P<length>\d[^,]*)")
 _BY_PLACE: Final = re.compile(r"(?P<what>.+?)\s+in\s+(?P<area>.+?)\s+(?P<limit>(?:below|above|<=?|>=?)\s*\S.*)")
@@ -26,6 +42,14 @@ _PRESS: Final = re.compile(
     r"(?:\s+(?P<value>\w+|\"[^\"]+\"|'[^']+'))?",
     re.IGNORECASE,
 )
+SUN: Final = {"sun is up": True, "sun is down": False, "it is dark": False, "it is light": True}
+"""The texts of conditions about the sun, and whether it is up."""
+
+NOBODY: Final = re.compile(
+    r"(?P<word>nobody|somebody)\s+(?:is\s+)?(?P<sleeps>sleeps\s+)?in\s+(?P<room>.+)", re.IGNORECASE
+)
+"""The text of conditions about people in a room."""
+
 _ARRIVAL: Final = re.compile(r"(?P<robot>\w+)\s+(?P<word>arrives in|leaves)\s+(?P<room>.+)", re.IGNORECASE)
 
 
@@ -100,6 +124,17 @@ def read_trigger(text: str) -> Trigger:
         UsageError: It is none; the message shows how it could be written.
     """
     plain = " ".join(text.split())
+    check_alone(plain, "or", "and")
+    if (found := _read_other(plain)) is not None:
+        return found
+    state = read_state(plain)
+    if not HOME_FACTS.isdisjoint(state.capabilities) and not (state.lasting and may_begin(state.query)):
+        raise UsageError(f"{text!r} may only have been unknown before; start by 'Anna arrives' or 'everybody has left'")
+    return state
+
+
+def _read_other(plain: str) -> Trigger | None:
+    """Return the trigger *plain* if it is no state of devices."""
     moment = DaysAndTime.read(plain) or SunMoment.read(plain)
     if moment is not None:
         return moment
@@ -108,12 +143,44 @@ def read_trigger(text: str) -> Trigger:
         return PersonMoves(plain, *person)
     if (found := _ARRIVAL.fullmatch(plain)) is not None:
         return RobotArrival(found["robot"].casefold(), found["room"], leaves=found["word"].casefold() == "leaves")
-    if (press := read_press(plain)) is not None:
-        return press
-    state = read_state(plain)
-    if not HOME_FACTS.isdisjoint(state.capabilities) and not (state.lasting and may_begin(state.query)):
-        raise UsageError(f"{text!r} may only have been unknown before; start by 'Anna arrives' or 'everybody has left'")
-    return state
+    return read_press(plain)
+
+
+def divided(text: str, word: str) -> list[str]:
+    """Return the parts of *text* between each *word* outside of brackets and quotation marks."""
+    parts, begin, depth = [], 0, 0
+    for token in tokens_of(text):
+        depth += (token.kind == "(") - (token.kind == ")")
+        if not depth and token.kind == "word" and token.text.casefold() == word:
+            parts.append(text[begin : token.at - 1].strip())
+            begin = token.at - 1 + len(word)
+    return [*parts, text[begin:].strip()]
+
+
+def is_no_state(text: str) -> bool:
+    """Return whether *text* is a condition or trigger, and not the state of devices.
+
+    Raises:
+        UsageError: It is one with a mistake.
+    """
+    plain = text.casefold().removeprefix("not ")
+    if plain in SUN or NOBODY.fullmatch(plain) or TimeSpan.read(plain) or _read_other(plain):
+        return True
+    with suppress(UsageError):  # `on lamps` are no days
+        return read_days_of_week(plain) is not None
+    return False
+
+
+def check_alone(text: str, *words: str) -> None:
+    """Check that *text* joins by *words* only states of devices: a query would take others for words of a name.
+
+    Raises:
+        UsageError: It joins others.
+    """
+    for word in () if TimeSpan.read(text) else words:
+        parts = divided(text, word)
+        for part in filter(is_no_state, parts if len(parts) > 1 else ()):
+            raise UsageError(f"{text!r}: `{word}` joins only states of devices here; write {part!r} for itself")
 
 
 def read_press(text: str) -> Press | None:
@@ -134,6 +201,7 @@ def read_state(text: str) -> Becomes:
     Raises:
         UsageError: It is not a query, or contains no state.
     """
+    check_alone(text, "or", "and")
     lasting = _LASTING.fullmatch(text)
     state, length = (lasting["state"], read_duration(lasting["length"])) if lasting else (text, 0.0)
     if (person := read_person(state)) is not None:

@@ -3,16 +3,18 @@
 Source: Home Assistant core 2026.11, ``helpers/script.py``, and the services of its domains.
 """
 
-import re
 from collections.abc import Sequence
-from typing import Final
+from itertools import chain
+from typing import Final, cast
 
 from homebot.integrations.homeassistant.automations.automation import Automation
-from homebot.integrations.homeassistant.automations.conditions import JOINTS, NEVER, Condition, conditions_of
+from homebot.integrations.homeassistant.automations.conditions import JOINTS, NEVER, Condition, conditions_of, texts_of
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.integrations.homeassistant.automations.services import steps_of_service
-from homebot.integrations.homeassistant.automations.states import state_texts
+from homebot.integrations.homeassistant.automations.states import state_of_template
 from homebot.integrations.homeassistant.automations.triggers import read_triggers
+from homebot.routines.program import MOST
+from homebot.routines.steps import Do, Notify, read_step
 from homebot.support.located import Located
 
 __all__ = ["Actions", "Step"]
@@ -20,10 +22,6 @@ __all__ = ["Actions", "Step"]
 Step = str | dict[str, object]
 """A step of a routine, or a choice between some."""
 
-_IS_STATE: Final = re.compile(
-    r"\{\{ *(?:is_state\( *'(?P<entity>[\w.]+)' *, *'(?P<state>[^']+)' *\)"
-    r"|states\( *'(?P<of>[\w.]+)' *\) *== *'(?P<same>[^']+)') *\}\}"
-)
 _CONDITIONS: Final = frozenset({"condition", *JOINTS})
 _KINDS: Final = (
     *("service", "action", "scene", "delay", "wait_template", "wait_for_trigger", "choose", "if", "sequence"),
@@ -92,6 +90,10 @@ class Actions:
                 return self._choose(fields)
             case "sequence":
                 return self._branch(fields.items("sequence"))
+            case "parallel":
+                return self._parallel(fields)
+            case "repeat":
+                return self._repeated(fields.inner("repeat"))
         raise NotCarriedError(f"action: `{kind}` has no counterpart in routines")
 
     def _branch(self, nodes: Sequence[Located]) -> list[Step]:
@@ -111,6 +113,27 @@ class Actions:
         nodes = fields.items("sequence")
         return conditions, [] if NEVER in conditions else self._branch(nodes)
 
+    def _parallel(self, fields: UnreadFields) -> list[Step]:
+        """Read simultaneous actions: commands to different devices may be given in a row."""
+        branches = [self._branch([one]) for one in fields.items("parallel")]
+        reached: list[str] = []
+        for branch in branches:
+            steps = [read_step(one) if isinstance(one, str) else None for one in branch]
+            targets = {one.target for one in steps if isinstance(one, Do)}
+            if not all(isinstance(one, Do | Notify) for one in steps) or not targets.isdisjoint(reached):
+                raise NotCarriedError("action parallel: more than commands to different devices")
+            reached += targets
+        return [*chain.from_iterable(branches)]
+
+    def _repeated(self, fields: UnreadFields) -> list[Step]:
+        """Read repeated actions, which are written so often."""
+        count, steps = fields.text("count", "0"), self._branch(fields.items("sequence"))
+        fields.end()
+        is_plain = all(isinstance(one, str) and not one.startswith("wait until") for one in steps)
+        if not (count.isdecimal() and is_plain and 0 < int(count) <= MOST):
+            raise NotCarriedError(f"action repeat: carried over are commands and delays, with a `count` up to {MOST}")
+        return steps * int(count)
+
     def _pause(self) -> None:
         self._has_waited = True
         if self._is_split:
@@ -122,7 +145,11 @@ class Actions:
             raise NotCarriedError(f"action {kind}: it may last forever; give it a `timeout`")
         if not fields.flag("continue_on_timeout", default=True):
             raise NotCarriedError(f"action {kind}: a routine goes on after the timeout")
-        text = self._awaited(fields) if kind == "wait_for_trigger" else self._template(fields)
+        text = (
+            self._awaited(fields)
+            if kind == "wait_for_trigger"
+            else state_of_template(self._automation.entities, fields, kind)
+        )
         self._pause()
         return f"wait until {text}, at most {most}"
 
@@ -145,14 +172,6 @@ class Actions:
             )
         return found[0]
 
-    def _template(self, fields: UnreadFields) -> str:
-        node = fields.take("wait_template")
-        text = str(node.value if node else "").strip()
-        if (found := _IS_STATE.fullmatch(text.replace('"', "'"))) is None:
-            raise NotCarriedError(f"wait_template: {text[:60]!r}; only is_state(...) is carried over")
-        entity_id, state = found["entity"] or found["of"], found["state"] or found["same"]
-        return state_texts(self._automation.entities, entity_id, [state])[0]
-
 
 def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: Sequence[Step]) -> list[Step]:
     """Return the choice between *steps*, which are no choices, and *otherwise*."""
@@ -162,7 +181,16 @@ def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: S
         return [*steps]
     if not steps:
         raise NotCarriedError("a choice that does something only if its conditions do not hold")
+    texts, inner = texts_of(conditions), steps[0]
+    if isinstance(inner, dict) and len(steps) == 1 and ("else" in inner or not otherwise):
+        further = cast("list[str]", inner["if"])
+        rest = [_written(texts, cast("list[Step]", inner["else"]), otherwise)] if "else" in inner else []
+        return [_written([*texts, *further], cast("list[Step]", inner["do"]), rest)]
+    return [_written(texts, steps, otherwise)]
+
+
+def _written(texts: list[str], steps: Sequence[Step], otherwise: Sequence[Step]) -> dict[str, object]:
     if any(not isinstance(one, str) for one in steps):
         raise NotCarriedError("a choice in a choice; routines have one level")
-    choice = {"if": [one.text for one in conditions], "do": [*steps]}
-    return [{**choice, "else": [*otherwise]} if otherwise else choice]
+    choice: dict[str, object] = {"if": texts, "do": [*steps]}
+    return {**choice, "else": [*otherwise]} if otherwise else choice

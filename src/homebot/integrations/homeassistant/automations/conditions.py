@@ -3,52 +3,70 @@
 Source: Home Assistant core 2026.11, ``helpers/condition.py``.
 """
 
-from collections.abc import Sequence
-from typing import Final, NamedTuple
+import re
+from collections.abc import Iterable, Sequence
+from itertools import chain, product
+from math import prod
+from typing import Final, TypeAlias
 
 from homebot.integrations.homeassistant.automations.automation import Automation
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
-from homebot.integrations.homeassistant.automations.states import STATES, SUN
+from homebot.integrations.homeassistant.automations.states import STATES, state_of_template
+from homebot.routines.times import TimeSpan
 from homebot.support.located import Located
 
-__all__ = ["JOINTS", "NEVER", "Condition", "conditions_of"]
+__all__ = ["JOINTS", "NEVER", "Condition", "conditions_of", "texts_of"]
 
+Condition: TypeAlias = tuple[str, ...]
+"""Texts of which at least one must hold. A query is in brackets."""
 
-class Condition(NamedTuple):
-    """A condition in the words of routines.
-
-    Attributes:
-        is_query: Whether it is the state of devices, which can be joined by ``or``, and denied.
-    """
-
-    text: str
-    is_query: bool = False
-
-
-NEVER: Final = Condition("never")
+NEVER: Final[Condition] = ()
 """It does not hold for the trigger for which an automation is read."""
 
 JOINTS: Final = ("and", "or", "not")
 
-_DAY, _NIGHT = Condition("sun is up"), Condition("sun is down")
-_SUN: Final = {
+_MOST: Final = 50
+"""Conditions that an ``or`` or ``not`` of others becomes."""
+
+_DAY, _NIGHT = ("sun is up",), ("sun is down",)
+_SUN: Final[dict[tuple[str, str], list[Condition]]] = {
     ("sunset", "sunrise"): [_NIGHT],
     ("sunrise", "sunset"): [_DAY],
-    ("sunset", ""): [_NIGHT, Condition("after 12:00")],  # until midnight
-    ("", "sunrise"): [_NIGHT, Condition("before 12:00")],
+    ("sunset", ""): [_NIGHT, ("after 12:00",)],  # until midnight
+    ("", "sunrise"): [_NIGHT, ("before 12:00",)],
+    ("sunrise", ""): [(*_DAY, "after 12:00")],
+    ("", "sunset"): [(*_DAY, "before 12:00")],
 }
 """By ``after`` and ``before``."""
 
-_BY_SUN: Final = frozenset(SUN["state"].values())
+_LIMIT: Final = re.compile(r"(?P<value>[^<>]*)(?P<sign>[<>])(?P<number>[-+.e\d]+\))")
+_LIMITS: Final = re.compile(r"[<>][-+.e\d]+ \w+[<>][-+.e\d]+\)$")
+_OPPOSITES: Final = {
+    **dict(zip(("sun is up", "sun is down"), ("sun is down", "sun is up"), strict=True)),
+    **dict(zip(("after 12:00", "before 12:00"), ("before 12:00", "after 12:00"), strict=True)),
+}
 
 
 def conditions_of(automation: Automation, nodes: Sequence[Located]) -> list[Condition]:
     """Return the conditions that hold if all of *nodes* do, perhaps with :data:`NEVER`."""
-    return [one for each in _each(automation, nodes) for one in each]
+    return [*chain.from_iterable(_each(automation, nodes))]
+
+
+def texts_of(conditions: Iterable[Condition]) -> list[str]:
+    """Return the texts of *conditions* in routines."""
+    texts = (one[0][1:-1] if len(one) == 1 and one[0][0] == "(" else " or ".join(one) for one in conditions)
+    return [*dict.fromkeys(texts)]
 
 
 def _each(automation: Automation, nodes: Sequence[Located]) -> list[list[Condition]]:
-    return automation.each(nodes, "condition", lambda fields: _read(automation, fields))
+    return automation.each([*map(_with_fields, nodes)], "condition", lambda fields: _read(automation, fields))
+
+
+def _with_fields(node: Located) -> Located:
+    """Return a condition that is only a template as those with fields."""
+    if not isinstance(node.value, str):
+        return node
+    return Located({"condition": Located("template", node.line), "value_template": node}, node.line)
 
 
 def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
@@ -63,8 +81,10 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
             return _sun(fields)
         case "trigger":
             return _trigger(automation, fields)
+        case "template":
+            return [_state(state_of_template(automation.entities, fields, "value_template"))]
         case kind if kind in STATES:
-            return _state(automation, kind, fields)
+            return _states(automation, kind, fields)
     raise NotCarriedError(f"condition: {kind!r} has no counterpart in routines")
 
 
@@ -80,11 +100,15 @@ def _trigger(automation: Automation, fields: UnreadFields) -> list[Condition]:
     return [] if automation.trigger in fields.texts("id") else [NEVER]
 
 
-def _state(automation: Automation, kind: str, fields: UnreadFields) -> list[Condition]:
+def _states(automation: Automation, kind: str, fields: UnreadFields) -> list[Condition]:
     of_any = kind == "state" and fields.text("match", "all") == "any"
     each = STATES[kind](automation.entities, fields, "state")
-    found = [_any_of([[Condition(one, one not in _BY_SUN)] for one in states]) for states in each]
-    return _any_of(found) if of_any else [one for some in found for one in some]
+    found = [_any_of([[_state(one)] for one in states]) for states in each]
+    return _any_of(found) if of_any else [*chain.from_iterable(found)]
+
+
+def _state(text: str) -> Condition:
+    return (text if text in _OPPOSITES else f"({text})",)
 
 
 def _sun(fields: UnreadFields) -> list[Condition]:
@@ -101,27 +125,29 @@ def _time(fields: UnreadFields) -> list[Condition]:
             texts = [f"between {begin} and {end}"]
         case _:
             texts = [f"{word} {one}" for word, times in (("after", after), ("before", before)) for one in times]
-    return [*map(Condition, [*texts, *filter(None, [days])])]
+    spans = [one for one in texts if (span := TimeSpan.read(one)) and span.begin != span.end]  # others hold always
+    return [(one,) for one in (*spans, days) if one]
 
 
 def _any_of(each: Sequence[list[Condition]]) -> list[Condition]:
-    """Return one condition for several of which one must hold; only queries can be joined."""
-    possible = [one for one in each if NEVER not in one]
-    if not possible or [] in possible:
-        return [] if possible else [NEVER]
-    if len(possible) == 1:
-        return possible[0]
-    if any(len(one) > 1 or not one[0].is_query for one in possible):
-        raise NotCarriedError("condition or: routines join only states of devices by `or`")
-    return [Condition(" or ".join(f"({one[0].text})" for one in possible), is_query=True)]
+    """Return the conditions that hold if those of at least one of *each* do."""
+    if prod(map(len, each)) > _MOST:
+        raise NotCarriedError("condition: too many of them joined by `or` and `not`")
+    found = [tuple(dict.fromkeys(chain.from_iterable(one))) for one in product(*each)]
+    found = [one for one in found if not any(_OPPOSITES.get(text) in one for text in one)]
+    return [one for one in found if not any({*other} < {*one} for other in found)]
 
 
 def _denied(conditions: Sequence[Condition]) -> list[Condition]:
-    if not conditions or NEVER in conditions:
-        return [] if conditions else [NEVER]
-    first, *others = conditions
-    if not others and first in {_DAY, _NIGHT}:
-        return [_NIGHT if first == _DAY else _DAY]
-    if others or not first.is_query or "place=" in first.text:
-        raise NotCarriedError("condition not: routines deny only single states of devices")
-    return [Condition(f"not ({first.text})")]
+    """Return the conditions that hold if at least one of *conditions* does not."""
+    return _any_of([[(_opposite(text),) for text in one] for one in conditions])
+
+
+def _opposite(text: str) -> str:
+    if "place=" in text:
+        raise NotCarriedError("condition not: where somebody is may be unknown; ask for `not_home`")
+    if (limit := _LIMIT.fullmatch(text)) is not None:  # unlike `not`, a limit holds for no unknown number
+        return f"{limit['value']}{'<=' if limit['sign'] == '>' else '>='}{limit['number']}"
+    if _LIMITS.search(text):
+        raise NotCarriedError("condition not: both `above` and `below`; write two conditions")
+    return _OPPOSITES.get(text) or (text.removeprefix("not ") if text.startswith("not ") else f"not {text}")

@@ -12,7 +12,7 @@ from homebot.devices.device import Device
 from homebot.errors import ConfigError, UsageError
 from homebot.integrations.homeassistant.automations.actions import Actions
 from homebot.integrations.homeassistant.automations.automation import Automation
-from homebot.integrations.homeassistant.automations.conditions import NEVER, conditions_of
+from homebot.integrations.homeassistant.automations.conditions import NEVER, conditions_of, texts_of
 from homebot.integrations.homeassistant.automations.entities import Entities, KnownEntity
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields, items_of, walk
 from homebot.integrations.homeassistant.automations.triggers import read_triggers
@@ -97,7 +97,7 @@ def _table(
     held += first
     if NEVER in held or not steps or not when:
         return {}
-    return {"when": when, "if": [*dict.fromkeys(one.text for one in held)], "do": steps}
+    return {"when": when, "if": texts_of(held), "do": steps}
 
 
 def _mode(fields: UnreadFields) -> str:

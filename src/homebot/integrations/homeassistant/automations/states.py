@@ -4,6 +4,7 @@ Source: Home Assistant core 2026.11, ``helpers/condition.py``, ``components/home
 ``components/zone/trigger.py``, ``components/device_automation``.
 """
 
+import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Final, TypeAlias
@@ -19,8 +20,11 @@ from homebot.integrations.homeassistant.automations.fields import NotCarriedErro
 from homebot.routines.triggers import read_state
 from homebot.support.folding import fold
 
-__all__ = ["STATES", "SUN", "state_texts"]
+__all__ = ["STATES", "SUN", "state_of_template", "state_texts"]
 
+_IS_STATE: Final = re.compile(
+    r"\{\{ *(?:is_state\( *'([\w.]+)' *, *'([^']+)' *\)|states\( *'([\w.]+)' *\) *== *'([^']+)') *\}\}"
+)
 _Meaning: TypeAlias = tuple[str, Operator, PlainValue]
 
 _FLAGS: Final = {"on": True, "off": False}
@@ -47,6 +51,16 @@ def state_texts(entities: Entities, entity_id: str, states: Sequence[str], key: 
     if entity_id == "sun.sun" and SUN[key].keys() >= {*states}:
         return [SUN[key][one] for one in states]
     return [_state_text(entities.find(entity_id), one) for one in states]
+
+
+def state_of_template(entities: Entities, fields: UnreadFields, key: str) -> str:
+    """Return the state that the template in the field *key* asks for."""
+    node = fields.take(key)
+    text = str(node.value if node else "").strip()
+    if (found := _IS_STATE.fullmatch(text.replace('"', "'"))) is None:
+        raise NotCarriedError(f"{key}: {text[:60]!r}; only is_state(...) is carried over")
+    entity, state = filter(None, found.groups())
+    return state_texts(entities, entity, [state])[0]
 
 
 def _state_text(entity: KnownEntity, state: str) -> str:

@@ -16,8 +16,15 @@ from homebot.routines.triggers import Press, read_trigger
 __all__ = ["read_triggers"]
 
 _SUN: Final = ("sunset", "sunrise")
-_OPPOSITES: Final = {"on": "off", "off": "on"}
+_OPPOSITES: Final = {
+    "on": "off",
+    "off": "on",
+    "above_horizon": "below_horizon",
+    "below_horizon": "above_horizon",
+}
 """States with one other state, beside unknown ones."""
+
+_OF_TWO_STATES: Final = {"binary_sensor", "fan", "humidifier", "input_boolean", "light", "siren", "sun", "switch"}
 
 
 def read_triggers(automation: Automation, fields: UnreadFields) -> list[str]:
@@ -58,7 +65,7 @@ def _state(automation: Automation, fields: UnreadFields) -> list[str]:
     if not ids:
         raise NotCarriedError("trigger state: `entity_id` is missing")
     automation.starts.append((frozenset(ids), frozenset(states)))
-    _check_before(before, states)
+    _check_before(ids, before, states)
     lasting, attribute = _lasting(fields), fields.text("attribute", "")
     found = []
     for one in ids:
@@ -72,8 +79,9 @@ def _state(automation: Automation, fields: UnreadFields) -> list[str]:
     return found
 
 
-def _check_before(before: list[str], states: list[str]) -> None:
-    if before and [_OPPOSITES.get(one, "") for one in states] != before:
+def _check_before(ids: list[str], before: list[str], states: list[str]) -> None:
+    are_two = _OF_TWO_STATES.issuperset(one.partition(".")[0] for one in ids)
+    if before and not (are_two and [_OPPOSITES.get(one, "") for one in states] == before):
         raise NotCarriedError(f"trigger state: `from` {', '.join(before)}; routines know only the new state")
 
 
