@@ -74,26 +74,12 @@ def read_condition(text: str) -> Condition:
     parts = divided(plain, "or")
     if any(map(is_no_state, parts if len(parts) > 1 else ())) or _denies(parts):
         return AnyOf(tuple(map(read_condition, parts)))
-    denied = plain[4:] if plain.casefold().startswith("not ") else ""
     if (found := _of_time(plain)) is not None:
         return found
-    if (found := _of_time(denied)) is not None:
-        return _denied(found)
     check_alone(plain, "and")
     if _denies(divided(plain, "and")):
         raise UsageError(f"{text!r}: this denies a state of the same device; write each as a condition for itself")
-    if (people := NOBODY.fullmatch(plain)) is not None:
-        seen = _IN_BED if people["sleeps"] else _PRESENCE
-        return Matches(read_state(f"{seen} {people['room']}"), people["word"].casefold() == "nobody")
-    if (press := read_press(plain)) is not None:
-        return press
-    none = None if read_person(plain) else _NONE.fullmatch(plain)
-    state = read_state(none["state"] if none else plain)
-    if none is not None:
-        check_known(text, Not(state.query))
-    if state.lasting:
-        raise UsageError(f"{text!r}: a condition holds now; only `when` and `wait until` can ask for how long")
-    return Matches(state, none is not None)
+    return _of_people(plain) or read_press(plain) or _of_state(plain)
 
 
 def single_conditions(condition: Condition) -> Iterator[Condition]:
@@ -113,7 +99,10 @@ def _denies(parts: Sequence[str]) -> bool:
     return False
 
 
-def _of_time(text: str) -> SunIs | OnDays | TimeSpan | None:
+def _of_time(text: str) -> Condition | None:
+    if text.casefold().startswith("not "):
+        found = _of_time(text[len("not ") :])
+        return None if found is None else _denied(found)
     if (is_up := SUN.get(text.casefold())) is not None:
         return SunIs(is_up)
     if (days := read_days_of_week(text)) is not None:
@@ -121,7 +110,24 @@ def _of_time(text: str) -> SunIs | OnDays | TimeSpan | None:
     return TimeSpan.read(text)
 
 
-def _denied(condition: SunIs | OnDays | TimeSpan) -> Condition:
+def _of_people(text: str) -> Matches | None:
+    if (found := NOBODY.fullmatch(text)) is None:
+        return None
+    seen = _IN_BED if found["sleeps"] else _PRESENCE
+    return Matches(read_state(f"{seen} {found['room']}"), found["word"].casefold() == "nobody")
+
+
+def _of_state(text: str) -> Matches:
+    none = None if read_person(text) else _NONE.fullmatch(text)
+    state = read_state(none["state"] if none else text)
+    if none is not None:
+        check_known(text, Not(state.query))
+    if state.lasting:
+        raise UsageError(f"{text!r}: a condition holds now; only `when` and `wait until` can ask for how long")
+    return Matches(state, none is not None)
+
+
+def _denied(condition: Condition) -> Condition:
     match condition:
         case SunIs():
             return SunIs(not condition.is_up)
