@@ -1,4 +1,4 @@
-"""The devices behind the addresses of raw commands, in virtual time."""
+"""Look-up of devices, also by the addresses of raw commands, in virtual time."""
 
 import anyio
 import pytest
@@ -60,3 +60,17 @@ async def test_a_flood_of_unknown_addresses_reads_the_devices_once_a_second() ->
             assert await addresses.device_at("memory", f"nowhere/{number}") == ""
             await anyio.sleep(0.01)
     assert 1 < len(requests) <= 11
+
+
+async def test_no_device_is_known_without_an_answer_of_the_directory(home: Home) -> None:
+    lamp = (await home.lamp("on_off")).device
+    lookup = DeviceLookup(home.app)
+    assert (await lookup.known(lamp.id), await lookup.known("gone")) == (lamp, None)
+    assert await lookup.all_known() == (lamp,)
+    async with Node(Graph(), "control") as control:
+        lookup = DeviceLookup(control)
+        assert (await lookup.known(lamp.id), await lookup.all_known(), await lookup.members(lamp, lamp.parts[0])) == (
+            None,
+            (),
+            [],
+        )

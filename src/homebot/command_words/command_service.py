@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Awaitable, Callable, Mapping
-from contextlib import closing, suppress
+from contextlib import closing
 from typing import Final, Protocol, final
 
 import anyio
@@ -162,8 +162,7 @@ class CommandService:
     async def _why_unreachable(self, device: Device) -> str:
         """Return why *device* is unreachable now, perhaps only since the command; empty if it is reachable."""
         newest: Device | None = device
-        with suppress(ServiceError):
-            newest = await self._lookup.device(device.id)
+        newest = await self._lookup.known(device.id)
         return newest.reachable.why if newest is not None and newest.reachable.state == "no" else ""
 
 

@@ -115,10 +115,6 @@ class Lease:
         """Record that the device has the held value."""
         self.is_so, self.again_at, self.hand_until, self.saw = True, math.inf, -math.inf, ""
 
-    def outrank(self, saw: str, until: float) -> None:
-        """Record that a hand changed the value: nothing is commanded before *until*."""
-        self.is_so, self.again_at, self.hand_until, self.saw = False, until, until, saw
-
     def hand_back(self) -> bool:
         """Record that no hand outranks the lease any more; return whether one did."""
         was_outranked = self.hand_until > -math.inf
@@ -241,7 +237,8 @@ class Leases:
 
     def outrank(self, lease: Lease, saw: str, now: float) -> None:
         """Record that a hand changed the held value of *lease*: nothing is commanded for a while."""
-        lease.outrank(saw, now + self.hand_time)
+        lease.is_so, lease.saw = False, saw
+        lease.again_at = lease.hand_until = now + self.hand_time
         self.on_outranked(lease)
 
     def next_time(self) -> float:

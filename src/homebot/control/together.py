@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Final, final
@@ -22,7 +21,7 @@ from homebot.devices.obedience import is_same
 from homebot.devices.outcomes import Refused
 from homebot.devices.part import check_setting
 from homebot.devices.query.terms import FactIs, type_is
-from homebot.errors import RefusedError, ServiceError
+from homebot.errors import RefusedError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -109,10 +108,7 @@ class Together:
             if not (one.code or one.why_it_asks or one.part.part.members):
                 alike[tuple(one.settings.items()), one.transition].append(one)
         found = [one for one in alike.values() if len(one) > 1]
-        groups: Sequence[Device] = ()
-        if found:
-            with suppress(ServiceError):
-                groups = await self._lookup.devices(FactIs("category", "group"))
+        groups = await self._lookup.all_known(FactIs("category", "group")) if found else ()
         for members in found:
             group = next((one for one in _parts_of(groups) if self._may_carry(*one, members)), None)
             if group is None:
@@ -126,10 +122,7 @@ class Together:
 
     async def _recall(self, commands: Sequence[IssuedCommand]) -> None:
         """Let *commands* share the recall of a scene with exactly their values, if a bridge or device keeps one."""
-        try:
-            known = await self._lookup.devices(type_is("x_scene"))
-        except ServiceError:
-            return
+        known = await self._lookup.all_known(type_is("x_scene"))
         parts = ((device, part) for device in known for part in device.parts if part.part.values)
         scene = next((one for one in parts if self._may_recall(*one, commands)), None)
         if scene is not None:
@@ -143,7 +136,8 @@ class Together:
         if device.reachable.state == "no" or not sets_exactly(part, commands):
             return False
         settings = {_RECALL.capability: _RECALL.value.plain()}
-        return self._is_allowed(replace(commands[0], device=device, part=part, settings=settings, rights=ALL_RIGHTS))
+        recall = replace(commands[0], device=device, part=part, settings=settings, rights=ALL_RIGHTS)
+        return self._refusal(recall) is None
 
     def _may_carry(self, device: Device, part: DevicePart, members: Sequence[IssuedCommand]) -> bool:
         """Return whether a message to a group reaches exactly *members*, may be sent, and makes sense."""
@@ -156,10 +150,7 @@ class Together:
         except RefusedError:
             return False
         # The right to command each member is the right to reach all by their group.
-        return self._is_allowed(replace(first, device=device, part=part, rights=ALL_RIGHTS))
-
-    def _is_allowed(self, command: IssuedCommand) -> bool:
-        return self._refusal(command) is None
+        return self._refusal(replace(first, device=device, part=part, rights=ALL_RIGHTS)) is None
 
     def _refusal(self, command: IssuedCommand) -> Refused | None:
         return self._held(command) or self._policies.check(command, is_recorded=False)
@@ -169,10 +160,7 @@ class Together:
 
         If so, record that a group is commanded.
         """
-        try:
-            present = await self._lookup.device(device.id)
-        except ServiceError:
-            return False
+        present = await self._lookup.known(device.id)
         now = None if present is None else present.part(part.id)
         is_same = now is not None and (now.part.members, now.part.values) == (part.part.members, part.part.values)
         if not is_same or any(map(self._held, commands)):

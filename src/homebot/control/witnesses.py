@@ -52,11 +52,6 @@ class Witness:
     seen_at: float = 0.0
     stop_watch: Callable[[], None] = lambda: None
 
-    def answer(self, reported_at: float, *, is_rise: bool) -> Observed:
-        """Return its observation of a command that the device reported as done at *reported_at*."""
-        is_heard = self.seen_at > reported_at
-        return observed(self.capability, self.before, self.newest, is_rise=is_rise, is_heard=is_heard)
-
 
 @final
 class Witnesses:
@@ -173,8 +168,14 @@ class Witnesses:
 def _with_answer(
     answer: Observed, witnesses: Iterable[Witness], opened: OpenCommand, reported_at: float
 ) -> list[Witness]:
+    """Return the witnesses with that *answer* about a command that the device reported as done at *reported_at*."""
     is_rise = rises(opened.command.settings) is True
-    return [one for one in witnesses if one.answer(reported_at, is_rise=is_rise) is answer]
+    return [
+        one
+        for one in witnesses
+        if observed(one.capability, one.before, one.newest, is_rise=is_rise, is_heard=one.seen_at > reported_at)
+        is answer
+    ]
 
 
 def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[Witness]:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import suppress
 from functools import lru_cache
 from typing import Final, TypeAlias, final
 
@@ -37,6 +38,12 @@ class DeviceLookup:
         found = (await self._find.call(_request_for(device_id))).devices
         return found[0] if found else None
 
+    async def known(self, device_id: str) -> Device | None:
+        """Return a device by its id; None if there is none, or no answer."""
+        with suppress(ServiceError):
+            return await self.device(device_id)
+        return None
+
     async def called(self, name: str, device_id: str = "") -> tuple[Device, ...]:
         """Return the device with the id *device_id*, or *name* if it is empty; else all devices with that name or id.
 
@@ -51,13 +58,16 @@ class DeviceLookup:
         request = FindDevicesRequest() if query is None else FindDevicesRequest(query=query_terms(query))
         return (await self._find.call(request)).devices
 
+    async def all_known(self, query: Query | None = None) -> tuple[Device, ...]:
+        """Return the devices that fit *query*, or all; none without an answer."""
+        with suppress(ServiceError):
+            return await self.devices(query)
+        return ()
+
     async def members(self, device: Device, part: DevicePart) -> list[tuple[Device, DevicePart]]:
         """Return the parts that a command to *part* sets too; none without an answer."""
         wanted, gateways = frozenset(part.part.members), {one.gateway for one in part.routes}
-        try:
-            known = await self.devices()
-        except ServiceError:
-            return []
+        known = await self.all_known()
         found = [(one, other) for one in known for other in one.parts if is_commanded(other.part)]
         return [
             (one, other)

@@ -2,7 +2,6 @@
 
 import asyncio
 from collections import deque
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Final, final
@@ -16,7 +15,6 @@ from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.outcomes import AlreadySo, Gone, Refused
 from homebot.devices.wording.journal_words import settings_text
 from homebot.devices.wording.values import value_text
-from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.journal.store import JournalNote
 from homebot.log import LogLimit, more_like_this
@@ -91,9 +89,7 @@ class CommandLog:
             self._node.create_task(partial(self._log_change, change, cause, more_like_this(held_back)))
 
     async def _log_change(self, change: ChangedSetting, cause: str, end: str) -> None:
-        device, before = None, change.before.plain()
-        with suppress(ServiceError):
-            device = await self._lookup.device(change.device)
+        device, before = await self._lookup.known(change.device), change.before.plain()
         label = _label(change, device)
         values = " → ".join(value_text(change.capability, one) for one in (before, change.value.plain()))
         what = values if isinstance(before, bool) else f"{change.capability.replace('_', ' ')} {values}"

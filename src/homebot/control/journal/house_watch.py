@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Final, final
 
-from homebot.devices import Device, GatewayNames, RawCommand
+from homebot.devices import GatewayNames, RawCommand
 from homebot.devices.capabilities import SETTABLE
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import ChangedSetting, ChangedSettings
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
-from homebot.errors import ServiceError
 from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
@@ -90,7 +88,7 @@ class HouseWatch:
             if not _is_change(change):
                 continue
             layer, place = self._layer(), (change.device, change.part)
-            if not layer.timelines.has(place) and (device := await self._device(change.device)) is not None:
+            if not layer.timelines.has(place) and (device := await self._lookup.known(change.device)) is not None:
                 layer.timelines.begin(device, change)
             value, at = change.value.plain(), change.told_at.to_seconds()
             found = layer.timelines.cause(place, change.capability, value, at)
@@ -101,11 +99,6 @@ class HouseWatch:
                 if not command:
                     layer.journal.log.log_change(change, cause)
 
-    async def _device(self, device_id: str) -> Device | None:
-        with suppress(ServiceError):
-            return await self._lookup.device(device_id)
-        return None
-
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:
         # Control's own commands do not come here; an id that another program gives would let it hide the command.
         now, command = self._clock.now(), command.model_copy(update={"command_id": ""})
@@ -114,6 +107,6 @@ class HouseWatch:
             return
         layer = self._layer()
         name = layer.journal.published(device_id, command, now, is_sent=not self._is_dry_run)
-        if self._is_dry_run or (device := await self._device(device_id)) is None:
+        if self._is_dry_run or (device := await self._lookup.known(device_id)) is None:
             return
         await layer.executor.record_raw(name, device, gateway, command)

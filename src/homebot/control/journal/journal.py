@@ -29,7 +29,6 @@ from homebot.devices.query.terms import FactIs, Or
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, Value
 from homebot.devices.wording.time_format import ago
-from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.journal.command_folding import CommandFolding
 from homebot.journal.store import JournalNote, with_newer
@@ -116,13 +115,8 @@ class CommandJournal:
 
     async def _names(self, device_ids: list[str]) -> tuple[KeyValue, ...]:
         """Return the names of the known devices; none if the directory does not answer."""
-        if not device_ids:
-            return ()
         wanted = Or(tuple(FactIs("id", one.casefold()) for one in device_ids[:_MOST_NAMES]))
-        try:
-            devices = await self._lookup.devices(wanted)
-        except ServiceError:
-            return ()
+        devices = await self._lookup.all_known(wanted) if device_ids else ()
         return tuple(KeyValue(key=key, value=name) for key, name in part_names(devices).items() if name)
 
     def requested(

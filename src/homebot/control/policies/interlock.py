@@ -72,11 +72,9 @@ class Interlock(PolicyTable):
         if doubt := _doubt(device, is_away=facets.reachable == "no", is_known=is_known):
             reason = f"not while {self.condition}, and the state of {device.name} is unknown: {doubt}"
             return Verdict(NAME, is_by_person, reason, used, warns=is_by_person)
-        if fits(self._query, facets):
-            reason = f"not while {self.condition}: {device.name}"
-        else:
+        if not fits(self._query, facets):
             return None
-        return Verdict(NAME, allowed=False, reason=reason, facts=used)
+        return Verdict(NAME, allowed=False, reason=f"not while {self.condition}: {device.name}", facts=used)
 
 
 def without_states(query: Query, *, is_possible: bool = True) -> Query:
