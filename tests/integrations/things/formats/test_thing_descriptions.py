@@ -16,7 +16,7 @@ from homebot.devices.part import Capability, Part
 from homebot.errors import WireError
 from homebot.integrations.things.formats.binding import ClassifiedPart
 from homebot.integrations.things.formats.classify import parts_of
-from homebot.integrations.things.formats.export import MqttForms, to_thing
+from homebot.integrations.things.formats.export import to_thing
 from homebot.integrations.things.formats.mqtt.reader import MqttBinding
 from homebot.integrations.things.formats.parse import CONTEXT, read_thing
 from homebot.integrations.things.formats.payload import PayloadFormat, basic_formats
@@ -51,7 +51,7 @@ def device(*parts: DevicePart, **more: Any) -> Device:
 
 
 def test_an_id_is_spelt_for_an_address() -> None:
-    assert to_thing(device(), MqttForms(BROKERS))["id"] == "urn:homebot:kitchen%2Flamp%201"
+    assert to_thing(device(), BROKERS)["id"] == "urn:homebot:kitchen%2Flamp%201"
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_an_id_is_spelt_for_an_address() -> None:
 def test_the_topic_is_in_the_path_of_the_address_too_for_consumers_that_look_there_alone(topic: str, path: str) -> None:
     """Node-wot 0.9 is one: without a path it subscribes to an empty filter, for which a broker ends the connection."""
     endpoint = Endpoint(gateway="mqtt", key="k", address=topic, command_address="")
-    made = to_thing(device(endpoints=(endpoint,)), MqttForms({"mqtt": "mqtt://broker:1883/"}))
+    made = to_thing(device(endpoints=(endpoint,)), {"mqtt": "mqtt://broker:1883/"})
     (affordance,) = json.loads(json.dumps(made))["properties"].values()
     (form,) = affordance["forms"]
     assert (form["href"], form["mqv:filter"]) == (f"mqtt://broker:1883{path}", topic)
@@ -77,12 +77,12 @@ def test_the_topic_is_in_the_path_of_the_address_too_for_consumers_that_look_the
 
 def test_a_device_without_parts_is_described_by_its_words() -> None:
     """Plain text, on the two topics of the thesis; an address of homebot's own is no topic."""
-    made = to_thing(device(), MqttForms({}))
+    made = to_thing(device(), {})
     (meant,) = parts_of(read_thing(made), MQTT)
     assert (meant.part.reads, meant.part.writes) == (("home/l/out",), ("home/l/in",))
     words = text_address("k", "p")
     endpoint = Endpoint(gateway="mqtt", key="k", address=words, command_address=words)
-    assert to_thing(device(endpoints=(endpoint,)), MqttForms({}))["properties"] == {}
+    assert to_thing(device(endpoints=(endpoint,)), {})["properties"] == {}
 
 
 def _topics() -> st.SearchStrategy[tuple[str, ...]]:
@@ -148,9 +148,7 @@ def _without_defaults(part: Part) -> Part:
 @given(_parts(), _texts)
 def test_every_device_survives_the_way_out_and_back(parts: tuple[DevicePart, ...], area: str) -> None:
     """As JSON text in between; and what comes out keeps the rules that are asked of others."""
-    made = json.loads(
-        json.dumps(to_thing(device(*parts, area=area, identifiers=("mac:aabbccddeeff",)), MqttForms(BROKERS)))
-    )
+    made = json.loads(json.dumps(to_thing(device(*parts, area=area, identifiers=("mac:aabbccddeeff",)), BROKERS)))
     thing = read_thing(made)
     assert (thing.title, thing.area, thing.identifiers) == ("Kitchen lamp", area, ("mac:aabbccddeeff",))
     found = [meant.part.model_copy(update={"payloads": ""}) for meant in parts_of(thing, MQTT)]

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from homebot.conventions.described_thing import DescribedThing
 from homebot.conventions.payload import clean_text
 from homebot.devices import Device
-from homebot.integrations.things.formats.export import MqttForms, to_thing
+from homebot.integrations.things.formats.export import to_thing
 from homebot.integrations.things.formats.parse import read_thing
 from homebot.integrations.things.formats.thing import facts_of, identifiers_of
 
@@ -23,4 +23,4 @@ class ThingDocuments:
 
     def describe(self, device: Device, brokers: Mapping[str, str]) -> dict[str, object]:
         """Return the description of *device*, with its topics at the *brokers*."""
-        return to_thing(device, MqttForms(brokers))
+        return to_thing(device, brokers)

@@ -4,7 +4,7 @@ Facts without a term in TD are in ``homebot:``, so that reading a description ag
 """
 
 from collections.abc import Iterator, Mapping
-from typing import Final, Protocol
+from typing import Final
 from urllib.parse import quote
 
 from homebot.devices.capabilities import CAPABILITIES
@@ -17,7 +17,7 @@ from homebot.integrations.things.formats.payload import TEXT_CONTENT_TYPE
 from homebot.integrations.things.formats.thing import NO_SECURITY
 from homebot.integrations.things.formats.vocabulary import CAPABILITY_TYPES, DEVICE_TYPE_NAMES, WEBTHINGS
 
-__all__ = ["FormWriter", "MqttForms", "property_names", "thing_id", "to_thing"]
+__all__ = ["to_thing"]
 
 _MQTT_VOCABULARY: Final = "https://www.w3.org/2019/wot/mqtt#"
 _OWN_VOCABULARY: Final = "urn:homebot:td#"
@@ -27,38 +27,21 @@ _IN_PATH: Final = "/!$&'()*+,:;=@"  # RFC 3986, section 3.3
 _JSON_TYPES = {"bool": "boolean", "number": "number", "text": "string", "numbers": "array"}
 
 
-class FormWriter(Protocol):
-    """A protocol by which properties of devices are read and written."""
-
-    def of_property(self, name: str, part: DevicePart, capability: Capability) -> list[dict[str, object]]:
-        """Return the forms of the property *name*; empty if it is not reachable."""
-
-    def of_words(self, endpoint: Endpoint) -> list[dict[str, object]]:
-        """Return the forms for plain text to and from a device without parts."""
-
-
-def thing_id(device_id: str, owner: str = "") -> str:
-    """Return the id of a device's description.
-
-    Args:
-        owner: The id of the homebot that describes it, if there may be several; empty for none.
-    """
-    return f"urn:homebot:{owner}:{quote(device_id, safe='')}" if owner else f"urn:homebot:{quote(device_id, safe='')}"
-
-
-def to_thing(device: Device, forms: FormWriter, owner: str = "") -> dict[str, object]:
+def to_thing(device: Device, brokers: Mapping[str, str]) -> dict[str, object]:
     """Return the Thing Description 1.1 of *device* as JSON values, without security.
 
-    It lists the readable and settable properties, in the vocabulary's units, and their addresses.
+    It lists the readable and settable properties, in the vocabulary's units, and their topics. If a convention such as
+    Zigbee2MQTT's defines the payloads, the content type names it.
+
+    Args:
+        brokers: Addresses of brokers by gateway, for example ``mqtt://192.168.1.10:1883``; by default
+            ``mqtt://localhost:1883``.
     """
-    properties = dict(_properties(device, forms))
-    types = dict.fromkeys(
-        DEVICE_TYPE_NAMES[one.part.service_type] for one in device.parts if one.part.service_type in DEVICE_TYPE_NAMES
-    )
+    types = [DEVICE_TYPE_NAMES.get(one.part.service_type) for one in device.parts]
     thing: dict[str, object] = {
         "@context": [CONTEXT, WEBTHINGS, {"mqv": _MQTT_VOCABULARY, "homebot": _OWN_VOCABULARY}],
-        "@type": ["Thing", *types],
-        "id": thing_id(device.id, owner),
+        "@type": ["Thing", *dict.fromkeys(filter(None, types))],
+        "id": f"urn:homebot:{quote(device.id, safe='')}",
         "title": device.name.strip() or device.id,
         **NO_SECURITY,
     }
@@ -69,27 +52,19 @@ def to_thing(device: Device, forms: FormWriter, owner: str = "") -> dict[str, ob
         "homebot:facts": facts,
     }
     thing |= {name: value for name, value in extension.items() if value}
-    return thing | {"properties": properties}
+    return thing | {"properties": dict(_properties(device, brokers))}
 
 
-def property_names(device: Device) -> Iterator[tuple[str, DevicePart, Capability]]:
-    """Yield the name of each property of *device* in its description, with its part and capability."""
+def _properties(device: Device, brokers: Mapping[str, str]) -> Iterator[tuple[str, dict[str, object]]]:
     taken: set[str] = set()
     for part in device.parts:
         for capability in part.part.capabilities:
             name = _unused(f"{part.id}_{capability.name}" if part.id else capability.name, taken)
-            yield name, part, capability
-
-
-def _properties(device: Device, writer: FormWriter) -> Iterator[tuple[str, dict[str, object]]]:
-    for name, part, capability in property_names(device):
-        if forms := writer.of_property(name, part, capability):
-            yield name, _property(part, capability, forms)
-    if not device.parts:
-        taken: set[str] = set()
-        for endpoint in device.endpoints:
-            if forms := writer.of_words(endpoint):
-                yield _unused("words", taken), _plain_property(endpoint, forms)
+            if forms := _forms(part, capability, brokers):
+                yield name, _property(part, capability, forms)
+    for endpoint in () if device.parts else device.endpoints:
+        if forms := _forms_of_text(endpoint, brokers):
+            yield _unused("words", taken), _plain_property(endpoint, forms)
 
 
 def _property(part: DevicePart, capability: Capability, forms: list[dict[str, object]]) -> dict[str, object]:
@@ -147,64 +122,36 @@ def _unused(name: str, taken: set[str]) -> str:
     return found
 
 
-def _own_content_type(convention: str) -> str:
-    """Return the content type of a convention's payloads; without a convention, plain words."""
-    return f"application/vnd.homebot.{convention or 'words'}"
+def _forms(part: DevicePart, capability: Capability, brokers: Mapping[str, str]) -> list[dict[str, object]]:
+    best = part.routes[0] if part.routes else _NO_ROUTE
+    broker, content = brokers.get(best.gateway, _LOCAL), f"application/vnd.homebot.{best.convention or 'words'}"
+    observed = part.part.reads if capability.readable else ()
+    written = part.part.writes if capability.settable else ()
+    return [
+        *(_observing(broker, content, one) for one in observed),
+        *(_writing(broker, content, one) for one in written),
+    ]
 
 
-class MqttForms:
-    """The topics of devices.
-
-    If a convention such as Zigbee2MQTT's defines the payloads, the content type names it.
-
-    Args:
-        brokers: Addresses of brokers by gateway, for example ``mqtt://192.168.1.10:1883``; by default
-            ``mqtt://localhost:1883``.
-    """
-
-    def __init__(self, brokers: Mapping[str, str]) -> None:
-        self._brokers = brokers
-
-    def of_property(self, _name: str, part: DevicePart, capability: Capability) -> list[dict[str, object]]:
-        """Return the forms of a property: the topics of its part."""
-        best = part.routes[0] if part.routes else _NO_ROUTE
-        broker, content = self._brokers.get(best.gateway, _LOCAL), _own_content_type(best.convention)
-        forms: list[dict[str, object]] = []
-        if capability.readable:
-            forms += [_form(broker, content, observed=topic) for topic in part.part.reads]
-        if capability.settable:
-            forms += [_form(broker, content, written=topic) for topic in part.part.writes]
-        return forms
-
-    def of_words(self, endpoint: Endpoint) -> list[dict[str, object]]:
-        """Return the forms for plain text: the topics of the device."""
-        broker = self._brokers.get(endpoint.gateway, _LOCAL)
-        forms: list[dict[str, object]] = []
-        if endpoint.address and read_text_address(endpoint.address) is None:
-            forms.append(_form(broker, TEXT_CONTENT_TYPE, observed=endpoint.address))
-        if endpoint.command_address and read_text_address(endpoint.command_address) is None:
-            forms.append(_form(broker, TEXT_CONTENT_TYPE, written=endpoint.command_address))
-        return forms
+def _forms_of_text(endpoint: Endpoint, brokers: Mapping[str, str]) -> list[dict[str, object]]:
+    """Return the forms for plain text to and from a device without parts."""
+    broker = brokers.get(endpoint.gateway, _LOCAL)
+    makers = {_observing: endpoint.address, _writing: endpoint.command_address}
+    topics = [(make, one) for make, one in makers.items() if one and read_text_address(one) is None]
+    return [make(broker, TEXT_CONTENT_TYPE, one) for make, one in topics]
 
 
-def _form(broker: str, content: str, *, observed: str = "", written: str = "") -> dict[str, object]:
-    """Return a form to observe rather than to read: whether the broker retains it is not known.
+def _observing(broker: str, content: str, topic: str) -> dict[str, object]:
+    """Return a form to observe rather than to read: whether the broker retains it is not known."""
+    terms = {"op": ["observeproperty", "unobserveproperty"], "mqv:controlPacket": "subscribe", "mqv:filter": topic}
+    return {"href": _address(broker, topic), "contentType": content, **terms}
 
-    The topic is in the address as well: consumers such as node-wot look for it there alone.
-    """
-    href = f"{broker.rstrip('/')}/{quote(observed or written, safe=_IN_PATH)}"
-    if observed:
-        return {
-            "href": href,
-            "contentType": content,
-            "op": ["observeproperty", "unobserveproperty"],
-            "mqv:controlPacket": "subscribe",
-            "mqv:filter": observed,
-        }
-    return {
-        "href": href,
-        "contentType": content,
-        "op": "writeproperty",
-        "mqv:controlPacket": "publish",
-        "mqv:topic": written,
-    }
+
+def _writing(broker: str, content: str, topic: str) -> dict[str, object]:
+    terms = {"op": "writeproperty", "mqv:controlPacket": "publish", "mqv:topic": topic}
+    return {"href": _address(broker, topic), "contentType": content, **terms}
+
+
+def _address(broker: str, topic: str) -> str:
+    """Return an address with the topic as well: consumers such as node-wot look for it there alone."""
+    return f"{broker.rstrip('/')}/{quote(topic, safe=_IN_PATH)}"

@@ -14,7 +14,7 @@ from homebot.devices import Device, DevicePart, Endpoint, Route
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.integrations.things.formats.export import MqttForms, to_thing
+from homebot.integrations.things.formats.export import to_thing
 from homebot.integrations.things.formats.mqtt import ThingDescriptions, ThingSettings
 from homebot.integrations.things.formats.parse import CONTEXT
 from homebot.integrations.things.formats.thing import NO_SECURITY
@@ -250,7 +250,7 @@ def test_parts_of_other_protocols_or_payloads_are_neither_read_nor_set() -> None
         parts=(DevicePart(id="", part=part, routes=(route,)),),
     )
     web = {"type": "boolean", "@type": "OnOffProperty", "forms": [{"href": "https://lamp.local/on"}]}
-    for description in (to_thing(device, MqttForms({})), thing({"on": web}, "Light")):
+    for description in (to_thing(device, {}), thing({"on": web}, "Light")):
         (found,) = take(description).parts
         assert found.part.service_type == "light"
         (on_off,) = found.part.capabilities
