@@ -64,6 +64,17 @@ async def test_an_arrival_starts_it_but_not_what_was_only_unknown() -> None:
         assert await lamp_after(world, house)
 
 
+async def test_the_queue_of_a_phone_that_was_offline_is_no_arrival() -> None:
+    world = hall()
+    async with virtual_house_of(world=world, config=config({"when": ["Ben arrives"], "do": ["hall lamp on"]})) as house:
+        await ben_is(house)
+        for told_at, regions in ((2, ["Home"]), (3, [])):
+            message = {"_type": "location", "inregions": regions, "tst": told_at}
+            await house.says("owntracks/ben/phone", json.dumps(message))
+            await house.run_for(0.1)
+        assert not await lamp_after(world, house)
+
+
 async def test_the_last_who_leaves_starts_it() -> None:
     world = hall()
     routine = {"when": ["everybody has left"], "do": ["hall lamp on"]}

@@ -118,7 +118,8 @@ class Part(Message):
         writes: The addresses on which it accepts commands (MQTT: topics).
         payloads: A digest of the command payloads in the announcement; empty if the other fields determine them, as in
             a protocol that leaves no choice.
-        members: The parts that its commands set too, as of a group, a room or a scene: each the identifier of a device
+        members: The parts that its commands set too, as of a group, a room or a scene, or the trackers of a person in
+            another system: each the identifier of a device
             for all its parts, with ``#`` and the id of a part for this one; ``#`` and an id alone for a part with an id
             that is unique in its gateway.
         values: The values that a scene sets, if its source tells all of them; empty if it does not.
@@ -141,7 +142,7 @@ class Part(Message):
     @property
     def is_group(self) -> bool:
         """True for a way to reach several parts, such as a group of Zigbee2MQTT: no second lamp beside them."""
-        return bool(self.members) and self.service_type != "x_scene"
+        return bool(self.members) and self.service_type not in {"x_scene", "x_tracker"}
 
     def is_below(self, places: Iterable[str]) -> bool:
         """Return whether one of its topics is in *places* or below one of them."""

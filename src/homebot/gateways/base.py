@@ -159,9 +159,11 @@ class Gateway(ABC):
         random: The source of random numbers for pauses.
         acts: Whether it sends commands to devices; if False, it refuses them all.
         observes_because: Why it only observes, in words.
+        knows_people: Whether it may know persons, which are people of the house without a table.
     """
 
     Settings: ClassVar[type[BaseModel]]
+    knows_people: ClassVar[bool] = False
     acts: bool = True
     observes_because: str = ONLY_OBSERVES
 

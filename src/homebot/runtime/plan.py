@@ -200,7 +200,7 @@ def make_plan(config: Config, given: Mapping[str, type[App]] = _NONE_GIVEN) -> P
         left_out=left_out,
         home=config.home.name,
         home_settings=config.home,
-        gateways=tuple(_gateway(name, table, config) for name, table in config.gateways.items()),
+        gateways=_gateways(config),
         apps=tuple(planned_app(name, table, config, given.get(name)) for name, table in config.apps.items()),
         grants=dict(grants_of(config)),
         **{name: read(config) for name, read in _TABLES.items()},
@@ -254,6 +254,14 @@ def index_place(config: Config) -> Path:
     for gateway in plan.gateways:
         return index_path(plan.home, gateway.kind.network(gateway.settings) or gateway.name)
     return index_path(plan.home, "none")
+
+
+def _gateways(config: Config) -> tuple[PlannedComponent[Gateway], ...]:
+    """Return the gateways of *config*, with that of the people if one of them may know persons."""
+    found = tuple(_gateway(name, table, config) for name, table in config.gateways.items())
+    if PEOPLE in config.gateways or not any(one.kind.knows_people for one in found):
+        return found
+    return (*found, _gateway(PEOPLE, {"class": PEOPLE}, config))
 
 
 def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gateway]:

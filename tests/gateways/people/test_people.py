@@ -39,13 +39,13 @@ async def heard(house: VirtualHouse, minutes: int = 0) -> None:
     await house.says("espresense/rooms/kitchen/status", "online")
     for _ in range(minutes + 1):
         await house.says("espresense/devices/phone:anna/kitchen", HEARD)
-        await house.run_for(60 if minutes else 1)
+        await house.run_for(60 if minutes else 2)
 
 
 async def is_in(house: VirtualHouse, *regions: str) -> None:
     message = {"_type": "location", "tst": 1} | ({"inregions": list(regions)} if regions else {})
     await house.says("owntracks/ben/phone", json.dumps(message))
-    await house.run_for(1)
+    await house.run_for(2)
 
 
 async def test_nothing_is_known_of_people_before_their_phones_tell() -> None:
@@ -111,7 +111,7 @@ async def test_a_tracker_of_discovery_counts() -> None:
         await house.run_for(1)
         for place, is_home in (("home", True), ("not_home", False), ("Work", False), ("None", None)):
             await house.says("ben/watch", place)
-            await house.run_for(1)
+            await house.run_for(2)
             assert (await at_home(house))["Ben"] is is_home, place
 
 

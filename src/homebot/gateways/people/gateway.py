@@ -1,6 +1,5 @@
-"""The gateway with the people of ``[people]``, and their household, as devices."""
+"""The gateway with the people of ``[people]`` and of other systems, and their household, as devices."""
 
-import math
 from collections.abc import Iterator
 from typing import ClassVar, Final, final
 
@@ -35,6 +34,9 @@ _HEARD: Final = 100.0
 _SEEN_EVERY: Final = 900.0
 """Seconds after which the people are published again, so that they do not become stale."""
 
+_SETTLES: Final = 1.0
+"""Seconds in which news are gathered: a phone that was offline tells all at once, a system its persons one by one."""
+
 
 @final
 class PeopleGateway(Gateway):
@@ -50,9 +52,11 @@ class PeopleGateway(Gateway):
         self, node: Node, settings: PeopleSettings, context: GatewayContext | None = None, ping: Ping = answers
     ) -> None:
         super().__init__(node, settings, context)
-        self._people = settings.people
+        self._settings = settings
+        self._people: dict[str, tuple[str, PersonSettings]] = {}
         self._ping = ping
         self._heard_at: dict[str, float] = {}
+        self._has_answer = False
         self._since: dict[str, tuple[Sign, float]] = {}
         self._told: dict[str, dict[str, bool | None]] = {}
         self._trackers = TrackerWatch()
@@ -67,37 +71,46 @@ class PeopleGateway(Gateway):
         view = self._view = HouseView.of(self.node)
         view.add(self._trackers)
         async with anyio.create_task_group() as tasks:
-            for name, one in self._people.items():
+            for key, (_, one) in self._people.items():
                 if one.ping:
-                    tasks.start_soon(self._ask, name, one.ping)
-            clock, seen_at = self.node.graph.clock, -math.inf
+                    tasks.start_soon(self._ask, key, one.ping)
             while True:
                 self._trackers.changed = anyio.Event()
-                if clock.monotonic() - seen_at >= _SEEN_EVERY:
-                    seen_at = clock.monotonic()
-                    self._publish_devices()
-                with anyio.move_on_after(await self._look(view, clock.monotonic())):
+                self._publish_devices()
+                with anyio.move_on_after(await self._look(view, self.node.graph.clock.monotonic())):
                     await self._trackers.changed.wait()
+                    await anyio.sleep(0 if self._has_answer else _SETTLES)
+                self._has_answer = False
 
     def _publish_devices(self) -> None:
-        for name in self._people:
-            person = GatewayDevice(_key(name), name, (simple_part("x_person", readable=(AT_HOME,)),))
-            self._devices.put(person, "[people] names the person")
-        household = simple_part("x_household", readable=(AT_HOME, ALL_AT_HOME))
-        self._devices.put(GatewayDevice(HOUSEHOLD, "Household", (household,)), "all of [people]")
+        """Publish the people of the settings and of other systems, and their household."""
+        people = {f"person/{fold(name)}": (name, one) for name, one in self._settings.people.items()}
+        for device_id, name in self._trackers.persons(self._settings.people).items():
+            people[f"person#{device_id}"] = name, PersonSettings.model_construct(trackers=(device_id,))
+        for key in self._told.keys() - people.keys() - ({HOUSEHOLD} if people else set()):
+            self._devices.remove(key, "no system names the person any more")
+            del self._told[key]
+        self._people = people
+        for key, (name, _) in people.items():
+            person = GatewayDevice(key, name, (simple_part("x_person", readable=(AT_HOME,)),))
+            self._devices.put(person, "the person is known")
+        if people:
+            household = simple_part("x_household", readable=(AT_HOME, ALL_AT_HOME))
+            self._devices.put(GatewayDevice(HOUSEHOLD, "Household", (household,)), "all who are known")
 
     async def _look(self, view: HouseView, now: float) -> float:
         """Report the changes; return the seconds until silence may change something."""
         due = [now + _SEEN_EVERY, *(at + _HEARD for at in self._heard_at.values() if at + _HEARD > now)]
         found: list[bool | None] = []
-        for name, one in self._people.items():
-            where = where_is([*self._signs(view, name, one, now)], now, one.away_after)
+        for key, (_, one) in self._people.items():
+            where = where_is([*self._signs(view, key, one, now)], now, one.away_after)
             due.append(where.due)
             found.append(where.is_home)
-            await self._report(_key(name), {AT_HOME: where.is_home})
+            await self._report(key, {AT_HOME: where.is_home})
         is_any = True if True in found else None if None in found else False
         are_all = False if False in found else None if None in found else True
-        await self._report(HOUSEHOLD, {AT_HOME: is_any, ALL_AT_HOME: are_all})
+        if found:
+            await self._report(HOUSEHOLD, {AT_HOME: is_any, ALL_AT_HOME: are_all})
         return min(due) - now
 
     async def _report(self, key: str, values: dict[str, bool | None]) -> None:
@@ -105,30 +118,31 @@ class PeopleGateway(Gateway):
             self._told[key] = values
             await self._devices.report(key, values)
 
-    def _signs(self, view: HouseView, name: str, person: PersonSettings, now: float) -> Iterator[tuple[Sign, float]]:
+    def _signs(self, view: HouseView, key: str, person: PersonSettings, now: float) -> Iterator[tuple[Sign, float]]:
         for text in person.trackers:
             for place, told in self._trackers.signs(view, text).items():
-                yield self._timed(f"{name} {place}", told, now)
+                yield self._timed(f"{key} {place}", told, now)
         if person.ping:
-            heard_at = self._heard_at.get(name)
+            heard_at = self._heard_at.get(key)
             is_home = heard_at is not None and now - heard_at < _HEARD
             sign: Sign = "home" if is_home else "unknown" if heard_at is None else "silent"
-            yield self._timed(name, sign, now)
+            yield self._timed(key, sign, now)
 
-    def _timed(self, key: str, sign: Sign, now: float) -> tuple[Sign, float]:
+    def _timed(self, source: str, sign: Sign, now: float) -> tuple[Sign, float]:
         """Return *sign* with the time since which it has been so, by the monotonic clock: the other one may be set."""
-        if (known := self._since.get(key)) is None or known[0] != sign:
-            self._since[key] = (sign, now)
-        return self._since[key]
+        if (known := self._since.get(source)) is None or known[0] != sign:
+            self._since[source] = (sign, now)
+        return self._since[source]
 
-    async def _ask(self, name: str, address: str) -> None:
+    async def _ask(self, key: str, address: str) -> None:
         """Ask a phone again and again; its silence means nothing while homebot itself has no network."""
         while True:
             is_there = await self._ping(address)
             if is_there:
-                self._heard_at[name] = self.node.graph.clock.monotonic()
+                self._heard_at[key] = self.node.graph.clock.monotonic()
             elif is_there is None:
-                self._heard_at.pop(name, None)
+                self._heard_at.pop(key, None)
+            self._has_answer = True
             self._trackers.changed.set()
             await anyio.sleep(_ASKED_EVERY)
 
@@ -136,7 +150,7 @@ class PeopleGateway(Gateway):
         """Yield the problem of each tracker that no device is."""
         if (view := self._view) is None:
             return
-        for name, one in self._people.items():
+        for name, one in self._settings.people.items():
             for text in one.trackers:
                 if not self._trackers.signs(view, text):
                     hint = did_you_mean(text, self._trackers.names, "`homebot find trackers` shows them")
@@ -144,7 +158,3 @@ class PeopleGateway(Gateway):
 
     async def _refuse(self, command: Command) -> None:
         raise RefusedError(command.capability, "no command sends people home")
-
-
-def _key(name: str) -> str:
-    return f"person/{fold(name)}"

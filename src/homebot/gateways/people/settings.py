@@ -36,6 +36,6 @@ class PersonSettings(BaseModel):
 
 
 class PeopleSettings(GatewaySettings):
-    """The people by name."""
+    """The people by name, beside those of other systems."""
 
-    people: Annotated[dict[_Name, PersonSettings], Field(min_length=1, max_length=50)]
+    people: Annotated[dict[_Name, PersonSettings], Field(default_factory=dict, max_length=50)]

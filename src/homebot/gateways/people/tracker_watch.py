@@ -1,11 +1,14 @@
 """The watch of the devices with a place: phones and tags of people."""
 
+from collections.abc import Mapping
 from typing import final
 
 import anyio
 
-from homebot.devices.device import Device, DeviceChange, StateChange
+from homebot.devices.device import Device, DeviceChange, DevicePart, StateChange
+from homebot.devices.device_lookup import references
 from homebot.devices.house_view import HouseView, HouseWatcher
+from homebot.gateways.people.settings import PersonSettings
 from homebot.gateways.people.whereabouts import PLACE, Sign, sign_of
 from homebot.support.folding import fold
 
@@ -43,17 +46,42 @@ class TrackerWatch(HouseWatcher):
         """The names of all."""
         return [one.name for one in self._devices.values()]
 
+    def persons(self, people: Mapping[str, PersonSettings]) -> dict[str, str]:
+        """Return the names, by id, of the persons in other systems that have trackers.
+
+        A person with the name or a tracker of one of *people* is left out, and so is one that is a tracker there.
+        """
+        names = {*map(fold, people)}
+        taken = [tracker for one in people.values() for text in one.trackers for tracker in self._called(text)]
+        return {
+            one.id: one.name
+            for one in self._devices.values()
+            for part in one.parts
+            if part.part.members and part.part.service_type == "x_tracker"  # no announcement over MQTT can have both
+            if names.isdisjoint(map(fold, (one.name, *one.names)))
+            if not any(_is_of(tracker, one, part) for tracker in taken)
+        }
+
     def signs(self, view: HouseView, name: str) -> dict[str, Sign]:
-        """Return the sign of each tracker of the devices with the id or name *name*."""
-        named = [
-            one for one in self._devices.values() if one.id == name or fold(name) in map(fold, (one.name, *one.names))
-        ]
+        """Return the sign of each tracker of the device with the id *name*, or else of those with that name."""
         return {
             f"{device.id}#{part}": sign_of(device, known.state(part, PLACE), tag)
-            for device in named
+            for device in self._called(name)
             if (known := view.get(device.id)) is not None
             for part, tag in _places(device)
         }
+
+    def _called(self, name: str) -> list[Device]:
+        if name in self._devices:
+            return [self._devices[name]]
+        return [one for one in self._devices.values() if fold(name) in map(fold, (one.name, *one.names))]
+
+
+def _is_of(tracker: Device, person: Device, part: DevicePart) -> bool:
+    """Return whether *tracker* is the person, or a tracker of the person."""
+    gateways = {one.gateway for one in part.routes}
+    known = (name for one in tracker.parts for name in references(tracker, one, gateways))
+    return tracker.id == person.id or not {*known}.isdisjoint(part.part.members)
 
 
 def _places(device: Device) -> list[tuple[str, str]]:

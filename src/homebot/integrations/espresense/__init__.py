@@ -11,6 +11,7 @@ Source: ESPresense 4.0, ``lib/BleFingerprint/BleFingerprint.cpp`` (``fill``) and
 
 Tested against: messages with the fields of that source, and hostile ones.
 
-Not done: rooms and distances, devices without a name (those of neighbours, as a rule), sensors of the nodes, settings.
+Not done: rooms and distances, devices without an alias (those of neighbours, as a rule, also with a name that they give
+themselves), sensors of the nodes, settings.
 It has no simulated devices.
 """

@@ -1,6 +1,7 @@
 """Messages of ESPresense: each named device that its nodes hear is a tracker. Pure.
 
-Source: ESPresense, ``BleFingerprint::fill`` (``id``, ``name``, ``mac``, ``rssi``, ``distance``), ``src/mqtt.cpp``.
+Source: ESPresense, ``BleFingerprint::fill`` (``id``, ``name``, ``mac``, ``rssi``, ``distance``) and ``fingerprint``
+(``name:``), ``src/mqtt.cpp``.
 """
 
 from typing import Final
@@ -14,7 +15,6 @@ from homebot.conventions.description import (
 )
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import JsonMessage, Readings, parse_object, text_of
-from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["EspresenseReader"]
 
@@ -22,7 +22,12 @@ _ROOT: Final = "espresense"
 _SILENT_AFTER: Final = 120.0
 """Seconds; a node repeats an unchanged distance every few seconds, and a phone may sleep for a minute."""
 
+_SELF_NAMED: Final = "name:"
+"""Devices with the name that they give themselves by radio: of anybody, and anybody's."""
+
 _MOST_DEVICES: Final = 200
+"""Further ones are left out, so that no flood pushes out the phones of the house."""
+
 _MOST_ROOMS: Final = 50
 
 
@@ -35,7 +40,7 @@ class EspresenseReader:
 
     def __init__(self) -> None:
         self.rejected = 0
-        self._rooms: BoundedMap[str, tuple[str, tuple[str, ...]]] = BoundedMap(_MOST_DEVICES)
+        self._rooms: dict[str, tuple[str, tuple[str, ...]]] = {}
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Return the device, if it has a name and this node hears it for the first time.
@@ -46,7 +51,8 @@ class EspresenseReader:
         _, _, device, room = topic.split("/")
         name, rooms = self._rooms.get(device, ("", ()))
         is_known = room in rooms or len(rooms) >= _MOST_ROOMS
-        if is_known or retained or not (device and room and payload):
+        is_left_out = device.startswith(_SELF_NAMED) or (not rooms and len(self._rooms) >= _MOST_DEVICES)
+        if is_known or is_left_out or retained or not (device and room and payload):
             return ()
         name = text_of(parse_object(payload).get("name")) or name
         if not name:

@@ -185,7 +185,7 @@ class HomeAssistantEntities:
         return described
 
     def _part(self, entity: HomeAssistantEntity) -> Part:
-        if entity.domain != "scene" and not entity.reaches_others(self.registries):
+        if entity.domain not in {"scene", "person"} and not entity.reaches_others(self.registries):
             return entity.part()
         members = tuple([f"#{self.registries.entity(one).part_id}" for one in entity.members])
         return entity.part().model_copy(update={"members": members})

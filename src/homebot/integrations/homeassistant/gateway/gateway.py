@@ -42,6 +42,7 @@ class HomeAssistantGateway(LinkedGateway):
 
     Settings: ClassVar[type[BaseModel]] = HomeAssistantGatewaySettings
     peer = "Home Assistant"
+    knows_people = True
     _link: HomeAssistantLink
 
     def __init__(

@@ -35,6 +35,7 @@ _JUST_NOW: Final = 5.0
 _SHAPING: Final = frozenset(
     {
         *("assumed_state", "available_modes", "available_tones", "code_arm_required", "code_format", "device_class"),
+        "device_trackers",
         *(
             "entity_id",
             "effect_list",
@@ -145,7 +146,8 @@ class HomeAssistantEntity:
 
     @property
     def _listed(self) -> Sequence[str]:
-        return options_of(self.info, "entity_id") or options_of(self.info, "group_entities")
+        fields = ("entity_id", "group_entities", "device_trackers")
+        return next((found for one in fields if (found := options_of(self.info, one))), ())
 
     @property
     def name(self) -> str:
@@ -191,7 +193,7 @@ class HomeAssistantEntity:
             id=self.entry.part_id,
             name=self.name,
             service_type=service_type,
-            advertised=self.domain,
+            advertised="device_tracker" if self.domain == "person" else self.domain,  # people are of the house
             tag=tag_of(self.info, is_set=is_set) if kind.tag is None else kind.tag,
             category=self.entry.category,
             capabilities=tuple(capability for capability, _ in rows),
