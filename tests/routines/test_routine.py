@@ -185,6 +185,7 @@ async def test_it_is_listed_switched_off_and_started_by_hand() -> None:
     [
         ({"when": ["hall lamp"]}, "routines.hall_light.when.0: 'hall lamp' names no state"),
         ({"do": ["hall lamp onn"]}, "did you mean on"),
+        ({"when": ["22:00", "22:00"]}, "when: '22:00' is there twice"),
         ({"do": ["undo"]}, "nothing to undo"),
         ({"when": ["hall lamp on"], "do": ["hall lamp on"]}, "would start itself"),
         ({"mode": "often"}, "routines.hall_light.mode"),

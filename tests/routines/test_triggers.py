@@ -63,6 +63,7 @@ def test_times_of_the_day_and_of_the_sun() -> None:
         ("25:00", "25:00"),
         ("22:00 on funday", "no day 'funday'"),
         ("sunset - soon", "'soon' is not a duration"),
+        ("sunset + 30h", "30h is more than 12 hours from the sunset"),
         ("hall lamp", "names no state; write it like"),
         ("at 22:00", "'at 22:00': write a time like '22:00 on weekdays'"),
         ("22.00", "write a time like '22:00 on weekdays'"),

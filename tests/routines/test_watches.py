@@ -5,15 +5,19 @@ from typing import Any
 
 import anyio
 import pytest
+from tests.discovery.announcements import announce, part_of, tell
+from tests.set_clock import SetClock
 
-from homebot.graph import Node
+from homebot.discovery import Directory, DirectorySettings
+from homebot.graph import Graph, Node
 from homebot.mqtt.options import MqttOptions
 from homebot.routines.triggers import read_state
 from homebot.routines.watches import begun
-from homebot.testing import VirtualHouse, virtual_house_of
+from homebot.testing import FakeGateway, VirtualHouse, virtual_house_of
 
 pytestmark = [pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
 
+HOUR = 3600.0
 OPEN = read_state("front door open for 10m")
 DOOR = {"name": "Front door", "unique_id": "d", "device_class": "door", "state_topic": "d"}
 
@@ -28,7 +32,7 @@ async def end_of_wait(store: dict[str, Any], start: str, found: str, *told: str)
     ends: dict[str, None] = {}
 
     async def wait(house: VirtualHouse, node: Node) -> None:
-        async for _ in begun(node, OPEN, node.graph.clock.now(), store):
+        async for _ in begun(node, OPEN, store, is_new=True):
             ends[f"{house.now:%H:%M}"] = None
 
     async with (
@@ -71,3 +75,33 @@ async def test_a_state_that_begins_anew_is_waited_for_anew() -> None:
 
 async def test_what_is_found_so_without_a_wait_before_starts_nothing() -> None:
     assert not await end_of_wait({}, "08:07", "ON")
+
+
+@pytest.mark.parametrize("jump", [-HOUR, HOUR, -20 * 365 * 24 * HOUR])
+async def test_a_clock_that_is_set_changes_no_wait(jump: float) -> None:
+    graph, ends = Graph(clock := SetClock(1.8e9)), []
+    door = announce("d", part_of("contact_sensor", "contact", id="c"), name="Front door", gateway="fake")
+
+    async def wait(node: Node) -> None:
+        async for _ in begun(node, OPEN, is_new=True):
+            ends.append(clock.monotonic())  # noqa: PERF401 - it would be cancelled before it extends
+
+    async with (
+        Node(graph, "fake", namespace="/gateway") as node,
+        Node(graph, "discovery") as its_node,
+        Node(graph, "waiter") as waiter,
+        anyio.create_task_group() as tasks,
+    ):
+        await tasks.start(Directory(its_node, DirectorySettings()).serve)
+        gateway = FakeGateway(node)
+        gateway.publish_sighting(door)
+        gateway.reports.publish(tell(door, "contact", False, part="c", at=clock.now()))
+        await anyio.sleep(1)
+        tasks.start_soon(wait, waiter)
+        await anyio.sleep(1)
+        clock.wall += jump
+        opened = clock.monotonic()
+        gateway.reports.publish(tell(door, "contact", True, part="c", at=clock.now()))
+        await anyio.sleep(HOUR)
+        tasks.cancel_scope.cancel()
+    assert ends == pytest.approx([opened + 600])

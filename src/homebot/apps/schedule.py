@@ -14,7 +14,7 @@ import anyio
 
 from homebot.apps.jobs import Due, Interval, Job, JobFacts, Times, WallJob
 from homebot.apps.run_modes import HandlerRuns, RunHandler, RunMode, check_handler
-from homebot.apps.wall_time import TimeOfDay, read_days, read_time
+from homebot.apps.wall_time import LONGEST_OFFSET, TimeOfDay, read_days, read_time
 from homebot.errors import UsageError
 from homebot.graph.current_cause import CURRENT_CAUSE, TimerCause
 from homebot.units import parse_duration
@@ -35,7 +35,6 @@ JOB_SKIPPED: Final = "app.job_skipped"
 MOST_JOBS: Final = 1000
 LONGEST_CATCH_UP: Final = 31 * 86_400.0
 LONGEST: Final = 100 * 366 * 86_400.0
-LONGEST_OFFSET: Final = 43_200.0
 _TIMERS, _DAYS = "_timers", "_days"
 _GRACE: Final = 60.0  # seconds by which any durable timer may be late
 _OWN: Final = "homebot.apps."

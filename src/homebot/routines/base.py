@@ -51,7 +51,6 @@ class RoutineBase(App[SettingsT_co]):
 
     def watch(self, triggers: Sequence[str], on_start: Callable[[object], None]) -> None:
         """Call *on_start* with the cause whenever one of *triggers* comes."""
-        since = self.clock.now()
 
         def start() -> None:
             on_start(CURRENT_CAUSE.get())
@@ -64,7 +63,7 @@ class RoutineBase(App[SettingsT_co]):
                 case SunMoment():
                     self.at(trigger.event, start, offset=trigger.offset, name=text)
                 case Becomes():
-                    self.start_task(partial(self._follow, trigger, since, on_start))
+                    self.start_task(partial(self._follow, trigger, on_start))
                 case Press():
                     PressWatch(self.node, trigger, on_start)
                 case PersonMoves():
@@ -104,8 +103,8 @@ class RoutineBase(App[SettingsT_co]):
         self.record(f"{step!r} failed: {problem}")
         self.log_limited(FAILED, f"{self.title}: {step!r} failed: {problem}")
 
-    async def _follow(self, trigger: Becomes, since: float, on_start: Callable[[object], None]) -> None:
-        async for one in begun(self.node, trigger, since, self.store):
+    async def _follow(self, trigger: Becomes, on_start: Callable[[object], None]) -> None:
+        async for one in begun(self.node, trigger, self.store, is_new=True):
             on_start(one.cause)
 
     async def _check(self, conditions: _Conditions, start: Callable[[object], object], cause: object) -> None:

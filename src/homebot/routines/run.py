@@ -160,13 +160,17 @@ class RoutineRun:
     async def _sleep(self, place: int, seconds: float, until: float) -> None:
         until = until or self._clock.now() + seconds
         self._owner.keep(place, until, self._before.entries)
-        await anyio.sleep(max(0.0, until - self._clock.now()))
+        await anyio.sleep(self._left(seconds, until))
 
     async def _wait_until(self, place: int, step: WaitUntil, until: float) -> None:
         until = until or self._clock.now() + step.most
         self._owner.keep(place, until, self._before.entries)
-        with anyio.move_on_after(max(0.0, until - self._clock.now())):
+        with anyio.move_on_after(self._left(step.most, until)):
             await anext(begun(self._owner.node, step.state))
+
+    def _left(self, seconds: float, until: float) -> float:
+        """Return how long a wait of *seconds* still lasts; the clock may have been set back since it began."""
+        return min(seconds, max(0.0, until - self._clock.now()))
 
     async def _undo(self) -> None:
         """Bring back the values from before, of each part at once, where nothing else has changed them since."""

@@ -80,6 +80,8 @@ class RoutineSettings(AppSettings):
         if steps[0] == Undo():
             raise ValueError("do: the first step is `undo`, and there is nothing to undo yet")
         triggers = [read_trigger(one) for one in self.when]
+        if twice := [text for place, text in enumerate(self.when) if triggers[place] in triggers[:place]]:
+            raise ValueError(f"when: {twice[0]!r} is there twice")
         states = {fold(one.text) for one in triggers if isinstance(one, Becomes)}
         for step in steps:
             if isinstance(step, Do) and fold(f"{step.target} {step.command}") in states:

@@ -5,7 +5,8 @@ from datetime import datetime, time
 from difflib import get_close_matches
 from typing import Final, NamedTuple
 
-from homebot.apps.wall_time import read_days, read_time
+from homebot.apps.wall_time import LONGEST_OFFSET, read_days, read_time
+from homebot.errors import UsageError
 from homebot.units import parse_duration
 
 __all__ = ["SUN_EVENTS", "DaysAndTime", "SunMoment", "TimeSpan", "read_days_of_week", "read_duration", "time_hint"]
@@ -34,13 +35,14 @@ class SunMoment(NamedTuple):
         """Return the moment *text*, such as ``sunset - 30m``; None if it is none.
 
         Raises:
-            UsageError: Its offset is not a duration.
+            UsageError: Its offset is not a duration, or more than 12 hours.
         """
         found = _SUN.fullmatch(text)
         if found is None:
             return None
         offset = found["offset"] or "0s"
-        read_duration(offset)
+        if read_duration(offset) > LONGEST_OFFSET:
+            raise UsageError(f"{text!r}: {offset} is more than 12 hours from the {found['event']}")
         return cls(found["event"], f"{'-' if found['sign'] == '-' else ''}{offset}")
 
 

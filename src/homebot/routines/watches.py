@@ -37,17 +37,18 @@ class Begun(NamedTuple):
 
 
 async def begun(
-    node: Node, state: Becomes, since: float = -math.inf, store: MutableMapping[str, Any] | None = None
+    node: Node, state: Becomes, store: MutableMapping[str, Any] | None = None, *, is_new: bool = False
 ) -> AsyncIterator[Begun]:
     """Yield each device when it has matched *state* for as long as that says.
 
     Args:
-        since: Seconds since the Unix epoch. A device that did so earlier is left out, and so is one that is found so,
-            or whose first value since the start matches: it may have been so before. -inf leaves out none.
         store: Keeps the waits for a restart: a device that waited then, and is found so, goes on.
+        is_new: Whether a device that did so earlier than this call is left out, and so one that is found so, or whose
+            first value matches: it may have been so before.
     """
     kept = {} if store is None else store
     clock, due = node.graph.clock, TimerQueue[str, Begun]()
+    began = clock.monotonic() if is_new else -math.inf
     follow = Follow(node, query=state.query, text=state.text)
     while True:
         at = due.next()
@@ -57,37 +58,36 @@ async def begun(
             if change is None:
                 return
             device = change.device
+            key = f"since {state.text} {device.id}"
             if change.kind == "removed":
                 due.discard(device.id)
-                kept.pop(_key(state, device), None)
+                kept.pop(key, None)
             elif change.kind == "appeared":
-                matched_at = _matched_at(device, state, since, clock.now())
-                goes_on = matched_at == -math.inf and _key(state, device) in kept
-                matched_at = kept[_key(state, device)] if goes_on else matched_at
+                now = clock.now()
+                since = now - (clock.monotonic() - began)  # by the clock as it is set now
+                matched_at = _matched_at(device, state, now, is_new=is_new)
+                goes_on = matched_at == -math.inf and key in kept
+                matched_at = kept[key] if goes_on else matched_at
                 if goes_on or matched_at + state.lasting >= since:
-                    wait = matched_at + state.lasting - clock.now()
-                    due.set(device.id, clock.monotonic() + wait, Begun(device, CURRENT_CAUSE.get()))
-                    if wait > 0:
-                        kept[_key(state, device)] = matched_at
+                    left = min(state.lasting, matched_at + state.lasting - now)  # the clock may have been set back
+                    due.set(device.id, clock.monotonic() + left, Begun(device, CURRENT_CAUSE.get()))
+                    if left > 0:
+                        kept[key] = matched_at
         if scope.cancelled_caught and (found := due.pop(clock.monotonic())) is not None:
-            kept.pop(_key(state, found[1].device), None)
+            kept.pop(f"since {state.text} {found[0]}", None)
             yield found[1]
 
 
-def _key(state: Becomes, device: Device) -> str:
-    return f"since {state.text} {device.id}"
-
-
-def _matched_at(device: Device, state: Becomes, since: float, now: float) -> float:
-    """Return since when *device* has the values of *state*; -inf if only since before the time *since*."""
+def _matched_at(device: Device, state: Becomes, now: float, *, is_new: bool) -> float:
+    """Return since when *device* has the values of *state*; -inf if that is earlier than the watch for new ones."""
     cause = CURRENT_CAUSE.get()
-    if since > -math.inf and isinstance(cause, DeviceChange) and cause.kind == "appeared":  # it is found so
+    if is_new and isinstance(cause, DeviceChange) and cause.kind == "appeared":  # it is found so
         return -math.inf
     values = [one for one in device.states if one.capability in state.capabilities and one.live]
     if not values:
-        return now if since == -math.inf else -math.inf
+        return -math.inf if is_new else now
     newest = max(values, key=lambda one: one.since.to_seconds())
-    return -math.inf if newest.is_first and since > -math.inf else newest.since.to_seconds()
+    return -math.inf if newest.is_first and is_new else newest.since.to_seconds()
 
 
 def is_press(view: HouseView, press: Press, change: object) -> bool:

@@ -97,7 +97,7 @@ def _table(
     held += first
     if NEVER in held or not steps or not when:
         return {}
-    return {"when": when, "if": texts_of(held), "do": steps}
+    return {"when": [*dict.fromkeys(when)], "if": texts_of(held), "do": steps}
 
 
 def _mode(fields: UnreadFields) -> str:
