@@ -48,7 +48,7 @@ def test_other_steps() -> None:
         ("wait until lamp on", "may last forever"),
         ("lamp on, open", "cannot follow"),
         ("lamp", "is no step"),
-        ("front door: unlock code=1234", "keeps no code"),
+        ("front door: unlock code=1234", "no code is kept"),
     ],
 )
 def test_a_mistake_is_named(text: str, problem: str) -> None:

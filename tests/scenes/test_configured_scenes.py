@@ -78,6 +78,7 @@ async def test_a_command_does_not_change_the_file_but_a_saved_scene_outranks_it(
         ([{"values": {"lamp": "on"}}], "scenes.0.name"),
         ([{"name": "A", "values": {}}], "scenes.0.values"),
         ([{"name": "A", "values": {"lamp": ""}}], "scenes.0.values.lamp"),
+        ([{"name": "A", "values": {"lock": "unlock, code 1234"}}], "scenes.0.values.lock: no code is kept"),
         ([{"name": "a\nb", "values": {"lamp": "on"}}], "scenes.0.name"),
         ([{"name": "A", "values": {"lamp": "on"}}, {"name": "a", "values": {"lamp": "on"}}], "scenes.1.name"),
         ([{"name": "A", "values": {"lamp": "on"}, "at": "x"}], "scenes.0.at: unknown key"),

@@ -14,10 +14,10 @@ from homebot.devices.text.colors import COLORS, WHITES
 from homebot.devices.text.commands import decode_command
 from homebot.devices.text.states import is_share
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
+from homebot.errors import RefusedError, UsageError
 from homebot.support.numbers import to_number
 
-__all__ = ["SET", "STATE_WORDS", "parse_command_words"]
+__all__ = ["SET", "STATE_WORDS", "check_without_code", "parse_command_words"]
 
 SET: Final = "set"
 """The command that only sets values."""
@@ -25,6 +25,7 @@ SET: Final = "set"
 _SAME_WORDS: Final[Mapping[str, str]] = MappingProxyType(
     {"on": "on", "turn_on": "on", "turn on": "on", "turn_off": "off", "turn off": "off", SET: SET}
 )
+_CODE: Final = re.compile(r"\b(?:code|pin)\b\W*\d", re.IGNORECASE)
 STATE_WORDS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
         "start": ("cleaning", "mowing"),
@@ -74,6 +75,16 @@ def parse_command_words(command: str, values: Sequence[KeyValue], part: Part, ta
     if not _agree({"on_off": True, **found} if is_light_on else found, part):
         raise RefusedError(_command_text(word, values), "these contradict each other; give one of them")
     return found
+
+
+def check_without_code(words: str) -> None:
+    """Check that *words* that are kept contain no code.
+
+    Raises:
+        UsageError: They do.
+    """
+    if _CODE.search(words):
+        raise UsageError("no code is kept, as everyone who may read this would see it; leave it out")
 
 
 def _command_text(word: str, values: Sequence[KeyValue]) -> str:

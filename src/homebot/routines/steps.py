@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Final, TypeAlias
 
-from homebot.command_words.settings import STATE_WORDS
+from homebot.command_words.settings import STATE_WORDS, check_without_code
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query.parse import parse_query
@@ -19,7 +19,6 @@ from homebot.support.similar import did_you_mean
 
 __all__ = ["APPLY", "Dim", "Do", "Notify", "SendRobot", "Step", "Undo", "Wait", "WaitUntil", "read_step"]
 
-_CODE: Final = re.compile(r"\b(?:code|pin)\b\W*\d", re.IGNORECASE)
 _WAIT_UNTIL: Final = re.compile(r"wait until\s+(?P<state>.+?),?\s+at most\s+(?P<most>.+)", re.IGNORECASE)
 _WAIT: Final = re.compile(r"wait\s+(?P<length>\d.*)", re.IGNORECASE)
 _NOTIFY: Final = re.compile(r"notify:?\s+(?P<text>.+)", re.IGNORECASE)
@@ -171,8 +170,7 @@ def _read_do(text: str) -> Do:
 
     A colon divides them where the words of the command are a device's own: ``washing machine: eco 40``.
     """
-    if _CODE.search(text):
-        raise UsageError("a step keeps no code, as everyone who may read the routines would see it; leave it out")
+    check_without_code(text)
     target, colon, command = text.partition(": ")
     if colon:
         return Do(text, target.strip(), command.strip())

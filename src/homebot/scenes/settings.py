@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-from homebot.config import parse_settings
+from homebot.command_words.settings import check_without_code
+from homebot.config import parse_settings, value_errors
 from homebot.devices.scene_messages import MOST_PARTS
 from homebot.errors import ConfigError, UsageError
 from homebot.scenes.scene_book import check_scene_name
@@ -14,6 +15,17 @@ from homebot.support.folding import fold
 __all__ = ["SceneSettings", "read_scenes"]
 
 _Words = Annotated[str, Field(min_length=1, max_length=1000)]
+
+
+def _without_code(words: str) -> str:
+    with value_errors():
+        check_without_code(words)
+    return words
+
+
+_Values = Annotated[
+    dict[_Words, Annotated[_Words, AfterValidator(_without_code)]], Field(min_length=1, max_length=MOST_PARTS)
+]
 
 
 class SceneSettings(BaseModel):
@@ -27,7 +39,7 @@ class SceneSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     name: str
-    values: Annotated[dict[_Words, _Words], Field(min_length=1, max_length=MOST_PARTS)]
+    values: _Values
 
 
 def read_scenes(tables: Sequence[object], source: str) -> tuple[SceneSettings, ...]:
