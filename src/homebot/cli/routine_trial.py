@@ -164,6 +164,12 @@ def _stamp(at: datetime) -> str:
     return f"{at.astimezone():%Y-%m-%d %H:%M:%S}"
 
 
+def _further(replayed: Replayed, app: str) -> str:
+    told, sent = (sum(one.app == app for one in acts) for acts in (replayed.notifications, replayed.acts))
+    people = f", and told people {_times(told)}" if told else ""
+    return people + (f", and sent a robot {_times(sent)}" if sent else "")
+
+
 def _summary(
     title: str, replayed: Replayed, found: Sequence[TriedCommand], unseen: Mapping[str, Sequence[str]]
 ) -> Iterator[str]:
@@ -172,11 +178,8 @@ def _summary(
     for issuer in replayed.issuers:
         count, against = commands[issuer], changed[issuer]
         given = "1 command" if count == 1 else f"{count:,} commands"
-        note = f", {against:,} of which somebody changed within ten minutes" if against else ""
+        given += f", {against:,} of which somebody changed within ten minutes" if against else ""
         app = issuer.removeprefix("/")
-        told, sent = (sum(one.app == app for one in acts) for acts in (replayed.notifications, replayed.acts))
-        people = f", and told people {_times(told)}" if told else ""
-        people += f", and sent a robot {_times(sent)}" if sent else ""
         missed = ", ".join(map(repr, unseen.get(app, ())))
         rest = f"; the history does not have {missed}: record some days for that (homebot record)" if missed else ""
-        yield f"{printable(title)}: {app} would have given {given}{note}{people}{printable(rest, 500)}"
+        yield f"{printable(title)}: {app} would have given {given}{_further(replayed, app)}{printable(rest, 500)}"

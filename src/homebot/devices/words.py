@@ -148,13 +148,17 @@ def _clauses(words: tuple[str, ...], language: _Language) -> Iterator[tuple[str,
 
 
 def _match(words: tuple[str, ...], language: _Language, groups: Groups, *, at_end: bool) -> str:
-    own = tuple(ending[:-1] for ending, _ in language.endings if ending.endswith("$"))
-    if language.beside and any(word.endswith(language.beside) and not word.endswith(own) for word in words):
+    if language.beside and _is_beside(words, language):
         return ""
     content = tuple(word for word in words if word not in language.fillers)
     if any(frozenset(tail[-len(one) :]) == one for one in language.never for tail in (words, content)):
         return ""
     return _phrase_in(words, content if at_end else None, language, groups) or _ending_in(words, language, groups)
+
+
+def _is_beside(words: tuple[str, ...], language: _Language) -> bool:
+    own = tuple(ending[:-1] for ending, _ in language.endings if ending.endswith("$"))
+    return any(word.endswith(language.beside) and not word.endswith(own) for word in words)
 
 
 def _phrase_in(words: tuple[str, ...], head_of: tuple[str, ...] | None, language: _Language, groups: Groups) -> str:

@@ -117,23 +117,22 @@ class SceneApplying:
             asks = found is not None and not agreed and bool(why_asked(*found, values))
             requests[place] = _request(request, scene, place, values, asks=asks)
         outcomes |= zip(requests, await perform_all(self._outcome, tuple(requests.values())), strict=True)
-        gone = ((name, Gone(problem)) for name, problem in scene.problems.items() if not request.undo)
-        lacking = [
-            (CommandedPart(device="", name=one, part="", result=CommandResult.of(why)), why) for one, why in gone
-        ]
-        if not (outcomes or lacking):
+        lacking = () if request.undo else scene.problems.items()
+        commanded = [_commanded(*one, house.name(one), outcome) for one, outcome in outcomes.items()]
+        commanded += [_commanded("", "", name, Gone(problem)) for name, problem in lacking]
+        if not commanded:
             return CommandDevicesResponse(success=False, message=f"{scene.name} has no part")
-        commanded = [
-            (CommandedPart(device=one[0], name=house.name(one), part=one[1], result=CommandResult.of(outcome)), outcome)
-            for one, outcome in outcomes.items()
-        ]
-        return CommandDevicesResponse.of([*commanded, *lacking])
+        return CommandDevicesResponse.of(commanded)
 
     async def _outcome(self, request: CommandRequest) -> Outcome:
         try:
             return await self._perform.call(request, timeout=_LONGEST)
         except ServiceError as exc:
             return NoAnswer(0.0, str(exc))
+
+
+def _commanded(device: str, part: str, name: str, outcome: Outcome) -> tuple[CommandedPart, Outcome]:
+    return CommandedPart(device=device, name=name, part=part, result=CommandResult.of(outcome)), outcome
 
 
 def _refusal(part: DevicePart, place: Place, values: Mapping[str, PlainValue]) -> Refused | None:

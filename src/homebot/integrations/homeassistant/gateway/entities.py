@@ -3,7 +3,7 @@
 The entities of one device of Home Assistant are the parts of one device; an entity without a device is a device.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from homebot.conventions.description import Publication, Publications
@@ -166,7 +166,7 @@ class HomeAssistantEntities:
         entities = self.of(key)
         ids = [one.entity_id for one in entities]
         device = self.registries.device(key) or DeviceInfo((), "", "", {})
-        name = device.name or (_own_name(entities[0]) if entities else key)
+        name = device.name or _own_name(entities) or key
         sole = [one for one in entities if not one.entry.category]
         area, floor = self.registries.place(key, [one.entity_id for one in sole or entities])
         parts = [self._part(one) for one in entities] + list(self.triggers.get(key, ()))
@@ -233,8 +233,10 @@ def _order(one: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, bool, str]:
     return bool(entity.entry.category), _ORDER[entity.domain], not entity.is_group, entity_id
 
 
-def _own_name(entity: HomeAssistantEntity) -> str:
-    return entity.name or entity.entity_id.partition(".")[2].replace("_", " ")
+def _own_name(entities: Iterable[HomeAssistantEntity]) -> str:
+    """Return the name of the first of *entities*; empty without any."""
+    names = (one.name or one.entity_id.partition(".")[2].replace("_", " ") for one in entities)
+    return next(names, "")
 
 
 def _without_name(part: Part, name: str) -> Part:
