@@ -126,9 +126,7 @@ class CommandExecutor:
             if request.batch:
                 await self._together.join(command, request)
             agreed: IssuedCommand | Outcome = command
-            if command.part.part.members:
-                agreed = await self._together.refusal_of_members(command) or command
-            if agreed is command and (request.ask_first or command.is_client):
+            if request.ask_first or command.is_client or command.part.part.members:
                 agreed = await self._agreed(command, ask_first=request.ask_first)
             if not isinstance(agreed, Outcome):
                 agreed = self._with_warnings(agreed, await self._carry_out(agreed))
@@ -163,7 +161,7 @@ class CommandExecutor:
             command = IssuedCommand(
                 name, device, part, settings, issuer, rights, trigger, asked_at, request.scope, text
             )
-            agreed = await self._agreed(command) if command.is_client else command
+            agreed = await self._agreed(command) if command.is_client or part.part.members else command
             is_code = shown != (read,)
             outcome = agreed if isinstance(agreed, Outcome) else await self._send_text(agreed, text, is_code=is_code)
         if outcome is None:
@@ -172,7 +170,9 @@ class CommandExecutor:
         return SendTextResponse.of(outcome)
 
     async def _agreed(self, command: IssuedCommand, *, ask_first: bool = False) -> IssuedCommand | Outcome:
-        """Return *command* once a person has agreed, if one must; else its outcome."""
+        """Return *command* if no member refuses it, and once a person has agreed, if one must; else its outcome."""
+        if command.part.part.members and (refused := await self._together.refusal_of_members(command)) is not None:
+            return refused
         if not (ask_first or await self.questions.must_ask(command)):
             return command
         return self.check(command, is_preview=True) or await self.questions.agreed(command)

@@ -111,12 +111,8 @@ class Together:
         groups = await self._lookup.all_known(FactIs("category", "group")) if found else ()
         for members in found:
             group = next((one for one in _parts_of(groups) if self._may_carry(*one, members)), None)
-            if group is None:
-                continue
-            may_send = partial(self._may_begin, members, *group)
-            shared = SharedSending(self._node, self._sender, group, len(members), may_send)
-            for one in members:
-                one.shared = shared
+            if group is not None:
+                self._let_share(members, group)
         if all(one.shared is None for one in commands):
             await self._recall(commands)
 
@@ -126,10 +122,15 @@ class Together:
         parts = ((device, part) for device in known for part in device.parts if part.part.values)
         scene = next((one for one in parts if self._may_recall(*one, commands)), None)
         if scene is not None:
-            may_send = partial(self._may_begin, commands, *scene)
-            shared = SharedSending(self._node, self._sender, scene, len(commands), may_send, _RECALL)
-            for one in commands:
-                one.shared = shared
+            self._let_share(commands, scene, _RECALL)
+
+    def _let_share(
+        self, commands: Sequence[IssuedCommand], place: tuple[Device, DevicePart], recall: Setting | None = None
+    ) -> None:
+        may_send = partial(self._may_begin, commands, *place)
+        shared = SharedSending(self._node, self._sender, place, len(commands), may_send, recall)
+        for one in commands:
+            one.shared = shared
 
     def _may_recall(self, device: Device, part: DevicePart, commands: Sequence[IssuedCommand]) -> bool:
         """Return whether a scene sets exactly *commands*, and may be recalled."""
@@ -197,8 +198,9 @@ def sets_exactly(scene: DevicePart, commands: Sequence[IssuedCommand]) -> bool:
     gateways, met = {one.gateway for one in scene.routes}, set[str]()
     for one in commands:
         names = set(references(one.device, one.part, gateways))
-        wanted = {each.capability: each.value.plain() for each in scene.part.values if each.member in names}
-        met |= {each.member for each in scene.part.values if each.member in names}
+        own = [each for each in scene.part.values if each.member in names]
+        wanted = {each.capability: each.value.plain() for each in own}
+        met |= {each.member for each in own}
         settings = one.settings
         if one.code or wanted.keys() != settings.keys() or one.transition != commands[0].transition:
             return False

@@ -3,6 +3,7 @@
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome
+from tests.control.test_groups import put_group
 from tests.control.test_journal import kinds
 
 from homebot.devices import Device
@@ -108,6 +109,18 @@ async def test_what_somebody_holds_is_not_changed_by_a_text(home: Home) -> None:
         with pytest.raises(RefusedError, match=r"held on by robot for \d+ s more \(lease\)"):
             await home.devices.tell(lamp.device, "off")
         await home.devices.tell(lamp.device, "on")
+
+
+async def test_what_somebody_holds_is_not_changed_by_a_text_to_its_group(home: Home) -> None:
+    """As by a command to the group: a text went past the leases, rights and policies of the members."""
+    group = await put_group(home, "id:left", "id:right")
+    async with (await home.handle(Light, "left")).hold("on", by="robot"):
+        with pytest.raises(RefusedError, match=r"its member left is refused it: held on by robot .* \(lease\)"):
+            await home.devices.tell(group.device, "off")
+        sent = len(home.commands)
+        await home.devices.tell(group.device, "on")
+        await anyio.sleep(1)
+        assert len(home.commands) == sent + 1
 
 
 async def test_texts_are_limited_in_their_rate(open_home: OpenHome) -> None:

@@ -47,10 +47,6 @@ class CommandChain:
     device: Device | None = None
     filed: int = 0
 
-    def unfiled(self) -> list[JournalNote]:
-        """Return the entries that are not filed."""
-        return self.notes[self.filed :]
-
 
 @final
 class CommandLog:

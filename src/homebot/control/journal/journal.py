@@ -252,7 +252,7 @@ class CommandJournal:
         self._file(command)
 
     def _file(self, command: CommandChain) -> None:
-        for kept in self._folding.add(command.unfiled()):
+        for kept in self._folding.add(command.notes[command.filed :]):
             self._store.add(kept)
         command.filed = len(command.notes)
 
@@ -267,5 +267,5 @@ class CommandJournal:
 
     def _waiting(self) -> list[JournalNote]:
         """Return the entries that are not stored yet, oldest first."""
-        unfiled = [note for command in self._open.values() for note in command.unfiled()]
+        unfiled = [note for command in self._open.values() for note in command.notes[command.filed :]]
         return sorted((*self._folding.waiting(), *unfiled), key=lambda note: note.at)

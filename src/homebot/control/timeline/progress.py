@@ -282,16 +282,17 @@ class CommandProgress:
         self.told_otherwise_at = fact.at
         if wanted.is_step and capability in _GIVEN_UP:
             self.motion.stopped_at = fact.at
-        is_repeated = before == value
-        if not is_repeated:
-            is_new = self.last.get(capability, value) != value or self._is_news(fact)
-            wanted.is_overruled = wanted.is_step or is_new
-            wanted.is_step = False
-        was_echoed = wanted.echoed_at is not None and wanted.echoed_at >= self.transmission.sent_at
-        was_echoed = was_echoed or capability in self._told_of_group
-        if was_met or (was_echoed and not is_repeated):
-            return ReportRole.UNDONE
-        return ReportRole.REPEAT if is_repeated else ReportRole.OTHERWISE
+        if before == value:
+            return ReportRole.UNDONE if was_met else ReportRole.REPEAT
+        is_new = self.last.get(capability, value) != value or self._is_news(fact)
+        wanted.is_overruled = wanted.is_step or is_new
+        wanted.is_step = False
+        return ReportRole.UNDONE if was_met or self._was_echoed(wanted, capability) else ReportRole.OTHERWISE
+
+    def _was_echoed(self, wanted: WantedValue, capability: str) -> bool:
+        """Return whether a bridge repeated the wanted value since the last sending, or the message to the group."""
+        is_own = wanted.echoed_at is not None and wanted.echoed_at >= self.transmission.sent_at
+        return is_own or capability in self._told_of_group
 
     def _is_news(self, fact: Reported) -> bool:
         """Return whether a device that reports only changes repeats its old value: it changed twice in between."""
