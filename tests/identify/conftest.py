@@ -46,6 +46,7 @@ class Room:
         problem: Why they cannot be written; empty if they can.
         now: The time of day.
         seen: What the sensor makes of a value.
+        fade: Seconds for which a lamp fades after its report.
     """
 
     def __init__(self, home: Home) -> None:
@@ -53,7 +54,8 @@ class Room:
         self.effects: dict[str, float] = {}
         self.values: dict[str, float] = {}
         self.random = Random(1)  # noqa: S311 - a simulation
-        self.noise, self.least = 5.0, 0.0
+        self.noise, self.least, self.fade = 5.0, 0.0, PERIOD
+        self.shown: dict[str, float] = {}
         self.told: list[str] = []
         self.store: dict[str, Any] = {}
         self.problem = ""
@@ -118,7 +120,10 @@ class Room:
             for key, effect in self.effects.items():
                 device = devices.get(key.title())
                 value = device.states[0].value.plain() if device is not None and device.states else 0.0
-                lit += effect * (value / 100 if isinstance(value, float) else value is True)
+                level, step = value / 100 if isinstance(value, float) else float(value is True), PERIOD / self.fade
+                before = self.shown.get(key, level)
+                self.shown[key] = before + max(-step, min(step, level - before))
+                lit += effect * self.shown[key]
             if self.is_seeing:
                 self.sensor.publish(Float64(data=self.seen(100 + lit + self.random.gauss(0, self.noise))))
 

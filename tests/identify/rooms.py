@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import exp
 from random import Random
 
-from homebot.identify.belief import Seen, begun
+from homebot.identify.belief import Seen, begun, is_brightening, is_brighter
 from homebot.identify.codes import next_code
 from homebot.identify.conclusion import Conclusion
 from homebot.identify.sight import Noise
@@ -53,13 +53,14 @@ class Room:
         self.told = self.before = [False] * kind.count
         self.due = [0.0] * kind.count
         self.levels = [0.0] * kind.count
+        self.fades_on = 0.0
 
     def set(self, code: Sequence[bool]) -> None:
         """Set the lamps, and wait until the last one has reported and faded."""
         self.before, self.told = self.told, list(code)
         changed = [place for place, one in enumerate(code) if one != self.before[place]]
         self.due = [self.now + late for late in self.lates]
-        self.pass_time(max((self.lates[one] for one in changed), default=0.0) + SETTLES)
+        self.pass_time(max((self.lates[one] for one in changed), default=0.0) + SETTLES + self.fades_on)
 
     def pass_time(self, seconds: float) -> list[float]:
         """Return what the sensor sees meanwhile."""
@@ -94,8 +95,15 @@ def identify(kind: Rooms, seed: int) -> Found:
     room.set([False] * kind.count)
     first = look()
     room.set([True] * kind.count)
-    second = look()
-    belief, conclusion = begun(first, second, kind.least), Conclusion(0.99)
+    bright = [look()]
+    while is_brightening(bright):
+        bright.append(look())
+    if is_brighter(bright):
+        room.fades_on = LOOK * (len(bright) - 1)
+        bright = bright[-1:]
+    belief, conclusion = begun(first, bright[0], kind.least), Conclusion(0.99)
+    for seen in bright[1:]:
+        belief.add(seen)
     for _ in range(MOST_SLOTS):
         room.set(next_code(belief, random))
         belief.add(look())

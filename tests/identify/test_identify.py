@@ -181,6 +181,34 @@ async def test_people_are_told_before_it_begins(room: Room) -> None:
     await goal.result()
 
 
+async def test_it_ends_and_everything_is_as_before_when_the_night_begins(room: Room) -> None:
+    await room.lamps(5, 10, 60, 3)
+    before, room.now = await room.is_on(), "21:59"
+    goal = await room.begin()
+    await anyio.sleep(6.0)
+    room.now = "22:00"
+    found = (await goal.result())[1]
+    assert found.message.startswith("the identification was refused: it is 22:00, and people sleep")
+    assert (await room.is_on(), room.store) == (before, {})
+
+
+async def test_it_ends_and_everything_is_as_before_when_a_person_goes_to_bed(room: Room) -> None:
+    await room.lamps(5, 10, 60, 3)
+    room.home.put("bed", "occupancy_sensor", readable=("occupancy",), area="hall")
+    await room.home.report("bed", "occupancy", False)
+    await anyio.sleep(0.1)
+    bed = next(one for one in await room.home.devices.find() if one.name == "Bed")
+    await room.home.app.create_client(TagDevice, TAG_DEVICE).call(TagDeviceRequest(device=bed.id, tag="bed"))
+    before, goal = await room.is_on(), await room.begin(at_night=True)
+    await anyio.sleep(6.0)
+    await room.home.report("bed", "occupancy", True)
+    commands = len(room.home.commands)
+    found = (await goal.result())[1]
+    assert found.message == "the rest of the identification was refused: somebody sleeps in hall now"
+    assert len(room.home.commands) <= commands + 4
+    assert (await room.is_on(), room.store) == (before, {})
+
+
 @pytest.mark.parametrize("now", ["22:00", "03:00", "06:59"])
 async def test_nothing_is_changed_at_night_unless_asked(room: Room, now: str) -> None:
     await room.lamps(60)
@@ -298,7 +326,7 @@ async def test_a_blind_is_told_by_its_slow_moves(room: Room) -> None:
         room.effects[key], room.values[key], home.behaviours[key] = effect, 40.0, move
     found = await room.identify(candidates="window_covering in hall", seconds=300)
     assert (found.name, room.values) == ("Blind", {"blind": 40.0, "shade": 40.0}), found.message
-    assert all(second.at - first.at > 11 for first, second in pairwise(found.looks))
+    assert all(two.at - one.at > 11 for one, two in pairwise(found.looks) if one.levels != two.levels)
 
 
 async def test_a_lamp_that_reports_its_fade_is_awaited(room: Room) -> None:
@@ -316,6 +344,17 @@ async def test_a_lamp_that_reports_its_fade_is_awaited(room: Room) -> None:
     assert found.name == "Lamp"
     fades = [two.at - one.at for one, two in pairwise(found.looks) if one.levels != two.levels]
     assert min(fades) > 1 + 2 + 0.7
+
+
+@pytest.mark.parametrize(("fade", "longest"), [(2.0, 35.0), (4.0, 60.0)])
+async def test_lamps_that_report_at_once_and_fade_on_are_told_apart(room: Room, fade: float, longest: float) -> None:
+    await room.lamps(5, 10, 60, 3)
+    room.fade = fade
+    for target in (60.0, 5.0):
+        room.effects["lamp2"] = target
+        found = await room.identify(least_effect=25.0)
+        assert (found.success, found.name) == (True, "Lamp2" if target > 25 else ""), found.message
+        assert found.looks[-1].at < longest
 
 
 async def test_a_dimmer_without_a_switch_changes_between_two_levels(room: Room) -> None:

@@ -58,7 +58,7 @@ class Questions:
         self._policies = policies
         self._journal = journal
         self._open: dict[str, _Asked] = {}
-        self._ends: BoundedMap[str, str] = BoundedMap(_MOST_DENIED)  # of questions that somebody may answer late
+        self._ends: BoundedMap[str, str] = BoundedMap(_MOST_DENIED)  # for late answers
         self._denied: BoundedMap[tuple[object, ...], tuple[str, float]] = BoundedMap(_MOST_DENIED)
 
     async def must_ask(self, command: IssuedCommand) -> bool:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from math import erf, exp, inf, log, pi, sqrt
 from typing import Final, final
 
-__all__ = ["Belief", "Seen", "begun"]
+__all__ = ["Belief", "Seen", "begun", "is_brightening", "is_brighter"]
 
 _IN_VIEW: Final = (0.45, 1.3)
 """The effects of what is in view, as shares of the family's."""
@@ -134,6 +134,20 @@ def begun(dark: Seen, bright: Seen, least: float = 0.0) -> Belief:
     belief = Belief(dark, least, max(2 * abs(bright.value - dark.value), least))
     belief.add(bright)
     return belief
+
+
+def is_brightening(looks: Sequence[Seen]) -> bool:
+    """Return whether what is seen may change further, while all candidates are told to be bright."""
+    return len(looks) == 1 or _differ(looks[-2], looks[-1], 1.0)
+
+
+def is_brighter(looks: Sequence[Seen]) -> bool:
+    """Return whether it changed between the first and the last look: lamps faded on."""
+    return _differ(looks[0], looks[-1], 2.0)
+
+
+def _differ(one: Seen, other: Seen, deviations: float) -> bool:
+    return abs(one.value - other.value) > deviations * sqrt(one.variance + other.variance)
 
 
 @dataclass(slots=True)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from homebot.devices.outcomes import Refused
     from homebot.graph import Node
 
-__all__ = ["NIGHT", "CandidatePart", "Preview", "check_time", "find_candidates"]
+__all__ = ["NIGHT", "CandidatePart", "Preview", "check_beds", "check_time", "find_candidates"]
 
 Preview: TypeAlias = Callable[[CommandRequest, Device, DevicePart], "Refused | None"]
 """Returns the refusal of a command by rights and policies, if it were given now."""
@@ -97,6 +97,18 @@ def check_time(goal: IdentifyDeviceGoal, now: time, quiet: Iterable[tuple[time, 
             raise RefusedError("the identification", f"{reason}; `at_night` (`--night`) allows it")
 
 
+async def check_beds(lookup: DeviceLookup, candidates: Iterable[CandidatePart]) -> None:
+    """Refuse to change *candidates* further when a person went to bed beside one.
+
+    Raises:
+        RefusedError: A bed in the room of one is occupied.
+    """
+    asleep = await _rooms_asleep(lookup)
+    for one in candidates:
+        if fold(one.device.area) in asleep:
+            raise RefusedError("the rest of the identification", f"somebody sleeps in {one.device.area} now")
+
+
 async def find_candidates(
     node: Node, lookup: DeviceLookup, goal: IdentifyDeviceGoal, preview: Preview
 ) -> tuple[list[CandidatePart], tuple[KeyValue, ...]]:
@@ -110,7 +122,7 @@ async def find_candidates(
         targets = await CommandTargets(node, lookup, lambda *_: "").find(request)
     except NoTargetError as exc:
         raise UsageError(str(exc)) from exc
-    asleep = {fold(one.area) for one in await lookup.devices(parse_query(_IN_BED)) if one.area}
+    asleep = await _rooms_asleep(lookup)
     found, left_out = list[CandidatePart](), list[KeyValue]()
     for device, parts in targets:
         for part, _ in settings_by_part(request, device, parts):
@@ -133,6 +145,10 @@ def _check_count(count: int, left_out: list[KeyValue], goal: IdentifyDeviceGoal)
         raise UsageError(f"nothing of {goal.candidates!r} can be identified; {reasons}")
     if count > MOST_CANDIDATES:
         raise UsageError(f"{count} parts fit {goal.candidates!r}; at most {MOST_CANDIDATES} can be told apart")
+
+
+async def _rooms_asleep(lookup: DeviceLookup) -> set[str]:
+    return {fold(one.area) for one in await lookup.devices(parse_query(_IN_BED)) if one.area}
 
 
 def _candidate(device: Device, part: DevicePart) -> CandidatePart | None:

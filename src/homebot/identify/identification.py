@@ -1,13 +1,14 @@
 """One identification: the candidates change, each in its own code, and a sensor looks when all have settled.
 
 A look takes a second, and begins at least 0.8 s after the last change that a candidate reported, so that nothing ever
-flashes three times in a second, which is dangerous for people with photosensitive epilepsy. Each value is held by a
+flashes three times in a second, which is dangerous for people with photosensitive epilepsy. Lamps may report at once
+and then fade for seconds: how long is seen when all turn bright together. Each value is held by a
 lease, so that nothing but a person changes it meanwhile. One that does not obey, or that a person changes, drops out.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from itertools import count
 from random import Random
 from typing import TYPE_CHECKING, Final, final
@@ -21,7 +22,7 @@ from homebot.devices.lease_messages import HolderRequest, HoldPart, HoldRequest,
 from homebot.devices.names import HOLD_PART, RELEASE_LEASE, RENEW_LEASE
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError, UsageError
-from homebot.identify.belief import Belief, Seen, begun
+from homebot.identify.belief import Belief, Seen, begun, is_brightening, is_brighter
 from homebot.identify.codes import next_code
 from homebot.identify.conclusion import Conclusion
 
@@ -50,6 +51,7 @@ class Identification:
     Args:
         run: Its id.
         by: Its name for people, as the holder of the leases.
+        check: Called before each change; raises `RefusedError` when nothing may change any more.
         on_look: Called after each look.
 
     Attributes:
@@ -67,18 +69,20 @@ class Identification:
         sight: Sight,
         kept: KeptValues,
         random: Random,
+        check: Callable[[], Awaitable[None]],
         on_look: Callable[[IdentifyDeviceFeedback], None],
     ) -> None:
         self._run_id, self._by = run, by
         self._goal, self._candidates = goal, candidates
         self._clock = node.graph.clock
         self._lookup, self._sight, self._kept = lookup, sight, kept
-        self._random, self._on_look = random, on_look
+        self._random, self._check_all, self._on_look = random, check, on_look
         self._hold = node.create_client(HoldPart, HOLD_PART)
         self._renew = node.create_client(RenewLease, RENEW_LEASE)
         self._release = node.create_client(ReleaseLease, RELEASE_LEASE)
         self._numbers = count(1)
         self._belief: Belief | None = None
+        self._fades_on = 0.0
         self._began = self._last_at = self._clock.monotonic()
         self.looks: list[LookRecord] = []
 
@@ -96,11 +100,14 @@ class Identification:
 
         Raises:
             UsageError: The sensor sees nothing, or no candidate obeys.
+            RefusedError: Nothing may change any more.
         """
         deadline = self._clock.monotonic() + self._goal.seconds
         conclusion, count, is_sure = Conclusion(self._goal.sure), len(self._candidates), False
-        first, second = await self._look_at([False] * count), await self._look_at([True] * count)
-        belief = self._belief = begun(first, second, self._goal.least_effect)
+        dark, bright = await self._look_at([False] * count), await self._until_bright(count)
+        belief = self._belief = begun(dark, bright[0], self._goal.least_effect)
+        for seen in bright[1:]:
+            belief.add(seen)
         self._publish()
         while not is_sure and self._clock.monotonic() < deadline:
             seen = await self._look_at(next_code(belief, self._random))
@@ -130,10 +137,14 @@ class Identification:
 
     async def _look_at(self, code: Sequence[bool]) -> Seen:
         """Return what is seen once each candidate that still takes part is as *code* says, and has settled."""
+        await self._check_all()
         async with anyio.create_task_group() as tasks:
             for one, is_bright in zip(self._candidates, code, strict=True):
                 tasks.start_soon(self._set, one, one.bright if is_bright else one.dark)
         await self._settle()
+        return await self._look()
+
+    async def _look(self) -> Seen:
         while True:
             began = self._clock.monotonic()
             (value, variance), before = await self._sight.look(), self._taking_part()
@@ -143,11 +154,22 @@ class Identification:
             if self._taking_part() == before:
                 return await self._seen(value, variance, at)
 
+    async def _until_bright(self, count: int) -> Sequence[Seen]:
+        """Return what is seen once all are bright, and learn how long they fade on after their reports."""
+        looks, began = [await self._look_at([True] * count)], self._clock.monotonic()
+        while self._sight.is_prompt and is_brightening(looks) and self._clock.monotonic() < began + _FADES:
+            self._publish()
+            looks.append(await self._look())
+        if not is_brighter(looks):
+            return looks
+        self._fades_on = self._clock.monotonic() - began
+        return looks[-1:]
+
     async def _settle(self) -> None:
         """Wait until no candidate has reported a change for as long as one of its kind goes on changing."""
-        parts = {one.place: one.settles for one in self._taking_part()}
+        parts = {one.place: one.settles + self._fades_on for one in self._taking_part()}
         wait = max(parts.values())
-        with anyio.move_on_after(_FADES):
+        with anyio.move_on_after(_FADES + self._fades_on):
             while wait > 0:
                 await anyio.sleep(wait)
                 states, now = known_states(await self._lookup.devices()), self._clock.now()

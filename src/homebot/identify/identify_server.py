@@ -23,7 +23,7 @@ from homebot.devices.names import IDENTIFY_DEVICE
 from homebot.devices.wording.journal_words import issuer_text
 from homebot.errors import HomebotError
 from homebot.graph.actions import ActionServer, Preemption, ServerGoal
-from homebot.identify.candidates import CandidatePart, Preview, check_time, find_candidates
+from homebot.identify.candidates import CandidatePart, Preview, check_beds, check_time, find_candidates
 from homebot.identify.identification import Identification
 from homebot.identify.kept_values import KeptValues
 from homebot.identify.seen_places import keep_seen
@@ -93,6 +93,11 @@ class IdentifyServer:
     async def _identify(self, goal: IdentifyGoal, request: IdentifyDeviceGoal, run: str) -> IdentifyDeviceResult:
         check_time(request, self._local_time(), self._quiet())
         candidates, left_out = await find_candidates(self._node, self._lookup, request, self._preview)
+
+        async def check() -> None:
+            check_time(request, self._local_time(), self._quiet())
+            await check_beds(self._lookup, candidates)
+
         by = f"identify by {issuer_text(request.issuer).removeprefix('the client ')}"
         rooms = {fold(one.device.area) for one in candidates if one.device.area}
         with await open_sight(self._node, self._lookup, request.topic, request.region, rooms) as sight:
@@ -109,6 +114,7 @@ class IdentifyServer:
                 sight,
                 self._kept,
                 self._random,
+                check,
                 goal.publish_feedback,
             )
             with closing(identification):

@@ -74,8 +74,11 @@ class Sight(ABC):
     """View of a sensor, while it is entered.
 
     Attributes:
+        is_prompt: Whether each look has values of its own.
         slack: By how much the last values may be wrong, as a share of them, because the sensor reported no change.
     """
+
+    is_prompt = True
 
     def __init__(self) -> None:
         self.slack = 0.0
@@ -174,6 +177,8 @@ class _TopicSight(Sight):
 
 class _DeviceSight(Sight):
     """View of a sensor that may report changes alone: what it does not report in five seconds has changed little."""
+
+    is_prompt = False
 
     def __init__(self, node: Node, lookup: DeviceLookup, device_id: str) -> None:
         super().__init__()
