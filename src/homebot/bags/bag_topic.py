@@ -28,7 +28,7 @@ class BagTopic:
     Attributes:
         definition: The text of the type and of those in it, like that of
             :func:`homebot.messages.definition.definition_text`.
-        qos: What its publishers offered, as :func:`qos_text`.
+        qos: The offers of its publishers, as :func:`qos_text`.
     """
 
     name: str
@@ -39,7 +39,7 @@ class BagTopic:
 
     @classmethod
     def of(cls, name: str, ros_type: str, definition: str, qos: str) -> BagTopic:
-        """Return the topic *name* with messages whose type has the text *definition*.
+        """Return the topic *name* with messages of the type with the text *definition*.
 
         Raises:
             UsageError: The text is none.

@@ -113,7 +113,7 @@ class McapFile:
         self.path = path
 
     def content(self) -> McapContent:
-        """Return what its index says.
+        """Return the content of its index.
 
         Raises:
             DamagedFileError: It was cut off or damaged.

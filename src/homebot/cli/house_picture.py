@@ -205,7 +205,7 @@ class PlanPicture(NamedTuple):
     """The shape of a house, in metres.
 
     Attributes:
-        rooms: The west, south, east and north walls of each room whose extent is known.
+        rooms: The west, south, east and north walls of each room of known extent.
     """
 
     rooms: Mapping[str, tuple[float, float, float, float]]

@@ -90,7 +90,7 @@ _MODULES: Final = {
     "why-not": "why",
     **dict.fromkeys(_OWNER, "owner"),
 }
-"""The modules of commands whose module has another name."""
+"""The modules of commands with another name."""
 
 _WRONG_COMMAND_LINE: Final = 2
 

@@ -185,7 +185,7 @@ class _HouseServer(MCPServer):
 
 
 def house_server(api: ApiClient) -> MCPServer:
-    """Return a server whose tools use *api*."""
+    """Return a server with tools that use *api*."""
     server = _HouseServer("homebot", instructions=_GUIDE, version=__version__, log_level="WARNING")
     for add in (_add_questions, _add_command, _add_scenes, _add_goals, _add_identification, _add_routines):
         add(server, api)

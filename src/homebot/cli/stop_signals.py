@@ -1,4 +1,4 @@
-"""Stop signals of a command that writes a file: what was received is written first."""
+"""Stop signals of a command that writes a file: all that was received is written first."""
 
 import signal
 from collections.abc import Iterator

@@ -40,7 +40,7 @@ class StoryLine(NamedTuple):
 
     Attributes:
         sign: One character for its kind, in the rich *style*.
-        words: The rest of a sentence whose subject is the device.
+        words: The rest of a sentence about the device.
         at: The time, in seconds.
         time: The time for people.
         key: Equal for lines that say the same about different devices.

@@ -20,7 +20,7 @@ RESTORED: Final = (
     *("on_off", "level", "color", "color_temperature", "fan_speed", "volume"),
     *("position", "tilt", "movement", "heating_setpoint", "cooling_setpoint"),
 )
-"""What an undo brings back, in this order. It opens nothing that was locked, and arms nothing."""
+"""The values that an undo brings back, in this order. It opens nothing that was locked, and arms nothing."""
 
 _SETTLES: Final = 10.0
 """Seconds after a command in which further changes are still its own, such as the last steps of a dimmer."""

@@ -279,7 +279,7 @@ class RclpyNode(Remote):
         return timer
 
     def create_guard_condition(self, callback: Callable[[], object], **_: object) -> Any:
-        """Return an object whose ``trigger()`` runs *callback*."""
+        """Return an object with a ``trigger()`` that runs *callback*."""
         return SimpleNamespace(trigger=partial(self.executor.submit, callback), destroy=bool)
 
     def create_subscription(

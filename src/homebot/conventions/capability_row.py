@@ -89,7 +89,7 @@ def described(
 
 
 def writer_of(rows: Iterable[CapabilityRow[SourceT, ReadT, WriteT]], capability: str) -> WriteT:
-    """Return what sets *capability*.
+    """Return the writer of *capability*.
 
     Raises:
         RefusedError: It is not settable; names those that are.

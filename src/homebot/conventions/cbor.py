@@ -1,4 +1,4 @@
-"""Documents in CBOR, in and out. Pure, and bounded whatever it is given.
+"""Documents in CBOR, in and out. Pure, and bounded for any input.
 
 It reads the values of JSON: tags are ignored, and byte strings become text, with replacements for invalid UTF-8,
 unless they are asked for.

@@ -119,7 +119,7 @@ class ReservingConvention(Protocol):
 
 @runtime_checkable
 class ConfidentialConvention(Protocol):
-    """A convention with announcements that may contain codes, so that nobody reads states on its filters."""
+    """A convention with announcements that may contain codes, so that no states are read on its filters."""
 
     has_codes: ClassVar[Literal[True]]
 

@@ -29,7 +29,7 @@ class ThingFormat(Protocol):
     """A format of descriptions, as JSON values."""
 
     def read(self, document: object) -> DescribedThing:
-        """Return what *document* says.
+        """Return the thing that *document* describes.
 
         Raises:
             WireError: It is invalid.
@@ -52,7 +52,7 @@ def thing_format() -> ThingFormat:
 
 
 def read_thing(document: object) -> DescribedThing:
-    """Return what *document* says in the installed format.
+    """Return the thing that *document* describes in the installed format.
 
     Raises:
         WireError: It is invalid, or no format is installed.

@@ -108,7 +108,7 @@ class DescribedPart(NamedTuple):
         remembers: Whether the codec depends on earlier reports. Its successor in a new description reads the last
             messages again.
         availability: Its own availability; None if it is that of the device.
-        sends_code: Whether its commands may contain a code, so that nobody reads states on their topics.
+        sends_code: Whether its commands may contain a code, so that no states are read on their topics.
     """
 
     part: Part

@@ -150,7 +150,7 @@ def quantity_of_entity(info: Fields) -> Quantity:
 
 
 def quantity_row(read: ReadField, when: Callable[[Fields], object] | None = None) -> EntityRow:
-    """Return the row of a sensor, whose number *read* returns."""
+    """Return the row of a sensor; *read* returns its number."""
 
     def read_quantity(info: Fields, state: Fields) -> PlainValue:
         number = read(info, state)

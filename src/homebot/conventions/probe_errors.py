@@ -1,4 +1,4 @@
-"""Numbers by which probes report an error, for devices whose probe is known. Pure."""
+"""Numbers by which probes report an error, for devices with a known probe. Pure."""
 
 from typing import NamedTuple
 

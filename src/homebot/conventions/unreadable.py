@@ -1,4 +1,4 @@
-"""Values that a reader expects and cannot read, with what it expects. Pure."""
+"""Values that a reader cannot read, with its expectations. Pure."""
 
 from collections.abc import Collection, Mapping
 from itertools import islice

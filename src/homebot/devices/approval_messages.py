@@ -11,7 +11,7 @@ class ApproveDeviceRequest(Message):
 
     Attributes:
         remove: Whether to withdraw the approval instead.
-        is_preview: Whether to change nothing: the answer shows what would be approved.
+        is_preview: Whether to change nothing: the answer shows the would-be approval.
         digest: The digest in the answer to a preview: announcements that changed since are not approved. Empty for the
             present announcements.
     """

@@ -360,7 +360,7 @@ OWN: Final = CapabilityType("", "", "")
 """The type of a device-specific capability, which is not in the vocabulary."""
 
 EVENTS: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_event)
-"""Names of capabilities whose values are events."""
+"""Names of capabilities with events as values."""
 
 MOMENTARY: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_momentary)
 """Names of capabilities for which each command acts, and which have no lasting value."""

@@ -46,7 +46,7 @@ CLIENT_RIGHTS = "rights"
 """The name of the policy that refuses clients of the door."""
 
 ASK = "ask"
-"""The name of the policy that refuses what no person agreed to."""
+"""The name of the policy that refuses commands without a person's agreement."""
 
 HARMLESS = "harmless"
 """In place of a query: everything on the list of :mod:`homebot.devices.harmless`."""

@@ -91,7 +91,7 @@ class CallGatewayRequest(Message):
         follower: As in :class:`FollowGatewayRequest`; of an earlier one nothing is carried out.
         id: Its number; each is carried out once at most.
         until: The reading of the monotonic clock of the machine after which it is not carried out.
-        longest: Seconds after which nobody waits for the answer.
+        longest: Seconds after which no caller waits for the answer.
         service: The last part of the name.
         request: The message in CDR.
     """

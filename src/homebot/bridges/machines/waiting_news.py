@@ -82,7 +82,7 @@ class WaitingNews:
         return taken
 
     def close(self) -> None:
-        """Follow nothing more, and forget what waits."""
+        """Follow nothing more, and forget all waiting news."""
         for source in [*self._sources, *self._raw.values()]:
             source.close()
         self._sources.clear()

@@ -65,7 +65,7 @@ class MachineWire:
         """Return the answer of the machine.
 
         Raises:
-            LinkError: Nobody serves *name*, or answered within *longest*; the request may have been read.
+            LinkError: No node serves *name*, or none answered within *longest*; the request may have been read.
             PeerError: The machine refuses, or does not prove that it knows the secret.
         """
         client = self._clients.get(name)

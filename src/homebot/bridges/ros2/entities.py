@@ -1,4 +1,4 @@
-"""The entities of homebot on the wire, and what they write."""
+"""The entities of homebot on the wire, and their messages."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class WireEntity:
         self._declared.append(declared)
 
     def announce(self) -> None:
-        """Tell the others, who may use it at once."""
+        """Tell the others, so that they may use it at once."""
         self.keep(self._session.declare_token(self.token.text))
 
     def attachment(self) -> bytes:

@@ -39,7 +39,7 @@ class RobotGoals:
         """Return the response of the full name *service* to *request* from the node *caller*.
 
         Raises:
-            PeerError: The caller has no token, so that nobody would know when it leaves.
+            PeerError: The caller has no token, so its leaving would not be noticed.
             ServiceError: The action has no server, or its server did not answer.
         """
         action, _, part = service.partition("/_action/")

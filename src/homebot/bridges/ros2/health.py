@@ -1,4 +1,4 @@
-"""The health of the link to robots: what was refused and lost, and which types differ on both sides."""
+"""The health of the link to robots: refusals, losses, and types that differ on both sides."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ class LinkHealth:
         self._refused = Counter({MESSAGE_REFUSED: 0, CALL_REFUSED: 0, NOT_IMPORTED: 0})
 
     def refused(self, event: str, subject: str, problem: str) -> None:
-        """Count what was refused."""
+        """Count a refusal."""
         self._refused[event] += 1
         if self._each.allows(f"{event} {subject}") is None or (held_back := self._all.allows(event)) is None:
             return
         self._node.log.warning(event, subject=subject[:200], problem=problem[:500], held_back=held_back)
 
     def serve(self, lost: Callable[[], int], problems: Callable[[], Iterable[str]]) -> None:
-        """Offer the service, with what is *lost* of all that came, and the present *problems*."""
+        """Offer the service, with the counts of *lost* messages and the present *problems*."""
 
         def answer(_request: HealthRequest) -> HealthResponse:
             found = sorted(problems())

@@ -1,4 +1,4 @@
-"""The rights of others on Zenoh: who may log in, and which of their messages pass; all others are dropped."""
+"""The rights of others on Zenoh: logins, and the messages that pass; all others are dropped."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ _Words: TypeAlias = tuple[str, ...]
 
 _FROM, _TO = ("ingress",), ("egress",)
 _GIVE: Final = ("put", "delete", "declare_queryable", "reply", "liveliness_token")
-"""Messages of those who have a topic or service."""
+"""Messages of the nodes that have a topic or service."""
 
 _TAKE: Final = ("declare_subscriber", "query", "declare_liveliness_subscriber", "liveliness_query")
-"""Messages of those who use it."""
+"""Messages of the nodes that use it."""
 
 _EVERYTHING: Final = ("**", "**/@adv/**", "@ros2_lv/**")
 _ENTITY: Final = "@ros2_lv/{domain}/*/*/*/{kind}/*/{node}/{rest}"
@@ -42,10 +42,10 @@ class WireRule(NamedTuple):
     """Messages that pass.
 
     Attributes:
-        user: Who sends or gets them; empty for anyone.
-        flows: ``ingress`` for what comes from the user, ``egress`` for what goes there.
+        user: Their sender or receiver; empty for any.
+        flows: ``ingress`` for messages from the user, ``egress`` for those to the user.
         messages: Their kinds, in Zenoh's words.
-        keys: What they concern, as key expressions.
+        keys: Their topics and services, as key expressions.
     """
 
     user: str
@@ -59,7 +59,7 @@ class WireRights:
     """The rights of others in a session.
 
     Attributes:
-        passwords: The passwords of those who may log in at this router, by user.
+        passwords: The passwords of logins at this router, by user.
         login: The user and password with which it logs in at other routers; None for none.
     """
 
@@ -179,7 +179,7 @@ def _below(*names: str) -> str:
 
 
 def check_apart(settings: RosSettings) -> None:
-    """Check that no name is imported of two robots: nothing would tell whose a message is.
+    """Check that no name is imported of two robots: nothing would tell the sender of a message.
 
     Raises:
         UsageError: One is.

@@ -1,4 +1,4 @@
-"""The robots on the other side: what comes from which, and with which rights. Pure."""
+"""The robots on the other side: their nodes, and their rights. Pure."""
 
 from __future__ import annotations
 

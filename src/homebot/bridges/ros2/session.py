@@ -195,7 +195,7 @@ class ZenohSession:
         return declared
 
     async def ask(self, key: str, payload: bytes, attachment: bytes, longest: float) -> bytes | str | None:
-        """Return the first response, the text of an error, or None if nobody serves or answers within *longest*."""
+        """Return the first response, the text of an error, or None if no node serves or answers within *longest*."""
         answer: asyncio.Future[bytes | str | None] = self._loop.create_future()
         cancellation: Any = zenoh.CancellationToken()
 
@@ -247,7 +247,7 @@ class ZenohSession:
 
 @asynccontextmanager
 async def open_session(settings: RosSettings, rights: WireRights) -> AsyncIterator[ZenohSession]:
-    """Open a session in which only what *rights* allow passes, and close it at the end, within a second.
+    """Open a session in which only messages that *rights* allow pass, and close it at the end, within a second.
 
     Raises:
         UsageError: It cannot listen, or a value is not allowed by Zenoh.

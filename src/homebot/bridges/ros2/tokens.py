@@ -100,7 +100,7 @@ class EntityToken:
         """Return the token that *text* is; parts that newer versions append are ignored.
 
         Raises:
-            TypeMismatchError: It is none; the message says what is wrong.
+            TypeMismatchError: It is none; the message says why.
         """
         parts = text.split("/") if len(text) <= _LONGEST else []
         kind = _KINDS.get(parts[5]) if len(parts) >= _OF_NODE and parts[0] == _ROOT else None

@@ -1,4 +1,4 @@
-"""A service of our own: what is wrong now, as ``homebot doctor`` and the page show it."""
+"""A service of our own: the present problems, as ``homebot doctor`` and the page show it."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ AnswerT = TypeVar("AnswerT")
 
 
 class ExamineRequest(Message):
-    """A question for what is wrong.
+    """A question for the present problems.
 
     Attributes:
         counts: Whether counts are told that are no fault.
@@ -301,10 +301,10 @@ def _failure(one: PartFailure, now: float) -> Row:
 
 
 class _DeviceCheck(NamedTuple):
-    """A question about all devices, and what is said of each that it finds.
+    """A question about all devices, and the text for each that it finds.
 
     Attributes:
-        detail: Returns what is said, or None for nothing.
+        detail: Returns that text, or None for nothing.
         most: How many are shown: a whole house takes long to carry.
     """
 
@@ -320,7 +320,7 @@ def _dispute(device: Device, _now: float) -> str:
 
 
 def _unread(device: Device, now: float) -> str | None:
-    """Return what *device* sent in the last day that could not be read."""
+    """Return the values of *device* in the last day that could not be read."""
     found = [one for one in device.facts if one.name == UNREADABLE]
     last = max(found, key=lambda one: one.said_at.to_seconds(), default=None)
     if last is None or last.said_at.to_seconds() < now - _DAY:

@@ -1,4 +1,4 @@
-"""A service of our own: the load of the graph, measured only while somebody asks."""
+"""A service of our own: the load of the graph, measured only while a client asks."""
 
 import asyncio
 import math

@@ -154,7 +154,7 @@ def _node_details(graph: Graph, request: Any) -> _Answer:
 
 
 def _version(graph: Graph, _request: Message) -> _Answer:
-    """Return the version of ROS whose types these are: clients choose their own by it."""
+    """Return the version of ROS that has these types: clients choose their own by it."""
     return {"version": 2, "distro": graph.interfaces.distribution}
 
 

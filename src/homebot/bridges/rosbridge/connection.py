@@ -195,7 +195,7 @@ class DoorConnection(ServerConnection):
     def _read(self, data: bytes) -> None:
         """Pass *data* to the library; of other methods, or a GET with a body, only the head of the complete request.
 
-        What follows a request is dropped, as the connection is closed after its answer.
+        Bytes after a request are dropped, as the connection is closed after its answer.
         """
         if self._begun is not None:
             data, self._begun = self._begun + data, None

@@ -52,7 +52,7 @@ class PostedRequest:
 
     @property
     def is_reading(self) -> bool:
-        """True for GET, and for HEAD, whose answer has no body."""
+        """True for GET, and for HEAD (its answer has no body)."""
         return self.method in {"GET", "HEAD"}
 
     @property

@@ -45,7 +45,7 @@ _View: TypeAlias = "Callable[[Runtime], AbstractAsyncContextManager[None]]"
 __all__ = ["add_arguments", "config_errors", "configuration", "run", "run_configured", "with_environment"]
 
 _WRONG_CONFIGURATION = 2
-"""Exit code of a service whose configuration is wrong: restarting it does not help."""
+"""Exit code of a service with a wrong configuration: restarting it does not help."""
 
 COMMAND_LINE = "command line"
 THESIS_ROOT = "home425"

@@ -43,8 +43,8 @@ class Pointer:
         words: Texts that may be its id, its name, or an identifier.
         address: The topic on which it publishes, or a level above that topic.
         urls: Addresses of the device, or of its description.
-        thing: What its Thing Description says.
-        codes: What setup codes say.
+        thing: Its Thing Description.
+        codes: Its setup codes.
         area: The room that is named.
         problems: Texts about records that are invalid.
     """

@@ -16,7 +16,7 @@ class ThingDocuments:
     """The format W3C Thing Description 1.1; see :class:`homebot.conventions.described_thing.ThingFormat`."""
 
     def read(self, document: object) -> DescribedThing:
-        """Return what *document* says; raise WireError if it is invalid."""
+        """Return the described thing; raise WireError if it is invalid."""
         thing = read_thing(document)
         title, area = clean_text(thing.title), clean_text(thing.area)
         return DescribedThing(thing.id, title, area, identifiers_of(thing), facts_of(thing))
