@@ -40,6 +40,11 @@ def test_what_a_person_changed_later_stays() -> None:
     assert undone(lamp(1.0, level=20.0), lamp(150.0, level=80.0)) == {}
 
 
+def test_a_lamp_that_a_person_turned_off_meanwhile_stays_off() -> None:
+    was, now = lamp(1.0, on_off=True, level=20.0), lamp(100.5, level=80.0) | lamp(150.0, on_off=False)
+    assert undone(was, now) == {}
+
+
 def test_a_lock_stays_as_it_is() -> None:
     assert undone(lamp(1.0, lock="unlocked"), lamp(100.5, lock="locked")) == {}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
 
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, LIGHTS_UP
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import Device, State, target_of
 from homebot.devices.obedience import fits
@@ -95,7 +95,12 @@ class EarlierValues:
             if now is not None and is_known and now.value.plain() != was and _is_own(now, entry):
                 found.setdefault((device, part), {})[capability] = was
         self.entries.clear()
-        return {place: _settings(values) for place, values in found.items()}
+        for place, values in found.items():
+            is_off = (power := states.get((*place, "on_off"))) is not None and power.value.plain() is False
+            if is_off and "on_off" not in values:  # somebody else turned it off, and a level would turn it on
+                for capability in LIGHTS_UP:
+                    values.pop(capability, None)
+        return {place: _settings(values) for place, values in found.items() if values}
 
 
 def _is_own(state: State, entry: list[Any]) -> bool:
