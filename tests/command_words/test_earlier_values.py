@@ -41,8 +41,8 @@ def test_what_a_person_changed_later_stays() -> None:
 
 
 def test_a_lamp_that_a_person_turned_off_meanwhile_stays_off() -> None:
-    was, now = lamp(1.0, on_off=True, level=20.0), lamp(100.5, level=80.0) | lamp(150.0, on_off=False)
-    assert undone(was, now) == {}
+    now = {**lamp(100.5, level=80.0), **lamp(150.0, on_off=False)}
+    assert undone(lamp(1.0, on_off=True, level=20.0), now) == {}
 
 
 def test_a_lock_stays_as_it_is() -> None:

@@ -142,6 +142,29 @@ async def test_a_run_goes_on_after_a_restart_in_its_wait() -> None:
         assert not is_on(world, "hall_lamp")
 
 
+async def test_runs_beside_each_other_all_go_on_after_a_restart() -> None:
+    world = hall(bar=lamp("hall"))
+    parallel = {
+        "name": "Parallel",
+        "when": ["08:00", "08:10"],
+        "do": [{"if": ["before 8:05"], "do": ["hall lamp on", "wait 1h", "hall lamp off"],
+                "else": ["bar on", "wait 2h", "bar off"]}],
+        "mode": "parallel",
+    }  # fmt: skip
+    async with virtual_house_of(world=world, config=config(parallel), start="2026-01-01 07:50") as house:
+        await house.run_until("08:30")
+        async with Node(house.runtime.graph, "owner") as owner:
+            await owner.create_client(ReloadApp, RELOAD_APP).call(ChangeAppRequest(app="parallel"))
+        await house.run_until("08:59")
+        assert (is_on(world, "hall_lamp"), is_on(world, "bar")) == (True, True)
+        await house.run_until("09:01")
+        assert (is_on(world, "hall_lamp"), is_on(world, "bar")) == (False, True)
+        async with Node(house.runtime.graph, "owner") as owner:
+            await owner.create_client(ReloadApp, RELOAD_APP).call(ChangeAppRequest(app="parallel"))
+        await house.run_until("10:11")
+        assert not is_on(world, "bar")
+
+
 async def test_a_press_starts_it() -> None:
     world = hall()
     button = {"unique_id": "b", "name": "hall button", "state_topic": "b", "event_types": ["single", "double"]}

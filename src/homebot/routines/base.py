@@ -19,6 +19,7 @@ from homebot.devices.services import QueryDevices, QueryDevicesRequest
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.routines.conditions import AnyOf, Condition, Matches, OnDays, SunIs
+from homebot.routines.run import RoutineRun
 from homebot.routines.times import DaysAndTime, SunMoment, TimeSpan
 from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
 from homebot.routines.watches import ArrivalWatch, PersonWatch, PressWatch, begun, is_press
@@ -87,8 +88,8 @@ class RoutineBase(App[SettingsT_co]):
                 return text
         return ""
 
-    def keep(self, place: int, until: float, before: dict[str, list[Any]]) -> None:
-        """Store how far a run is, for a restart."""
+    def keep(self, run: RoutineRun, place: int, until: float, before: dict[str, list[Any]]) -> None:
+        """Store how far *run* is, for a restart."""
 
     def record(self, text: str) -> None:
         """Add a line to the last runs."""

@@ -21,6 +21,8 @@ from homebot.routines.text import routine_text
 __all__ = ["Routine"]
 
 _MOST_RUNS_KEPT: Final = 10
+_KEPT: Final = "waiting"
+"""The runs in a wait, in the store."""
 
 
 @final
@@ -42,9 +44,10 @@ class Routine(RoutineBase[RoutineSettings]):
     async def run(self) -> None:
         """Watch for its triggers, and go on with the run that a restart interrupted."""
         self.watch(self.settings.when, self._start)
-        kept: dict[str, Any] | None = self.store.get("run")
-        if kept is not None and kept.get("steps") == [*self._steps]:  # else its place is that of another step now
-            self._runs.start(partial(self._perform, kept["place"], kept["until"], dict(kept["before"])))
+        kept, self.store[_KEPT] = self.store.get(_KEPT, {}), {}
+        for one in kept.values():
+            if one["steps"] == [*self._steps]:  # else its place is that of another step now
+                self._runs.start(partial(self._perform, one["place"], one["until"], dict(one["before"])))
         await anyio.sleep_forever()  # an app ends with its tasks, and presses and arrivals need none
 
     @property
@@ -79,12 +82,13 @@ class Routine(RoutineBase[RoutineSettings]):
         self.store["enabled"] = change == "enable"
         if change == "disable":
             self._runs.cancel()
-            self.store.pop("run", None)
+            self.store[_KEPT] = {}
         return f"{change}d {name}"
 
-    def keep(self, place: int, until: float, before: dict[str, list[Any]]) -> None:
-        """Store how far the run is, for a restart."""
-        self.store["run"] = {"place": place, "until": until, "before": before, "steps": self._steps}
+    def keep(self, run: RoutineRun, place: int, until: float, before: dict[str, list[Any]]) -> None:
+        """Store how far *run* is, for a restart."""
+        kept = {"place": place, "until": until, "before": before, "steps": self._steps}
+        self.store[_KEPT] = {**self.store.get(_KEPT, {}), str(id(run)): kept}
 
     def _start(self, cause: object) -> None:
         if self.is_enabled:
@@ -94,9 +98,11 @@ class Routine(RoutineBase[RoutineSettings]):
         self.record("ran" if not first else f"went on at {self._program[first].text!r}")
         if before is None and self.settings.mode == "restart":
             before = self._before  # to bring back the values from before the run that this one replaces
+            self.store[_KEPT] = {}
         self._before = {} if before is None else before
-        await RoutineRun(self, self._program, self._before).perform(first, until)
-        self.store.pop("run", None)
+        run = RoutineRun(self, self._program, self._before)
+        await run.perform(first, until)
+        self.store[_KEPT] = {key: one for key, one in self.store.get(_KEPT, {}).items() if key != str(id(run))}
 
     def record(self, text: str) -> None:
         """Add a line to the last runs in the store."""

@@ -45,8 +45,8 @@ class RoutineOwner(Protocol):
     devices: Devices
     commands: Client[CommandDevicesRequest, CommandDevicesResponse]
 
-    def keep(self, place: int, until: float, before: dict[str, list[Any]]) -> None:
-        """Store how far the run is, for a restart."""
+    def keep(self, run: RoutineRun, place: int, until: float, before: dict[str, list[Any]]) -> None:
+        """Store how far *run* is, for a restart."""
 
     async def notify(self, message: str, *, title: str = "") -> bool:
         """Send people a message."""
@@ -159,12 +159,12 @@ class RoutineRun:
 
     async def _sleep(self, place: int, seconds: float, until: float) -> None:
         until = until or self._clock.now() + seconds
-        self._owner.keep(place, until, self._before.entries)
+        self._owner.keep(self, place, until, self._before.entries)
         await anyio.sleep(self._left(seconds, until))
 
     async def _wait_until(self, place: int, step: WaitUntil, until: float) -> None:
         until = until or self._clock.now() + step.most
-        self._owner.keep(place, until, self._before.entries)
+        self._owner.keep(self, place, until, self._before.entries)
         with anyio.move_on_after(self._left(step.most, until)):
             await anext(begun(self._owner.node, step.state))
 

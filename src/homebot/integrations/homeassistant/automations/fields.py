@@ -115,9 +115,9 @@ class UnreadFields:
 
     def days(self) -> str:
         """Return the days of the week of ``weekday`` as a condition: ``on mon,tue``; empty for none."""
-        days = [one.casefold() for one in self.texts("weekday")]
-        if wrong := {*days} - {*_DAYS}:
-            raise NotCarriedError(f"weekday: {min(wrong)!r} is no day such as mon or tue", self._line)
+        is_given, days = "weekday" in self, [one.casefold() for one in self.texts("weekday")]
+        if (wrong := {*days} - {*_DAYS}) or (is_given and not days):  # without a day it never holds
+            raise NotCarriedError(f"weekday: {min(wrong, default='')!r} is no day such as mon or tue", self._line)
         return f"on {','.join(one for one in _DAYS if one in days)}" if days else ""
 
     def duration(self, key: str) -> str:
