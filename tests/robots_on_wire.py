@@ -44,8 +44,13 @@ def write_tokens(folder: Path, *robots: str) -> str:
     return text
 
 
-def log_in(address: str, robot: str = "", secret: str = "", ca: Path | None = None) -> zenoh.Session:
+def log_in(
+    address: str, robot: str = "", secret: str = "", ca: Path | None = None, *, patience: float = 0.0
+) -> zenoh.Session:
     """Return a session of Zenoh alone, as a robot's program may have it; without a *robot*, it does not log in.
+
+    Args:
+        patience: Seconds for which it tries again; by default it tries once.
 
     Raises:
         zenoh.ZError: The router does not let it in.
@@ -53,7 +58,7 @@ def log_in(address: str, robot: str = "", secret: str = "", ca: Path | None = No
     login = {"user": robot, "password": secret or secret_of(robot)} if robot else {}
     config = {
         "mode": "client",
-        "connect": {"endpoints": [address], "timeout_ms": 3000},
+        "connect": {"endpoints": [address], "timeout_ms": int(patience * 1000)},
         "scouting": {"multicast": {"enabled": False}},
         "transport": {
             "auth": {"usrpwd": login},

@@ -9,6 +9,7 @@ from typing import Any
 import anyio
 import pytest
 import zenoh
+from tests.patience import PATIENCE
 from tests.ports import reserve_port
 from tests.robots_on_wire import HOME, house_rights, log_in
 
@@ -59,7 +60,7 @@ async def robot(port: int) -> AsyncIterator[Any]:
     pyzeros.builtin_msgs.Attachment().serialize()  # compiles it: 15 s, or minutes on a busy machine, in a first call
     afor: Any = pytest.importorskip("asyncio_for_robotics")
     with (
-        log_in(f"tcp/127.0.0.1:{port}", "rosie") as session,
+        log_in(f"tcp/127.0.0.1:{port}", "rosie", patience=PATIENCE) as session,
         pyzeros.auto_context(node="brain", namespace="/rosie", zenoh_session=session),
     ):
         async with afor.Scope():

@@ -55,7 +55,10 @@ class House:
 
         def look() -> str:
             for _ in range(int(PATIENCE)):
-                with suppress(zenoh.ZError), log_in(self.address, robot) as session:  # while the router begins again
+                with (
+                    suppress(zenoh.ZError),
+                    log_in(self.address, robot, patience=3.0) as session,
+                ):  # while the router begins again
                     for token in _nodes(session):
                         if token.endswith("/ros2"):
                             return token

@@ -42,7 +42,7 @@ class Meeting:
             one.undeclare()
 
     async def health(self) -> HealthResponse:
-        return await self.app.create_client(GetHealth, "/ros2/health").call(HealthRequest())
+        return await self.app.create_client(GetHealth, "/ros2/health").call(HealthRequest(), PATIENCE)
 
     async def troubles(self, count: int) -> tuple[str, ...]:
         """Return the troubles once there are *count*."""

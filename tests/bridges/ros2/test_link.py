@@ -75,10 +75,10 @@ async def test_a_service_of_a_robot_answers_and_is_unavailable_at_once_when_it_l
             nav.create_service(Trigger, "/rosie/dock", lambda _: Trigger.Response(success=True, message="docked"))
             await appears(both.house, "/rosie/dock")
             client = app.create_client(Trigger, "/rosie/dock")
-            assert (await client.call(Trigger.Request())).message == "docked"
+            assert (await client.call(Trigger.Request(), PATIENCE)).message == "docked"
         await leaves(both.house, "/rosie/dock")
         with pytest.raises(ServiceUnavailableError):
-            await client.call(Trigger.Request())
+            await client.call(Trigger.Request(), PATIENCE)
 
 
 @pytest.mark.parametrize(
@@ -89,7 +89,7 @@ async def test_a_robot_calls_a_service_of_the_house_only_with_the_right(scope: t
     async with pair(*scope) as both, Node(both.house, "app") as app, Node(both.robot, "nav") as nav:
         app.create_service(Trigger, "/house/light", lambda _: Trigger.Response(success=True, message="on"))
         await appears(both.robot, "/house/light")
-        response = await nav.create_client(Trigger, "/house/light").call(Trigger.Request())
+        response = await nav.create_client(Trigger, "/house/light").call(Trigger.Request(), PATIENCE)
         assert response.success == (answer == "on")
         assert response.message.startswith(answer)
 
@@ -100,7 +100,7 @@ async def test_a_robot_without_the_right_hears_of_each_parameter_why_it_is_not_s
         app.declare_parameter("speed", 3)
         await appears(both.robot, "/app/set_parameters")
         request = set_parameters.Request(parameters=tuple(Parameter("speed", one).to_message() for one in (4, 5)))
-        response = await nav.create_client(set_parameters, "/app/set_parameters").call(request)
+        response = await nav.create_client(set_parameters, "/app/set_parameters").call(request, PATIENCE)
         assert [one.reason.split(";")[0] for one in response.results] == ["the right manage is missing"] * 2
         assert app.get_parameter("speed").value == 3
 

@@ -6,6 +6,7 @@ import stat
 import time
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from contextlib import asynccontextmanager, nullcontext
+from functools import partial
 from pathlib import Path
 
 import anyio
@@ -78,8 +79,8 @@ async def house(
         tasks.cancel_scope.cancel()
 
 
-async def robot(house: House, name: str) -> zenoh.Session:
-    return await to_thread.run_sync(log_in, house.address, name)
+async def robot(house: House, name: str, ca: Path | None = None) -> zenoh.Session:
+    return await to_thread.run_sync(partial(log_in, house.address, name, ca=ca, patience=PATIENCE))
 
 
 async def asked(get: Callable[..., Iterable[zenoh.Reply]], key: str) -> list[zenoh.Sample]:
@@ -202,7 +203,7 @@ def made(tmp_path: Path) -> Path:
 async def test_others_trust_the_router_by_the_file_of_its_certificate(made: Path) -> None:
     address, certificate = f"tls/[::]:{reserve_port()}", made / "router.crt"
     async with house(address, cert_file=certificate, key_file=made / "router.key") as villa:
-        with await to_thread.run_sync(log_in, villa.address, "rosie", "", certificate) as rosie:
+        with await robot(villa, "rosie", certificate) as rosie:
             await villa.hears("rosie", rosie, b"hello")
         for ca in (None, made / "other.crt"):
             with pytest.raises(zenoh.ZError, match="Unable to connect"):

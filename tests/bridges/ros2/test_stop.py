@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from tests.patience import PATIENCE
 from tests.ports import reserve_port
 from tests.robots_on_wire import log_in, write_tokens
 from tests.shell import homebot_in
@@ -14,6 +15,9 @@ def test_a_homebot_with_an_open_session_stops_when_it_is_told(tmp_path: Path) ->
     address = f"tcp/127.0.0.1:{reserve_port()}"
     ros = f'[ros]\nlisten = "{address}"\nimport = {{rosie = []}}\n'
     (tmp_path / "homebot.toml").write_text(f'[home]\nname = "villa"\n{write_tokens(tmp_path, "rosie")}{ros}')
-    with homebot_in(tmp_path, "--ephemeral", until=("is running",)), log_in(address, "rosie") as robot:
-        tokens = list(robot.liveliness().get("@ros2_lv/0/**", timeout=60.0))
+    with (
+        homebot_in(tmp_path, "--ephemeral", until=("is running",)),
+        log_in(address, "rosie", patience=PATIENCE) as robot,
+    ):
+        tokens = list(robot.liveliness().get("@ros2_lv/0/**", timeout=PATIENCE))
         assert any(str(one.ok.key_expr).endswith("/ros2") for one in tokens if one.ok is not None)

@@ -38,12 +38,15 @@ LOST = "ros2.lost"
 _log = get_logger(node="/ros2")
 
 _MOST_WAITING = 1000
-"""Samples and queries that wait for the event loop; more are lost and counted."""
+"""Samples and queries that wait for the event loop, a long one as many of them; more are lost and counted."""
+
+_LONG = 65_536  # bytes
 
 _MOST_TOKENS_WAITING = 20_000
 """The same for tokens, of which all of a large robot come at once."""
 
 _CLOSING, _HEARTBEAT = 0.8, 0.5  # seconds; rmw_zenoh has the same heartbeat
+_RETRY = {"period_init_ms": 500, "period_max_ms": 1000}  # up to 4 s of Zenoh are most of the five that are allowed
 _ENCODING = "application/cdr"
 _TIMEOUT = b"Timeout"
 """The answer of Zenoh itself if there is none in time."""
@@ -169,7 +172,8 @@ class ZenohSession:
 
         def arrived(sample: Any) -> None:
             attachment = b"" if sample.attachment is None else bytes(sample.attachment)
-            self._offer(on_sample, WireSample(bytes(sample.payload), attachment))
+            payload = bytes(sample.payload)
+            self._offer(on_sample, WireSample(payload, attachment), len(payload))
 
         declared: Declared = zenoh.ext.declare_advanced_subscriber(
             self._session,
@@ -186,7 +190,7 @@ class ZenohSession:
 
         def arrived(query: Any) -> None:
             asked = WireQuery(query)
-            if not self._offer(on_query, asked):
+            if not self._offer(on_query, asked, len(asked.payload)):
                 asked.refuse("homebot has too many requests at once; ask again later")
 
         declared: Declared = self._session.declare_queryable(
@@ -225,19 +229,20 @@ class ZenohSession:
         finally:
             cancellation.cancel()
 
-    def _offer(self, call: Callable[[Any], None], value: object, *, most: int = _MOST_WAITING) -> bool:
-        """Let the event loop *call* with *value*; return False if *most* wait already."""
+    def _offer(self, call: Callable[[Any], None], value: object, size: int = 0, most: int = _MOST_WAITING) -> bool:
+        """Let the event loop *call* with *value* of *size* bytes; return False if *most* wait already."""
+        share = 1 + size // _LONG
         with self._lock:
             if self._waiting >= most:
                 self.lost += 1
                 return False
-            self._waiting += 1
-        self._to_loop(self._deliver, call, value)
+            self._waiting += share
+        self._to_loop(self._deliver, call, value, share)
         return True
 
-    def _deliver(self, call: Callable[[Any], None], value: object) -> None:
+    def _deliver(self, call: Callable[[Any], None], value: object, share: int) -> None:
         with self._lock:
-            self._waiting -= 1
+            self._waiting -= share
         call(value)
 
     def _to_loop(self, call: Callable[..., None], *values: object) -> None:
@@ -295,7 +300,7 @@ def _config(settings: RosSettings, rights: WireRights, users: str) -> dict[str, 
     login = {"user": user, "password": password and password.get_secret_value()}
     return {
         "mode": "router",
-        "connect": {"endpoints": settings.connect, "timeout_ms": -1, "exit_on_failure": False},
+        "connect": {"endpoints": settings.connect, "timeout_ms": -1, "exit_on_failure": False, "retry": _RETRY},
         "listen": {"endpoints": [settings.listen] if listens else []},
         "scouting": {"multicast": {"enabled": False}, "gossip": {"enabled": False}},
         "timestamping": {"enabled": True},
