@@ -8,6 +8,7 @@ from tests.control.conftest import Home, OpenHome, ignore, obey
 from tests.control.test_explanations import explain
 
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, Light
 from homebot.devices.names import PERFORM_COMMAND
@@ -68,6 +69,20 @@ async def test_a_member_is_named_by_its_device_or_its_part(home: Home, name: str
     await group.command("on_off", True)
     assert (await told(home, "left"))[0] == "command"
     assert await told(home, "right") == ["command" if name == "#" else "person"]
+
+
+async def test_a_lamp_of_a_group_in_a_group_is_a_member_too(home: Home) -> None:
+    """Even if the groups contain each other; a lease on it was no reason against a command to the outer one."""
+    inner = await put_group(home, "id:left", "id:house")
+    outer = simple_part("light", settable=("on_off",)).model_copy(update={"members": ("id:group",)})
+    home.gateway.devices.put(_device("house", outer, ""), "it was found")
+    house = await home.handle(Handle, "house")
+    found = await DeviceLookup(home.app).members(house.device, house.device.parts[0])
+    assert sorted(one.id for one, _ in found) == sorted(("left", inner.device.id))
+    async with (await home.handle(Light, "left")).hold("on", by="robot"):
+        refused = await house.command("on_off", False)
+    assert isinstance(refused, Refused)
+    assert (refused.policy, refused.reason.partition(":")[0]) == ("lease", "its member left is refused it")
 
 
 async def test_a_person_at_a_lamp_of_a_group_is_named_seconds_later(home: Home) -> None:

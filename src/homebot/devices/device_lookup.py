@@ -65,15 +65,17 @@ class DeviceLookup:
         return ()
 
     async def members(self, device: Device, part: DevicePart) -> list[tuple[Device, DevicePart]]:
-        """Return the parts that a command to *part* sets too; none without an answer."""
-        wanted, gateways = frozenset(part.part.members), {one.gateway for one in part.routes}
-        known = await self.all_known()
-        found = [(one, other) for one in known for other in one.parts if is_commanded(other.part)]
-        return [
-            (one, other)
-            for one, other in found
-            if (one.id, other.id) != (device.id, part.id) and not wanted.isdisjoint(references(one, other, gateways))
-        ]
+        """Return the parts that a command to *part* sets too, also by groups in it; none without an answer."""
+        known = [(one, other) for one in await self.all_known() for other in one.parts if is_commanded(other.part)]
+        found, groups = {(device.id, part.id): (device, part)}, [part]
+        for group in groups:  # which grows
+            wanted, gateways = frozenset(group.part.members), {one.gateway for one in group.routes}
+            for one, other in known:
+                place = one.id, other.id
+                if place not in found and not wanted.isdisjoint(references(one, other, gateways)):
+                    found[place] = one, other
+                    groups += [other] if other.part.members else []
+        return list(found.values())[1:]
 
     async def device_at(self, gateway: str, address: str) -> str:
         """Return the id of the device that takes commands at *address*; empty if there is none, or no answer.
