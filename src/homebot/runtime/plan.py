@@ -23,7 +23,6 @@ from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
 from homebot.runtime.door_table import read_door
 from homebot.runtime.grants import grants_of, scope_of, without_act
-from homebot.runtime.settings_parameters import declare_settings
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -88,7 +87,12 @@ class PlannedComponent(Generic[ComponentT]):
 
     def offer_settings(self, node: Node) -> None:
         """Declare the settings as parameters of *node* when parameters are first requested."""
-        node.parameters.declare_later(partial(declare_settings, node, self.settings))
+        node.parameters.declare_later(partial(self._declare, node))
+
+    def _declare(self, node: Node) -> None:
+        from homebot.runtime.settings_parameters import declare_settings  # noqa: PLC0415 - few runs are asked
+
+        declare_settings(node, self.settings)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
