@@ -13,6 +13,7 @@ from homebot.cli.main import main
 from homebot.devices import QUERY_DEVICES, QueryDevices
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.terms import And, HasText, StateIs
 from homebot.devices.services import QueryDevicesRequest
 from homebot.errors import UsageError
 from homebot.graph import Node
@@ -188,6 +189,40 @@ def test_what_may_be_meant_in_two_ways_is_refused() -> None:
 def test_people_say_it_in_several_ways(same: tuple[str, ...]) -> None:
     assert len({*map(read_person, same)}) == 1
     assert all(isinstance(read_trigger(one), PersonMoves) for one in same)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("somebody is home", "anyone is at home", "nobody is home", "no one is at home", "everyone is home"),
+        *("somebody is away", "nobody is away", "everybody is away"),
+    ],
+)
+def test_queries_say_of_the_household_what_routines_say(text: str) -> None:
+    assert (said := read_person(text)) is not None
+    assert parse_query(text) == said.query
+
+
+@pytest.mark.parametrize(
+    ("text", "is_home"),
+    [("Ben is home", True), ("Ben is at home", True), ("Ben is not home", False), ("Ben is away", False)],
+)
+def test_queries_say_of_a_person_what_routines_say(text: str, *, is_home: bool) -> None:
+    assert parse_query(text) == And((HasText("ben"), StateIs("at_home", "=", is_home)))
+
+
+@pytest.mark.parametrize(("condition", "is_on_then"), [('name="Ben" is home', True), ('name="Ben" is away', False)])
+async def test_a_policy_asks_for_one_person(condition: str, *, is_on_then: bool) -> None:
+    world = hall()
+    routines = [{"name": "On", "when": ["08:00"], "do": ["hall lamp on"]}]
+    routines += [{"name": "Off", "when": ["08:10"], "do": ["hall lamp off"]}]
+    policy = {"commands": ["turn off"], "while": condition, "where": "home"}
+    tables = config({}) | {"routines": routines, "control": {"interlocks": [policy]}}
+    async with virtual_house_of(world=world, config=tables) as house:
+        await house.run_until("08:05")
+        await ben_is(house, "Home")
+        await house.run_until("08:11")
+        assert is_on(world, "hall_lamp") is is_on_then
 
 
 def test_a_trial_on_a_recorded_day_knows_who_came_and_went(

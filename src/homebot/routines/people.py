@@ -4,7 +4,7 @@ import re
 from typing import Final, NamedTuple
 
 from homebot.devices.query.terms import And, NameIs, Not, Or, Query, StateIs, TypeIs, leaves
-from homebot.devices.query.vocabulary import HOUSEHOLD
+from homebot.devices.query.vocabulary import HOUSEHOLD, HOUSEHOLD_FACTS
 from homebot.errors import UsageError
 from homebot.support.folding import fold
 
@@ -19,16 +19,7 @@ _MOVES: Final = re.compile(
     r"(?P<who>.+?)\s+(?:(?P<comes>arrives?|comes?)(?:\s+home)?|(?:leaves?|has left|have left|goes away)(?:\s+home)?)",
     re.IGNORECASE,
 )
-_SOMEBODY: Final = ("somebody", "someone", "anybody", "anyone")
-_NOBODY: Final = ("nobody", "no one", "no-one")
-_EVERYBODY: Final = ("everybody", "everyone", "all")
-_HOUSEHOLD: Final = {
-    **dict.fromkeys(_SOMEBODY, ((AT_HOME, True), (_ALL_AT_HOME, False))),
-    **dict.fromkeys(_NOBODY, ((AT_HOME, False), (_ALL_AT_HOME, True))),
-    **dict.fromkeys(_EVERYBODY, ((_ALL_AT_HOME, True), (AT_HOME, False))),
-}
-"""The fact that they are at home, and that they are away."""
-
+_FACTS: Final = {**HOUSEHOLD_FACTS, "all": HOUSEHOLD_FACTS["everybody"]}
 _ROBOT: Final = frozenset({"robot"})
 
 
@@ -61,12 +52,12 @@ def read_person(text: str) -> PersonState | None:
         return None
     is_home = (found["where"].casefold() == "home") is not bool(found["no"])
     who = fold(found["who"])
-    if who in _EVERYBODY and found["no"]:
+    if found["no"] and _FACTS.get(who) == _FACTS["all"]:
         raise UsageError(f"{text!r}: write 'nobody is home' or 'not everybody is home'")
     plain = who.removeprefix("not ")
-    if plain in _HOUSEHOLD:
-        fact, value = _HOUSEHOLD[plain][0 if is_home else 1]
-        return PersonState(HOUSEHOLD, value is (who == plain), fact)
+    if plain in _FACTS:
+        fact = _FACTS[plain][0 if is_home else 1]
+        return PersonState(HOUSEHOLD, fact.value is (who == plain), fact.capability)
     return PersonState(_person(found["who"]), is_home)
 
 
@@ -80,9 +71,9 @@ def read_move(text: str) -> PersonState | None:
     if found is None or fold(found["who"]) in _ROBOT:
         return None
     who, comes = fold(found["who"]), bool(found["comes"])
-    if (who in _SOMEBODY and comes) or (who in _EVERYBODY and not comes):
+    if who in _FACTS and _FACTS[who][0 if comes else 1] == StateIs(AT_HOME, "=", comes):
         return PersonState(HOUSEHOLD, comes)
-    if who in _HOUSEHOLD:
+    if who in _FACTS:
         raise UsageError(
             f"{text!r}: write 'everybody has left', 'somebody arrives', 'everybody is home', or name a person"
         )

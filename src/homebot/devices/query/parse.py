@@ -40,6 +40,7 @@ from homebot.devices.query.terms import (
 )
 from homebot.devices.query.tokens import Token, tokens_of
 from homebot.devices.query.vocabulary import (
+    ADJECTIVES,
     CAPABILITY_WORDS,
     CONDITIONS,
     FILLERS,
@@ -69,7 +70,7 @@ _AREA_WORDS = ("area", "room", "areas", "rooms")
 _METRES = ("m", "metres", "meters", "metre", "meter")
 _LENGTH = re.compile(rf"(?P<number>\d{{1,6}}(\.\d{{1,6}})?)(?P<unit>{'|'.join(_METRES)})?", re.ASCII)
 _MAX_DEPTH = 20
-_LONGEST_PHRASE = 4
+_LONGEST_PHRASE = 5
 
 
 @lru_cache(maxsize=256)  # apps repeat their queries
@@ -225,7 +226,9 @@ class _Parser:
         if token.kind != "word" or self._is_compared():
             return False
         word = fold(token.text)
-        return word in FILLERS or (word in RELATIVES and self._folded(2).endswith((" is", " are")))
+        if word in FILLERS:
+            return not any(self._folded(length) in ADJECTIVES for length in (2, 3, 4))  # as in: anna is home
+        return word in RELATIVES and self._folded(2).endswith((" is", " are"))
 
     def _length_of_name(self) -> int:
         """Return the number of words before an operator: one, or those of a capability; 0 if no operator follows."""

@@ -180,8 +180,8 @@ ADJECTIVES: Mapping[str, tuple[StateIs, ...]] = MappingProxyType(
         "occupied": (StateIs("occupancy", "=", True),),  # noqa: FBT003 - as above
         "unoccupied": (StateIs("occupancy", "=", False),),  # noqa: FBT003 - as above
         "clear": (StateIs("occupancy", "=", False),),  # noqa: FBT003 - as above
-        "at home": (StateIs("at_home", "=", True),),  # noqa: FBT003 - as above
-        "away": (StateIs("at_home", "=", False),),  # noqa: FBT003 - as above
+        **dict.fromkeys(("at home", "is home", "are home"), (StateIs("at_home", "=", True),)),  # noqa: FBT003 - as above
+        **dict.fromkeys(("away", "is not home", "is not at home"), (StateIs("at_home", "=", False),)),  # noqa: FBT003 - as above
         "wet": (StateIs("water_leak", "=", True),),  # noqa: FBT003 - as above
         "dry": (StateIs("water_leak", "=", False),),  # noqa: FBT003 - as above
         "jammed": (StateIs("lock", "=", "jammed"),),
@@ -195,12 +195,21 @@ ADJECTIVES: Mapping[str, tuple[StateIs, ...]] = MappingProxyType(
 """Adjectives for a state: any of these values."""
 
 HOUSEHOLD = TypeIs("household", frozenset({"x_household"}), by_word=False)
-_HOUSEHOLDS: Mapping[str, StateIs] = {
-    "somebody": StateIs("at_home", "=", True),  # noqa: FBT003 - as above
-    "anybody": StateIs("at_home", "=", True),  # noqa: FBT003 - as above
-    "nobody": StateIs("at_home", "=", False),  # noqa: FBT003 - as above
-    "everybody": StateIs("all_at_home", "=", True),  # noqa: FBT003 - as above
+HOUSEHOLD_FACTS: Mapping[str, tuple[StateIs, StateIs]] = {
+    **dict.fromkeys(
+        ("somebody", "someone", "anybody", "anyone"),
+        (StateIs("at_home", "=", True), StateIs("all_at_home", "=", False)),  # noqa: FBT003 - as above
+    ),
+    **dict.fromkeys(
+        ("nobody", "no one"),
+        (StateIs("at_home", "=", False), StateIs("all_at_home", "=", True)),  # noqa: FBT003 - as above
+    ),
+    **dict.fromkeys(
+        ("everybody", "everyone"),
+        (StateIs("all_at_home", "=", True), StateIs("at_home", "=", False)),  # noqa: FBT003 - as above
+    ),
 }
+"""The fact that these people are at home, and that they are away."""
 
 _WEAK = Or((StateIs("battery", "<", 20.0), StateIs("battery_low", "=", True)))  # noqa: FBT003 - as above
 
@@ -219,9 +228,11 @@ CONDITIONS: Mapping[str, Query] = MappingProxyType(
         "unapproved": IsUnapproved(),
         "unreadable": FactIs(UNREADABLE, "payloads"),
         **{
-            f"{who} {home}": And((HOUSEHOLD, state))
-            for who, state in _HOUSEHOLDS.items()
-            for home in ("home", "at home", "is home", "is at home")
+            f"{who} {place}": And((HOUSEHOLD, fact))
+            for who, facts in HOUSEHOLD_FACTS.items()
+            for fact, places in zip(facts, (("home", "at home"), ("away",)), strict=True)
+            for plain in places
+            for place in (plain, f"is {plain}")
         },
     }
 )

@@ -100,7 +100,11 @@ class PeopleGateway(Gateway):
 
     async def _look(self, view: HouseView, now: float) -> float:
         """Report the changes; return the seconds until silence may change something."""
-        due = [now + _SEEN_EVERY, *(at + _HEARD for at in self._heard_at.values() if at + _HEARD > now)]
+        lags = await self._trackers.catch_up(view)
+        due = [
+            now + (_ASKED_EVERY if lags else _SEEN_EVERY),
+            *(at + _HEARD for at in self._heard_at.values() if at + _HEARD > now),
+        ]
         found: list[bool | None] = []
         for key, (_, one) in self._people.items():
             where = where_is([*self._signs(view, key, one, now)], now, one.away_after)

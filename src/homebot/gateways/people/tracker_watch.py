@@ -1,6 +1,7 @@
 """The watch of the devices with a place: phones and tags of people."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import final
 
 import anyio
@@ -8,6 +9,8 @@ import anyio
 from homebot.devices.device import Device, DeviceChange, DevicePart, StateChange
 from homebot.devices.device_lookup import references
 from homebot.devices.house_view import HouseView, HouseWatcher
+from homebot.devices.query.terms import TypeIs
+from homebot.errors import ServiceError
 from homebot.gateways.people.settings import PersonSettings
 from homebot.gateways.people.whereabouts import PLACE, Sign, sign_of
 from homebot.support.folding import fold
@@ -45,6 +48,25 @@ class TrackerWatch(HouseWatcher):
     def names(self) -> list[str]:
         """The names of all."""
         return [one.name for one in self._devices.values()]
+
+    async def catch_up(self, view: HouseView) -> bool:
+        """Read the devices again that have reported, but whose places are kept ones: an equal place is no change.
+
+        Returns:
+            Whether there are any.
+        """
+        lags = any(
+            device.freshness == "fresh" and state is not None and not state.live
+            for device in self._devices.values()
+            if (known := view.get(device.id)) is not None
+            for state in (known.state(part, PLACE) for part, _ in _places(device))
+        )
+        if lags:
+            with suppress(ServiceError):
+                found = await view.find(TypeIs("tracker", frozenset({"x_tracker"}), by_word=False))
+                for one in found.devices:
+                    view.store(one, found.sequence)
+        return lags
 
     def persons(self, people: Mapping[str, PersonSettings]) -> dict[str, str]:
         """Return the names, by id, of the persons in other systems that have trackers.
