@@ -178,7 +178,8 @@ def _read_do(text: str) -> Do:
     for place in range(1, len(words)):
         commands = [one.strip().removeprefix("to ") for one in " ".join(words[place:]).split(",")]
         if _is_command(commands[0]) and all(_is_command(one) or _OVER.fullmatch(one) for one in commands):
-            if place > 1 and words[place - 1].casefold() in {"on", "off"}:
+            is_after = place > 1 and words[place - 2].casefold() not in {"are", "is"}
+            if is_after and words[place - 1].casefold() in {"on", "off"}:
                 raise UsageError(f"{text!r}: write a comma after {words[place - 1]!r}, like 'hall lamp on, 20 %'")
             return _combined(text, " ".join(words[:place]), commands)
     hint = _HINTS.get(words[0].casefold()) or (
