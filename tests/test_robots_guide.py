@@ -135,4 +135,4 @@ def test_a_token_may_come_in_the_address(running: Homebot) -> None:
     token = (running.folder / "rosie.token").read_text().split()[0]
     with connect(f"ws://{running.door}/?token={token}") as client:
         client.send(json.dumps({"op": "call_service", "service": "/robots/where", "args": {"robot": "rosie"}}))
-        assert json.loads(client.recv(timeout=30))["result"] is True
+        assert json.loads(client.recv(timeout=PATIENCE))["result"] is True

@@ -37,10 +37,10 @@ ROBOT = """
 import json, sys, roslibpy
 
 ros = roslibpy.Ros("127.0.0.1", int(sys.argv[1]), transport="asyncio")
-ros.run(timeout=40)
+ros.run(timeout=60)
 
 def call(name, kind, **request):
-    return dict(roslibpy.Service(ros, name, kind).call(roslibpy.ServiceRequest(request), timeout=40))
+    return dict(roslibpy.Service(ros, name, kind).call(roslibpy.ServiceRequest(request), timeout=60))
 
 why = call("/control/why", "homebot/ExplainDevice", device="lamp")
 why_not = call("/control/why_not", "homebot/ExplainMissingState", device="lamp", state="on")

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 from tests.guide import commands_in, guide
+from tests.patience import PATIENCE
 from tests.shell import homebot_in, run
 from tests.system.attack_probe import until
 
@@ -26,7 +27,7 @@ room = "kitchen"
 @pytest.fixture(scope="module")
 def door(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     with homebot_in(tmp_path_factory.mktemp("house"), house=HOUSE, until=("is running",)) as homebot:
-        until(lambda: homebot.run(COMMANDS[0]).stderr == "" or None, 30.0)  # it begins after the start
+        until(lambda: homebot.run(COMMANDS[0]).stderr == "" or None, PATIENCE)  # it begins after the start
         yield homebot.door
 
 
