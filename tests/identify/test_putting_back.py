@@ -11,6 +11,7 @@ from tests.identify.conftest import Room, served
 from tests.one_task import in_one_task
 from tests.sizes import size
 
+from homebot.devices.wording.journal_words import trigger_text
 from homebot.graph.actions import GoalState
 
 pytestmark = pytest.mark.virtual_time
@@ -72,10 +73,13 @@ async def test_a_silent_device_is_put_back_soon_after_the_start(home: Home) -> N
     await room.lamps(60)
     values = {"lamp0": ["on_off", True, False, 1.0]}
     kept = {"by": "identify by rosie", "issuer": "client:rosie", "scope": [], "values": values}
-    room.store["run"] = kept | {"at": room.home.graph.clock.now()}
+    room.store["run"] = kept | {"at": room.home.graph.clock.now() - 60}
     async with served(room):
         await anyio.sleep(70.0)
         assert await room.is_on() == {"Lamp0": True}
+    (asked,) = (one for one in (await home.read()).entries if one.kind == "requested")
+    text = "identify by rosie was cut off by the end of homebot, and it is put back"
+    assert trigger_text(asked.trigger, {}) == text
 
 
 async def test_what_was_left_long_ago_is_not_put_back(home: Home) -> None:

@@ -19,8 +19,9 @@ class Trigger(Message):
     Attributes:
         kind: ``report``: a device reported values, or an event; ``device``: a device appeared, changed or disappeared;
         ``message``: a raw message of a device; ``timer``: a timer was due; ``lease``: the part is held; ``client``: a
-        client called a service of the issuer; ``goal``: a plan for a goal needs it; ``program``: a
-        client of the HTTP API, or without a token, gave it itself; empty if unknown, as for a person's command.
+        client called a service of the issuer; ``goal``: a plan for a goal needs it; ``end``: the part
+        is put back after an identification; ``program``: a client of the HTTP API, or without a token, gave it itself;
+        empty if unknown, as for a person's command.
         id: Its id: for a report and a device the ``sequence`` of the change, for a message its stream and time.
         device: The id of the device; empty without one.
         text: The raw message, the change of the device, the period of the timer, the holder of the part or the call, as
@@ -30,7 +31,7 @@ class Trigger(Message):
         is_undo: Whether the scene was undone.
     """
 
-    kind: Literal["", "lease", "report", "device", "message", "timer", "client", "goal", "program"] = ""
+    kind: Literal["", "lease", "report", "device", "message", "timer", "client", "goal", "end", "program"] = ""
     id: ShortText = ""
     device: ShortText = ""
     readings: Annotated[tuple[Reading, ...], Field(max_length=MOST_READINGS)] = ()

@@ -145,6 +145,7 @@ class KeptValues:
             self._node.log.warning(LEFT, message=message)
             values.clear()
         due = self._due(values, known_states(await self._lookup.devices()))
+        end = "was cut off by the end of homebot" if kept["at"] < self._began_at else "ended"
         requests = [
             CommandRequest(
                 device=target.partition("#")[0],
@@ -152,7 +153,7 @@ class KeptValues:
                 settings=(Setting.of(values[target][_CAPABILITY], values[target][_BEFORE]),),
                 issuer=kept["issuer"],
                 scope=tuple(kept["scope"]),
-                trigger=Trigger(kind="lease", text=kept["by"]),
+                trigger=Trigger(kind="end", text=f"{kept['by']} {end}"),
             )
             for target in due
         ]

@@ -111,6 +111,8 @@ def _cause_text(trigger: Trigger, names: Mapping[str, str]) -> str:
             return f"{name} sent {printable(trigger.text, 60)!r}"
         case "device":
             return f"{name} {printable(trigger.text, 100)}"
+        case "end":
+            return f"{printable(trigger.text, 200)}, and it is put back"
         case "goal":
             return f"the goal {printable(trigger.text, 200)!r} needs it"
         case "client":
