@@ -18,7 +18,7 @@ from homebot.errors import HomebotError
 from homebot.goals.house_now import Assumed, HouseNow, HouseReader
 from homebot.goals.meanings import UnderstoodGoal, understood
 from homebot.goals.obstacles import why_not
-from homebot.goals.operators import DriveStep, GoalProblem, Operator, SceneStep, Step
+from homebot.goals.operators import GoalProblem, Operator, PlanStep
 from homebot.goals.planner import find_plan
 from homebot.goals.problem_builder import Asker, Preview, build_problem
 from homebot.messages import Time
@@ -125,7 +125,7 @@ class Achievement:
         house = await self._house()
         own = self._moves[sum(bool(one.outcome) for one in self.steps) :]
         after = house.after(one.step for one in own)
-        robots = {one.step.robot for one in own if isinstance(one.step, DriveStep)}
+        robots = {one.step.place for one in own if one.step.kind == "drive"}
         if shared := robots.intersection(one.step.place for one in moves):
             return f"{min(shared)} for itself"
         kept = self._facts(after.after(one.step for one in moves))
@@ -188,7 +188,7 @@ class Achievement:
                 tasks.cancel_scope.cancel()
             outcome = outcome if is_done else lost or outcome
         finally:
-            if isinstance(step, DriveStep):
+            if step.kind == "drive":
                 self._node.log.info(DROVE, message=f"{step.text} for {self._request.goal!r}: {outcome}")
         if is_done:
             for device, part, settings in step.parts:
@@ -198,21 +198,22 @@ class Achievement:
             self._blocked[step.place, step.text] = outcome
         return outcome, is_done
 
-    async def _perform(self, step: Step) -> tuple[str, bool]:
+    async def _perform(self, step: PlanStep) -> tuple[str, bool]:
         issuer, scope = self._request.issuer, self._request.scope
         try:
-            if isinstance(step, DriveStep):
-                await drive(self._node, SendRobot(step.text, step.robot, step.room))
+            if step.kind == "drive":
+                await drive(self._node, SendRobot(step.text, step.place, step.room))
                 return _DONE, True
-            if isinstance(step, SceneStep):
+            if step.kind == "scene":
                 with closing(self._node.create_client(ApplyScene, APPLY_SCENE)) as client:
-                    asked = ApplySceneRequest(name=step.scene, issuer=issuer, scope=scope, trigger=self._trigger)
+                    asked = ApplySceneRequest(name=step.place, issuer=issuer, scope=scope, trigger=self._trigger)
                     answer = await client.call(asked, timeout=_LONGEST, cancel_with_caller=True)
                 return answer.message or _DONE, answer.success
+            ((device, part, settings),) = step.parts
             request = CommandRequest(
-                device=step.device,
-                part=step.part,
-                settings=tuple(Setting.of(*one) for one in step.settings),
+                device=device,
+                part=part,
+                settings=tuple(Setting.of(*one) for one in settings),
                 issuer=issuer,
                 scope=scope,
                 ask_first=bool(step.asks),
@@ -240,7 +241,7 @@ class Move:
         unseen: The facts that hold afterwards, and that only the step tells.
     """
 
-    step: Step
+    step: PlanStep
     needs: frozenset[str]
     unseen: frozenset[str] = frozenset()
 
@@ -251,7 +252,7 @@ def _merged(operators: Sequence[Operator]) -> list[Move]:
     for one in operators:
         if one.step is None:
             continue
-        is_drive = isinstance(one.step, DriveStep)
+        is_drive = one.step.kind == "drive"
         needs = one.needs - one.takes if is_drive else one.needs
         if is_drive and moves and moves[-1].step.place == one.step.place:
             needs |= moves.pop().needs

@@ -16,7 +16,7 @@ from homebot.devices.scene_client import Scenes
 from homebot.devices.scene_messages import SceneInfo
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import ServiceUnavailableError, UsageError
-from homebot.goals.operators import DriveStep, Settings, Step
+from homebot.goals.operators import PlanStep, Settings
 from homebot.goals.wishes import KnownNames
 from homebot.graph import EntityKind, Node
 from homebot.routines.robot_drive import check_drive
@@ -57,12 +57,12 @@ class HouseNow:
         fitting = (one for one in self.devices.values() if wanted in map(fold, (one.name, *one.names)))
         return min(fitting, key=lambda one: one.id, default=None)
 
-    def after(self, steps: Iterable[Step]) -> "HouseNow":
+    def after(self, steps: Iterable[PlanStep]) -> "HouseNow":
         """Return the house as it is when *steps* are done."""
         devices, robots = dict(self.devices), dict(self.robots)
         for step in steps:
-            if isinstance(step, DriveStep):
-                robots[step.robot] = step.room
+            if step.kind == "drive":
+                robots[step.place] = step.room
             for device, part, settings in step.parts:
                 if device in devices:
                     devices[device] = with_settings(devices[device], part, settings)

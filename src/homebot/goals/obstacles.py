@@ -1,6 +1,6 @@
 """The fact that is in the way of a goal without a plan. Pure."""
 
-from homebot.goals.operators import GoalProblem, Operator, Step, reachable
+from homebot.goals.operators import GoalProblem, Operator, PlanStep, reachable
 
 __all__ = ["why_not"]
 
@@ -37,7 +37,7 @@ def _like(blocked: Operator, others: list[Operator]) -> list[Operator]:
     return [one for one in others if _place(one.step) == _place(blocked.step) and one.blocked == blocked.blocked]
 
 
-def _place(step: Step | None) -> str:
+def _place(step: PlanStep | None) -> str:
     return "" if step is None else step.place
 
 

@@ -3,19 +3,16 @@
 from collections.abc import Iterable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 from homebot.devices.value import PlainValue
 
 __all__ = [
-    "CommandStep",
-    "DriveStep",
     "GoalProblem",
     "Operator",
     "PartSettings",
-    "SceneStep",
+    "PlanStep",
     "Settings",
-    "Step",
     "is_plan",
     "reachable",
 ]
@@ -29,66 +26,22 @@ PartSettings: TypeAlias = tuple[str, str, Settings]
 
 
 @dataclass(frozen=True, slots=True)
-class CommandStep:
-    """A command to a part.
+class PlanStep:
+    """A command to a part, a scene, or a drive of a robot.
 
     Attributes:
+        place: The part as ``DEVICE#PART``, the id of the scene, or the robot.
+        parts: The parts that it sets; none for a drive, and for a scene with values that only its bridge knows.
         asks: The reason to ask a person first; empty for none.
+        room: The end of the drive, which may be the dock.
     """
 
+    kind: Literal["command", "scene", "drive"]
     text: str
-    device: str
-    part: str
-    settings: Settings
-    asks: str = ""
-
-    @property
-    def place(self) -> str:
-        """The id of what it changes."""
-        return f"{self.device}#{self.part}"
-
-    @property
-    def parts(self) -> tuple[PartSettings, ...]:
-        """The parts that it sets."""
-        return ((self.device, self.part, self.settings),)
-
-
-@dataclass(frozen=True, slots=True)
-class SceneStep:
-    """A scene, with the values of its parts; none if only its bridge knows them."""
-
-    text: str
-    scene: str
+    place: str
     parts: tuple[PartSettings, ...] = ()
     asks: str = ""
-
-    @property
-    def place(self) -> str:
-        """The id of what it changes."""
-        return self.scene
-
-
-@dataclass(frozen=True, slots=True)
-class DriveStep:
-    """A drive of a robot to a room, or into its dock."""
-
-    text: str
-    robot: str
-    room: str
-    asks: str = ""
-
-    @property
-    def place(self) -> str:
-        """The id of what it changes."""
-        return self.robot
-
-    @property
-    def parts(self) -> tuple[PartSettings, ...]:
-        """The parts that it sets: none."""
-        return ()
-
-
-Step: TypeAlias = CommandStep | SceneStep | DriveStep
+    room: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +60,7 @@ class Operator:
     needs: frozenset[str]
     gives: frozenset[str]
     takes: frozenset[str] = frozenset()
-    step: Step | None = None
+    step: PlanStep | None = None
     blocked: str = ""
     is_unseen: bool = False
 

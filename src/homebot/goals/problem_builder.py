@@ -13,20 +13,12 @@ from homebot.command_words.suitable_parts import part_name
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.command_messages import CommandRequest, Setting
+from homebot.devices.device import target_of
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.values import value_text
 from homebot.goals.house_now import OPENINGS, HouseNow
 from homebot.goals.meanings import Meant, UnderstoodGoal
-from homebot.goals.operators import (
-    CommandStep,
-    DriveStep,
-    GoalProblem,
-    Operator,
-    PartSettings,
-    SceneStep,
-    Settings,
-    Step,
-)
+from homebot.goals.operators import GoalProblem, Operator, PartSettings, PlanStep, Settings
 from homebot.goals.wishes import DOCK, RobotWish, RoomWish, SceneWish, Wish
 from homebot.places.plan import OUTSIDE
 from homebot.support.folding import fold
@@ -203,11 +195,11 @@ class _StepBuilder:
         if not (is_named or (len(parts) >= _LEAST and all(map(self._is_wished, parts)))):
             return
         asks = next((one.asks for one in scene.parts if one.asks), "")
-        step = SceneStep(f"apply scene {scene.name}", scene.id, parts, asks)
+        step = PlanStep("scene", f"apply scene {scene.name}", scene.id, parts, asks)
         gives, takes = self._effects(step)
         gives |= {_applied(scene)}
         refusals = (self._refusal(one, asks) for one in parts)
-        why = self._asker.blocked.get((step.place, step.text)) or next(filter(None, refusals), "")
+        why = self._blocked(step) or next(filter(None, refusals), "")
         self._known.problem.operators.append(Operator(frozenset(), gives, takes, step, why, is_unseen=not parts))
 
     def add_drives(self, wish: RobotWish) -> None:
@@ -215,7 +207,7 @@ class _StepBuilder:
         robot, wished = wish.robot, _wished_room(wish)
         at = _at(robot, self._house.robots.get(robot, ""))
         if wish.room == DOCK:
-            step = DriveStep(f"{robot} drives to its dock", robot, DOCK)
+            step = PlanStep("drive", f"{robot} drives to its dock", robot, room=DOCK)
             self._add_drive(step, frozenset(), frozenset((wished,)), frozenset((at,)))
             return
         tracked = {fact for facts in self._known.tests.values() for fact in facts}
@@ -227,11 +219,11 @@ class _StepBuilder:
                 gives, takes = {_at(robot, there)}, {_at(robot, here)}
                 if wish.is_not:
                     (takes if fold(there) == fold(wish.room) else gives).add(wished)
-                step = DriveStep(f"{robot} drives to {there}", robot, there)
+                step = PlanStep("drive", f"{robot} drives to {there}", robot, room=there)
                 self._add_drive(step, frozenset((_at(robot, here), *passable)), frozenset(gives), frozenset(takes))
 
-    def _add_drive(self, step: DriveStep, needs: frozenset[str], gives: frozenset[str], takes: frozenset[str]) -> None:
-        why = self._house.problems.get(step.robot, "") or self._asker.blocked.get((step.robot, step.text), "")
+    def _add_drive(self, step: PlanStep, needs: frozenset[str], gives: frozenset[str], takes: frozenset[str]) -> None:
+        why = self._house.problems.get(step.place, "") or self._blocked(step)
         self._known.problem.operators.append(Operator(needs, gives, takes, step, why, is_unseen=step.room == DOCK))
 
     def _commands(self, device: Device, part: DevicePart) -> Iterator[Operator]:
@@ -239,17 +231,18 @@ class _StepBuilder:
         of_door = _door_settings(part) if device.id in self._known.of_doors else ()
         for settings in filter(None, dict.fromkeys((*wished, *of_door))):
             asks = "" if settings in wished else why_it_asks(device, part)
-            step = CommandStep(_step_text(part_name(device, part), settings), device.id, part.id, settings, asks)
+            text = _step_text(part_name(device, part), settings)
+            step = PlanStep("command", text, target_of(device.id, part.id), ((device.id, part.id, settings),), asks)
             gives, takes = self._effects(step)
             needs = frozenset[str]()
             if not OPENINGS.isdisjoint(dict(settings)):
                 needs = frozenset((self._known.unlocked[device.id],)) if device.id in self._known.unlocked else needs
             elif dict(settings).get("lock") == "locked" and device.id in self._known.closed:
                 needs = frozenset((self._known.closed[device.id],))
-            why = self._asker.blocked.get((step.place, step.text)) or self._refusal(step.parts[0], asks)
+            why = self._blocked(step) or self._refusal(step.parts[0], asks)
             yield Operator(needs, gives, takes, step, why)
 
-    def _effects(self, step: Step) -> tuple[frozenset[str], frozenset[str]]:
+    def _effects(self, step: PlanStep) -> tuple[frozenset[str], frozenset[str]]:
         """Return the facts that hold after *step*, and those that do not, of the devices that it changes."""
         gives, takes = set[str](), set[str]()
         after = self._house.after((step,)).devices
@@ -258,6 +251,9 @@ class _StepBuilder:
                 (gives if test(after[device_id]) else takes).add(fact)
         takes |= {self._known.follows[one] for one in takes if one in self._known.follows}  # it is derived again
         return frozenset(gives), frozenset(takes)
+
+    def _blocked(self, step: PlanStep) -> str:
+        return self._asker.blocked.get((step.place, step.text), "")
 
     def _is_wished(self, part: PartSettings) -> bool:
         device, its_part, settings = part
