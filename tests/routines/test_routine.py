@@ -165,6 +165,17 @@ async def test_runs_beside_each_other_all_go_on_after_a_restart() -> None:
         assert not is_on(world, "bar")
 
 
+async def test_a_message_that_nobody_got_is_a_failure() -> None:
+    message = {"name": "Message", "when": ["08:00"], "do": ["notify Good morning"]}
+    async with (
+        virtual_house_of(world=hall(), config=config(message), start="2026-01-01 07:50") as house,
+        Node(house.runtime.graph, "owner") as owner,
+    ):
+        await house.run_until("08:01")
+        (found,) = (await owner.create_client(ListRoutines, LIST_ROUTINES).call(RoutinesRequest())).routines
+    assert "'notify Good morning' failed: nobody was told" in found.notes[-1].text
+
+
 async def test_a_press_starts_it() -> None:
     world = hall()
     button = {"unique_id": "b", "name": "hall button", "state_topic": "b", "event_types": ["single", "double"]}

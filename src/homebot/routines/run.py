@@ -103,7 +103,9 @@ class RoutineRun:
             case SendRobot():
                 await self._drive(step)
             case Notify():
-                await self._owner.notify(step.text)
+                is_told = await self._owner.notify(step.text) or self._owner.context.rehearse is not None
+                if not is_told:
+                    self._owner.log_failure(f"notify {step.text}", "nobody was told; [notify] and the log say why")
             case Wait():
                 await self._sleep(place, step.seconds, until)
             case WaitUntil():
