@@ -6,13 +6,15 @@ import pytest
 
 from homebot.errors import UsageError
 from homebot.routines.conditions import AnyOf, Matches, OnDays, SunIs, read_condition
-from homebot.routines.times import TimeSpan
+from homebot.routines.times import SunMoment, SunSpan, TimeSpan
 
 
 def test_the_sun_days_and_times() -> None:
     assert read_condition("sun is down") == SunIs(is_up=False)
     assert read_condition("on weekends") == OnDays(frozenset({5, 6}))
     assert read_condition("after 22:00") == TimeSpan(time(22), time())
+    assert read_condition("after sunset - 30m") == SunSpan(SunMoment("sunset", "-30m"), time())
+    assert read_condition("not between dusk and 6:30") == SunSpan(time(6, 30), SunMoment("dusk", "0s"))
     assert read_condition("between 22:00 and 6:30") == TimeSpan(time(22), time(6, 30))
 
 

@@ -105,6 +105,29 @@ async def test_the_sun_starts_it() -> None:
         assert is_on(world, "hall_lamp")
 
 
+@pytest.mark.parametrize(
+    ("condition", "latitude", "holds"),
+    [
+        ("after sunset - 30m", 52.5, (False, True)),  # the sun sets at 15:02 UTC, and rises at 7:16
+        ("before sunset - 30m", 52.5, (True, True)),
+        ("between sunset - 30m and sunrise + 7h", 52.5, (True, True)),
+        ("between sunrise + 7h and 14:35", 52.5, (False, False)),
+        ("after sunset + 12h", 52.5, (False, False)),
+        ("after sunset", 80.0, (False, False)),  # it does not rise all winter
+    ],
+)
+async def test_the_sun_tells_a_part_of_the_day(condition: str, latitude: float, holds: tuple[bool, bool]) -> None:
+    world = hall()
+    routine = {"name": "Dusk", "when": ["14:10", "14:45"], "if": [condition], "do": ["hall lamp on"]}
+    async with virtual_house_of(
+        world=world, config=config(routine, latitude=latitude, longitude=13.4), start="2026-01-01 14:00"
+    ) as house:
+        await house.run_until("14:15")
+        early = is_on(world, "hall_lamp")
+        await house.run_until("14:50")
+        assert (early, is_on(world, "hall_lamp")) == holds
+
+
 async def test_a_state_that_lasts_starts_it() -> None:
     world = hall(kitchen_lamp=lamp("kitchen"))
     routine = {"name": "Forgotten", "when": ["hall lamp on for 10m"], "do": ["kitchen lamp on"]}

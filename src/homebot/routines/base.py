@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from datetime import datetime, time
 from functools import partial
 from typing import Any, Final, assert_never
 
@@ -20,7 +21,7 @@ from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.routines.conditions import AnyOf, Condition, Matches, OnDays, SunIs
 from homebot.routines.run import RoutineRun
-from homebot.routines.times import DaysAndTime, SunMoment, TimeSpan
+from homebot.routines.times import DaysAndTime, SunMoment, SunSpan, TimeSpan
 from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
 from homebot.routines.watches import ArrivalWatch, PersonWatch, PressWatch, begun, is_press
 
@@ -123,6 +124,9 @@ class RoutineBase(App[SettingsT_co]):
                 return self.now().weekday() in condition.days
             case TimeSpan():
                 return condition.contains(self.now())
+            case SunSpan():
+                span = condition.on_day(self._sun_time)
+                return span is not None and span.contains(self.now())
             case Matches():
                 query = QueryDevicesRequest(query=query_terms(condition.state.query))
                 answer = await self._query.call(query)
@@ -136,3 +140,14 @@ class RoutineBase(App[SettingsT_co]):
                 return False
             case _:
                 assert_never(condition)
+
+    def _sun_time(self, moment: SunMoment) -> time | None:
+        """Return the time of *moment* today, or the nearest if it is on another day; None if there is none."""
+        from homebot.apps.sun import sun_time  # noqa: PLC0415 - astral is for routines that ask
+
+        home, today = self.context, self.now().date()
+        at = sun_time(moment.event, home.latitude, home.longitude, moment.seconds).on(today, home.zone)
+        if at is None:
+            return None
+        found = datetime.fromtimestamp(at, home.zone)
+        return found.time() if found.date() == today else time.max if found.date() > today else time(microsecond=1)

@@ -9,7 +9,7 @@ from typing import Final, TypeAlias
 from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.routines.people import check_known, read_person
-from homebot.routines.times import TimeSpan, read_days_of_week
+from homebot.routines.times import SunSpan, TimeSpan, read_days_of_week, read_span
 from homebot.routines.triggers import (
     NOBODY,
     SUN,
@@ -60,7 +60,7 @@ class AnyOf:
     conditions: tuple["Condition", ...]
 
 
-Condition: TypeAlias = SunIs | OnDays | TimeSpan | Matches | Press | AnyOf
+Condition: TypeAlias = SunIs | OnDays | TimeSpan | SunSpan | Matches | Press | AnyOf
 """A press holds in the run that it started."""
 
 
@@ -107,7 +107,7 @@ def _of_time(text: str) -> Condition | None:
         return SunIs(is_up)
     if (days := read_days_of_week(text)) is not None:
         return OnDays(days)
-    return TimeSpan.read(text)
+    return read_span(text)
 
 
 def _of_people(text: str) -> Matches | None:
@@ -135,4 +135,6 @@ def _denied(condition: Condition) -> Condition:
             return OnDays(_ALL_DAYS - condition.days)
         case TimeSpan() if condition.begin != condition.end:
             return TimeSpan(condition.end, condition.begin)
+        case SunSpan() if condition.begin != condition.end:
+            return SunSpan(condition.end, condition.begin)
     raise UsageError("this would never hold; leave out the `not`")

@@ -11,7 +11,7 @@ from homebot.config import value_errors
 from homebot.routines.conditions import Condition, SunIs, single_conditions
 from homebot.routines.program import MOST, Branch, ConditionText, StepSetting, Text, conditions_of, program_of
 from homebot.routines.steps import Dim, Do, Undo, WaitUntil
-from homebot.routines.times import SunMoment
+from homebot.routines.times import SunMoment, SunSpan
 from homebot.routines.triggers import Becomes, Trigger, read_trigger
 from homebot.support.folding import fold
 
@@ -68,7 +68,7 @@ class RoutineSettings(AppSettings):
 
     def asking_the_sun(self) -> tuple[str, ...]:
         """Return its texts for which the place of the home must be known."""
-        return tuple(text for text, one in self.asked() if isinstance(one, SunMoment | SunIs))
+        return tuple(text for text, one in self.asked() if isinstance(one, SunMoment | SunIs | SunSpan))
 
     def written(self) -> dict[str, object]:
         """Return its table as a person would write it: without default values."""

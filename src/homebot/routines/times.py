@@ -1,6 +1,7 @@
 """Times of the day and of the sun in the texts of routines. Pure."""
 
 import re
+from collections.abc import Callable
 from datetime import datetime, time
 from difflib import get_close_matches
 from typing import Final, NamedTuple
@@ -9,7 +10,17 @@ from homebot.apps.wall_time import LONGEST_OFFSET, read_days, read_time
 from homebot.errors import UsageError
 from homebot.units import parse_duration
 
-__all__ = ["SUN_EVENTS", "DaysAndTime", "SunMoment", "TimeSpan", "read_days_of_week", "read_duration", "time_hint"]
+__all__ = [
+    "SUN_EVENTS",
+    "DaysAndTime",
+    "SunMoment",
+    "SunSpan",
+    "TimeSpan",
+    "read_days_of_week",
+    "read_duration",
+    "read_span",
+    "time_hint",
+]
 
 SUN_EVENTS: Final = ("dawn", "sunrise", "noon", "sunset", "dusk")
 _DAYS: Final = {
@@ -20,8 +31,8 @@ _DAYS: Final = {
 _ALIKE: Final = 0.8
 _SUN: Final = re.compile(rf"(?P<event>{'|'.join(SUN_EVENTS)})(?:\s*(?P<sign>[+-])\s*(?P<offset>.+))?")
 _CLOCK: Final = re.compile(r"(?P<time>\d{1,2}:\d\d(?::\d\d)?)(?:\s+on\s+(?P<days>.+))?")
-_BETWEEN: Final = re.compile(r"between\s+(?P<begin>\S+)\s+and\s+(?P<end>\S+)")
-_HALF: Final = re.compile(r"(?P<word>after|before)\s+(?P<time>\d\S*)")
+_BETWEEN: Final = re.compile(r"between\s+(?P<begin>.+?)\s+and\s+(?P<end>.+)")
+_HALF: Final = re.compile(r"(?P<word>after|before)\s+(?P<end>.+)")
 
 
 class SunMoment(NamedTuple):
@@ -29,6 +40,12 @@ class SunMoment(NamedTuple):
 
     event: str
     offset: str
+
+    @property
+    def seconds(self) -> float:
+        """The offset."""
+        length = read_duration(self.offset.removeprefix("-"))
+        return -length if self.offset.startswith("-") else length
 
     @classmethod
     def read(cls, text: str) -> "SunMoment | None":
@@ -74,20 +91,6 @@ class TimeSpan(NamedTuple):
     begin: time
     end: time
 
-    @classmethod
-    def read(cls, text: str) -> "TimeSpan | None":
-        """Return the span *text*: ``after 22:00``, ``before 6:30`` or ``between 22:00 and 6:30``; None if it is none.
-
-        Raises:
-            UsageError: A time of it does not exist.
-        """
-        if (found := _BETWEEN.fullmatch(text)) is not None:
-            return cls(read_time(found["begin"]), read_time(found["end"]))
-        if (half := _HALF.fullmatch(text)) is None:
-            return None
-        at = read_time(half["time"])
-        return cls(at, time()) if half["word"] == "after" else cls(time(), at)
-
     def contains(self, at: datetime) -> bool:
         """Return whether the time of day *at* is in the span."""
         return self.has(at.time())
@@ -101,6 +104,34 @@ class TimeSpan(NamedTuple):
         if self.begin < self.end:
             return self.begin <= now < self.end
         return now >= self.begin or now < self.end
+
+
+class SunSpan(NamedTuple):
+    """A part of each day of which the sun tells an end, or both."""
+
+    begin: time | SunMoment
+    end: time | SunMoment
+
+    def on_day(self, time_of: Callable[[SunMoment], time | None]) -> TimeSpan | None:
+        """Return the part of one day, with the times of *time_of*; None if the sun does not rise or set then."""
+        begin, end = (one if isinstance(one, time) else time_of(one) for one in self)
+        return None if begin is None or end is None else TimeSpan(begin, end)
+
+
+def read_span(text: str) -> TimeSpan | SunSpan | None:
+    """Return the span *text*: ``after 22:00``, ``before sunrise``, ``between sunset - 30m and 6:30``; None for none.
+
+    Raises:
+        UsageError: A time of it does not exist.
+    """
+    if (found := _BETWEEN.fullmatch(text)) is not None:
+        begin, end = (SunMoment.read(one) or read_time(one) for one in found.groups())
+    elif (half := _HALF.fullmatch(text)) is not None and (half["end"][0].isdigit() or SunMoment.read(half["end"])):
+        at = SunMoment.read(half["end"]) or read_time(half["end"])
+        begin, end = (at, time()) if half["word"] == "after" else (time(), at)
+    else:
+        return None
+    return TimeSpan(begin, end) if isinstance(begin, time) and isinstance(end, time) else SunSpan(begin, end)
 
 
 def read_days_of_week(text: str) -> frozenset[int] | None:
@@ -119,7 +150,7 @@ def time_hint(text: str) -> str:
         return "write a time like '22:00 on weekdays', or as a condition 'after 22:00' or 'between 22:00 and 6:30'"
     words = text.casefold().split()
     if "sun" in words or any(get_close_matches(one, SUN_EVENTS, cutoff=_ALIKE) for one in words):
-        return "write a moment like 'sunset - 30m', or as a condition 'sun is down'"
+        return "write a moment like 'sunset - 30m', or as a condition 'sun is down' or 'after sunset - 30m'"
     return ""
 
 

@@ -11,7 +11,7 @@ from homebot.devices.query.terms import Query, StateIs, leaves, split_near
 from homebot.devices.query.tokens import tokens_of
 from homebot.errors import UsageError
 from homebot.routines.people import HOME_FACTS, check_known, may_begin, read_move, read_person
-from homebot.routines.times import DaysAndTime, SunMoment, TimeSpan, read_days_of_week, read_duration, time_hint
+from homebot.routines.times import DaysAndTime, SunMoment, read_days_of_week, read_duration, read_span, time_hint
 from homebot.support.folding import fold
 
 __all__ = [
@@ -164,7 +164,7 @@ def is_no_state(text: str) -> bool:
         UsageError: It is one with a mistake.
     """
     plain = text.casefold().removeprefix("not ")
-    if plain in SUN or NOBODY.fullmatch(plain) or TimeSpan.read(plain) or _read_other(plain):
+    if plain in SUN or NOBODY.fullmatch(plain) or read_span(plain) or _read_other(plain):
         return True
     with suppress(UsageError):  # `on lamps` are no days
         return read_days_of_week(plain) is not None
@@ -177,7 +177,7 @@ def check_alone(text: str, *words: str) -> None:
     Raises:
         UsageError: It joins others.
     """
-    for word in () if TimeSpan.read(text) else words:
+    for word in () if read_span(text) else words:
         parts = divided(text, word)
         for part in filter(is_no_state, parts if len(parts) > 1 else ()):
             raise UsageError(f"{text!r}: `{word}` joins only states of devices here; write {part!r} for itself")

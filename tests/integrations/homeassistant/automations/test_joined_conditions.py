@@ -16,7 +16,7 @@ from homebot.devices.query.matching import fits
 from homebot.devices.value import Value
 from homebot.routines.conditions import AnyOf, Condition, Matches, OnDays, SunIs, read_condition
 from homebot.routines.text import read_routines
-from homebot.routines.times import TimeSpan
+from homebot.routines.times import SunSpan, TimeSpan
 
 LAMP, PLUG = (next(one for one in HOUSE if one.name == name) for name in ("Hall lamp", "Kitchen plug"))
 LEAVES = {
@@ -24,6 +24,8 @@ LEAVES = {
     "plug": {"condition": "state", "entity_id": "switch.kitchen_plug", "state": "off"},
     "night": {"condition": "sun", "after": "sunset", "before": "sunrise"},
     "late": {"condition": "time", "after": "18:00", "before": "02:00"},
+    "evening": {"condition": "sun", "after": "sunset", "after_offset": "-01:00:00"},
+    "dark": {"condition": "sun", "after": "sunset", "before": "sunrise", "before_offset": "00:30:00"},
     "weekend": {"condition": "time", "weekday": ["sat", "sun"]},
 }
 Tree = str | tuple[str, list["Tree"]]
@@ -32,7 +34,9 @@ TREES: st.SearchStrategy[Tree] = st.recursive(
     lambda inner: st.tuples(st.sampled_from(["and", "or", "not"]), st.lists(inner, min_size=1, max_size=3)),
     max_leaves=6,
 )
-MOMENTS = [datetime(2024, 6, day, hour) for day in (7, 8) for hour in (1, 3, 19)]  # noqa: DTZ001 - in the home's zone
+HOUR = 3600
+SUN = {"sunset": 20, "sunrise": 6}
+MOMENTS = [datetime(2024, 6, day, hour) for day in (7, 8) for hour in (1, 9, 19)]  # noqa: DTZ001 - in the home's zone
 
 
 def written(tree: Tree) -> object:
@@ -54,6 +58,9 @@ def holds_here(condition: Condition, facts: dict[str, bool], at: datetime) -> bo
             return condition.is_up is not facts["night"]
         case TimeSpan():
             return condition.contains(at)
+        case SunSpan():
+            span = condition.on_day(lambda one: time(SUN[one.event] + round(one.seconds / HOUR)))
+            return span is not None and span.contains(at)
         case OnDays():
             return at.weekday() in condition.days
         case Matches():
@@ -69,6 +76,7 @@ def holds_here(condition: Condition, facts: dict[str, bool], at: datetime) -> bo
 
 @settings(deadline=None)
 @given(TREES)
+@example(("not", ["dark"]))
 @example(("or", ["lamp", ("not", ["plug"])]))
 @example(("or", [("not", ["lamp"]), "plug"]))
 def test_they_hold_at_the_same_moments(tree: Tree) -> None:
@@ -82,7 +90,7 @@ def test_they_hold_at_the_same_moments(tree: Tree) -> None:
     routines = [] if never else read_routines(found.texts[0], "")
     conditions = [read_condition(text) for one in routines for text in cast("list[str]", one.table.get("if", []))]
     for lamp, plug, night, at in product((True, False), (True, False), (True, False), MOMENTS):
-        is_late = not time(2) <= at.time() < time(18)
-        facts = {"lamp": lamp, "plug": plug, "night": night, "late": is_late, "weekend": at.weekday() > 4}
+        of_time = {"late": at.hour in {1, 19}, "evening": at.hour == 19, "dark": at.hour == 1}
+        facts = {"lamp": lamp, "plug": plug, "night": night, "weekend": at.weekday() > 4, **of_time}
         here = not never and all(holds_here(one, facts, at) for one in conditions)
         assert here is holds_there(tree, facts), (automations, conditions, facts)

@@ -11,8 +11,8 @@ from typing import Final, TypeAlias
 
 from homebot.integrations.homeassistant.automations.automation import Automation
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
-from homebot.integrations.homeassistant.automations.states import STATES, state_of_template
-from homebot.routines.times import TimeSpan
+from homebot.integrations.homeassistant.automations.states import STATES, state_of_template, sun_moment
+from homebot.routines.times import read_span
 from homebot.support.located import Located
 
 __all__ = ["JOINTS", "NEVER", "Condition", "conditions_of", "texts_of"]
@@ -28,23 +28,14 @@ JOINTS: Final = ("and", "or", "not")
 _MOST: Final = 50
 """Conditions that an ``or`` or ``not`` of others becomes."""
 
-_DAY, _NIGHT = ("sun is up",), ("sun is down",)
-_SUN: Final[dict[tuple[str, str], list[Condition]]] = {
-    ("sunset", "sunrise"): [_NIGHT],
-    ("sunrise", "sunset"): [_DAY],
-    ("sunset", ""): [_NIGHT, ("after 12:00",)],  # until midnight
-    ("", "sunrise"): [_NIGHT, ("before 12:00",)],
-    ("sunrise", ""): [(*_DAY, "after 12:00")],
-    ("", "sunset"): [(*_DAY, "before 12:00")],
+_BY_SUN: Final[dict[Condition, list[Condition]]] = {
+    ("after sunset", "before sunrise"): [("sun is down",)],
+    ("after sunrise", "before sunset"): [("sun is up",)],
 }
-"""By ``after`` and ``before``."""
-
+_OPPOSITES: Final = {"sun is up": "sun is down", "sun is down": "sun is up"}
+_OTHER_SIDE: Final = {"after": "before", "before": "after"}
 _LIMIT: Final = re.compile(r"(?P<value>[^<>]*)(?P<sign>[<>])(?P<number>[-+.e\d]+\))")
 _LIMITS: Final = re.compile(r"[<>][-+.e\d]+ \w+[<>][-+.e\d]+\)$")
-_OPPOSITES: Final = {
-    **dict(zip(("sun is up", "sun is down"), ("sun is down", "sun is up"), strict=True)),
-    **dict(zip(("after 12:00", "before 12:00"), ("before 12:00", "after 12:00"), strict=True)),
-}
 
 
 def conditions_of(automation: Automation, nodes: Sequence[Located]) -> list[Condition]:
@@ -112,10 +103,13 @@ def _state(text: str) -> Condition:
 
 
 def _sun(fields: UnreadFields) -> list[Condition]:
-    told = fields.text("after", ""), fields.text("before", "")
-    if told not in _SUN:
-        raise NotCarriedError("condition sun: routines know day and night, but no such part of a day")
-    return _SUN[told]
+    events = {side: fields.text(side, "") for side in _OTHER_SIDE}
+    texts = [f"{side} {sun_moment(fields, event, f'{side}_offset')}" for side, event in events.items() if event]
+    if not texts:
+        raise NotCarriedError("condition sun: `after` and `before` are missing")
+    if (found := _BY_SUN.get(tuple(texts))) is not None:
+        return found
+    return [tuple(texts)] if [*events.values()] == ["sunset", "sunrise"] else [(one,) for one in texts]
 
 
 def _time(fields: UnreadFields) -> list[Condition]:
@@ -125,7 +119,7 @@ def _time(fields: UnreadFields) -> list[Condition]:
             texts = [f"between {begin} and {end}"]
         case _:
             texts = [f"{word} {one}" for word, times in (("after", after), ("before", before)) for one in times]
-    spans = [one for one in texts if (span := TimeSpan.read(one)) and span.begin != span.end]  # others hold always
+    spans = [one for one in texts if (span := read_span(one)) and span.begin != span.end]  # others hold always
     return [(one,) for one in (*spans, days) if one]
 
 
@@ -134,7 +128,7 @@ def _any_of(each: Sequence[list[Condition]]) -> list[Condition]:
     if prod(map(len, each)) > _MOST:
         raise NotCarriedError("condition: too many of them joined by `or` and `not`")
     found = [tuple(dict.fromkeys(chain.from_iterable(one))) for one in product(*each)]
-    found = [one for one in found if not any(_OPPOSITES.get(text) in one for text in one)]
+    found = [one for one in found if not any(_other_time(text) in one for text in one)]
     return [one for one in found if not any({*other} < {*one} for other in found)]
 
 
@@ -150,4 +144,10 @@ def _opposite(text: str) -> str:
         return f"{limit['value']}{'<=' if limit['sign'] == '>' else '>='}{limit['number']}"
     if _LIMITS.search(text):
         raise NotCarriedError("condition not: both `above` and `below`; write two conditions")
-    return _OPPOSITES.get(text) or (text.removeprefix("not ") if text.startswith("not ") else f"not {text}")
+    return _other_time(text) or (text.removeprefix("not ") if text.startswith("not ") else f"not {text}")
+
+
+def _other_time(text: str) -> str:
+    """Return the opposite of a condition of time; empty for any other."""
+    side, _, moment = text.partition(" ")
+    return f"{_OTHER_SIDE[side]} {moment}" if side in _OTHER_SIDE else _OPPOSITES.get(text, "")

@@ -20,7 +20,7 @@ from homebot.integrations.homeassistant.automations.fields import NotCarriedErro
 from homebot.routines.triggers import read_state
 from homebot.support.folding import fold
 
-__all__ = ["STATES", "SUN", "state_of_template", "state_texts"]
+__all__ = ["STATES", "SUN", "state_of_template", "state_texts", "sun_moment"]
 
 _IS_STATE: Final = re.compile(
     r"\{\{ *(?:is_state\( *'([\w.]+)' *, *'([^']+)' *\)|states\( *'([\w.]+)' *\) *== *'([^']+)') *\}\}"
@@ -42,6 +42,14 @@ SUN: Final = {
 
 _ON: Final = frozenset({"on", "opened", "open", "occupied", "motion", "moist"})
 """The states of triggers and conditions of devices that are ``on``; others are told with ``not`` or ``no``."""
+
+
+def sun_moment(fields: UnreadFields, event: str, key: str) -> str:
+    """Return the moment of an *event* of the sun, with the offset in the field *key*."""
+    offset = fields.duration(key)
+    if event not in {"sunset", "sunrise"}:
+        raise NotCarriedError(f"sun: there is no event {event!r}")
+    return f"{event} - {offset[1:]}" if offset.startswith("-") else f"{event} + {offset}" if offset else event
 
 
 def state_texts(entities: Entities, entity_id: str, states: Sequence[str], key: str = "state") -> list[str]:

@@ -10,12 +10,11 @@ from homebot.errors import UsageError
 from homebot.integrations.homeassistant.automations.automation import Automation
 from homebot.integrations.homeassistant.automations.entities import KnownEntity, text_value
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
-from homebot.integrations.homeassistant.automations.states import STATES, state_texts
+from homebot.integrations.homeassistant.automations.states import STATES, state_texts, sun_moment
 from homebot.routines.triggers import Press, read_trigger
 
 __all__ = ["read_triggers"]
 
-_SUN: Final = ("sunset", "sunrise")
 _OPPOSITES: Final = {
     "on": "off",
     "off": "on",
@@ -35,7 +34,7 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[str]:
         case "time":
             return _times(fields)
         case "sun":
-            return [_sun(fields)]
+            return [sun_moment(fields, fields.text("event"), "offset")]
         case "device" if "entity_id" not in fields:
             return [_device_press(automation, fields)]
         case "state":
@@ -51,13 +50,6 @@ def _times(fields: UnreadFields) -> list[str]:
     if not times:
         raise NotCarriedError("trigger time: `at` is missing")
     return times
-
-
-def _sun(fields: UnreadFields) -> str:
-    event, offset = fields.text("event"), fields.duration("offset")
-    if event not in _SUN:
-        raise NotCarriedError(f"trigger sun: there is no event {event!r}")
-    return f"{event} - {offset[1:]}" if offset.startswith("-") else f"{event} + {offset}" if offset else event
 
 
 def _state(automation: Automation, fields: UnreadFields) -> list[str]:
