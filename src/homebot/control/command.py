@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from math import inf
@@ -78,6 +78,7 @@ class IssuedCommand:
         why_it_asks: Why the part is one that always asks; empty if it is not.
         warnings: By policy, the reasons why it might better not be given; the outcome shows them.
         shared: The message to a group that may take the place of its first sending; None for none.
+        members: The parts that it sets too, as a command to a group does.
     """
 
     id: str
@@ -100,6 +101,7 @@ class IssuedCommand:
     why_it_asks: str = field(init=False)
     warnings: dict[str, str] = field(init=False, default_factory=dict)
     shared: SharedSending | None = field(default=None, repr=False)
+    members: Sequence[tuple[Device, DevicePart]] = ()
 
     def __post_init__(self) -> None:
         self.place = self.device.id, self.part.id

@@ -123,11 +123,12 @@ class CommandExecutor:
             outcome = no_such_part(request.device, request.part, device, name)
         else:
             command = self._issued(name, request, device, part, asked_at)
+            if part.part.members:
+                command.members = await self._lookup.members(device, part)
             if request.batch:
                 await self._together.join(command, request)
-            agreed: IssuedCommand | Outcome = command
-            if request.ask_first or command.is_client or command.part.part.members:
-                agreed = await self._agreed(command, ask_first=request.ask_first)
+            is_checked = request.ask_first or command.is_client or command.members
+            agreed = await self._agreed(command, ask_first=request.ask_first) if is_checked else command
             if not isinstance(agreed, Outcome):
                 agreed = self._with_warnings(agreed, await self._carry_out(agreed))
             outcome = agreed
@@ -158,10 +159,11 @@ class CommandExecutor:
             outcome = replace(outcome or Gone(), command_id=name)
         else:
             rights, settings = self._policies.rights(issuer), {read.capability: read.value.plain()}
+            members = await self._lookup.members(device, part) if part.part.members else ()
             command = IssuedCommand(
-                name, device, part, settings, issuer, rights, trigger, asked_at, request.scope, text
+                name, device, part, settings, issuer, rights, trigger, asked_at, request.scope, text, members=members
             )
-            agreed = await self._agreed(command) if command.is_client or part.part.members else command
+            agreed = await self._agreed(command) if command.is_client or command.members else command
             is_code = shown != (read,)
             outcome = agreed if isinstance(agreed, Outcome) else await self._send_text(agreed, text, is_code=is_code)
         if outcome is None:
@@ -171,9 +173,9 @@ class CommandExecutor:
 
     async def _agreed(self, command: IssuedCommand, *, ask_first: bool = False) -> IssuedCommand | Outcome:
         """Return *command* if no member refuses it, and once a person has agreed, if one must; else its outcome."""
-        if command.part.part.members and (refused := await self._together.refusal_of_members(command)) is not None:
+        if (refused := self._together.refusal_of_members(command)) is not None:
             return refused
-        if not (ask_first or await self.questions.must_ask(command)):
+        if not (ask_first or self.questions.must_ask(command)):
             return command
         return self.check(command, is_preview=True) or await self.questions.agreed(command)
 
@@ -212,7 +214,7 @@ class CommandExecutor:
             assumed = self._sending.rehearse(command, self.timelines.of(command.device, command.part))
             if assumed is not None:
                 return assumed
-        await self._record_text(command, order_of(command), self._clock.monotonic())
+        self._record_text(command, order_of(command), self._clock.monotonic())
         return await self._sending.send_text(command, text, is_code=is_code)
 
     async def record_raw(self, name: str, device: Device, gateway: str, raw: RawCommand) -> None:
@@ -221,9 +223,11 @@ class CommandExecutor:
         rights, settings = self._policies.rights(raw.issuer), {read.capability: read.value.plain()}
         command = IssuedCommand(name, device, part, settings, raw.issuer, rights, raw.trigger, self._clock.now())
         order = replace(order_of(command), is_foreign=True)
-        await self._record_text(command, order, self._clock.monotonic() - durations.OVERTAKEN)
+        self._record_text(command, order, self._clock.monotonic() - durations.OVERTAKEN)
+        if part.part.members:
+            self.timelines.command_members(order, await self._lookup.members(device, part))
 
-    async def _record_text(self, command: IssuedCommand, order: Order, at: float) -> None:
+    def _record_text(self, command: IssuedCommand, order: Order, at: float) -> None:
         """Record that *command* is sent as a text, which is for all parts of its device if it is not understood."""
         device = command.device
         if command.place in self.leases.parts:
@@ -231,12 +235,8 @@ class CommandExecutor:
         is_for_all = UNREAD in command.settings and device.parts
         for part in device.parts if is_for_all else (command.part,):
             self.timelines.of(device, part).command(order, at, is_raw=True)
-        if command.part.part.members:
-            await self._record_members(command, order)
-
-    async def _record_members(self, command: IssuedCommand, order: Order) -> None:
-        """Record a command to a group for the parts that its source lists as its members."""
-        self.timelines.command_members(order, await self._lookup.members(command.device, command.part))
+        if command.members:
+            self.timelines.command_members(order, command.members)
 
     def _issued(self, name: str, request: CommandRequest, device: Device, part: DevicePart, at: float) -> IssuedCommand:
         asked = {one.capability: one.value.plain() for one in request.settings}
@@ -276,8 +276,8 @@ class CommandExecutor:
             rehearsal = self._sending.rehearsal
             if rehearsal is not None and (assumed := self._sending.rehearse(command, opened.timeline)) is not None:
                 return await self._rehearsed(opened, assumed)
-            if command.part.part.members:
-                await self._record_members(command, opened.progress.order)
+            if command.members:
+                self.timelines.command_members(opened.progress.order, command.members)
             witnesses = await self.witnesses.begin(opened)
             outcome = await self._sending.run(opened)
             if witnesses:

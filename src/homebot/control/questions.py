@@ -61,14 +61,11 @@ class Questions:
         self._ends: BoundedMap[str, str] = BoundedMap(_MOST_DENIED)  # for late answers
         self._denied: BoundedMap[tuple[object, ...], tuple[str, float]] = BoundedMap(_MOST_DENIED)
 
-    async def must_ask(self, command: IssuedCommand) -> bool:
+    def must_ask(self, command: IssuedCommand) -> bool:
         """Return whether a person must agree to *command*, or to the same for a member of the group that it is for."""
         if must_ask(command):
             return True
-        if not (command.part.part.members and command.is_client):
-            return False
-        members = await self._lookup.members(command.device, command.part)
-        return any(must_ask(replace(command, device=one, part=part)) for one, part in members)
+        return any(must_ask(replace(command, device=one, part=part)) for one, part in command.members)
 
     async def agreed(self, command: IssuedCommand) -> IssuedCommand | Outcome:
         """As :meth:`ask`, but return *command* for the device as it is by then, instead of None."""

@@ -87,13 +87,13 @@ class Together:
         if self._batches.get(key) is batch:
             del self._batches[key]
 
-    async def refusal_of_members(self, group: IssuedCommand) -> Refused | None:
+    def refusal_of_members(self, group: IssuedCommand) -> Refused | None:
         """Return why rights, a lease, a policy or a missing approval refuse the command to a member of *group*.
 
         None for a scene. A right by a query that fits the group is one to its members.
         """
         is_group, is_named = group.part.part.is_group, names_it(group)
-        for device, part in await self._lookup.members(group.device, group.part) if is_group else ():
+        for device, part in group.members if is_group else ():
             command = replace(group, device=device, part=part, rights=ALL_RIGHTS if is_named else group.rights)
             problem = "" if is_named or not group.is_client else self._policies.client_refusal(command)
             refused = Refused(CLIENT_RIGHTS, problem) if problem else self._refusal(command)
