@@ -2,7 +2,7 @@
 
 import asyncio
 import tomllib
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 
@@ -11,18 +11,24 @@ from tests.apps.houses import flat, lamp, motion
 
 from homebot.cli.commands.replay import difference_text
 from homebot.config import parse_config
+from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.device import part_names
-from homebot.devices.names import READ_RECORDING, START_RECORDER
+from homebot.devices.history_messages import MOST_POINTS, HistorySeries, ReadHistory, ReadHistoryRequest
+from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.names import READ_HISTORY, READ_RECORDING, START_RECORDER
+from homebot.devices.services import FindDevicesRequest
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world
+from homebot.messages import Time
 from homebot.messages.std_srvs import Trigger, TriggerRequest
 from homebot.recording.recording import Recording, read_recording
 from homebot.recording.session import ReadRecording, ReadRecordingRequest
 from homebot.replay.command_diff import CommandDiff, command_diff
+from homebot.replay.history_recording import history_recording
 from homebot.replay.replay import Replayed, replay, replay_config
 from homebot.support.virtual_time import VirtualTimeLoop
-from homebot.testing import virtual_house_of
+from homebot.testing import VirtualHouse, virtual_house_of
 
 FAMILY = (Path(__file__).parents[2] / "examples" / "houses" / "family.toml").read_text("utf-8")
 APPS = {
@@ -31,6 +37,24 @@ APPS = {
     "window_heating": {"class": "homebot.apps.window_heating:WindowHeating"},
     "follow_me": {"class": "homebot.apps.follow_me:FollowMe"},
 }
+
+
+async def history_of(
+    house: VirtualHouse, since: float, commands: Sequence[JournalEntry], is_wanted: Callable[[Device], bool]
+) -> Recording:
+    """The time from *since* on as a recording, made of the history of the devices that are wanted."""
+    until = house.now.timestamp()
+    begin, end = Time.from_seconds(since), Time.from_seconds(until)
+    async with Node(house.runtime.graph, "historian") as node:
+        devices = (await node.create_client(FindDevices, FIND_DEVICES).call(FindDevicesRequest())).devices
+        history = node.create_client(ReadHistory, READ_HISTORY)
+        series: list[HistorySeries] = []
+        for device in filter(is_wanted, devices):
+            asked = ReadHistoryRequest(device=device.id, points=MOST_POINTS, since=begin, until=end)
+            answer = await history.call(asked)
+            assert answer.success, answer.message
+            series += answer.series
+    return history_recording("home425", devices, series, commands, since, until)
 
 
 class MemorySink:

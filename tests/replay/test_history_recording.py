@@ -5,19 +5,14 @@ import json
 
 import pytest
 from tests.apps.houses import hall
+from tests.replay.recorded_days import history_of
 
 from homebot.config import parse_config
-from homebot.devices import FIND_DEVICES, Device, FindDevices
-from homebot.devices.history_messages import HistorySeries, ReadHistory, ReadHistoryRequest
-from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
-from homebot.devices.names import READ_HISTORY, READ_JOURNAL, TAG_DEVICE
+from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest
+from homebot.devices.names import READ_JOURNAL, TAG_DEVICE
 from homebot.devices.places_messages import TagDevice
-from homebot.devices.query.term_messages import query_terms
-from homebot.devices.query.terms import And
-from homebot.devices.services import FindDevicesRequest
 from homebot.graph import Node
-from homebot.messages import Time
-from homebot.replay.history_recording import history_recording
+from homebot.recording.recording import Recording
 from homebot.replay.replay import Replayed, replay
 from homebot.replay.routine_trial import trial_config, tried
 from homebot.testing import VirtualTimeLoop, virtual_house_of
@@ -35,7 +30,7 @@ ROUTINES = {
 }
 
 
-async def lived() -> tuple[tuple[Device, ...], tuple[HistorySeries, ...], tuple[JournalEntry, ...], float, float]:
+async def lived() -> Recording:
     """Half an hour in which Anna comes twice; the owner has tagged the lamp, and turns it on and off by hand.
 
     Nothing follows the presses of a button.
@@ -59,21 +54,14 @@ async def lived() -> tuple[tuple[Device, ...], tuple[HistorySeries, ...], tuple[
             await house.run_for("3m")
             await house.says("button", json.dumps({"event_type": press}))
         await house.run_until("08:30")
-        until = house.now.timestamp()
-        since = until - 29.5 * 60
-        devices = (await owner.create_client(FindDevices, FIND_DEVICES).call(FindDevicesRequest())).devices
-        begin, end = Time.from_seconds(since), Time.from_seconds(until)
-        asked = ReadHistoryRequest(query=query_terms(And(())), points=5000, since=begin, until=end)
-        history = await owner.create_client(ReadHistory, READ_HISTORY).call(asked)
-        assert history.success, history.message
         journal = await owner.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest())
-        return devices, history.series, journal.entries, since, until
+        return await history_of(house, house.now.timestamp() - 29.5 * 60, journal.entries, lambda _: True)
 
 
 @pytest.fixture(scope="module")
 def replayed() -> Replayed:
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
-        recording = history_recording("home425", *runner.run(lived()))
+        recording = runner.run(lived())
     config = trial_config(recording, parse_config(ROUTINES, "new.toml"))
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
         loop = runner.get_loop()

@@ -4,6 +4,7 @@ import asyncio
 import re
 import tomllib
 from collections import Counter
+from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from tests.guide import guide
 from tests.routines.week import ROUTINES, Week, week
 
 from homebot.config import Config, Table, load_config
-from homebot.recording.recording import TimedCommand
+from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.replay import Replayed, replay, replay_config
 from homebot.replay.routine_trial import trial_config
 from homebot.routines.export import app_text, class_name
@@ -33,14 +34,14 @@ def lived() -> Week:
 
 @pytest.fixture(scope="module")
 def tried(lived: Week) -> Replayed:
-    return replayed(lived, trial_config(lived.recording, load_config(ROUTINES)))
+    return replayed(lived.recording, trial_config(lived.recording, load_config(ROUTINES)))
 
 
-def replayed(lived: Week, config: Config) -> Replayed:
+def replayed(recording: Recording, config: Config) -> Replayed:
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
         loop = runner.get_loop()
         assert isinstance(loop, VirtualTimeLoop)
-        return runner.run(replay(lived.recording, config, loop.settled))
+        return runner.run(replay(recording, config, loop.settled))
 
 
 def in_words(one: TimedCommand) -> tuple[object, ...]:
@@ -75,6 +76,19 @@ def test_a_trial_of_them_gives_the_same_commands_because_of_the_same_triggers(li
     ]
 
 
+def test_so_does_a_trial_by_the_history(lived: Week) -> None:
+    """Its times are whole milliseconds, in which the simulated devices have obeyed already."""
+    tried = replayed(lived.history, trial_config(lived.history, load_config(ROUTINES)))
+
+    def given(commands: Iterable[TimedCommand]) -> list[str]:
+        return sorted(f"{one.at:.1f} {in_words(one)[1:-1]}" for one in commands)  # each value is its own report
+
+    assert given(tried.commands) == given(lived.recording.commands)
+    assert [(one.app, one.message) for one in tried.notifications] == [
+        (one.app, one.message) for one in lived.notifications
+    ]
+
+
 def test_the_same_as_exported_apps_do_the_same(lived: Week, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(tmp_path)
     apps: dict[str, Table] = {}
@@ -84,7 +98,7 @@ def test_the_same_as_exported_apps_do_the_same(lived: Week, tmp_path: Path, monk
         (tmp_path / f"{app}.py").write_text(app_text(settings))
         import_module(app)  # a file is not read on the event loop
         apps[app] = {"class": f"{app}:{class_name(settings)}"}
-    found = replayed(lived, replay_config(lived.recording, (), load_config(ROUTINES), apps))
+    found = replayed(lived.recording, replay_config(lived.recording, (), load_config(ROUTINES), apps))
     assert found.crashes == {}
     assert [*map(in_words, found.commands)] == [*map(in_words, lived.recording.commands)]
 

@@ -9,14 +9,21 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import anyio
-from tests.replay.recorded_days import MemorySink, recording_of
+from tests.replay.recorded_days import MemorySink, history_of, recording_of
 from tests.sizes import size
 
 import homebot.house
 from homebot.apps.notifier import Notification
+from homebot.config import load_config, parse_settings
+from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.names import JOURNAL_ENTRIES
+from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world
 from homebot.recording.recording import Recording
+from homebot.replay.routine_trial import routines_of
+from homebot.routines.checks import asked_about
+from homebot.routines.settings import RoutineSettings
 from homebot.support.virtual_time import VirtualTimeLoop
 from homebot.testing import VirtualHouse, virtual_house_of
 
@@ -64,9 +71,10 @@ _DAY: tuple[tuple[str, str, str], ...] = (
 
 
 class Week(NamedTuple):
-    """A recorded week and the notifications of it."""
+    """A recorded week, what the history has of it, and the notifications of it."""
 
     recording: Recording
+    history: Recording
     notifications: tuple[Notification, ...]
 
 
@@ -76,24 +84,32 @@ def week() -> Week:
     days = size(usual=2, nightly=7)
     sink = MemorySink()
     told: list[Notification] = []
+    kept: list[Recording] = []
+    given = load_config(ROUTINES)
+    read = [parse_settings(RoutineSettings, one, given.source, name) for name, one in routines_of(given)]
 
     async def live() -> None:
-        config = tomllib.loads(ROUTINES.read_text("utf-8"))
+        config = tomllib.loads(ROUTINES.read_text("utf-8")) | {"history": {"enabled": True}}
         async with (
             virtual_house_of(world=_family(), config=config, start=_START, record_into=sink) as house,
+            Node(house.runtime.graph, "owner") as owner,
             anyio.create_task_group() as tasks,
         ):
+            began = house.now.timestamp()
+            entries: list[JournalEntry] = []
+            owner.create_subscription(JournalEntry, JOURNAL_ENTRIES, entries.append, 1000)
             for name, announced in _ANNOUNCED.items():
                 await house.says(f"homeassistant/{name}/config", json.dumps(announced | {"unique_id": name}))
             tasks.start_soon(_vacuum, house)
             for _ in range(days):
                 await _live_a_day(house)
             told.extend(house.notifications)
+            kept.append(await history_of(house, began, entries, asked_about(read)))
             tasks.cancel_scope.cancel()
 
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
         runner.run(live())
-    return Week(recording_of(sink.lines), tuple(told))
+    return Week(recording_of(sink.lines), kept[0], tuple(told))
 
 
 def _family() -> World:

@@ -1,14 +1,14 @@
 """The last days of a running homebot as a recording, from its history and its journal."""
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Final
 
 from homebot.cli.device_queries import house_time
 from homebot.cli.door_client import DoorClient
 from homebot.devices import Device, FindDevices
 from homebot.devices.history_messages import MOST_POINTS, HistorySeries, ReadHistory
-from homebot.devices.journal_messages import ReadJournalResponse
+from homebot.devices.journal_messages import JournalEntry, ReadJournalResponse
 from homebot.devices.names import FIND_DEVICES, READ_HISTORY, READ_JOURNAL
 from homebot.errors import PeerError
 from homebot.messages.builtin_interfaces import Time
@@ -20,6 +20,7 @@ from homebot.support.printable import printable
 __all__ = ["read_house_history"]
 
 _LONGEST: Final = 60.0
+_MOST_PAGES: Final = 100
 
 
 def read_house_history(door: DoorClient, seconds: float, is_wanted: Callable[[Device], bool]) -> Recording:
@@ -43,10 +44,21 @@ def read_house_history(door: DoorClient, seconds: float, is_wanted: Callable[[De
         if not all(each.complete for each in found_series):
             print(f"of {printable(one.name)} only the newest {MOST_POINTS:,} values are tried", file=sys.stderr)
         series += found_series
-    journal = message_from_json(
-        ReadJournalResponse, door.call(READ_JOURNAL, {"since": span["since"]}, _LONGEST), ignore_unknown=True
-    )
-    return history_recording(door.home, devices, series, journal.entries, since, until)
+    return history_recording(door.home, devices, series, _commands(door, span["since"]), since, until)
+
+
+def _commands(door: DoorClient, since: dict[str, int]) -> Collection[JournalEntry]:
+    """Return the commands, of at most a hundred thousand entries of the journal."""
+    found: dict[str, JournalEntry] = {}
+    until = Time(sec=0, nanosec=0)
+    for _ in range(_MOST_PAGES):
+        answer = door.call(READ_JOURNAL, {"since": since, "until": until.model_dump()}, _LONGEST)
+        page = message_from_json(ReadJournalResponse, answer, ignore_unknown=True)
+        found |= {one.command: one for one in page.entries if one.kind == "requested"}
+        if page.complete or not page.entries or page.entries[0].at == until:
+            break
+        until = page.entries[0].at
+    return found.values()
 
 
 def _json(at: float) -> dict[str, int]:

@@ -1,11 +1,12 @@
 """A recording made of the history of a house, for times that nobody recorded. Pure.
 
 It has the states, events and numbers of all devices as the history kept them: no pauses, and after two days only the
-means of five minutes.
+means of five minutes. Times are whole milliseconds; in each, the reports that led to commands are first, then these,
+and then what may be their effects.
 """
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import Final
 
 from homebot.devices import Device, Endpoint, Sighting
@@ -44,13 +45,21 @@ def history_recording(
     began = Time.from_seconds(since)
     recording = Recording(RecordingHeader(format=FORMAT, version=__version__, home=home, started_at=began))
     recording.devices = {one.id: _with_one_endpoint(one) for one in devices if one.endpoints}
+    requested = [one for one in commands if one.kind == "requested"]
+    causes = {(_key(one.trigger.device), _milliseconds(one.trigger.at)) for one in requested}
     messages = [(since, message) for one in devices if one.endpoints for message in _announcements(one, began)]
     for one in series:
         if one.device in recording.devices:
-            messages += ((max(since, at), message) for at, message in _reports(one))
-    messages.sort(key=lambda one: one[0])
-    recording.events = [RecordedEvent(at - since, message, line) for line, (at, message) in enumerate(messages)]
-    recording.commands = [_command(one, since) for one in commands if one.kind == "requested"]
+            messages += _reports(one, since)
+    messages += ((_milliseconds(one.at) / 1000, _command(one)) for one in requested)
+    messages.sort(key=lambda one: (one[0], _turn(one[1], round(one[0] * 1000), causes)))
+    for line, (at, message) in enumerate(messages):
+        if isinstance(message, RecordedCommand):
+            recording.commands.append(TimedCommand(at - since, message, line=line))
+        elif at <= since and not isinstance(message, OwnerRequest):
+            recording.before.append(message)
+        else:
+            recording.events.append(RecordedEvent(at - since, message, line))
     recording.ends_at, recording.is_whole = until - since, True
     return recording
 
@@ -97,11 +106,15 @@ def _asked(at: Time, service: str, **request: str) -> OwnerRequest:
     return OwnerRequest(at=at, service=service, request=json.dumps(request))
 
 
-def _reports(series: HistorySeries) -> Iterator[tuple[float, Report]]:
+def _reports(series: HistorySeries, since: float) -> Iterator[tuple[float, Report]]:
+    """Yield the values with their times: of a mean its end, of the first number and what lasts the start."""
     values: Iterable[PlainValue] = series.values
     if series.words:
         values = (_FLAGS.get(word, word) for word in series.words)
-    for at, value in zip(series.times, values, strict=False):
+    times = [max(since, one + series.width) for one in series.times]
+    if series.values:
+        times[0] = since
+    for at, value in zip(times, values, strict=False):
         reading = Reading(part=series.part, capability=series.capability, value=Value.of(value))
         yield (
             at,
@@ -116,8 +129,18 @@ def _reports(series: HistorySeries) -> Iterator[tuple[float, Report]]:
         )
 
 
-def _command(entry: JournalEntry, since: float) -> TimedCommand:
-    command = RecordedCommand(
+def _command(entry: JournalEntry) -> RecordedCommand:
+    return RecordedCommand(
         id=entry.command, issuer=entry.issuer, device=entry.device, part=entry.part, settings=entry.settings
     )
-    return TimedCommand(entry.at.to_seconds() - since, command)
+
+
+def _turn(message: Message, at: int, causes: Collection[tuple[str, int]]) -> int:
+    """Return which of several messages of one millisecond is first: the smallest."""
+    if isinstance(message, Report) and (message.key, at) not in causes:
+        return 2
+    return int(isinstance(message, RecordedCommand))
+
+
+def _milliseconds(at: Time) -> int:
+    return at.sec * 1000 + at.nanosec // 1_000_000

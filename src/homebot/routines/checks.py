@@ -226,14 +226,21 @@ def _states(routine: RoutineSettings) -> Iterator[tuple[str, Query, Press | None
 
 def asked_about(routines: Iterable[RoutineSettings]) -> Callable[[Device], bool]:
     """Return the test for devices with states that *routines* ask for, or that they command."""
-    queries = []
+    queries: list[Query] = []
+    names: set[str] = set()
     for one in routines:
         queries += [_stateless(query) for _, query, _ in _states(one)]
         for line in program_of(one.do):
             if isinstance(line.step, Do | Dim):
+                names.add(fold(line.step.target))
                 with suppress(UsageError):
                     queries.append(_stateless(parse_query(line.step.target)))
-    return lambda device: any(fits(query, facets_of(device)) for query in queries)
+
+    def is_meant(device: Device) -> bool:
+        is_named = not names.isdisjoint(map(fold, (device.id, *device.names)))
+        return is_named or any(fits(query, facets_of(device)) for query in queries)
+
+    return is_meant
 
 
 def _has_events(part: DevicePart) -> bool:
