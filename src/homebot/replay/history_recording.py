@@ -1,8 +1,8 @@
 """A recording made of the history of a house, for times that nobody recorded. Pure.
 
-It has the states, events and numbers of all devices as the history kept them: no pauses, and after two days only the
-means of five minutes. Times are whole milliseconds; in each, the reports that led to commands are first, then these,
-and then what may be their effects.
+It has the states, events and numbers of all devices as the history kept them: no pauses, and of more than two days only
+the means of five minutes. Times are whole milliseconds: of each, first come the reports that led to commands, then
+these, and then what may be their effects.
 """
 
 import json
