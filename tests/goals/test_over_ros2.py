@@ -1,4 +1,4 @@
-"""Goals of a ROS 2 robot."""
+"""Goals of a ROS 2 robot, and drives of one."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import pytest
 from tests.bridges.ros2.pair import pair
 from tests.bridges.ros2.test_goals import all_parts
 from tests.control.conftest import OpenHome
-from tests.goals.conftest import goals_of
+from tests.goals.conftest import NAVIGATE, Family, goals_of
 from tests.patience import PATIENCE
 
 from homebot.devices.achieve_messages import Achieve, AchieveFeedback, AchieveGoal
 from homebot.devices.names import ACHIEVE
 from homebot.graph import Node
-from homebot.graph.actions import ActionClient
+from homebot.graph.actions import ActionClient, ActionServer, GoalState
 
 pytest.importorskip("up_pyperplan")
 
@@ -40,3 +40,33 @@ async def test_a_robot_achieves_a_goal_with_the_rights_of_its_token(open_home: O
                 await anyio.lowlevel.checkpoint()  # on the wire feedback may come after the result
         assert text in answer.message
         assert len(home.commands) == len(answer.steps) == (right == "act: all")
+
+
+async def test_a_robot_stops_when_the_goal_that_it_drives_for_is_cancelled(open_home: OpenHome) -> None:
+    began, ended = anyio.Event(), anyio.Event()
+
+    async def drive(_: object) -> None:
+        began.set()
+        try:
+            await anyio.sleep_forever()
+        finally:
+            ended.set()
+
+    async with (
+        open_home() as home,
+        goals_of(home),
+        pair("read", "robot: rosie", house=home.graph) as both,
+        Node(both.robot, "nav", namespace="/rosie") as nav,
+    ):
+        family = Family(home)
+        family.navigation.close()
+        ActionServer(nav, NAVIGATE, "navigate_to_pose", drive)
+        await family.furnish()
+        with anyio.fail_after(PATIENCE):
+            await all_parts(home.graph, "/rosie/navigate_to_pose")
+            goal = await family.begin("rosie in living")
+            await began.wait()
+            goal.request_cancel()
+            state, answer = await goal.result()
+            assert (state, answer.message) == (GoalState.CANCELED, "cancelled; 0 of 1 steps are done")
+            await ended.wait()
