@@ -27,9 +27,9 @@ async def call(name: str, kind: Any, **values: Any) -> Any:
 async def main() -> None:
     async with afor.Scope():
         pose, query = pyzeros.Pub(PoseStamped, "/rosie/pose"), QueryTerm(kind="words", text="off light near rosie")
-        await asyncio.sleep(2)  # until homebot listens
-        pose.publish(PoseStamped(Header(frame_id="map"), Pose(Point(3.5, 1.0, 0.0))))  # counts for 5 seconds
-        found = await call("/discovery/query", QueryDevices, query=(query,), limit=1)
+        while not (found := await call("/discovery/query", QueryDevices, query=(query,), limit=1)).success:
+            pose.publish(PoseStamped(Header(frame_id="map"), Pose(Point(3.5, 1.0, 0.0))))  # counts for 5 seconds
+            await asyncio.sleep(0.5)  # homebot may not listen yet
         if found.results:
             found = await call("/devices/command", CommandDevices, target=found.results[0].device.id, command="on")
         print(found.message or f"{found.results[0].device} is on: {found.outcome}")

@@ -18,6 +18,7 @@ from homebot.messages.type_hash import type_hash
 from homebot.messages.unique_identifier_msgs import UUID
 
 ACTION = "/devices/identify/_action"
+LISTENING = "@ros2_lv/0/*/*/*/MS/*/%/ros2/%rosie%light/**"
 ID = UUID(uuid=bytes([7]) * 16)
 
 
@@ -47,7 +48,8 @@ async def see() -> None:
 async def main(candidates: str) -> None:
     async with afor.Scope(), asyncio.TaskGroup() as tasks:
         seeing = tasks.create_task(see())
-        await asyncio.sleep(2)  # until homebot listens
+        while not list(session.liveliness().get(LISTENING)):  # noqa: ASYNC110 - no event of this process
+            await asyncio.sleep(0.1)
         goal = IdentifyDeviceGoal(candidates=candidates, topic="/rosie/light", at_night=True)
         sending = client(f"{ACTION}/send_goal", IdentifyDevice.SendGoal)
         sent = await call(sending, IdentifyDevice.SendGoal.Request(goal_id=ID, goal=goal))

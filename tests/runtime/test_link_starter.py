@@ -147,7 +147,7 @@ async def test_a_robot_is_shut_out_when_its_token_ends(house: House) -> None:
     door = plan.door.model_copy(update={"tokens": {**plan.door.tokens, "rosie": ending}})
     plan = replace(plan, door=door)
     async with anyio.create_task_group() as tasks:
-        starter = LinkStarter(graph, MachinesOnWire("villa"), lambda: plan, nobody)
+        starter = LinkStarter(graph, MachinesOnWire(), lambda: plan, nobody)
         await tasks.start(starter.serve)
         before = await house.node_seen_by("rosie")
         await house.has_begun_again(before)

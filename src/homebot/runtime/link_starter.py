@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
 from functools import partial
 from math import inf
 from typing import TYPE_CHECKING, Final, NamedTuple, Self, final
@@ -17,6 +18,7 @@ from homebot.bridges.ros2.rights import WireRights
 from homebot.bridges.ros2.robots import RobotsOnWire, token_of
 from homebot.bridges.ros2.session import open_session
 from homebot.devices.client_rights import OWNER_CLIENT
+from homebot.devices.names import MACHINE_NODE
 from homebot.errors import UsageError
 from homebot.graph import Graph, Node
 from homebot.support.file_access import read_secret
@@ -25,6 +27,7 @@ from homebot.support.logger import get_logger
 
 if TYPE_CHECKING:
     from homebot.bridges.machines.on_wire import MachinesOnWire
+    from homebot.bridges.ros2.session import ZenohSession
     from homebot.bridges.rosbridge import ClientToken
     from homebot.messages.interfaces.settings import RosSettings
     from homebot.runtime.plan import Plan
@@ -103,9 +106,28 @@ class LinkStarter:
         rights = await to_thread.run_sync(read_rights, plan, settings, now(), secret)
         async with open_session(settings, rights) as session, Node(self._graph, "ros2") as node:
             node.create_task(session.run)
-            async with self._machines.linked(self._graph, settings, session):
-                serving = partial(serve_link, node, session, settings, robots, task_status=task_status)
-                await run_as(node.full_name, serving)
+            self._machines.session = session
+            try:
+                async with self._exports(plan, settings, session):
+                    serving = partial(serve_link, node, session, settings, robots, task_status=task_status)
+                    await run_as(node.full_name, serving)
+            finally:
+                self._machines.session = None
+
+    @asynccontextmanager
+    async def _exports(self, plan: Plan, settings: RosSettings, session: ZenohSession) -> AsyncIterator[None]:
+        """Let the homebot of the house have the gateways of this machine, if it is another one."""
+        if not settings.machine or settings.password_file is None:
+            yield
+            return
+        from homebot.bridges.machines.exports import serve_gateways  # noqa: PLC0415 - few are another one
+        from homebot.bridges.machines.wire import MachineWire  # noqa: PLC0415 - as above
+
+        async with Node(self._graph, MACHINE_NODE.removeprefix("/")) as node:
+            wire = MachineWire(node, session, SecretStr(read_secret(settings.password_file)))
+            names = plan.home, settings.machine, plan.own_gateways
+            node.create_task(partial(serve_gateways, node, wire, *names))
+            yield
 
 
 class _Facts(NamedTuple):

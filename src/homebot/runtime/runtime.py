@@ -59,7 +59,6 @@ from homebot.support.owner_token import OwnerToken, make_owner_token
 from homebot.support.production_loop import LoopWatch
 
 if TYPE_CHECKING:
-    from homebot.bridges.machines.on_wire import MachinesOnWire
     from homebot.control.sending import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.goals.achieve_server import AchieveServer
@@ -158,7 +157,11 @@ class Runtime:
         self._local_rights = SIMULATED_HOUSE_RIGHTS if is_all_simulated else LOCAL_RIGHTS
         self._approves_all = self.trusts_apps or is_all_simulated
         self.trusts_apps = self.trusts_apps or self.house is not None
-        self._machines = None if self._plan.link is None else self._machines_on_wire()
+        self._machines: MachinesOnWire | None = None
+        if self._plan.link is not None:
+            from homebot.bridges.machines.on_wire import MachinesOnWire  # noqa: PLC0415 - few houses have a link
+
+            self._machines = MachinesOnWire()
         self._link: LinkStarter | None = None
         self._installation = Installation(self._beside_index(INSTALLATION_FILE), self.random)
         self._context = self._gateway_context()
@@ -204,11 +207,6 @@ class Runtime:
         from homebot.runtime.simulated_house import HouseOfRun  # noqa: PLC0415 - a real house needs no simulated one
 
         return HouseOfRun(world, self.config.gateways, self.robot)
-
-    def _machines_on_wire(self) -> MachinesOnWire:
-        from homebot.bridges.machines.on_wire import MachinesOnWire  # noqa: PLC0415 - few houses have a link
-
-        return MachinesOnWire(self._plan.home, self._plan.own_gateways)
 
     def _planner(self) -> AppPlanner:
         return AppPlanner(lambda: self.app_host.with_kept_routines(self._read()), self._plan.grants, self.apps)
