@@ -96,11 +96,15 @@ class EarlierValues:
                 found.setdefault((device, part), {})[capability] = was
         self.entries.clear()
         for place, values in found.items():
-            is_off = (power := states.get((*place, "on_off"))) is not None and power.value.plain() is False
-            if is_off and "on_off" not in values:  # somebody else turned it off, and a level would turn it on
-                for capability in LIGHTS_UP:
-                    values.pop(capability, None)
+            _stay_off(values, states.get((*place, "on_off")))
         return {place: _settings(values) for place, values in found.items() if values}
+
+
+def _stay_off(values: dict[str, PlainValue], power: State | None) -> None:
+    """Leave out levels of a lamp that somebody else turned off, as they would turn it on."""
+    if power is not None and power.value.plain() is False and "on_off" not in values:
+        for capability in LIGHTS_UP:
+            values.pop(capability, None)
 
 
 def _is_own(state: State, entry: list[Any]) -> bool:

@@ -7,6 +7,7 @@ these, and then what may be their effects.
 
 import json
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from itertools import chain
 from typing import Final
 
 from homebot.devices import Device, Endpoint, Sighting
@@ -46,13 +47,9 @@ def history_recording(
     recording = Recording(RecordingHeader(format=FORMAT, version=__version__, home=home, started_at=began))
     recording.devices = {one.id: _with_one_endpoint(one) for one in devices if one.endpoints}
     requested = [one for one in commands if one.kind == "requested"]
-    causes = {(_key(one.trigger.device), _milliseconds(one.trigger.at)) for one in requested}
     messages = [(since, message) for one in devices if one.endpoints for message in _announcements(one, began)]
-    for one in series:
-        if one.device in recording.devices:
-            messages += _reports(one, since)
-    messages += ((_milliseconds(one.at) / 1000, _command(one)) for one in requested)
-    messages.sort(key=lambda one: (one[0], _turn(one[1], round(one[0] * 1000), causes)))
+    messages += chain.from_iterable(_reports(one, since) for one in series if one.device in recording.devices)
+    _add_commands(messages, requested)
     for line, (at, message) in enumerate(messages):
         if isinstance(message, RecordedCommand):
             recording.commands.append(TimedCommand(at - since, message, line=line))
@@ -133,6 +130,13 @@ def _command(entry: JournalEntry) -> RecordedCommand:
     return RecordedCommand(
         id=entry.command, issuer=entry.issuer, device=entry.device, part=entry.part, settings=entry.settings
     )
+
+
+def _add_commands(messages: list[tuple[float, Message]], requested: Sequence[JournalEntry]) -> None:
+    """Add the commands to *messages*, each after its cause, and sort all by time."""
+    causes = {(_key(one.trigger.device), _milliseconds(one.trigger.at)) for one in requested}
+    messages += ((_milliseconds(one.at) / 1000, _command(one)) for one in requested)
+    messages.sort(key=lambda one: (one[0], _turn(one[1], round(one[0] * 1000), causes)))
 
 
 def _turn(message: Message, at: int, causes: Collection[tuple[str, int]]) -> int:

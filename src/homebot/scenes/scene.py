@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Final, TypeAlias, final
 
 from homebot.command_words.suitable_parts import part_name
@@ -30,6 +31,7 @@ Place: TypeAlias = tuple[str, str]
 _RECALL: Final = "scene"
 _BUTTONS: Final = frozenset({"x_scene", "x_setting", "generic_switch"})
 _MOST_NAMED: Final = 8
+_NAME: Final = attrgetter("name")
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,8 +125,11 @@ class HouseScenes:
             ids = " or ".join(repr(one.full_name) for one in found[:_MOST_NAMED])
             raise UsageError(f"{len(found)} scenes are called {name!r}; name one: {ids}")
         if not found:
-            kept = (one.name for one in self._book.scenes.values())
-            known = [*kept, *(one.name for one in (*self.configured.values(), *native))]
+            known = [
+                *map(_NAME, self._book.scenes.values()),
+                *map(_NAME, self.configured.values()),
+                *map(_NAME, native),
+            ]
             hint = did_you_mean(name, known, "`homebot scene list` shows them")
             raise UsageError(f"there is no scene {name!r}; {hint}")
         return found[0]

@@ -78,9 +78,7 @@ class Actions:
             case "service" | "action" | "scene" | "device_id":
                 return steps_of_service(self._automation.entities, fields, kind)
             case "delay":
-                length = fields.duration("delay")
-                self._pause()
-                return [f"wait {length}"] if length else []
+                return self._delay(fields)
             case "wait_template" | "wait_for_trigger":
                 return [self._wait(fields, kind)]
             case "if":
@@ -133,6 +131,11 @@ class Actions:
         if not (count.isdecimal() and is_plain and 0 < int(count) <= MOST):
             raise NotCarriedError(f"action repeat: carried over are commands and delays, with a `count` up to {MOST}")
         return steps * int(count)
+
+    def _delay(self, fields: UnreadFields) -> list[Step]:
+        length = fields.duration("delay")
+        self._pause()
+        return [f"wait {length}"] if length else []
 
     def _pause(self) -> None:
         self._has_waited = True

@@ -169,7 +169,7 @@ class HomeAssistantEntities:
         name = device.name or _own_name(entities) or key
         sole = [one for one in entities if not one.entry.category]
         area, floor = self.registries.place(key, [one.entity_id for one in sole or entities])
-        parts = [self._part(one) for one in entities] + list(self.triggers.get(key, ()))
+        parts = [*map(self._part, entities), *self.triggers.get(key, ())]
         self._devices[key] = described = GatewayDevice(
             key,
             name,
