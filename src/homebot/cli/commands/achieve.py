@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Final, cast
 
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_json import json_text
-from homebot.cli.door_client import DoorClient, ReceivedMessage, with_client
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.goals import perform_goal
 from homebot.devices.names import ACHIEVE
 from homebot.devices.wording.json_message import JsonMessage
-from homebot.errors import PeerError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -28,7 +27,6 @@ A wish is ROOM lit, ROOM dark, ROBOT in ROOM, or any query with a state, as for 
 it runs. Exit code 0 means that the goal is reached or, with --dry-run, would be; 1 that it is not, with the reason.
 """
 _TYPE: Final = "homebot/action/Achieve"
-_CANCEL_WITHIN: Final = 25.0
 _WIDEST: Final = 1000
 
 
@@ -40,37 +38,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _achieve(options: argparse.Namespace) -> int:
+    shown: list[str] = []
+
+    def show(values: Mapping[str, object]) -> None:
+        nonlocal shown
+        lines = list(_lines(cast("AchieveFeedback", JsonMessage(values))))
+        for line in lines if not options.json else ():
+            if line not in shown:
+                print(line, flush=True)
+        shown = lines
+
     def run(door: DoorClient, _: argparse.Namespace) -> int:
-        identifier = door.send_goal(ACHIEVE, _TYPE, {"goal": options.goal, "is_dry_run": options.dry_run})
-        try:
-            values = _follow(iter(door.next, None), is_shown=not options.json)
-        except KeyboardInterrupt:
-            door.cancel_goal(ACHIEVE, identifier)
-            values = _follow(door.until(_CANCEL_WITHIN), is_shown=False)
-            print(printable(str(values.get("message", "cancelled")), _WIDEST), file=sys.stderr)
-            raise
+        values = perform_goal(door, ACHIEVE, _TYPE, {"goal": options.goal, "is_dry_run": options.dry_run}, show)
         result = cast("AchieveResult", JsonMessage(values))
         print(json_text(values) if options.json else printable(result.message, _WIDEST))
         return 0 if result.success else 1
 
     return with_client(options, run)
-
-
-def _follow(received: Iterable[ReceivedMessage], *, is_shown: bool) -> Mapping[str, object]:
-    """Print the feedback in *received*; return the result, empty if there is none."""
-    shown: list[str] = []
-    for _, frame, _ in received:
-        values = frame.get("values")
-        if not isinstance(values, dict):
-            raise PeerError(f"the goal failed: {values}")
-        if frame["op"] == "action_result":
-            return values
-        lines = list(_lines(cast("AchieveFeedback", JsonMessage(values))))
-        for line in lines if is_shown else ():
-            if line not in shown:
-                print(line, flush=True)
-        shown = lines
-    return {}
 
 
 def _lines(feedback: AchieveFeedback) -> Iterable[str]:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Final, cast
 
 from homebot.cli.arguments import duration, set_client_command
 from homebot.cli.device_json import json_text
-from homebot.cli.door_client import DoorClient, ReceivedMessage, with_client
+from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.goals import perform_goal
 from homebot.devices.names import IDENTIFY_DEVICE
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError
@@ -34,7 +34,6 @@ is not.
 _TYPE: Final = "homebot/action/IdentifyDevice"
 _BARS: Final = "▁▂▃▄▅▆▇█"
 _MOST_SHOWN: Final = 3
-_CANCEL_WITHIN: Final = 25.0
 _LONGEST_NAME: Final = 30
 _WIDEST: Final = 1000
 _HALF: Final = 0.5
@@ -92,14 +91,7 @@ def identify(options: argparse.Namespace, *, is_check: bool) -> int:
     }
 
     def run(door: DoorClient, _: argparse.Namespace) -> int:
-        identifier = door.send_goal(IDENTIFY_DEVICE, _TYPE, goal)
-        try:
-            values = _follow(iter(door.next, None), is_shown=not options.json)
-        except KeyboardInterrupt:
-            print("Cancelled; everything is put back", file=sys.stderr)
-            door.cancel_goal(IDENTIFY_DEVICE, identifier)
-            _follow(door.until(_CANCEL_WITHIN), is_shown=False)
-            raise
+        values = perform_goal(door, IDENTIFY_DEVICE, _TYPE, goal, (lambda _: None) if options.json else _print_look)
         result = cast("IdentifyDeviceResult", JsonMessage(values))
         if options.json:
             print(json_text(values))
@@ -110,20 +102,8 @@ def identify(options: argparse.Namespace, *, is_check: bool) -> int:
     return with_client(options, run)
 
 
-def _follow(received: Iterable[ReceivedMessage], *, is_shown: bool) -> Mapping[str, object]:
-    """Print the feedback in *received*; return the result, empty if there is none."""
-    for _, frame, _ in received:
-        values = frame.get("values")
-        if not isinstance(values, dict):
-            raise PeerError(f"the identification failed: {values}")
-        if frame["op"] == "action_result":
-            return values
-        if is_shown:
-            _print_look(cast("IdentifyDeviceFeedback", JsonMessage(values)))
-    return {}
-
-
-def _print_look(feedback: IdentifyDeviceFeedback) -> None:
+def _print_look(values: Mapping[str, object]) -> None:
+    feedback = cast("IdentifyDeviceFeedback", JsonMessage(values))
     likely = sorted(feedback.candidates, key=lambda one: one.probability, reverse=True)[:_MOST_SHOWN]
     texts = [f"{printable(one.name, _LONGEST_NAME)} {one.probability:.0%}" for one in likely]
     look = feedback.look
