@@ -48,7 +48,7 @@ async def begun(
     """
     kept = {} if store is None else store
     clock, due = node.graph.clock, TimerQueue[str, Begun]()
-    began = clock.monotonic() if is_new else -math.inf
+    began = clock.monotonic()
     follow = Follow(node, query=state.query, text=state.text)
     while True:
         at = due.next()
@@ -64,11 +64,10 @@ async def begun(
                 kept.pop(key, None)
             elif change.kind == "appeared":
                 now = clock.now()
-                since = now - (clock.monotonic() - began)  # by the clock as it is set now
-                matched_at = _matched_at(device, state, now, is_new=is_new)
-                goes_on = matched_at == -math.inf and key in kept
-                matched_at = kept[key] if goes_on else matched_at
-                if goes_on or matched_at + state.lasting >= since:
+                since = now - (clock.monotonic() - began) if is_new else -math.inf  # by the clock as it is set now
+                matched_at = _matched_at(device, state, now, since)
+                matched_at = kept.get(key, matched_at) if matched_at == -math.inf else matched_at
+                if matched_at > -math.inf:
                     left = min(state.lasting, matched_at + state.lasting - now)  # the clock may have been set back
                     due.set(device.id, clock.monotonic() + left, Begun(device, CURRENT_CAUSE.get()))
                     if left > 0:
@@ -78,16 +77,17 @@ async def begun(
             yield found[1]
 
 
-def _matched_at(device: Device, state: Becomes, now: float, *, is_new: bool) -> float:
-    """Return since when *device* has the values of *state*; -inf if that is earlier than the watch for new ones."""
-    cause = CURRENT_CAUSE.get()
+def _matched_at(device: Device, state: Becomes, now: float, since: float) -> float:
+    """Return since when *device* has the values of *state*; -inf if its wait was over before the time *since*."""
+    cause, is_new = CURRENT_CAUSE.get(), since > -math.inf
     if is_new and isinstance(cause, DeviceChange) and cause.kind == "appeared":  # it is found so
         return -math.inf
     values = [one for one in device.states if one.capability in state.capabilities and one.live]
     if not values:
         return -math.inf if is_new else now
     newest = max(values, key=lambda one: one.since.to_seconds())
-    return -math.inf if newest.is_first and is_new else newest.since.to_seconds()
+    at = newest.since.to_seconds()
+    return -math.inf if is_new and (newest.is_first or at + state.lasting < since) else at
 
 
 def is_press(view: HouseView, press: Press, change: object) -> bool:
