@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import count
 from typing import TYPE_CHECKING, TypeAlias, final
 
@@ -61,14 +62,11 @@ class AchieveServer:
 
     def serve_words(self) -> None:
         """Create the service."""
-        self._node.create_service(AchieveWords, ACHIEVE_WORDS, self._serve)
+        self._node.create_service(AchieveWords, ACHIEVE_WORDS, partial(self._achieve, on_plan=lambda _: None))
 
     def _preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         control = self._control()
         return None if control is None else control.preview(request, device, part)  # then nothing can be sent either
-
-    async def _serve(self, request: AchieveRequest) -> AchieveResponse:
-        return await self._achieve(request, lambda _: None)
 
     async def _execute(self, goal: _Goal) -> AchieveResult:
         shown = AchieveFeedback(steps=())

@@ -16,14 +16,14 @@ from homebot.devices.scene_client import Scenes
 from homebot.devices.scene_messages import SceneInfo
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import ServiceUnavailableError, UsageError
-from homebot.goals.operators import PlanStep, Settings
+from homebot.goals.operators import PlanStep
 from homebot.goals.wishes import KnownNames
 from homebot.graph import EntityKind, Node
 from homebot.routines.robot_drive import check_drive
 from homebot.routines.steps import SendRobot
 from homebot.support.folding import fold
 
-__all__ = ["OPENINGS", "Assumed", "HouseNow", "HouseReader", "with_settings"]
+__all__ = ["OPENINGS", "Assumed", "HouseNow", "HouseReader"]
 
 Assumed = MutableMapping[tuple[str, str], dict[str, PlainValue]]
 """Values that parts got without reporting them, by device and part."""
@@ -64,8 +64,8 @@ class HouseNow:
             if step.kind == "drive":
                 robots[step.place] = step.room
             for device, part, settings in step.parts:
-                if device in devices:
-                    devices[device] = with_settings(devices[device], part, settings)
+                if device in devices and (known := devices[device].part(part)) is not None:
+                    devices[device] = _with_values(devices[device], part, _implied(known, dict(settings)))
         return replace(self, devices=devices, robots=robots)
 
 
@@ -141,12 +141,6 @@ class HouseReader:
         if found.is_mistake:
             raise UsageError(found.message)
         return found
-
-
-def with_settings(device: Device, part: str, settings: Settings) -> Device:
-    """Return *device* after a command to one part."""
-    known = device.part(part)
-    return device if known is None else _with_values(device, part, _implied(known, dict(settings)))
 
 
 def _with_values(device: Device, part: str, values: Mapping[str, PlainValue]) -> Device:

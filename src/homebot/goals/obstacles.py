@@ -1,6 +1,6 @@
 """The fact that is in the way of a goal without a plan. Pure."""
 
-from homebot.goals.operators import GoalProblem, Operator, PlanStep, reachable
+from homebot.goals.operators import GoalProblem, Operator, reachable
 
 __all__ = ["why_not"]
 
@@ -34,11 +34,11 @@ def _needed(problem: GoalProblem, allowed: list[Operator]) -> set[str]:
 
 def _like(blocked: Operator, others: list[Operator]) -> list[Operator]:
     """Return those of *others* that are blocked for the same place and reason: the drives of one robot, for example."""
-    return [one for one in others if _place(one.step) == _place(blocked.step) and one.blocked == blocked.blocked]
 
+    def where(one: Operator) -> tuple[str, str]:
+        return one.step.place if one.step else "", one.blocked
 
-def _place(step: PlanStep | None) -> str:
-    return "" if step is None else step.place
+    return [one for one in others if where(one) == where(blocked)]
 
 
 def _refusal(problem: GoalProblem, blocked: Operator) -> str:
