@@ -5,14 +5,18 @@ import json
 
 import pytest
 from tests.apps.houses import hall
+from tests.habits.houses import HOUSE
 from tests.replay.recorded_days import history_of
 
 from homebot.config import parse_config
+from homebot.devices.gateway_messages import Report
+from homebot.devices.history_messages import HistorySeries
 from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest
 from homebot.devices.names import READ_JOURNAL, TAG_DEVICE
 from homebot.devices.places_messages import TagDevice
 from homebot.graph import Node
 from homebot.recording.recording import Recording
+from homebot.replay.history_recording import history_recording
 from homebot.replay.replay import Replayed, replay
 from homebot.replay.routine_trial import trial_config, tried
 from homebot.testing import VirtualTimeLoop, virtual_house_of
@@ -92,3 +96,22 @@ def test_each_press_starts_a_routine_though_nothing_followed_it_then(replayed: R
 
 def test_names_and_tags_of_the_owner_count(replayed: Replayed) -> None:
     assert dict(replayed.hints) == {}
+
+
+def test_the_mean_of_a_setpoint_that_was_changed_meanwhile_is_none_that_somebody_set() -> None:
+    means = HistorySeries(
+        device="bath_heating",
+        name="",
+        part="",
+        capability="heating_setpoint",
+        width=300.0,
+        times=(0.0, 300.0, 600.0),
+        values=(20.0, 17.6, 16.0),
+        lows=(20.0, 16.0, 16.0),
+        highs=(20.0, 20.0, 16.0),
+    )
+    recording = history_recording("home425", HOUSE, [means], [], 0.0, 1000.0)
+    reports = [one for one in recording.before if isinstance(one, Report)]
+    reports += [one.message for one in recording.events if isinstance(one.message, Report)]
+    known = [(one.received_at.sec, one.readings[0].value.plain()) for one in reports]
+    assert known == [(0, 20.0), (900, 16.0)]

@@ -48,7 +48,8 @@ def history_recording(
     recording.devices = {one.id: _with_one_endpoint(one) for one in devices if one.endpoints}
     requested = [one for one in commands if one.kind == "requested"]
     messages = [(since, message) for one in devices if one.endpoints for message in _announcements(one, began)]
-    messages += chain.from_iterable(_reports(one, since) for one in series if one.device in recording.devices)
+    known = recording.devices
+    messages += chain.from_iterable(_reports(one, known[one.device], since) for one in series if one.device in known)
     _add_commands(messages, requested)
     for line, (at, message) in enumerate(messages):
         if isinstance(message, RecordedCommand):
@@ -103,15 +104,26 @@ def _asked(at: Time, service: str, **request: str) -> OwnerRequest:
     return OwnerRequest(at=at, service=service, request=json.dumps(request))
 
 
-def _reports(series: HistorySeries, since: float) -> Iterator[tuple[float, Report]]:
-    """Yield the values with their times: of a mean its end, of the first number and what lasts the start."""
+def _is_set(device: Device, series: HistorySeries) -> bool:
+    part = device.part(series.part)
+    return part is not None and any(one.name == series.capability and one.settable for one in part.part.capabilities)
+
+
+def _reports(series: HistorySeries, device: Device, since: float) -> Iterator[tuple[float, Report]]:
+    """Yield the values with their times: of a mean its end, of the first number and what lasts the start.
+
+    The mean of what was set meanwhile is left out: nobody set that.
+    """
     values: Iterable[PlainValue] = series.values
     if series.words:
         values = (_FLAGS.get(word, word) for word in series.words)
+    is_set = series.lows and _is_set(device, series)
     times = [max(since, one + series.width) for one in series.times]
     if series.values:
         times[0] = since
-    for at, value in zip(times, values, strict=False):
+    for number, (at, value) in enumerate(zip(times, values, strict=False)):
+        if is_set and series.lows[number] != series.highs[number]:
+            continue
         reading = Reading(part=series.part, capability=series.capability, value=Value.of(value))
         yield (
             at,
