@@ -139,17 +139,8 @@ class CommandExecutor:
 
     async def send_text(self, request: SendTextRequest) -> SendTextResponse:
         """Carry out a command by a raw text, and return when its gateway has queued it; never raises."""
-        asked_at, device, text = self._clock.now(), None, TextTarget(request.payload)
-        issuer, trigger = request.issuer, request.trigger
-        outcome: Outcome | None = Gone()
-        try:
-            device = await self._lookup.device(request.device)
-            if device is not None:
-                text, outcome = self._sending.texts.target(device, request.payload), None
-        except RefusedError as exc:
-            outcome = Refused("gateway", exc.reason)
-        except (LinkError, ServiceError) as exc:
-            outcome = NoAnswer(0.0, str(exc))
+        asked_at, issuer, trigger = self._clock.now(), request.issuer, request.trigger
+        device, text, outcome = await self._text_target(request)
         part, read = read_text(device, text)
         if read.capability == UNREAD and device is not None and why_device_asks(device):
             outcome = outcome or Refused("always_ask", _UNREADABLE)
@@ -170,6 +161,19 @@ class CommandExecutor:
             return SendTextResponse(success=True, others=text.others, command_id=name)
         self._journal.decided(issuer, place, outcome)
         return SendTextResponse.of(outcome)
+
+    async def _text_target(self, request: SendTextRequest) -> tuple[Device | None, TextTarget, Outcome | None]:
+        """Return the device of a raw text, and where it is sent to; with its outcome if it cannot be sent."""
+        device, text = None, TextTarget(request.payload)
+        try:
+            device = await self._lookup.device(request.device)
+            if device is not None:
+                text = self._sending.texts.target(device, request.payload)
+        except RefusedError as exc:
+            return device, text, Refused("gateway", exc.reason)
+        except (LinkError, ServiceError) as exc:
+            return device, text, NoAnswer(0.0, str(exc))
+        return device, text, None if device else Gone()
 
     async def _agreed(self, command: IssuedCommand, *, ask_first: bool = False) -> IssuedCommand | Outcome:
         """Return *command* if no member refuses it, and once a person has agreed, if one must; else its outcome."""
