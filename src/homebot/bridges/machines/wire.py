@@ -55,7 +55,8 @@ class MachineWire:
         """Serve *name* for those that know the secret, several calls at a time."""
         entity = self._own.declare(self._info(EntityKind.SERVICE, name, service_type), type_hash(service_type))
         reply = partial(self._reply, entity.token.key, service_type.Request, answer)
-        entity.keep(self.session.serve(entity.token.key, lambda query: self._node.create_task(partial(reply, query))))
+        served = self.session.serve(entity.token.key, lambda query: self._node.create_task(partial(reply, query)))
+        entity.keep(served.undeclare)
         entity.announce()
         self._servers.append(entity)
 

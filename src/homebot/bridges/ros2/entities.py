@@ -11,7 +11,9 @@ from homebot.graph import Node
 from homebot.graph.endpoint import EndpointInfo, EntityKind
 
 if TYPE_CHECKING:
-    from homebot.bridges.ros2.session import Declared, ZenohSession
+    from collections.abc import Callable
+
+    from homebot.bridges.ros2.session import ZenohSession
 
 __all__ = ["OwnEntities", "WireEntity"]
 
@@ -30,15 +32,15 @@ class WireEntity:
         self._gid = token.gid
         self._numbers = count(1)
         self._session = session
-        self._declared: list[Declared] = []
+        self._closing: list[Callable[[], object]] = []
 
-    def keep(self, declared: Declared) -> None:
-        """Take *declared* back when this closes."""
-        self._declared.append(declared)
+    def keep(self, close: Callable[[], object]) -> None:
+        """Call *close* when this closes, before what was kept earlier."""
+        self._closing.append(close)
 
     def announce(self) -> None:
         """Tell the others, so that they may use it at once."""
-        self.keep(self._session.declare_token(self.token.text))
+        self.keep(self._session.declare_token(self.token.text).undeclare)
 
     def attachment(self) -> bytes:
         """Return the attachment of the next message."""
@@ -46,8 +48,8 @@ class WireEntity:
 
     def close(self) -> None:
         """Leave. Idempotent."""
-        while self._declared:
-            self._declared.pop().undeclare()
+        while self._closing:
+            self._closing.pop()()
 
 
 class OwnEntities:

@@ -64,7 +64,7 @@ class Exports:
         self._robots, self._node_of, self._health = robots, node_of, health
         self._goals = RobotGoals(node)
         self._running = 0
-        self._open: dict[tuple[EntityKind, str], tuple[EntityToken, Callable[[], None]]] = {}
+        self._open: dict[tuple[EntityKind, str], WireEntity] = {}
 
     def refresh(self, kind: EntityKind, name: str) -> None:
         """Offer a new entity with the full name *name*, or withdraw one that left."""
@@ -87,7 +87,7 @@ class Exports:
                 self._open[kind, name] = opened
         elif present is not None and not others:
             del self._open[kind, name]
-            present[1]()
+            present.close()
 
     def refresh_all(self) -> None:
         """Offer all that is there."""
@@ -100,10 +100,10 @@ class Exports:
         for token in tokens:
             kind = _USED.get(token.info.kind)
             opened = None if kind is None else self._open.get((kind, token.info.name))
-            if opened is not None and (problem := token.difference(opened[0])):
+            if opened is not None and (problem := token.difference(opened.token)):
                 yield problem
 
-    def _opened(self, kind: EntityKind, others: list[EndpointInfo]) -> tuple[EntityToken, Callable[[], None]] | None:
+    def _opened(self, kind: EntityKind, others: list[EndpointInfo]) -> WireEntity | None:
         if kind is EntityKind.PUBLISHER:
             return self._topic(others)
         if kind is EntityKind.SERVICE:
@@ -112,9 +112,9 @@ class Exports:
             return None
         entity = self._own.declare(others[0], "")
         entity.announce()
-        return entity.token, entity.close
+        return entity
 
-    def _topic(self, publishers: list[EndpointInfo]) -> tuple[EntityToken, Callable[[], None]]:
+    def _topic(self, publishers: list[EndpointInfo]) -> WireEntity:
         name, node = publishers[0].name, self._node
         message_type = node.graph.get_message_type(name)
         assert message_type is not None, "a topic with a publisher has a type"  # noqa: S101 - for mypy
@@ -126,16 +126,16 @@ class Exports:
         info = EndpointInfo(EntityKind.PUBLISHER, node.full_name, name, message_type.ros_type, qos)
         entity = self._own.declare(info, type_hash(message_type))
         writer = self._own.session.publish(entity.token.key, qos)
-        entity.keep(writer)
+        entity.keep(writer.undeclare)
         entity.announce()
 
         def send(message: Message) -> None:
             writer.put(message_to_cdr(message), attachment=entity.attachment())
 
-        reading = node.create_subscription(message_type, name, send, qos, from_node=OTHERS)
-        return entity.token, partial(_close, reading.close, entity)
+        entity.keep(node.create_subscription(message_type, name, send, qos, from_node=OTHERS).close)
+        return entity
 
-    def _service(self, name: str) -> tuple[EntityToken, Callable[[], None]] | None:
+    def _service(self, name: str) -> WireEntity | None:
         service_type = self._node.graph.get_service_type(name)
         if service_type is None:  # it left at once
             return None
@@ -149,9 +149,9 @@ class Exports:
             self._running += 1
             self._node.create_task(partial(self._answer, name, query))
 
-        entity.keep(self._own.session.serve(entity.token.key, asked))
+        entity.keep(self._own.session.serve(entity.token.key, asked).undeclare)
         entity.announce()
-        return entity.token, entity.close
+        return entity
 
     async def _answer(self, name: str, query: WireQuery) -> None:
         """Answer *query*, also if it fails: a client of rmw_zenoh would wait for ten minutes."""
@@ -212,8 +212,3 @@ class Exports:
         except ValidationError:  # zero is not allowed
             return None
         return zero.model_copy(update=said)
-
-
-def _close(reading: Callable[[], None], entity: WireEntity) -> None:
-    reading()
-    entity.close()

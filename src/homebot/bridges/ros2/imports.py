@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import anyio
@@ -52,7 +52,7 @@ class Imports:
         self._tokens: dict[str, EntityToken] = {}
         self._callers: dict[bytes, str] = {}
         self._new_caller = anyio.Event()
-        self._open: dict[tuple[EntityKind, str], tuple[set[str], Callable[[], None]]] = {}
+        self._open: dict[tuple[EntityKind, str], tuple[set[str], WireEntity]] = {}
 
     async def node_of(self, gid: bytes) -> str:
         """Return the full name of the node whose client has *gid*; empty if it is unknown.
@@ -117,30 +117,32 @@ class Imports:
                 f"{_MOST_OPEN} topics and services are imported, and no more; name fewer in import of [ros]"
             )
         access.check_publishing(name)
-        close = self._topic(token, access) if kind is EntityKind.PUBLISHER else self._service(token)
-        self._open[kind, name] = ({text}, close)
+        entity = self._topic(token, access) if kind is EntityKind.PUBLISHER else self._service(token)
+        self._open[kind, name] = ({text}, entity)
 
     def _remove(self, text: str, token: EntityToken) -> None:
         self._problems.pop(text, None)
         self._callers.pop(token.gid, None)
         self._hide(token)
         key = (token.info.kind, token.info.name)
-        texts, close = self._open.get(key, (set(), lambda: None))
-        texts.discard(text)
-        if not texts and key in self._open:
+        if (present := self._open.get(key)) is None:
+            return
+        present[0].discard(text)
+        if not present[0]:
             del self._open[key]
-            close()
+            present[1].close()
 
     def _hide(self, token: EntityToken) -> None:
         self._node.graph.remove_endpoint(token)
         self._node.graph.elsewhere.remove(token)
 
-    def _topic(self, token: EntityToken, access: ClientAccess) -> Callable[[], None]:
+    def _topic(self, token: EntityToken, access: ClientAccess) -> WireEntity:
         info, node = token.info, self._node
         message_type = message_type_of_topic(node.graph, info.name, info.ros_type)
         entity = self._entity(EntityKind.SUBSCRIPTION, token, type_hash(message_type))
         assert info.qos is not None, "the token of a publisher has it"  # noqa: S101 - for mypy
         publisher = node.create_publisher(message_type, info.name, info.qos)
+        entity.keep(publisher.close)
 
         def receive(sample: WireSample) -> None:
             if publisher.is_closed or self._robots.source_of(info.name) is None:
@@ -154,16 +156,11 @@ class Imports:
                 return
             publisher.publish(message)
 
-        entity.keep(self._own.session.subscribe(token.key, info.qos, receive))
+        entity.keep(self._own.session.subscribe(token.key, info.qos, receive).undeclare)
         entity.announce()
+        return entity
 
-        def close() -> None:
-            entity.close()
-            publisher.close()
-
-        return close
-
-    def _service(self, token: EntityToken) -> Callable[[], None]:
+    def _service(self, token: EntityToken) -> WireEntity:
         info, node = token.info, self._node
         service_type = service_type_of(node.graph, info.name, info.ros_type)
         entity = self._entity(EntityKind.CLIENT, token, type_hash(service_type))
@@ -180,20 +177,15 @@ class Imports:
             return message_from_cdr(response_type, answer)
 
         server = node.create_service(service_type, info.name, ask, concurrent=True, cancel_with_caller=True)
-        served: list[GraphEntity] = [server]
+        entity.keep(server.close)
         if isinstance(service_type, SendGoalType):
             action = info.name.partition("/_action/")[0]
             shown = EndpointInfo(EntityKind.ACTION_SERVER, node.full_name, action, service_type.action_type.ros_type)
-            served.append(GraphEntity(shown, node.remove_entity))
-            node.add_entity(served[-1])
+            acting = GraphEntity(shown, node.remove_entity)
+            node.add_entity(acting)
+            entity.keep(acting.close)
         entity.announce()
-
-        def close() -> None:
-            for one in served:
-                one.close()
-            entity.close()
-
-        return close
+        return entity
 
     def _entity(self, kind: EntityKind, token: EntityToken, own_hash: str) -> WireEntity:
         """Return the entity here that uses that with *token*, unless its type has another definition there.
