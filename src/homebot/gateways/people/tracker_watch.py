@@ -78,6 +78,7 @@ class TrackerWatch(HouseWatcher):
         return {
             one.id: one.name
             for one in self._devices.values()
+            if one.freshness != "stale" or one.reachable.state == "no"  # else its system has it no more
             for part in one.parts
             if part.part.members and part.part.service_type == "x_tracker"  # no announcement over MQTT can have both
             if names.isdisjoint(map(fold, (one.name, *one.names)))
