@@ -202,6 +202,8 @@ async def test_the_only_lamp_that_is_not_so_is_told_by_itself(home: Home) -> Non
     await put_lamps(home, one=True, two=True)
     await command(home)
     assert keys(home) == ["three"]
+    sent = [one for one in (await explain(home, "three")).entries if one.kind == "sent"]
+    assert [entry_text(one, {}) for one in sent] == ["handed to the gateway"]
 
 
 @pytest.mark.parametrize(

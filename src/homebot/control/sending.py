@@ -195,14 +195,15 @@ class Sending:
         command, clock, profile = sent.command, self._clock, sent.timeline.profile
         ineffective = profile.ineffective if profile.failures else ()
         began, (shared, how) = clock.monotonic(), _way_of(sent)
-        self._journal.record("sent", command, how)
+        if shared is None:
+            self._journal.record("sent", command, how)
         sent.timeline.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
         if command.place in self._leases.parts:
             self._leases.record_stop(command, began)
         order_of, routes, is_unacknowledged, is_shared = _orders(sent, plan, began), list[str](), False, False
         try:
             if shared is not None:
-                is_shared = await _share(sent, shared, order_of)
+                is_shared = await _share(sent, shared, order_of, partial(self._journal.record, "sent", command, how))
                 if is_shared or sent.progress.superseded_by:
                     return None
                 self._journal.record("sent", command)
@@ -258,7 +259,9 @@ def _orders(sent: OpenCommand, plan: SendingPlan, began: float) -> Callable[...,
     )
 
 
-async def _share(sent: OpenCommand, shared: SharedSending, order_of: Callable[..., Command]) -> bool:
+async def _share(
+    sent: OpenCommand, shared: SharedSending, order_of: Callable[..., Command], on_sent: Callable[[], object]
+) -> bool:
     """Wait until *shared* was sent in place of a first sending; return False if that has to be sent by itself.
 
     Raises:
@@ -271,7 +274,7 @@ async def _share(sent: OpenCommand, shared: SharedSending, order_of: Callable[..
         sent.acknowledging = scope
         settings = sent.command.settings
         orders = [order_of(capability=one, value=Value.of(settings[one])) for one in settings]
-        is_carried = await shared.carry(orders, sent.progress)
+        is_carried = await shared.carry(orders, sent.progress, on_sent)
     if scope.cancelled_caught or is_carried:
         return True
     sendings.echoed = frozenset()

@@ -59,6 +59,7 @@ class SharedSending:
         self._awaited = awaited
         self._orders: list[Sequence[Command]] = []
         self._progress: list[CommandProgress] = []
+        self._on_sent: list[Callable[[], object]] = []
         self._decided, self._ended = anyio.Event(), anyio.Event()
         self._problem: HomebotError | None = LinkError("it was not sent")
 
@@ -67,18 +68,20 @@ class SharedSending:
         """True until it was sent or given up."""
         return not self._decided.is_set()
 
-    async def carry(self, orders: Sequence[Command], progress: CommandProgress) -> bool:
+    async def carry(self, orders: Sequence[Command], progress: CommandProgress, on_sent: Callable[[], object]) -> bool:
         """Wait for the other commands, have one message sent for all of them, and return whether it was.
 
         Args:
             orders: The same for each of the commands to a group, except for their times.
             progress: That of the command: none may be replaced by a newer one meanwhile.
+            on_sent: Called when the one message is handed to the gateway.
 
         Raises:
             UnansweredError: It was sent, but its network has not acknowledged it.
         """
         self._orders.append(orders)
         self._progress.append(progress)
+        self._on_sent.append(on_sent)
         self._send_if_complete()
         with anyio.move_on_after(_PATIENCE):
             await self._decided.wait()
@@ -114,6 +117,8 @@ class SharedSending:
         try:
             if not await self._may_send() or any(one.superseded_by for one in self._progress):
                 return
+            for on_sent in self._on_sent:
+                on_sent()
             own: dict[str, object] = {"id": ""}
             if self._recall is not None:
                 own |= {"capability": self._recall.capability, "value": self._recall.value}
