@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -207,6 +208,19 @@ def test_help_teaches_by_examples(capsys: Text) -> None:
         main(["topic", "pub", "--help"])
     assert caught.value.code == 0
     assert "homebot topic pub --once /hello std_msgs/String '{data: hi}'" in capsys.readouterr().out
+
+
+def test_help_names_once_the_commands_that_connect_to_no_homebot(capsys: Text) -> None:
+    (sentence,) = re.findall(r"All commands except (.*?) connect", _help_of(capsys), re.DOTALL)
+    named = re.findall(r"`(\w+)`", sentence)
+    assert {"join", "router", "run"} <= set(named)
+    assert [one for one in named if "connection to a running homebot:" in _help_of(capsys, one)] == []
+
+
+def _help_of(capsys: Text, *command: str) -> str:
+    with pytest.raises(SystemExit):
+        main([*command, "--help"])
+    return capsys.readouterr().out
 
 
 @pytest.mark.parametrize("command", ["devices", "doctor", "replay", "run"])

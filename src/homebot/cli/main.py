@@ -109,10 +109,8 @@ examples:
   homebot service call /rosapi/get_time          call a service
   homebot broker                                 only an MQTT broker
 
-All commands except `run`, `replay`, `restore`, `broker`, `config`, `interface`, `join`, `new` and `token` connect to a
-running homebot, by default on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
-All commands except `run`, `replay`, `restore`, `broker`, `router`, `config`, `interface`, `new` and `token` connect to
-a running homebot, by default on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
+All commands except `run`, `replay`, `restore`, `broker`, `router`, `config`, `interface`, `join`, `new` and `token`
+connect to a running homebot, by default on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
 """
 
 
