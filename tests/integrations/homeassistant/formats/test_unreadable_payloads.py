@@ -70,6 +70,11 @@ def binary(**fields: object) -> tuple[str, dict[str, object]]:
         (("number", {}), "11", "'11': expects a possible number"),
         (("climate", {}), "warm", "'warm': expects off or heat"),
         (("cover", {}), "OPEN", "'OPEN': expects closed, open, closing, opening or stopped"),
+        (
+            ("fan", {"command_topic": "c", "state_topic": "s", "percentage_state_topic": TOPIC}),
+            "60.0",
+            "'60.0': expects a whole number from 0 to 100",
+        ),
         (("event", {}), '{"event_type": "tap"}', "'tap': expects press or hold"),
         (("lock", {}), "locked", "'locked': expects UNLOCKED, LOCKED, UNLOCKING,"),
     ],

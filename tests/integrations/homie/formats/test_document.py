@@ -25,6 +25,11 @@ def test_a_property_is_read_in_full() -> None:
     assert not prop.is_retained
 
 
+def test_a_field_of_another_type_is_named_with_what_it_should_be() -> None:
+    with pytest.raises(WireError, match="version is 'x', not a whole number"):
+        parse(version="x")
+
+
 def test_unknown_fields_are_passed_over() -> None:
     document = parse(future={"a": 1}, nodes={"a": {"future": 1, "properties": {"b": {**GOOD, "future": []}}}})
     assert len(document.nodes[0].properties) == 1

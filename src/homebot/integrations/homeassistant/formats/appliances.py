@@ -76,13 +76,14 @@ def _add_speed(entity: Entity, config: DiscoveryConfig) -> None:
     scale = Scale(least - 1, most)
     unknown = config.text("payload_reset_percentage", "None")
     command = config.command_of("percentage")
+    expected = f"a whole number from {least - 1} to {most}"
 
     def read(text: str) -> Readings:
         if text == unknown:
             return {"fan_speed": None}
         speed = whole_of(text)
         percent = -1.0 if speed is None else scale.percent(speed)
-        return {"fan_speed": percent} if 0 <= percent <= 100 else unreadable(text, f"{least - 1} to {most}")
+        return {"fan_speed": percent} if 0 <= percent <= 100 else unreadable(text, expected)
 
     def publish(percent: float) -> Publications:
         return command.publish(scale.zero + speed_of(percent, scale.full - scale.zero)) if command else ()

@@ -189,4 +189,13 @@ def optional(fields: Mapping[str, object], name: str, kind: type[T]) -> T | None
     value = fields[name]
     if isinstance(value, kind) and (kind is bool or not isinstance(value, bool)):
         return value
-    raise WireError(f"{name} is {shown(value)}, not a {kind.__name__}")
+    raise WireError(f"{name} is {shown(value)}, not {_KINDS[kind]}")
+
+
+_KINDS: Mapping[type[object], str] = {
+    bool: "true or false",
+    dict: "an object",
+    int: "a whole number",
+    list: "a list",
+    str: "a text",
+}

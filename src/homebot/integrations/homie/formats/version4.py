@@ -188,7 +188,7 @@ def _legal_text(device_id: str, attribute: str, payload: bytes) -> str:
 
 def _check(attribute: str, text: str) -> None:
     if attribute == "$state" and text not in STATES:
-        raise WireError(f"$state is {shown(text)}")
+        raise WireError(f"$state is {shown(text)}, not one of {', '.join(STATES)}")
     if attribute == "$homie" and not _VERSION.fullmatch(text):
         raise WireError(f"$homie is {shown(text)}, not 3 or 4")
 

@@ -108,7 +108,7 @@ class Version5(Registry[_Homie5Device]):
         """Return the document that waited for this state."""
         state = payload.decode(errors="replace") if len(payload) <= len("disconnected") else ""
         if state not in STATES:
-            raise WireError(f"$state is {shown(payload)}")
+            raise WireError(f"$state is {shown(payload)}, not one of {', '.join(STATES)}")
         device.state = state
         if not device.waiting or not device.is_ready:
             return None
