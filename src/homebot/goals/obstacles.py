@@ -17,10 +17,9 @@ def why_not(problem: GoalProblem) -> str:
     for one in blocked:
         if problem.goal.keys() <= reachable(known, [*allowed, *_like(one, blocked)]):
             return _refusal(problem, one)
-    for fact in sorted(_needed(problem, allowed) - known):
-        if problem.goal.keys() <= reachable({*known, fact}, allowed):
-            return f"{problem.contrary.get(fact, f'not so: {fact}')}, and nothing here can change that"
     with_all = reachable(known, problem.operators)
+    for fact in (*_enough(problem, known, allowed), *_enough(problem, with_all, problem.operators)):
+        return f"{problem.contrary[fact]}, and nothing here can change that"
     reasons = [_refusal(problem, one) for one in blocked if one.needs <= with_all and not one.gives <= known]
     hopeless = [problem.contrary[one] for one in missing if one not in with_all]
     if hopeless:
@@ -28,8 +27,11 @@ def why_not(problem: GoalProblem) -> str:
     return "; ".join(dict.fromkeys(reasons[:_MOST_NAMED]))
 
 
-def _needed(problem: GoalProblem, allowed: list[Operator]) -> set[str]:
-    return {fact for one in allowed for fact in one.needs if fact in problem.contrary}
+def _enough(problem: GoalProblem, known: set[str], operators: list[Operator]) -> list[str]:
+    """Return the facts beyond *known*, other than wishes, each of which makes the goal reachable by *operators*."""
+    needed = {fact for one in operators for fact in one.needs if fact in problem.contrary}
+    unknown = sorted(needed - known - problem.goal.keys())
+    return [fact for fact in unknown if problem.goal.keys() <= reachable({*known, fact}, operators)]
 
 
 def _like(blocked: Operator, others: list[Operator]) -> list[Operator]:
