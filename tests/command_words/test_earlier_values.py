@@ -97,3 +97,12 @@ def test_after_a_restart_a_value_comes_back_if_it_is_as_it_was_reported() -> Non
     dimmed = {place: state.model_copy(update={"value": Value.of(30.0)}) for place, state in first.items()}
     assert [undone_after(confirmed, one) for one in (first, now, dimmed)] == [[LAMP], [], []]
     assert undone_after(NoAnswer(2.0), first) == []
+
+
+def test_a_second_command_that_changed_nothing_keeps_what_the_first_one_was_reported_for_a_restart() -> None:
+    earlier = EarlierValues()
+    confirmed = Confirmed(0.5, Evidence.REPORTED, reported={"on_off": True})
+    earlier.add(lamp(1.0, on_off=False), [commanded(confirmed)], 100.0, 101.0)
+    earlier.add(lamp(100.5, on_off=True), [commanded(AlreadySo())], 200.0, 201.0)
+    first = {place: one.model_copy(update={"is_first": True}) for place, one in lamp(500.0, on_off=True).items()}
+    assert earlier.due(first) == {LAMP: (Setting.of("on_off", False),)}

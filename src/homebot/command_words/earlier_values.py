@@ -59,8 +59,7 @@ class EarlierValues:
             kind = one.result.outcome
             if kind not in _WITHOUT_EFFECT:
                 told = {each.capability: each.value.plain() for each in one.result.reported}
-                until = ended_at - _SETTLES if kind == _NOT_SENT else ended_at  # no later change is its own
-                self._add(states, (one.device, one.part), given_at, until, told)
+                self._add(states, (one.device, one.part), given_at, ended_at, None if kind == _NOT_SENT else told)
 
     def add_parts(
         self, states: KnownStates, parts: Iterable[tuple[str, str]], given_at: float, ended_at: float
@@ -75,14 +74,17 @@ class EarlierValues:
         place: tuple[str, str],
         given_at: float,
         ended_at: float,
-        told: Mapping[str, PlainValue],
+        told: Mapping[str, PlainValue] | None,
     ) -> None:
+        """Add the states of a place; *told* is None if nothing was sent: no later change is its own."""
+        until = ended_at - _SETTLES if told is None else ended_at
         for capability in RESTORED:
             if (state := states.get((*place, capability))) is not None:
                 key = f"{target_of(*place)} {capability}"
-                earlier = self.entries.pop(key, None)
-                was, since = earlier[:2] if earlier and _is_own(state, earlier) else (state.value.plain(), given_at)
-                self.entries[key] = [was, since, ended_at, told.get(capability)]
+                entry = [state.value.plain(), given_at, until, (told or {}).get(capability)]
+                if (earlier := self.entries.pop(key, None)) and _is_own(state, earlier):
+                    entry = earlier if told is None else [*earlier[:2], *entry[2:]]
+                self.entries[key] = entry
 
     def due(self, states: KnownStates) -> dict[tuple[str, str], tuple[Setting, ...]]:
         """Return the settings by part that bring back the values that nothing else has changed since; forget all."""
