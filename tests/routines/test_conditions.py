@@ -12,7 +12,8 @@ from homebot.routines.times import SunMoment, SunSpan, TimeSpan
 def test_the_sun_days_and_times() -> None:
     assert read_condition("sun is down") == SunIs(is_up=False)
     assert read_condition("on weekends") == OnDays(frozenset({5, 6}))
-    assert read_condition("after 22:00") == TimeSpan(time(22), time())
+    assert read_condition("after 22:00") == read_condition("After 22:00") == TimeSpan(time(22), time())
+    assert read_condition("On weekdays") == read_condition("on weekdays")
     assert read_condition("after sunset - 30m") == SunSpan(SunMoment("sunset", "-30m"), time())
     assert read_condition("not between dusk and 6:30") == SunSpan(time(6, 30), SunMoment("dusk", "0s"))
     assert read_condition("between 22:00 and 6:30") == TimeSpan(time(22), time(6, 30))
@@ -53,6 +54,13 @@ def test_or_joins_conditions_of_all_kinds() -> None:
     assert read_condition(" or ".join(parts)) == AnyOf(tuple(map(read_condition, parts)))
     assert isinstance(read_condition("no window open or door open"), Matches), "none of both"
     assert isinstance(read_condition("window open or no door open"), AnyOf)
+
+
+@pytest.mark.parametrize("text", ["not hall button press double", "no hall button press"])
+def test_a_press_is_not_denied(text: str) -> None:
+    """It would be one of a button that is not in the hall."""
+    with pytest.raises(UsageError, match="into `else`"):
+        read_condition(text)
 
 
 def test_not_denies_times_days_and_the_sun() -> None:

@@ -79,7 +79,9 @@ def read_condition(text: str) -> Condition:
     check_alone(plain, "and")
     if _denies(divided(plain, "and")):
         raise UsageError(f"{text!r}: this denies a state of the same device; write each as a condition for itself")
-    return _of_people(plain) or read_press(plain) or _of_state(plain)
+    if (press := read_press(plain)) is not None and _NONE.fullmatch(plain):
+        raise UsageError(f"{text!r}: a press is not denied; write it without the `not`, and the steps into `else`")
+    return _of_people(plain) or press or _of_state(plain)
 
 
 def single_conditions(condition: Condition) -> Iterator[Condition]:
@@ -100,10 +102,11 @@ def _denies(parts: Sequence[str]) -> bool:
 
 
 def _of_time(text: str) -> Condition | None:
-    if text.casefold().startswith("not "):
+    text = text.casefold()
+    if text.startswith("not "):
         found = _of_time(text[len("not ") :])
         return None if found is None else _denied(found)
-    if (is_up := SUN.get(text.casefold())) is not None:
+    if (is_up := SUN.get(text)) is not None:
         return SunIs(is_up)
     if (days := read_days_of_week(text)) is not None:
         return OnDays(days)
