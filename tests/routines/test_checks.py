@@ -85,6 +85,7 @@ async def test_nothing_is_said_of_routines_that_work() -> None:
         ({"when": ["hall button press tripple"]}, "'hall button press tripple': it has no event 'tripple'"),
         ({"when": ["hall button#left press"]}, "'hall button#left press': it has no button 'left'; it has "),
         ({"when": ["Anna arrives"]}, "'Anna arrives': "),
+        ({"when": ["robot arrives in mars"]}, "'robot arrives in mars': there is no room 'mars'; rooms are "),
         ({"if": ["nobody is home"]}, "'nobody is home': "),
         ({"if": ["nobody in studdy"]}, "'nobody in studdy': "),
     ],

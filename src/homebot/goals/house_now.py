@@ -19,7 +19,7 @@ from homebot.errors import ServiceUnavailableError, UsageError
 from homebot.goals.operators import PlanStep
 from homebot.goals.wishes import KnownNames
 from homebot.graph import EntityKind, Node
-from homebot.routines.robot_drive import check_drive
+from homebot.routines.robot_drive import check_move
 from homebot.routines.steps import SendRobot
 from homebot.support.folding import fold
 
@@ -126,7 +126,7 @@ class HouseReader:
             else:
                 lost[robot] = found.message or f"the room of {robot} is unknown"
             try:
-                await check_drive(self.node, SendRobot("", robot, room))
+                await check_move(self.node, SendRobot("", robot, room))
             except UsageError as exc:
                 problems[robot] = str(exc)
         return HouseNow(devices, (await self.places()).doors, at, lost, problems)

@@ -29,7 +29,7 @@ from homebot.routines.effects import Effect, RoutineEffects, fights, loops
 from homebot.routines.program import program_of
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.steps import APPLY, Dim, Do, SendRobot, Wait, WaitUntil
-from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
+from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
 from homebot.support.folding import fold
 
 __all__ = ["HouseChecks", "asked_about"]
@@ -100,6 +100,9 @@ class HouseChecks:
                 or await self._others(text, query)
             ):
                 yield f"{text!r}: {problem}"
+        for text, move in _moves(routine):
+            if problem := await self._move(move):
+                yield f"{text!r}: {problem}"
         is_prompt = True
         for line in program_of(routine.do):
             match line.step:
@@ -108,9 +111,6 @@ class HouseChecks:
                         yield f"{step.text!r}: {problem}"
                 case Dim() as step:
                     if problem := await self._problem_of(step.query):
-                        yield f"{step.text!r}: {problem}"
-                case SendRobot() as step:
-                    if problem := await self._drive(step):
                         yield f"{step.text!r}: {problem}"
                 case Wait() | WaitUntil():
                     is_prompt = False
@@ -196,13 +196,14 @@ class HouseChecks:
             return await self._problem_of(query)
         return problem
 
-    async def _drive(self, step: SendRobot) -> str:
-        from homebot.routines.robot_drive import check_drive  # noqa: PLC0415 - few homes have a robot
+    async def _move(self, move: SendRobot | RobotArrival) -> str:
+        """Return why no robot can move so; empty if one can."""
+        from homebot.routines.robot_drive import check_move  # noqa: PLC0415 - few homes have a robot
 
         if not self._with_robots:
             return ""
         try:
-            await check_drive(self._node, step)
+            await check_move(self._node, move)
         except HomebotError as exc:
             return str(exc)
         return ""
@@ -222,6 +223,16 @@ def _states(routine: RoutineSettings) -> Iterator[tuple[str, Query, Press | None
                 yield text, query, None
             case Press() as press:
                 yield text, press.query, press
+
+
+def _moves(routine: RoutineSettings) -> Iterator[tuple[str, SendRobot | RobotArrival]]:
+    """Yield the text of each trigger and step that is about a robot, with its meaning."""
+    for text in routine.when:
+        if isinstance(trigger := read_trigger(text), RobotArrival):
+            yield text, trigger
+    for line in program_of(routine.do):
+        if isinstance(line.step, SendRobot):
+            yield line.step.text, line.step
 
 
 def asked_about(routines: Iterable[RoutineSettings]) -> Callable[[Device], bool]:

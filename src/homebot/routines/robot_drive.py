@@ -19,10 +19,11 @@ from homebot.messages.message import Message
 from homebot.messages.std_msgs import Header
 from homebot.places.polygon import Polygon
 from homebot.routines.steps import SendRobot
+from homebot.routines.triggers import RobotArrival
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["check_drive", "drive"]
+__all__ = ["check_move", "drive"]
 
 _LONGEST: Final = 900.0
 """Seconds after which a robot that is still on its way is called off."""
@@ -47,15 +48,37 @@ async def drive(node: Node, step: SendRobot) -> None:
         raise LinkError(f"it has not arrived in {_LONGEST / 60:.0f} minutes, and was called off") from None
 
 
-async def check_drive(node: Node, step: SendRobot) -> None:
-    """Check the preconditions of :func:`drive`.
+async def check_move(node: Node, move: SendRobot | RobotArrival) -> None:
+    """Check the preconditions of :func:`drive`, or of an arrival.
 
     Raises:
-        HomebotError: There is no such robot, action or room now.
+        HomebotError: There is no such robot, action or room now, or where the room lies is unknown.
     """
-    await _action_of(node, step.robot, "dock_robot" if step.is_to_dock else "navigate_to_pose")
-    if not step.is_to_dock:
-        await _pose_in(node, step.room)
+    match move:
+        case SendRobot(is_to_dock=True):
+            await _action_of(node, move.robot, "dock_robot")
+            return
+        case SendRobot():
+            await _action_of(node, move.robot, "navigate_to_pose")
+        case RobotArrival() if move.robot != "robot":  # which is any
+            await _robot_called(node, move.robot)
+    await _pose_in(node, move.room)
+
+
+async def _robot_called(node: Node, robot: str) -> tuple[str, bool]:
+    """Return the full name of *robot*, and whether it is the sole one.
+
+    Raises:
+        UsageError: There is no such robot.
+    """
+    with closing(node.create_client(WhereIsRobot, WHERE_IS_ROBOT)) as where:
+        if not where.service_is_ready():
+            return robot, robot == "robot"
+        found = await where.call(WhereIsRobotRequest(robot=robot))
+        if found.is_mistake:
+            raise UsageError(found.message)
+        is_sole = not (await where.call(WhereIsRobotRequest())).is_mistake
+        return found.pose[0].robot if found.pose else robot, is_sole
 
 
 async def _action_of(node: Node, robot: str, action: str) -> str:
@@ -64,14 +87,7 @@ async def _action_of(node: Node, robot: str, action: str) -> str:
     Raises:
         UsageError: There is no such robot, or it has no such action now.
     """
-    name, is_sole = robot, robot == "robot"
-    with closing(node.create_client(WhereIsRobot, WHERE_IS_ROBOT)) as where:
-        if where.service_is_ready():
-            found = await where.call(WhereIsRobotRequest(robot=robot))
-            if found.is_mistake:
-                raise UsageError(found.message)
-            name = found.pose[0].robot if found.pose else robot
-            is_sole = not (await where.call(WhereIsRobotRequest())).is_mistake
+    name, is_sole = await _robot_called(node, robot)
     offered = {one.name for one in node.graph.get_endpoints(kind=EntityKind.ACTION_SERVER)}
     names = [f"/{name}/{action}"] + ([f"/{action}"] if is_sole else [])
     for one in names:
