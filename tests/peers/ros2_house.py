@@ -1,6 +1,7 @@
 """A house with a link to ROS 2, and a robot that pyzeros is: another implementation of ROS 2 nodes on Zenoh."""
 
 import json
+import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, nullcontext
 from functools import partial
@@ -53,11 +54,21 @@ async def _serve(
         await serve_link(node, session, settings, robots, task_status=task_status)
 
 
+def compile_messages(pyzeros: Any) -> None:
+    """Compile what pyzeros needs in a first call, which takes 15 s, or minutes on a busy machine.
+
+    For this it leaves an import hook that reads the working directory, in the event loop of whichever test comes next.
+    """
+    hooks = [*sys.meta_path]
+    pyzeros.builtin_msgs.Attachment().serialize()
+    sys.meta_path[:] = hooks
+
+
 @asynccontextmanager
 async def robot(port: int) -> AsyncIterator[Any]:
     """The Zenoh session of the node ``/rosie/brain`` of pyzeros."""
     pyzeros: Any = pytest.importorskip("pyzeros")
-    pyzeros.builtin_msgs.Attachment().serialize()  # compiles it: 15 s, or minutes on a busy machine, in a first call
+    compile_messages(pyzeros)
     afor: Any = pytest.importorskip("asyncio_for_robotics")
     with (
         log_in(f"tcp/127.0.0.1:{port}", "rosie", patience=PATIENCE) as session,
