@@ -5,6 +5,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -81,13 +82,17 @@ def heard(sender: zenoh.Session, reader: zenoh.Session, robot: str) -> bool:
         return bool(until(say, PATIENCE))
 
 
-def test_it_says_where_it_listens_and_who_may_log_in_and_ends_at_sigterm() -> None:
+def test_it_says_where_it_listens_and_who_may_log_in_and_ends_within_a_second_of_sigterm() -> None:
     address = f"tcp/127.0.0.1:{reserve_port()}"
     write_configuration(address, "rosie", "bob")
     with router() as running:
         assert f"listening on {address}; may log in: owner, rosie, bob" in running.line
         with entered(address, "rosie") as one, entered(address, "rosie") as other:
             assert heard(one, other, "rosie"), "programs of one robot hear each other"
+        began = time.monotonic()
+        running.process.send_signal(signal.SIGTERM)
+        running.process.wait(PATIENCE)
+        assert time.monotonic() - began < 1.0
 
 
 def test_at_sighup_a_token_that_was_revoked_lets_nobody_in() -> None:
