@@ -11,6 +11,7 @@ from structlog.testing import capture_logs
 from tests.control.conftest import Home, OpenHome, hold_request, ignore, obey_after, refusal, report
 from tests.sizes import examples
 
+from homebot.control.durations import REMEMBERED
 from homebot.control.leases import MOST_HOLDERS, MOST_OF_ISSUER, Lease, LeaseHolder, Leases
 from homebot.devices import GatewayNames, RawCommand
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
@@ -265,6 +266,17 @@ async def test_a_raw_command_of_another_program_is_a_hand(open_home: OpenHome, p
         await anyio.sleep(4)  # until it is renewed
         assert isinstance(held.outcome, Contradicted)
         assert told(await steps(home))[1:] == [("outranked", "", "movement is closed")]
+
+
+async def test_a_hand_is_seen_when_all_facts_of_the_part_are_older_than_the_timeline_keeps(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door), door.hold("open", by="robot") as held:
+        await anyio.sleep(2 * REMEMBERED)
+        await home.report("door", "position", 100.0)  # which drops the older facts
+        await home.report("door", "movement", "opening")
+        assert held.succeeded
+        await home.report("door", "movement", "closed")
+        await anyio.sleep(4)  # until it is renewed
+        assert isinstance(held.outcome, Contradicted)
 
 
 async def test_after_a_hand_nothing_is_commanded_for_a_holder_that_left(open_home: OpenHome) -> None:

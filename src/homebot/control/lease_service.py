@@ -12,7 +12,7 @@ from homebot.control.executor import CommandExecutor
 from homebot.control.journal.given_codes import without_codes
 from homebot.control.journal.journal import CommandJournal, LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder
-from homebot.control.timeline.cause import Attribution, Cause
+from homebot.control.timeline.cause import Attribution, HeldValue
 from homebot.control.timeline.facts import ReportRole
 from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY
@@ -96,7 +96,10 @@ class LeaseService:
         if isinstance(lease, str):
             return self._refused(request, lease)
         if lease.stop_watch is None:
-            lease.stop_watch = self._executor.timelines.watch(device, part, partial(self._on_value, lease))
+            timeline = self._executor.timelines.of(device, part)
+            held = HeldValue(lease.capability, lease.value, timeline.profile, partial(self._on_report, lease))
+            timeline.held.append(held)
+            lease.stop_watch = partial(timeline.held.remove, held)
             self._changed.set()
         self._log("control.held", lease, f"is {lease.text(self._clock.monotonic())}")
         self._record("held", lease, request.issuer, request.by, request.trigger)
@@ -187,7 +190,6 @@ class LeaseService:
         async with lease.lock:
             if not lease.holders or self._clock.monotonic() < lease.hand_until:
                 return None
-            lease.seen = None
             request = _command_of(lease.part, lease.setting, key[0], holder)
             lease.outcome = outcome = await self._executor.perform(request)
             self._on_outcome(lease, outcome)
@@ -204,33 +206,20 @@ class LeaseService:
             lease.again_at = now + _AGAIN
         else:
             self._hand_back(lease)
-            lease.set_so()
-            if lease.seen is not None:
-                self._compare(lease, lease.seen)
 
-    def _on_value(self, lease: Lease, capability: str, value: PlainValue, finding: Attribution | None) -> None:
-        """Compare a live report of the part with the held value, unless it is an intermediate step."""
-        if finding is not None and finding.cause is Cause.TRANSITION:
+    def _on_report(self, lease: Lease, value: PlainValue, found: Attribution | None) -> None:
+        """Handle a report of the held value, or of another one and its cause, unless the outcome of a command will."""
+        now, saw = self._clock.monotonic(), f"{lease.capability} is {value_text(value)}"
+        if lease.lock.locked() or (found is not None and now < lease.hand_until):
             return
-        if not lease.holders or capability != lease.capability:
-            return
-        lease.seen = value
-        if not lease.lock.locked():
-            self._compare(lease, value, finding)
-
-    def _compare(self, lease: Lease, value: PlainValue, finding: Attribution | None = None) -> None:
-        profile = self._executor.timelines.profile(lease.part)
-        if profile.fits(lease.capability, lease.value, value):
+        if found is None:
             self._hand_back(lease)
-            lease.set_so()
-        elif lease.is_so and profile.departs(lease.capability, lease.value, value):
-            now, saw = self._clock.monotonic(), f"{lease.capability} is {value_text(value)}"
-            if finding is None or finding.cause.may_be_person:
-                self._leases.outrank(lease, saw, now)
-            else:  # the device itself, which may refuse if it went back at once, or a command to a group
-                lease.is_so, lease.again_at = False, now + _AGAIN if finding.role is ReportRole.UNDONE else now
-                self._log("control.held_again", lease, f"is held {lease.held_value}, but {saw}: it is commanded again")
-            self._changed.set()
+        elif found.cause.may_be_person:
+            self._leases.outrank(lease, saw, now)
+        else:  # the device itself, which may refuse if it went back at once, or a command to a group
+            lease.again_at = now + _AGAIN if found.role is ReportRole.UNDONE else now
+            self._log("control.held_again", lease, f"is held {lease.held_value}, but {saw}: it is commanded again")
+        self._changed.set()
 
     def _outcome(self, lease: Lease, now: float) -> Outcome:
         """Return the outcome of the newest command, or the change made by a hand since."""
@@ -243,7 +232,6 @@ class LeaseService:
         now = self._clock.monotonic()
         for lease in self._leases:
             if lease.again_at <= now:
-                lease.again_at = math.inf
                 self._hand_back(lease)
                 key, holder = next(iter(lease.holders.items()))
                 tasks.start_soon(self._command, lease, key, holder)

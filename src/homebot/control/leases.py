@@ -72,7 +72,6 @@ class Lease:
     """A held value of a part.
 
     Attributes:
-        is_so: Whether the device is known to have the held value.
         again_at: The time at which the value is commanded again, on the monotonic clock; inf for never.
         hand_until: When a hand, or a stop command, no longer outranks the lease.
         stop_watch: Ends the watch of the part; None before it begins.
@@ -82,14 +81,12 @@ class Lease:
     capability: str
     value: PlainValue
     holders: dict[HolderKey, LeaseHolder] = field(default_factory=dict)
-    is_so: bool = False
     again_at: float = math.inf
     hand_until: float = -math.inf
     saw: str = ""
     stop_watch: Callable[[], None] | None = None
     lock: anyio.Lock = field(default_factory=anyio.Lock)
     outcome: Outcome = _COMMANDING
-    seen: PlainValue = None
 
     @property
     def setting(self) -> Setting:
@@ -111,14 +108,10 @@ class Lease:
         until = "until it is released" if is_open_ended else f"for {math.ceil(left)} s more"
         return f"held {self.held_value} by {', '.join(names[:_MOST_NAMED])}{more} {until}"
 
-    def set_so(self) -> None:
-        """Record that the device has the held value."""
-        self.is_so, self.again_at, self.hand_until, self.saw = True, math.inf, -math.inf, ""
-
     def hand_back(self) -> bool:
-        """Record that no hand outranks the lease any more; return whether one did."""
+        """Record that no hand outranks the lease any more, or is waited for; return whether one did."""
         was_outranked = self.hand_until > -math.inf
-        self.hand_until, self.saw = -math.inf, ""
+        self.again_at, self.hand_until, self.saw = math.inf, -math.inf, ""
         return was_outranked
 
 
@@ -237,7 +230,7 @@ class Leases:
 
     def outrank(self, lease: Lease, saw: str, now: float) -> None:
         """Record that a hand changed the held value of *lease*: nothing is commanded for a while."""
-        lease.is_so, lease.saw = False, saw
+        lease.saw = saw
         lease.again_at = lease.hand_until = now + self.hand_time
         self.on_outranked(lease)
 

@@ -3,18 +3,17 @@
 import math
 from collections import OrderedDict, deque
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from types import MappingProxyType
-from typing import Final, TypeAlias, final
+from typing import Final, final
 
 from homebot.control import durations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.learnt import Profiles
 from homebot.control.timeline.cause import MOST_NEARBY, NOWHERE, Attribution, Cause, Nearby, NearbyCommands
-from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole
+from homebot.control.timeline.facts import Order, PartRef, Reported
 from homebot.control.timeline.part_timeline import PartTimeline
-from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.devices import Device, DevicePart, KeyValue, State
@@ -26,10 +25,7 @@ from homebot.graph import Node
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.time_limits import TimeLimits
 
-__all__ = ["OnValue", "Timelines"]
-
-OnValue: TypeAlias = Callable[[str, PlainValue, Attribution | None], None]
-"""Called with the capability and the value of a report, and its cause; None for a repetition."""
+__all__ = ["Timelines"]
 
 _MOST: Final = 10_000
 _NONE: Final[Mapping[str, PlainValue]] = MappingProxyType({})
@@ -45,7 +41,6 @@ class _TrackedPart:
     stop_watch: Callable[[], None] = lambda: None
     timer: int = 0
     timer_at: float = math.inf
-    listeners: list[OnValue] = field(default_factory=list)
 
 
 @final
@@ -97,17 +92,6 @@ class Timelines:
             if route.name in self._profiles.of(target_of(device.id, part.id)).ineffective
         )
 
-    def watch(self, device: Device, part: DevicePart, on_value: OnValue) -> Callable[[], None]:
-        """Call *on_value* with each live report of a part; return the function that stops it."""
-        self.of(device, part)
-        listeners = self._entries[device.id, part.id].listeners
-        listeners.append(on_value)
-        return partial(listeners.remove, on_value)
-
-    def profile(self, place: PartRef) -> DeviceProfile:
-        """Return the profile of a commanded part, which compares its values."""
-        return self._entries[place].timeline.profile
-
     def schedule(self, place: PartRef) -> None:
         """Set the timer of a decided command, and save the profile."""
         self._update(self._entries[place])
@@ -149,7 +133,7 @@ class Timelines:
         _seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
         entry = self._entries[place] = _TrackedPart(timeline, target, part)
         self._move(entry, device)
-        timeline.on_news, timeline.on_undone = self.on_news, partial(self._on_undone, entry)
+        timeline.on_news, timeline.on_undone = self.on_news, self.on_undone
         self._follow(entry, part)
         if len(self._entries) > _MOST:
             self._forget_oldest()
@@ -179,12 +163,8 @@ class Timelines:
     def _on_value(self, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float) -> None:
         if capability not in entry.relevant:
             return
-        now, timeline = self._clock.monotonic(), entry.timeline
-        fact = timeline.report(now, stamp, capability, value, self._feed.last_loss(entry.part.routes).monotonic)
-        if entry.listeners:
-            finding = None if fact is None else timeline.cause_of(fact)
-            for listener in tuple(entry.listeners):
-                listener(capability, value, finding)
+        lost_at = self._feed.last_loss(entry.part.routes).monotonic
+        entry.timeline.report(self._clock.monotonic(), stamp, capability, value, lost_at)
         self._update(entry)
 
     def _update(self, entry: _TrackedPart) -> None:
@@ -203,18 +183,11 @@ class Timelines:
 
     def _forget_oldest(self) -> None:
         for place, entry in self._entries.items():
-            if not entry.listeners and not entry.timeline.open_commands():
+            if not entry.timeline.held and not entry.timeline.open_commands():
                 del self._entries[place]
                 self._limits.discard(entry.timer)
                 entry.stop_watch()
                 return
-
-    def _on_undone(self, entry: _TrackedPart, progress: CommandProgress, undoing: Undoing, cause: Cause) -> None:
-        """Publish the end of a confirmed value, even to listeners that got its last report as an intermediate step."""
-        value = entry.timeline.value(undoing.capability)
-        for listener in tuple(entry.listeners):
-            listener(undoing.capability, value, Attribution(cause, progress.order.id, ReportRole.UNDONE))
-        self.on_undone(progress, undoing, cause)
 
 
 def _seed(timeline: PartTimeline, device: Device, part: DevicePart, now: float, monotonic: float) -> None:

@@ -1,7 +1,8 @@
 """Cause of a report: a command to the part or to one near it, a device by itself, a person, or unknown. Pure."""
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from enum import Enum
 from typing import Final, NamedTuple, TypeAlias
 
@@ -12,12 +13,14 @@ from homebot.control.timeline.profile import ENOUGH, DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.devices.device import target_of
 from homebot.devices.obedience import STOPPED, departs, fits
+from homebot.devices.value import PlainValue
 
 __all__ = [
     "MOST_NEARBY",
     "NOWHERE",
     "Attribution",
     "Cause",
+    "HeldValue",
     "Nearby",
     "NearbyCommands",
     "cause_of",
@@ -84,6 +87,33 @@ def cause_of(fact: Reported, commands: Iterable[CommandProgress]) -> Attribution
         if role is ReportRole.OTHERWISE and fact.at <= command.ended_at:
             answered = Attribution(Cause.PERSON, command.order.id, role)
     return _cause_without_command(fact) or answered
+
+
+@dataclass(slots=True, eq=False)
+class HeldValue:
+    """Value that a lease holds: a fold of the reports and commands of its part as long as the lease lasts.
+
+    Attributes:
+        on_report: Called with each report of the value and None, with the first report of another one and its cause.
+        is_so: Whether the part is known to have it.
+    """
+
+    capability: str
+    value: PlainValue
+    profile: DeviceProfile
+    on_report: Callable[[PlainValue, Attribution | None], None]
+    is_so: bool = False
+
+    def report(self, capability: str, value: PlainValue, found: Attribution) -> None:
+        """Record a report and its cause; an intermediate step says nothing."""
+        if capability != self.capability or found.cause is Cause.TRANSITION:
+            return
+        if self.profile.fits(capability, self.value, value):
+            self.is_so = self.is_so or found.cause is not Cause.ECHO
+            self.on_report(value, None)
+        elif self.is_so and self.profile.departs(capability, self.value, value):
+            self.is_so = False
+            self.on_report(value, found)
 
 
 def _cause_without_command(fact: Reported) -> Attribution | None:

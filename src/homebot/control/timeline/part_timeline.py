@@ -7,7 +7,15 @@ from types import MappingProxyType
 from typing import Final, final
 
 from homebot.control import durations
-from homebot.control.timeline.cause import NOWHERE, Attribution, Cause, Nearby, cause_of, cause_of_undoing
+from homebot.control.timeline.cause import (
+    NOWHERE,
+    Attribution,
+    Cause,
+    HeldValue,
+    Nearby,
+    cause_of,
+    cause_of_undoing,
+)
 from homebot.control.timeline.facts import (
     CommandFact,
     Decided,
@@ -57,6 +65,7 @@ class PartTimeline:
         place: The part.
         nearby: The commands to this part and those near it.
         unsure_since: The end of the last failed command for each capability, if none is confirmed since, in seconds.
+        held: The values that leases hold.
         dropped_change: The newest unexplained change that is no longer among the reports; None if there is none.
         on_news: Called with each report for each command that may have caused it, and with None for a replaced command.
         on_undone: Called with a command whose confirmed value is undone, and the cause.
@@ -70,6 +79,7 @@ class PartTimeline:
         self.place: PartRef = ("", "")
         self.nearby: Nearby = NOWHERE
         self.unsure_since: dict[str, float] = {}
+        self.held: list[HeldValue] = []
         self.dropped_change: Reported | None = None
         self.on_news: Callable[[CommandProgress, Reported | None], None] = lambda *_: None
         self.on_undone: Callable[[CommandProgress, Undoing, Cause], None] = lambda *_: None
@@ -153,6 +163,7 @@ class PartTimeline:
         active = self._active = [one for one in self._active if one.covers(at)]
         if not active and is_same:
             self.profile.learn_repetition()
+            self._report_held(capability, value, Attribution(Cause.PERSON))
             return None
         self._number += 1
         fact = Reported(at, stamp, self._number, capability, value, previous, since, is_first, before < lost_at)
@@ -167,6 +178,8 @@ class PartTimeline:
             self._learn_change(fact)
         for one in active:
             self.on_news(one, fact)
+        if self.held:
+            self._report_held(capability, value, self.cause_of(fact))
         return fact
 
     @property
@@ -255,6 +268,8 @@ class PartTimeline:
     def _end(self, progress: CommandProgress, fact: Decided) -> None:
         """Learn from an outcome; a command that failed may have had an effect, although no report says so."""
         settings, outcome = progress.order.settings, fact.outcome
+        for held in self.held if outcome.succeeded else ():
+            held.is_so = held.is_so or settings.get(held.capability) == held.value
         if progress.settling is not None:
             for capability in settings if self.unsure_since else ():
                 self.unsure_since.pop(capability, None)
@@ -300,7 +315,14 @@ class PartTimeline:
             progress.is_learnt, undoing = True, settling.undoing
             learn_settled(progress, undoing, self.profile)
             if undoing is not None and not progress.is_raw:
-                self.on_undone(progress, undoing, cause_of_undoing(progress, undoing.capability))
+                capability, cause = undoing.capability, cause_of_undoing(progress, undoing.capability)
+                found = Attribution(cause, progress.order.id, ReportRole.UNDONE)
+                self._report_held(capability, self.value(capability), found)  # its report counted as a step
+                self.on_undone(progress, undoing, cause)
+
+    def _report_held(self, capability: str, value: PlainValue, found: Attribution) -> None:
+        for held in tuple(self.held):
+            held.report(capability, value, found)
 
     def _replace_settling(self, progress: CommandProgress, at: float) -> None:
         """Watch the capabilities of a newly confirmed command only for that command."""
