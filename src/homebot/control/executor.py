@@ -18,6 +18,7 @@ from homebot.control.command import (
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal.given_codes import UNREAD, without_codes
 from homebot.control.journal.journal import CommandJournal
+from homebot.control.journal.report_log import ReportLog
 from homebot.control.learnt import LearntPersistence
 from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
@@ -25,7 +26,7 @@ from homebot.control.questions import Questions
 from homebot.control.sending import OpenCommand, Rehearsal, Sending
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.cause import Cause
-from homebot.control.timeline.facts import Answered, Decided, Order, Reported, ReportRole
+from homebot.control.timeline.facts import Answered, Decided, Order, Reported
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.control.timelines import Timelines
@@ -40,14 +41,12 @@ from homebot.devices.command_messages import (
     CommandResult,
     SendTextRequest,
     SendTextResponse,
-    Setting,
 )
 from homebot.devices.command_sender import TextTarget
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import COMMAND_EVENTS
 from homebot.devices.outcomes import (
     AlreadySo,
-    Contradicted,
     Gone,
     NoAnswer,
     Outcome,
@@ -102,6 +101,7 @@ class CommandExecutor:
         self._limits, self._open = TimeLimits(), dict[str, OpenCommand]()
         timelines.on_news, timelines.on_undone = self._on_news, self._on_undone
         feed.on_answer = self._on_answer
+        self.reports = ReportLog(journal, timelines)
         self.witnesses = Witnesses(node, settings, feed, lookup)
         self.codes = CodeGuesses(self._clock)
         self.questions = Questions(node, lookup, policies, journal)
@@ -348,35 +348,12 @@ class CommandExecutor:
         return outcome
 
     def _on_news(self, progress: CommandProgress, fact: Reported | None) -> None:
-        """Record a report for a command, or its end, and wake the task that waits for it."""
+        """Record a report for a command, and wake the task that waits for it or for its end."""
         opened = self._open.get(progress.order.id)
         if fact is not None:
-            self._record(progress, fact, opened if progress.is_open else None)
+            self.reports.on_report(progress, fact, opened if progress.is_open else None)
         if opened is not None:
             opened.wake()
-
-    def _record(self, progress: CommandProgress, fact: Reported, opened: OpenCommand | None) -> None:
-        order, cause = progress.order, Cause.COMMAND.value
-        if opened is not None:
-            if fact.capability not in progress.wanted or not opened.is_news(fact):
-                return
-            cause = self._cause_of_answer(progress, fact)
-        elif (
-            not _is_late_answer(progress, fact)
-            or self.timelines.cause_of(progress.order.place, fact).command != order.id
-        ):
-            return
-        setting = Setting.of(fact.capability, fact.value)
-        self._journal.reported(order.place, setting, fact.stamp, cause, order.id, order.issuer)
-
-    def _cause_of_answer(self, progress: CommandProgress, fact: Reported) -> str:
-        """Return the cause of a change while a command waits for its outcome; empty for no change."""
-        if progress.roles[fact.number] is ReportRole.EFFECT:
-            return Cause.COMMAND.value
-        if not fact.is_change:
-            return ""
-        cause = self.timelines.cause_of(progress.order.place, fact).cause  # a person, or the device's own answer
-        return Cause.UNKNOWN.value if cause is Cause.PERSON else cause.value
 
     def _on_undone(self, progress: CommandProgress, undoing: Undoing, cause: Cause) -> None:
         order, by = progress.order, "device" if cause is Cause.DEVICE else "unknown"
@@ -393,12 +370,3 @@ class CommandExecutor:
         if opened is not None and capability in opened.command.settings:
             opened.timeline.append(Answered(command, self._clock.monotonic(), capability, problem))
             opened.wake()
-
-
-def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:
-    """Return whether a report shows that the device obeyed a command after its outcome; False for a raw text."""
-    outcome = progress.outcome
-    if outcome is None or not outcome.may_obey_later or (isinstance(outcome, Contradicted) and outcome.witness):
-        return False
-    is_change = fact.is_change or (fact.is_first and progress.last.get(fact.capability, fact.value) != fact.value)
-    return not progress.is_raw and is_change and progress.roles[fact.number] is ReportRole.EFFECT

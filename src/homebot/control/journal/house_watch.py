@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Final, final
 
 from homebot.devices import GatewayNames, RawCommand
 from homebot.devices.capabilities import SETTABLE
-from homebot.devices.command_messages import Setting
 from homebot.devices.device import ChangedSetting, ChangedSettings
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
@@ -16,7 +15,6 @@ from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
 
 if TYPE_CHECKING:
     from homebot.control.control_layer import ControlLayer
-    from homebot.control.timeline.cause import Attribution
 
 __all__ = ["HouseWatch"]
 
@@ -37,14 +35,6 @@ def _is_change(change: ChangedSetting) -> bool:
         return False
     is_soon = change.told_at.to_seconds() - change.before_since.to_seconds() < _CALM
     return not (isinstance(value, float) and value and before and is_soon)
-
-
-def _explained(found: Attribution | None, *, was_absent: bool) -> tuple[str, str]:
-    """Return the id of the command behind a change, empty for none, and its cause."""
-    if found is not None and found.command:
-        return found.command, "command" if found.cause.may_be_person else found.cause.value
-    cause = "person" if found is None else found.cause.value
-    return "", "unknown" if was_absent and cause == "person" else cause
 
 
 @final
@@ -90,14 +80,7 @@ class HouseWatch:
             layer, place = self._layer(), (change.device, change.part)
             if not layer.timelines.has(place) and (device := await self._lookup.known(change.device)) is not None:
                 layer.timelines.begin(device, change)
-            value, at = change.value.plain(), change.told_at.to_seconds()
-            found = layer.timelines.cause(place, change.capability, value, at)
-            if found is None or found.role is None:
-                command, cause = _explained(found, was_absent=change.was_absent)
-                setting = Setting(capability=change.capability, value=change.value)
-                layer.journal.reported(place, setting, at, cause, command)  # else the entries of a command record it
-                if not command:
-                    layer.journal.log.log_change(change, cause)
+            layer.executor.reports.on_change(change)
 
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:
         # Control's own commands do not come here; an id that another program gives would let it hide the command.

@@ -1,0 +1,72 @@
+"""The one writer of reports: each answer to a command, and each change that no command has recorded, with its cause."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, final
+
+from homebot.control.timeline.cause import Attribution, Cause
+from homebot.control.timeline.facts import PartRef, Reported, ReportRole
+from homebot.devices.command_messages import Setting
+from homebot.devices.outcomes import Contradicted
+
+if TYPE_CHECKING:
+    from homebot.control.journal.journal import CommandJournal
+    from homebot.control.sending import OpenCommand
+    from homebot.control.timeline.progress import CommandProgress
+    from homebot.control.timelines import Timelines
+    from homebot.devices.device import ChangedSetting
+
+__all__ = ["ReportLog"]
+
+
+@final
+class ReportLog:
+    """Records reports in the journal."""
+
+    def __init__(self, journal: CommandJournal, timelines: Timelines) -> None:
+        self._journal = journal
+        self._timelines = timelines
+
+    def on_report(self, progress: CommandProgress, fact: Reported, opened: OpenCommand | None) -> None:
+        """Record a report that answers a command, also after its outcome, when there is no *opened* command."""
+        order, is_effect = progress.order, progress.roles[fact.number] is ReportRole.EFFECT
+        is_answer = fact.capability in progress.wanted and opened.is_news(fact) if opened else _is_late(progress, fact)
+        if not is_answer:
+            return
+        found = self._timelines.cause_of(order.place, fact)
+        if opened is None and found.command != order.id:
+            return
+        cause = found.cause if is_effect or fact.is_change else None
+        cause = Cause.UNKNOWN if cause is Cause.PERSON else cause  # a person, or the device's own answer
+        setting = Setting.of(fact.capability, fact.value)
+        self._write(order.place, setting, fact.stamp, cause, order.id, order.issuer)
+
+    def on_change(self, change: ChangedSetting) -> None:
+        """Record and log a change, unless it has a role for a command to its part: then that command recorded it."""
+        place, at = (change.device, change.part), change.told_at.to_seconds()
+        found = self._timelines.cause(place, change.capability, change.value.plain(), at) or Attribution(Cause.PERSON)
+        if found.role is not None:
+            return
+        cause = found.cause
+        if found.command:
+            cause = Cause.COMMAND if cause.may_be_person else cause
+        elif change.was_absent and cause is Cause.PERSON:
+            cause = Cause.UNKNOWN
+        setting = Setting(capability=change.capability, value=change.value)
+        self._write(place, setting, at, cause, found.command)
+        if not found.command:
+            self._journal.log.log_change(change, cause.value)
+
+    def _write(
+        self, place: PartRef, setting: Setting, at: float, cause: Cause | None, command: str, issuer: str = ""
+    ) -> None:
+        self._journal.reported(place, setting, at, cause.value if cause else "", command, issuer)
+
+
+def _is_late(progress: CommandProgress, fact: Reported) -> bool:
+    """Return whether a report shows that the device obeyed a command after its outcome; False for a raw text."""
+    outcome = progress.outcome
+    if outcome is None or not outcome.may_obey_later or (isinstance(outcome, Contradicted) and outcome.witness):
+        return False
+    is_change = fact.is_change or (fact.is_first and progress.last.get(fact.capability, fact.value) != fact.value)
+    return not progress.is_raw and is_change and progress.roles[fact.number] is ReportRole.EFFECT
