@@ -1,13 +1,16 @@
 """MCAP files that were cut off, damaged or written by others."""
 
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
 import pytest
-from tests.bags.bags import bag_of, whole
+from tests.bags.bags import CHAT, START, bag_of, whole
 
+from homebot.bags.bag_files import bag_files
 from homebot.bags.bag_topic import BagMessage
+from homebot.bags.bag_writer import BagWriter
 from homebot.bags.mcap_file import DamagedFileError, McapFile
 from homebot.errors import UsageError
 
@@ -54,3 +57,17 @@ def test_another_file_is_none(tmp_path: Path, text: bytes) -> None:
 def test_a_missing_file_is_told(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="day cannot be read: No such file or directory"):
         McapFile(tmp_path / "day").content()
+
+
+def test_a_topic_in_an_encoding_that_homebot_does_not_read_is_kept_and_the_others_are_read(tmp_path: Path) -> None:
+    """As rosbag2 records types in IDL, and types of which it finds no text."""
+    idl = replace(CHAT, name="/idl", encodings=("cdr", "ros2idl"))
+    unknown = replace(CHAT, name="/unknown", definition="", encodings=("cdr", ""))
+    written = [BagMessage(one, START, b"\x00\x01\x00\x00") for one in (CHAT, idl, unknown)]
+    for path in (tmp_path / "first", tmp_path / "second"):
+        with BagWriter(path) as writer:
+            for message in written:
+                writer.write(message)
+        (file,) = bag_files(path)
+        assert file.content().counts == dict.fromkeys((CHAT, idl, unknown), 1)
+        written = list(file.messages(is_cut=True))

@@ -4,14 +4,18 @@ import re
 import shlex
 import signal
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.bags.bags import bag_of
+from tests.bags.bags import CHAT, bag_of, words
 from tests.guide import commands_in, guide
 from tests.patience import PATIENCE
 from tests.shell import Homebot, environment, homebot_in
 from tests.system.attack_probe import until
+
+from homebot.bags.bag_topic import BagTopic
+from homebot.bags.bag_writer import BagWriter
 
 GUIDE = guide("bags")
 COMMANDS = commands_in(GUIDE)
@@ -90,6 +94,21 @@ def test_a_bag_is_played_as_fast_as_the_door_reads(tmp_path: Path) -> None:
     (tmp_path / "homebot.toml").write_text("[gateways.mqtt]\n[door]\nmax_frames_per_second = 100\n")
     with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
         assert ok(shell, f"{PLAY} --rate 1000") == "1,000 messages were played; topics: /chat\n"
+
+
+def test_topics_that_homebot_cannot_read_are_left_out(tmp_path: Path) -> None:
+    """Introspection of a service, which rosbag2 records with the text of the service, and a type in IDL."""
+    service = "int64 a\nint64 b\n---\nint64 sum\n"
+    add = BagTopic("/add/_service_event", "example_interfaces/srv/AddTwoInts_Event", service, "", "")
+    idl = replace(CHAT, name="/idl", ros_type="acme_msgs/msg/X", encodings=("cdr", "ros2idl"))
+    with BagWriter(tmp_path / "day") as writer:
+        for one in (add, idl, CHAT):
+            writer.write(next(words(1))._replace(topic=one))
+    (tmp_path / "homebot.toml").write_text("[gateways.mqtt]\n")
+    with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
+        played, *left_out = ok(shell, PLAY).splitlines()
+    assert played == "1 messages were played; topics: /chat"
+    assert [one.rpartition(": ")[2] for one in left_out] == ["/add/_service_event", "/idl"]
 
 
 def test_one_file_has_the_topics_that_were_named(tmp_path: Path) -> None:

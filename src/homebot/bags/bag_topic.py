@@ -13,7 +13,10 @@ from homebot.messages.interfaces.interface_text import split_definitions
 from homebot.messages.message import Message
 from homebot.messages.type_hash import type_hash
 
-__all__ = ["BagMessage", "BagTopic", "qos_text"]
+__all__ = ["CDR", "BagMessage", "BagTopic", "qos_text"]
+
+CDR: Final = ("cdr", "ros2msg")
+"""The encodings that homebot reads."""
 
 _POLICIES: Final = ("history", "reliability", "durability", "liveliness", "depth")
 _SPANS: Final = ("deadline", "lifespan", "liveliness_lease_duration")
@@ -29,6 +32,7 @@ class BagTopic:
         definition: The text of the type and of those in it, like that of
             :func:`homebot.messages.definition.definition_text`.
         qos: The offers of its publishers, as :func:`qos_text`.
+        encodings: Those of its messages and of *definition*; ``ros2idl`` for a type in IDL, empty for an unknown one.
     """
 
     name: str
@@ -36,6 +40,7 @@ class BagTopic:
     definition: str
     type_hash: str
     qos: str
+    encodings: tuple[str, str] = CDR
 
     @classmethod
     def of(cls, name: str, ros_type: str, definition: str, qos: str) -> BagTopic:

@@ -109,7 +109,7 @@ class BagWriter:
                     "topic_metadata": {
                         "name": topic.name,
                         "type": topic.ros_type,
-                        "serialization_format": "cdr",
+                        "serialization_format": topic.encodings[0],
                         "offered_qos_profiles": _profiles(topic.qos),
                         "type_description_hash": topic.type_hash,
                     },

@@ -65,7 +65,7 @@ class McapWriter:
         self._file = file
         self._writer = Writer(file, chunk)
         self._writer.start("ros2", f"homebot {__version__}")
-        self._schemas: dict[tuple[str, str], int] = {}
+        self._schemas: dict[tuple[str, str, str], int] = {}
         self._channels: dict[BagTopic, int] = {}
 
     @property
@@ -98,11 +98,12 @@ class McapWriter:
             self._writer.finish()  # type: ignore[no-untyped-call]
 
     def _channel(self, topic: BagTopic) -> int:
-        kind = topic.ros_type, topic.definition
+        encoding, schema = topic.encodings
+        kind = topic.ros_type, schema, topic.definition
         if kind not in self._schemas:
-            self._schemas[kind] = self._writer.register_schema(topic.ros_type, "ros2msg", topic.definition.encode())
+            self._schemas[kind] = self._writer.register_schema(topic.ros_type, schema, topic.definition.encode())
         facts = {"offered_qos_profiles": topic.qos, "topic_type_hash": topic.type_hash}
-        return self._writer.register_channel(topic.name, "cdr", self._schemas[kind], facts)
+        return self._writer.register_channel(topic.name, encoding, self._schemas[kind], facts)
 
 
 @final
@@ -117,7 +118,7 @@ class McapFile:
 
         Raises:
             DamagedFileError: It was cut off or damaged.
-            UsageError: It cannot be read, or is none of ROS 2.
+            UsageError: It cannot be read, or is no MCAP file.
         """
         with self._checked(), self.path.open("rb") as file:
             summary = SeekingReader(file, record_size_limit=_LARGEST).get_summary()
@@ -158,15 +159,11 @@ class McapFile:
 
 
 def _topic(schema: Schema | None, channel: Channel) -> BagTopic:
-    if schema is None or channel.message_encoding != "cdr" or schema.encoding != "ros2msg":
-        encoding = f"{channel.message_encoding} of {schema.encoding if schema else 'no schema'}"
-        raise UsageError(
-            f"{channel.topic[:100]!r} is {encoding[:100]!r}; homebot reads cdr of ros2msg, as ROS 2 records it"
-        )
     return BagTopic(
         channel.topic,
-        schema.name,
-        schema.data.decode(),
+        schema.name if schema else "",
+        schema.data.decode() if schema else "",
         channel.metadata.get("topic_type_hash", ""),
         channel.metadata.get("offered_qos_profiles", ""),
+        (channel.message_encoding, schema.encoding if schema else ""),
     )

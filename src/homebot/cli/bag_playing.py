@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
 from homebot.bags.bag_files import bag_files
+from homebot.bags.bag_topic import CDR
 from homebot.bridges.rosbridge.access import right_to_publish
 from homebot.devices import RawCommand
 from homebot.devices.client_rights import Right
 from homebot.devices.gateway_messages import Command
 from homebot.devices.names import DEFINE_TYPE
-from homebot.errors import PeerError
+from homebot.errors import PeerError, UsageError
 from homebot.messages.cdr import message_from_cdr
 from homebot.messages.json import message_to_json
 from homebot.support.name_patterns import fits_any
@@ -75,22 +76,32 @@ class _Player:
         self.count = 0
         self.types: dict[BagTopic, type[Message]] = {}
         self.left_out: dict[str, set[BagTopic]] = {}
+        self._others: set[BagTopic] = set()
         self._door, self._patterns, self._commands = door, options.topics, options.commands
 
     def plays(self, topic: BagTopic) -> bool:
         """Return whether messages of *topic* are played."""
         if topic in self.types:
             return True
-        if self._patterns and not fits_any(topic.name, self._patterns):
+        if topic in self._others or (self._patterns and not fits_any(topic.name, self._patterns)):
             return False
         if reason := self._why_left_out(topic):
+            self._others.add(topic)
             self.left_out.setdefault(reason, set()).add(topic)
         return not reason
 
     def _why_left_out(self, topic: BagTopic) -> str:
         if topic.ros_type in _COMMANDS or topic.name.endswith(_GOAL):
             return "" if self._commands else "as they are commands (--commands plays them)"
-        return "as they are homebot's own (--topics plays them)" if not self._patterns and _is_own(topic) else ""
+        if not self._patterns and _is_own(topic):
+            return "as they are homebot's own (--topics plays them)"
+        if topic.encodings != CDR:
+            return f"as homebot reads {CDR[0]} of {CDR[1]}"
+        try:
+            topic.message_type()
+        except UsageError as exc:  # rosbag2 records services and actions with the texts of these
+            return str(exc)
+        return ""
 
     def publish(self, message: BagMessage) -> None:
         """Publish *message*; errors as for :meth:`DoorClient.settle`, and that it is none of its topic's type."""
