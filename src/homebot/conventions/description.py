@@ -11,6 +11,7 @@ from typing import Final, Literal, NamedTuple, Protocol, TypeAlias, runtime_chec
 
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
+from homebot.errors import WireError
 
 __all__ = [
     "AnnouncementEvent",
@@ -256,7 +257,8 @@ class GroupsListed(NamedTuple):
     members: Mapping[str, tuple[str, ...]]
 
 
-AnnouncementEvent: TypeAlias = DeviceAnnounced | DeviceWithdrawn | DeviceRequest | GroupsListed
+AnnouncementEvent: TypeAlias = DeviceAnnounced | DeviceWithdrawn | DeviceRequest | GroupsListed | WireError
+"""What a message has; an error names a part of it that is invalid and left out."""
 
 
 MOST_WORK: Final = 30_000

@@ -159,6 +159,10 @@ class AnnouncementHandler:
                 self._subscriber.question(event)
             case GroupsListed():
                 self._list_groups(event, message)
+            case WireError():
+                self._counters.announcements_rejected += 1
+                words = f"{message.topic}: left out of an announcement for {convention.name}: {event}"
+                self._quarantine.log_limited(REJECTED, words, source=message.topic)
 
     def _record_failure(self, convention: Convention, message: MqttMessage, error: BaseException) -> None:
         if isinstance(error, WireError):

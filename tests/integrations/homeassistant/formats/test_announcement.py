@@ -160,6 +160,6 @@ def test_a_config_topic_that_would_fill_an_index_is_refused() -> None:
 def test_a_topic_that_cannot_be_is_refused(topic: str) -> None:
     for validate in (validate_topic, validate_filter):
         with pytest.raises(WireError):
-            valid_topic(topic, validate)
+            valid_topic("switch: command_topic", topic, validate)
     with pytest.raises(WireError):
-        valid_topic("a/+", validate_topic)
+        valid_topic("switch: command_topic", "a/+", validate_topic)

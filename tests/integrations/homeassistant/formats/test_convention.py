@@ -3,6 +3,8 @@ from typing import Literal
 
 import pytest
 from pydantic import ValidationError
+from structlog.testing import capture_logs
+from tests.gateways.mqtt.simple_house import simple_house
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.errors import WireError
@@ -106,10 +108,24 @@ def test_in_a_whole_device_a_broken_component_costs_itself_alone(convention: Hom
         "bad": {"p": "light", "uniq_id": "x", "cmd_t": "a/#"},
         "good": {"p": "switch", "uniq_id": "b", "cmd_t": "s"},
     }
-    device = take(convention, "device/0AFFD2", {**WHOLE, "cmps": cmps})
+    payload = json.dumps({**WHOLE, "cmps": cmps}).encode()
+    device, problem = convention.read_message("homeassistant/device/0AFFD2/config", payload, retained=True)
     assert isinstance(device, DeviceAnnounced)
     assert [one.part.id for one in device.parts] == ["b"]
+    assert str(problem) == "device/0AFFD2/bad: light: command_topic 'a/#' has a wildcard, which only filters may have"
     assert convention.rejected == 1
+
+
+@pytest.mark.virtual_time
+async def test_a_component_that_is_left_out_is_counted_and_the_log_says_which_and_why() -> None:
+    with capture_logs() as lines:
+        async with simple_house(conventions=("homeassistant",)) as house:
+            cmps = {"bad": {"p": "light", "uniq_id": "x"}, "good": {"p": "switch", "uniq_id": "b", "cmd_t": "s"}}
+            await house.say("homeassistant/device/0AFFD2/config", json.dumps({**WHOLE, "cmps": cmps}))
+            assert [one.key for one in house.sighted()] == ["homeassistant:device/0AFFD2"]
+            assert house.gateway.counters.announcements_rejected == 1
+    (line,) = [line for line in lines if line["event"] == "gateway.announcement_rejected"]
+    assert "device/0AFFD2/bad: light: command_topic is None" in line["message"]
 
 
 def test_a_whole_device_of_broken_components_is_refused_once(convention: HomeAssistantDiscovery) -> None:

@@ -4,6 +4,8 @@ import json
 from typing import Any
 
 import pytest
+from structlog.testing import capture_logs
+from tests.gateways.mqtt.simple_house import simple_house
 from tests.integrations.announced_parts import device_in
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, GroupsListed
@@ -151,14 +153,30 @@ def test_a_broken_entry_costs_that_device_alone_and_is_counted() -> None:
     convention = bridge()
     names = ("a/+/b", "bridge/x", "", "kitchen/lamp/set", "a\x00", "n" * 600)
     broken = [{"ieee_address": "0x1"}, "lamp", None, *(entry(PLUG, name) for name in names)]
-    assert device_in(heard(convention, *broken, entry())).key == LAMP
-    assert convention.rejected == len(broken)
+    *problems, lamp = heard(convention, *broken, entry())
+    assert device_in((lamp,)).key == LAMP
+    assert all(isinstance(one, WireError) for one in problems)
+    assert len(problems) == convention.rejected == len(broken)
+
+
+@pytest.mark.virtual_time
+@pytest.mark.parametrize("address", ["0x1", 7, None])
+async def test_the_log_names_the_entry_that_is_left_out_and_the_others_are_found(address: object) -> None:
+    with capture_logs() as lines:
+        async with simple_house(conventions=("zigbee2mqtt",)) as house:
+            devices = [COORDINATOR, {**entry(name="attic"), "ieee_address": address}, entry(PLUG, "plug")]
+            await house.say("zigbee2mqtt/bridge/devices", json.dumps(devices))
+            assert [one.key for one in house.sighted()] == [f"zigbee2mqtt:{PLUG}"]
+            assert house.gateway.counters.announcements_rejected == 1
+    (line,) = [line for line in lines if line["event"] == "gateway.announcement_rejected"]
+    assert f"'attic': ieee_address is {address!r}" in line["message"]
 
 
 def test_a_device_with_a_broken_entry_stays() -> None:
     convention = bridge()
     heard(convention, entry(), entry(PLUG, "plug"))
-    lamp, plug = heard(convention, entry(name="#"), entry(PLUG, "plug"))
+    problem, lamp, plug = heard(convention, entry(name="#"), entry(PLUG, "plug"))
+    assert isinstance(problem, WireError)
     assert isinstance(lamp, DeviceAnnounced)
     assert isinstance(plug, DeviceAnnounced)
     assert (lamp.key, lamp.name) == (LAMP, "kitchen/lamp")
@@ -167,7 +185,8 @@ def test_a_device_with_a_broken_entry_stays() -> None:
 def test_the_name_of_a_broken_entry_is_free_for_another() -> None:
     convention = bridge()
     heard(convention, entry())
-    gone, plug = heard(convention, entry(PLUG), entry(name="#"))
+    problem, gone, plug = heard(convention, entry(PLUG), entry(name="#"))
+    assert isinstance(problem, WireError)
     assert gone == DeviceWithdrawn(LAMP, "it was disabled, or its name was taken")
     assert isinstance(plug, DeviceAnnounced)
     assert plug.key == PLUG
@@ -180,8 +199,9 @@ def test_devices_are_left_out_where_those_before_have_all_the_parts() -> None:
 
 def test_a_repeated_name_or_address_is_left_out() -> None:
     convention = bridge()
-    assert device_in(heard(convention, entry(), entry(PLUG), entry(name="other"))).name == "kitchen/lamp"
-    assert convention.rejected == 2
+    *problems, lamp = heard(convention, entry(), entry(PLUG), entry(name="other"))
+    assert device_in((lamp,)).name == "kitchen/lamp"
+    assert len(problems) == convention.rejected == 2
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ Source: Home Assistant core 2025.4, ``helpers/config_validation.py`` and ``compo
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 
 from homebot.conventions.payload import clean_text, shown
@@ -178,7 +178,7 @@ class DiscoveryConfig:
 
     def state_topic(self, key: str = "state_topic") -> str:
         """Return a topic to subscribe to, perhaps with wildcards; empty for none."""
-        return "" if self.values.get(key) is None else valid_topic(self.text(key), validate_filter)
+        return "" if self.values.get(key) is None else self._topic(key, validate_filter)
 
     def source(
         self, topic_key: str, template_key: str = "value_template", variables: Mapping[str, object] | None = None
@@ -199,7 +199,7 @@ class DiscoveryConfig:
         if self.values.get(topic_key) is None:
             return None
         template = self.template(template_key) if template_key else None
-        topic = valid_topic(self.text(topic_key), validate_topic)
+        topic = self._topic(topic_key, validate_topic)
         return CommandTopic(topic, template, self.qos, self.retain, self.encoding)
 
     def required_command(
@@ -218,6 +218,9 @@ class DiscoveryConfig:
     def command_of(self, name: str) -> CommandTopic | None:
         """Return the command in the fields ``<name>_command_topic`` and ``<name>_command_template``."""
         return self.command(f"{name}_command_topic", f"{name}_command_template")
+
+    def _topic(self, key: str, validate: Callable[[str], object]) -> str:
+        return valid_topic(f"{self.component}: {key}", self.text(key), validate)
 
     def _as_text(self, key: str, value: object) -> str:
         """Return the text that Python makes of *value*, which is none, or one that is too long."""

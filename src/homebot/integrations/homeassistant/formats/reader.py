@@ -53,32 +53,32 @@ class HomeAssistantReader:
         announced = read_announcement(config_topic, payload)
         if announced is None:
             return (DeviceWithdrawn(config_topic.key, "it is moving to another kind of discovery message"),)
-        parts = self._parts(config_topic, announced)
+        problems: list[WireError] = []
+        parts = self._parts(config_topic, announced, problems)
         if not parts:
             return (DeviceWithdrawn(config_topic.key, "it has no components left"),)
-        return (_described(topic, config_topic, announced, parts),)
+        return (_described(topic, config_topic, announced, parts), *problems)
 
-    def _parts(self, config_topic: ConfigTopic, announced: Announced) -> _Parts:
-        """Build the parts, without invalid components of a whole device, and without codes and passwords."""
+    def _parts(self, config_topic: ConfigTopic, announced: Announced, problems: list[WireError]) -> _Parts:
+        """Build the parts, without codes and passwords, and without a whole device's components with *problems*."""
         parts: _Parts = {}
-        broken: WireError | None = None
         for config in announced.components:
             try:
                 part = self._part(config, is_one_of_device=config_topic.component == DEVICE)
             except WireError as error:
                 if config_topic.component != DEVICE:
                     raise
-                self.rejected += 1
-                broken = error
+                problems.append(WireError(f"{config.discovery_id}: {error}"))
                 continue
             if not part.part.capabilities and config.is_secret:
                 continue
             if part.part.id in parts:
                 part = part._replace(part=part.part.model_copy(update={"id": config.discovery_id}))
             parts[part.part.id] = part, config
-        if broken is not None and not parts:
+        self.rejected += len(problems)
+        if problems and not parts:
             self.rejected -= 1
-            raise broken
+            raise problems[0]
         return parts
 
     def _part(self, config: DiscoveryConfig, *, is_one_of_device: bool) -> DescribedPart:

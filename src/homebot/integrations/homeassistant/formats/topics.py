@@ -65,8 +65,8 @@ def parse_config_topic(prefix: str, topic: str) -> ConfigTopic | None:
 
 
 @lru_cache(maxsize=256)
-def valid_topic(topic: str, validate: Callable[[str], object]) -> str:
-    """Return *topic*, which must be valid for *validate*, and without control characters.
+def valid_topic(field: str, topic: str, validate: Callable[[str], object]) -> str:
+    """Return *topic*, in *field*, which must be valid for *validate*, and without control characters.
 
     Raises:
         WireError: It is not.
@@ -74,9 +74,9 @@ def valid_topic(topic: str, validate: Callable[[str], object]) -> str:
     try:
         validate(topic)
     except InvalidNameError as error:
-        raise WireError(f"topic {shown(topic)} {error.problem}") from None
+        raise WireError(f"{field} {shown(topic)} {error.problem}") from None
     if _FORBIDDEN.search(topic):
-        raise WireError(f"topic {shown(topic)} has a control character")
+        raise WireError(f"{field} {shown(topic)} has a control character")
     return topic
 
 

@@ -114,8 +114,7 @@ class Zigbee2MqttReader:
                 raise WireError(f"{topic}: it lists more than the limit of {MAX_DEVICES} devices")
             yield None
         devices: dict[str, DeviceAnnounced] = {}
-        for _ in self._describe_all(base, topic, entries, devices):
-            yield None
+        yield from self._describe_all(base, topic, entries, devices)
         self._devices[base] = devices
         listed = {ieee_address(entry) for entry in entries}
         yield from (_withdrawn(one, ieee in listed) for ieee, one in before.items() if ieee not in devices)
@@ -124,14 +123,14 @@ class Zigbee2MqttReader:
 
     def _describe_all(
         self, base: str, topic: str, entries: list[object], found: dict[str, DeviceAnnounced]
-    ) -> Iterator[None]:
+    ) -> Iterator[WireError | None]:
         """Describe the entries into *found*. A device with a broken entry retains its last description."""
         topics: set[str] = set()
-        problems = []
+        problems: list[WireError] = []
         room = MAX_PARTS
         via = _bridge_name(entries)
         for entry in entries:
-            yield
+            yield None
             ieee = ieee_address(entry)
             try:
                 device = _read(base, entry, topics, is_known=ieee in found, room=room)
@@ -150,6 +149,7 @@ class Zigbee2MqttReader:
         if problems and not found:
             raise problems[0]
         self.rejected += len(problems)
+        yield from problems
 
     def _describe(self, base: str, topic: str, device: BridgeDevice, via: str) -> DeviceAnnounced:
         self._endpoints[device.ieee], self._topics[device.ieee] = device.endpoint_names, device.topic
@@ -294,8 +294,9 @@ def _group_id(base: str, group: Mapping[str, object]) -> str:
 
 def _read(base: str, entry: object, topics: set[str], *, is_known: bool, room: int) -> BridgeDevice:
     if not isinstance(entry, dict) or not ieee_address(entry):
-        address = entry.get("ieee_address") if isinstance(entry, dict) else entry
-        raise WireError(f"ieee_address is {shown(address)}, not 0x and 16 digits")
+        fields = as_fields(entry)
+        named = f"{shown(fields['friendly_name'])}: " if "friendly_name" in fields else ""
+        raise WireError(f"{named}ieee_address is {shown(fields.get('ieee_address', entry))}, not 0x and 16 digits")
     device = read_bridge_device(base, entry)
     if is_known or device.topic in topics:
         raise WireError(f"{device.ieee} or its friendly_name {shown(device.name)} occurs twice")
