@@ -47,6 +47,16 @@ def test_any_damage_is_an_error_in_words_and_never_a_wrong_message(tmp_path: Pat
         assert [one.data for one in found] == [one.data for one in written[: len(found)]]
 
 
+@pytest.mark.parametrize("text", [b"hello\n", b"{}", b"\x89PNG\r\n\x1a\n", b"notes of a day " * 9])
+@pytest.mark.parametrize("is_cut", [False, True])
+def test_a_file_that_begins_as_no_mcap_file_is_called_none(tmp_path: Path, text: bytes, is_cut: bool) -> None:  # noqa: FBT001 - a parameter of a test
+    (tmp_path / "other").write_bytes(text)
+    other = McapFile(tmp_path / "other")
+    for read in (other.content, lambda: list(other.messages(is_cut=is_cut))):
+        with pytest.raises(UsageError, match="other is not an MCAP file"):
+            read()
+
+
 @pytest.mark.parametrize("text", [b"", b"{}", b"\x89PNG\r\n\x1a\n"])
 def test_another_file_is_none(tmp_path: Path, text: bytes) -> None:
     (tmp_path / "other").write_bytes(text)

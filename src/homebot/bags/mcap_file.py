@@ -14,7 +14,7 @@ from typing import IO, Final, NamedTuple, final
 from mcap.exceptions import EndOfFile, InvalidMagic, McapError
 from mcap.reader import NonSeekingReader, SeekingReader
 from mcap.records import Channel, Schema
-from mcap.writer import Writer
+from mcap.writer import MCAP0_MAGIC, Writer
 from zstandard import ZstdDecompressor, ZstdError
 
 from homebot.bags.bag_topic import BagMessage, BagTopic
@@ -120,7 +120,7 @@ class McapFile:
             DamagedFileError: It was cut off or damaged.
             UsageError: It cannot be read, or is no MCAP file.
         """
-        with self._checked(), self.path.open("rb") as file:
+        with self._opened() as file:
             summary = SeekingReader(file, record_size_limit=_LARGEST).get_summary()
             if summary is None or summary.statistics is None:
                 raise EndOfFile("it has no index")
@@ -137,7 +137,7 @@ class McapFile:
         Args:
             is_cut: Whether to yield them as they were written, all that are whole before the error.
         """
-        with self._checked(), self.path.open("rb") as file:
+        with self._opened() as file:
             reader = (NonSeekingReader if is_cut else SeekingReader)(file, True, (), _LARGEST)  # noqa: FBT003 - its CRCs
             for schema, channel, message in reader.iter_messages(log_time_order=not is_cut):
                 data = message.data
@@ -146,9 +146,11 @@ class McapFile:
                 yield BagMessage(_topic(schema, channel), message.log_time, data)
 
     @contextmanager
-    def _checked(self) -> Iterator[None]:
+    def _opened(self) -> Iterator[IO[bytes]]:
         try:
-            yield
+            with self.path.open("rb") as file:
+                _check_start(file)
+                yield file
         except InvalidMagic as exc:
             raise UsageError(f"{self.path} is not an MCAP file") from exc
         except _BROKEN as exc:
@@ -156,6 +158,13 @@ class McapFile:
             raise DamagedFileError(f"{self.path} was cut off or is damaged; {rescue}") from exc
         except OSError as exc:
             raise UsageError(f"{self.path} cannot be read: {exc.strerror or exc}") from exc
+
+
+def _check_start(file: IO[bytes]) -> None:
+    """Raise an error if *file* begins as no MCAP file; the library looks at the end first."""
+    if not MCAP0_MAGIC.startswith(start := file.read(len(MCAP0_MAGIC))):
+        raise InvalidMagic(start)
+    file.seek(0)
 
 
 def _topic(schema: Schema | None, channel: Channel) -> BagTopic:
