@@ -244,6 +244,18 @@ async def test_a_sensor_changed_when_it_reported_that(home: Home) -> None:
 
 
 @virtual_time
+async def test_a_value_that_is_the_first_of_a_new_device_has_been_so_since_it_was_heard_of(home: Home) -> None:
+    """However long after its announcement it came; of a device of an earlier run it is only the first report."""
+    home.put("lamp", "light", "on_off")
+    await anyio.sleep(60)
+    await home.report("lamp", "on_off", True)
+    lamp = await home.handle(Light)
+    assert (await explain(home, lamp.device.id)).finding == "heard"
+    await home.report("lamp", "on_off", False)
+    assert (await explain(home, lamp.device.id)).finding == "change"
+
+
+@virtual_time
 async def test_a_press_explains_a_button_also_one_equal_to_the_one_before(home: Home) -> None:
     """It was said to have reported no change."""
     home.put("button", "generic_switch", readable=("press",))

@@ -86,6 +86,7 @@ class ControlLayer:
             lookup.device,
             lambda device: self.journal.fights.recent(node.graph.clock.now(), device),
             self.timelines.ineffective_routes,
+            feed.began_at,
         )
 
     def update_policies(self, settings: ControlSettings | None, *, approves_all: bool) -> None:

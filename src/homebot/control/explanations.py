@@ -1,6 +1,7 @@
 """Services that explain from the journal why a device is in its state, and why it is not in another one."""
 
 from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
+from math import inf
 from typing import Final, TypeAlias, final
 
 from homebot.control import durations
@@ -35,9 +36,6 @@ _FLAGS: Final = ("on", "off", "true", "false", "yes", "no")
 
 _DEEPEST: Final = 5
 """The limit of commands in a chain: the report that led to a command may be the effect of another one."""
-
-_FIRST_REPORTS: Final = 5.0
-"""Seconds after its discovery within which a device reports its state for the first time."""
 
 _MOST_CHOICES: Final = 6
 _REQUESTS: Final = frozenset({"requested", "published", "denied"})
@@ -100,6 +98,7 @@ class Explanations:
 
     Args:
         find_ineffective: Returns the routes of a device that are tried last, by part.
+        began_at: The time before this homebot heard of any device, in seconds since the Unix epoch; inf if unknown.
     """
 
     def __init__(
@@ -108,11 +107,13 @@ class Explanations:
         find_device: Callable[[str], Awaitable[Device | None]],
         find_fights: Callable[[str], tuple[DeviceFight, ...]] = lambda _: (),
         find_ineffective: Callable[[Device], tuple[KeyValue, ...]] = lambda _: (),
+        began_at: float = inf,
     ) -> None:
         self._read = read
         self._find_device = find_device
         self._find_fights = find_fights
         self._find_ineffective = find_ineffective
+        self._began_at = began_at
 
     async def explain(self, request: ExplainDeviceRequest) -> ExplainDeviceResponse:
         """Return the last change of a device, with the chain of its causes."""
@@ -144,7 +145,7 @@ class Explanations:
             entries = await reader.chain(last, _DEEPEST)
             finding, changed_at = "change" if last.kind == "changed" else "command", entries[-1].at
         elif (newest := max(_main_states(device), key=_since, default=None)) is not None:
-            finding, changed_at = _finding_of_state(device, newest), newest.since
+            finding, changed_at = self._finding_of_state(device, newest), newest.since
         elif (sent := next((one for one in reversed(known) if one.kind == "sent"), None)) is not None:
             entries = await reader.chain(sent, 1)
         if (event := _last_event(device, changed_at)) is not None:
@@ -155,6 +156,13 @@ class Explanations:
         return ExplainDeviceResponse(
             finding=finding, changed_at=changed_at, entries=entries, names=names, fights=fights, ineffective=ineffective
         )
+
+    def _finding_of_state(self, device: Device, newest: State) -> Finding:
+        if not newest.live:
+            return "retained"
+        if not newest.is_first:
+            return "change"
+        return "heard" if device.first_seen.to_seconds() >= self._began_at else "first"
 
     async def _explain_missing(self, device: Device, state: str) -> ExplainMissingStateResponse:
         reader, wanted = _JournalReader(self._read), _as_state(state)
@@ -216,14 +224,6 @@ def _knows(entries: Iterable[JournalEntry], states: Iterable[State], last: Journ
     if last.kind == "reverted":  # to the previous state, which is unknown
         return all(known[one] != current[one] for one in shared)
     return bool(shared) and all(known[one] == current[one] for one in shared)
-
-
-def _finding_of_state(device: Device, newest: State) -> Finding:
-    if _since(newest) <= device.first_seen.to_seconds() + _FIRST_REPORTS:
-        return "heard"
-    if not newest.live:
-        return "retained"
-    return "first" if newest.is_first else "change"
 
 
 def _since(state: State) -> float:

@@ -11,6 +11,7 @@ from homebot.devices.names import GatewayNames, gateway_of
 from homebot.devices.value import PlainValue
 from homebot.errors import InvalidNameError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
+from homebot.messages import Time
 from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["GatewayFeed", "LinkLoss", "OnReport"]
@@ -43,6 +44,7 @@ class GatewayFeed:
     """The one subscription to the reports, answers and states of each gateway.
 
     Attributes:
+        began_at: The time before any device was heard, in seconds since the Unix epoch, rounded as in messages.
         losses: The last loss of each gateway that has lost its connection.
         on_gateway: Called with the name of each gateway.
         on_answer: Called with the id of a command, a capability, and the problem, empty for none.
@@ -51,6 +53,7 @@ class GatewayFeed:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._clock = node.graph.clock
+        self.began_at = Time.from_seconds(self._clock.now()).to_seconds()
         self._watches: dict[_Place, list[OnReport]] = {}
         self._states: set[str] = set()
         self._reports: set[str] = set()
