@@ -238,10 +238,10 @@ class PeerQuarantine(Generic[MessageT]):
                 **{self._log_key: source[:_LONGEST]},
             )
 
-    def log_limited(self, event: str, words: str, source: str) -> None:
-        """Log a warning at a limited rate: per source, and in total."""
+    def log_limited(self, event: str, words: str, source: str, about: str = "") -> None:
+        """Log a warning at a limited rate: per source and what it is *about*, and in total."""
         source = source[:_LONGEST]
-        repeated = self._limit.allows(f"{event} {source}")
+        repeated = self._limit.allows(f"{event} {source} {about[:_LONGEST]}")
         if repeated is None or (suppressed := self._flood_limit.allows(event)) is None:
             return
         held_back = repeated + suppressed

@@ -162,7 +162,7 @@ class AnnouncementHandler:
             case WireError():
                 self._counters.announcements_rejected += 1
                 words = f"{message.topic}: left out of an announcement for {convention.name}: {event}"
-                self._quarantine.log_limited(REJECTED, words, source=message.topic)
+                self._quarantine.log_limited(REJECTED, words, source=message.topic, about=str(event))
 
     def _record_failure(self, convention: Convention, message: MqttMessage, error: BaseException) -> None:
         if isinstance(error, WireError):

@@ -172,6 +172,26 @@ async def test_the_log_names_the_entry_that_is_left_out_and_the_others_are_found
     assert f"'attic': ieee_address is {address!r}" in line["message"]
 
 
+@pytest.mark.virtual_time
+async def test_the_log_names_each_of_several_entries_that_are_left_out_once() -> None:
+    with capture_logs() as lines:
+        async with simple_house(conventions=("zigbee2mqtt",)) as house:
+            devices = json.dumps([entry("0x1", "attic"), entry(LAMP, "lamp/set"), entry(PLUG, "plug")])
+            await house.say("zigbee2mqtt/bridge/devices", devices)
+            await house.say("zigbee2mqtt/bridge/devices", devices)
+    attic, lamp = [line["message"] for line in lines if line["event"] == "gateway.announcement_rejected"]
+    assert "'attic': ieee_address is '0x1'" in attic
+    assert f"{LAMP}: friendly_name 'lamp/set'" in lamp
+
+
+@pytest.mark.parametrize("name", [[], {}, 7, None])
+def test_a_device_with_a_feature_without_a_name_does_not_cost_the_others(name: object) -> None:
+    exposes = [{"type": "light", "features": [{**STATE, "name": name}]}]
+    lamp, plug = heard(bridge(), entry(definition={"exposes": exposes}), entry(PLUG, "plug"))
+    assert isinstance(lamp, DeviceAnnounced)
+    assert isinstance(plug, DeviceAnnounced)
+
+
 def test_a_device_with_a_broken_entry_stays() -> None:
     convention = bridge()
     heard(convention, entry(), entry(PLUG, "plug"))

@@ -143,22 +143,22 @@ def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
     Raises:
         WireError: It has no friendly name, or one that cannot be a topic of its own.
     """
-    name = entry.get("friendly_name")
+    ieee, name = ieee_address(entry), entry.get("friendly_name")
     if not isinstance(name, str) or not 0 < len(name) <= _MAX_NAME:
-        raise WireError(f"friendly_name is {shown(name)}, not a name of at most {_MAX_NAME} characters")
+        raise WireError(f"{ieee}: friendly_name is {shown(name)}, not a name of at most {_MAX_NAME} characters")
     levels = name.split("/")
     if levels[0] == "bridge" or levels[-1] in _COMMANDS:
-        raise WireError(f"friendly_name {shown(name)} gives one of the bridge's own topics")
+        raise WireError(f"{ieee}: friendly_name {shown(name)} gives one of the bridge's own topics")
     topic = f"{base}/{name}"
     try:
         validate_topic(topic)
     except InvalidNameError as error:
-        raise WireError(f"friendly_name {shown(name)} cannot be a topic: {error}") from None
+        raise WireError(f"{ieee}: friendly_name {shown(name)} cannot be a topic: {error}") from None
     definition = as_fields(entry.get("definition"))
     listed = as_fields(entry.get("endpoints"))
     called = {number: _fact_text(as_fields(one).get("name")) for number, one in listed.items()}
     return BridgeDevice(
-        ieee=ieee_address(entry),
+        ieee=ieee,
         name=name,
         topic=topic,
         is_coordinator=entry.get("type") == "Coordinator",

@@ -56,7 +56,7 @@ def exposes_of_groups(device: BridgeDevice) -> ExposesOfEndpoints:
     for one in map(as_fields, device.exposes if isinstance(device.exposes, list) else ()):
         kind, endpoint, features = one.get("type"), one.get("endpoint", ""), one.get("features")
         if kind in _TYPES and isinstance(endpoint, str) and isinstance(features, list):
-            own = [one for one in map(as_fields, features) if one.get("name") in SPECIFIC_TYPES[str(kind)]]
+            own = [one for one in map(as_fields, features) if str(one.get("name")) in SPECIFIC_TYPES[str(kind)]]
             named = {str(one["name"]): _without_endpoint(one) for one in own}
             of_endpoint = found.setdefault(endpoint, {})
             of_endpoint[str(kind)] = named
