@@ -55,6 +55,13 @@ def test_a_number_that_is_no_time_is_refused(number: float) -> None:
         parse_duration(number)
 
 
+@pytest.mark.parametrize("text", ["999999999h", "36601d", "1" * 400 + "s", 1e300])
+def test_what_is_longer_than_a_life_is_refused_with_the_most_that_is_possible(text: str | float) -> None:
+    shown = repr(text) if isinstance(text, str) else text
+    with pytest.raises(UsageError, match=re.escape(f"{shown} is more than 100 years, the most that is possible")):
+        parse_duration(text)
+
+
 class Table(BaseModel):
     limit: Seconds = 1.0
     whole: Annotated[int, DURATION] = 1

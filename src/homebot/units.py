@@ -41,19 +41,24 @@ def parse_duration(text: str | float | timedelta, key: str = "") -> float:
         key: The name of the setting or argument, for the error.
 
     Raises:
-        UsageError: It cannot be parsed, is negative or is infinite.
+        UsageError: It cannot be parsed, is negative, or is more than 100 years.
     """
     where = f"{key}: " if key else ""
     if isinstance(text, str):
         parts = _DURATION.fullmatch(text.strip())
         if parts is None or not any(parts.groups()):
             raise UsageError(f"{where}{text!r} is not a duration; write it like 90s, 8h or 1h30m (d, h, m, s, ms)")
-        return sum(float(part) * unit for part, unit in zip(parts.groups("0"), _UNITS.values(), strict=True))
-    seconds = text.total_seconds() if isinstance(text, timedelta) else text
-    if type(seconds) not in (int, float) or not 0 <= seconds < math.inf:
-        raise UsageError(f"{where}{text} is not a duration: it must be a finite number of seconds, 0 or more")
+        seconds = sum(float(part) * unit for part, unit in zip(parts.groups("0"), _UNITS.values(), strict=True))
+    else:
+        seconds = text.total_seconds() if isinstance(text, timedelta) else text
+        if type(seconds) not in (int, float) or not 0 <= seconds < math.inf:
+            raise UsageError(f"{where}{text} is not a duration: it must be a finite number of seconds, 0 or more")
+    if seconds > _MOST:
+        shown = repr(text) if isinstance(text, str) else text
+        raise UsageError(f"{where}{shown} is more than 100 years, the most that is possible")
     return float(seconds)
 
 
+_MOST: Final = 100 * 366 * 86_400.0
 _UNITS: Final = {"d": 86_400.0, "h": 3_600.0, "m": 60.0, "s": 1.0, "ms": 0.001}
 _DURATION: Final = re.compile(r"\s*".join(rf"(?:(\d+(?:\.\d+)?)\s*{unit}(?![a-z]))?" for unit in _UNITS), re.ASCII)

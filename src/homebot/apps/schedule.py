@@ -34,7 +34,6 @@ __all__ = ["Length", "Schedule"]
 JOB_SKIPPED: Final = "app.job_skipped"
 MOST_JOBS: Final = 1000
 LONGEST_CATCH_UP: Final = 31 * 86_400.0
-LONGEST: Final = 100 * 366 * 86_400.0
 _TIMERS, _DAYS = "_timers", "_days"
 _GRACE: Final = 60.0  # seconds by which any durable timer may be late
 _OWN: Final = "homebot.apps."
@@ -99,7 +98,7 @@ class Schedule:
 
     def after(self, delay: Length, handler: RunHandler, name: str | None, *, durable: bool, catch_up: Length) -> Job:
         """See :meth:`homebot.App.after`."""
-        seconds, late = _seconds("delay", delay), _catch_up(catch_up)
+        seconds, late = parse_duration(delay, "delay"), _catch_up(catch_up)
         text = f"after {delay if isinstance(delay, str) else f'{seconds:g} s'}"
         method = getattr(handler, "__name__", "")
         if durable:
@@ -126,11 +125,11 @@ class Schedule:
 
     def every(self, period: Length, handler: RunHandler, name: str | None, offset: Length, mode: RunMode) -> Job:
         """See :meth:`homebot.App.every`."""
-        seconds = _seconds("period", period)
+        seconds = parse_duration(period, "period")
         if not seconds:
             raise UsageError("period: must be above 0")
         text = f"every {period if isinstance(period, str) else f'{seconds:g} s'}"
-        begin = seconds + _seconds("offset", offset)
+        begin = seconds + parse_duration(offset, "offset")
         job = self._interval(self._name(name, handler, text), text, handler, begin, seconds, mode)
         return self._add(job)
 
@@ -299,7 +298,7 @@ def _signed(key: str, length: Length) -> float:
     return sign * _seconds(key, length, LONGEST_OFFSET, "12 hours")
 
 
-def _seconds(key: str, length: Length, most: float = LONGEST, most_text: str = "100 years") -> float:
+def _seconds(key: str, length: Length, most: float, most_text: str) -> float:
     seconds = parse_duration(length, key)
     if seconds > most:
         raise UsageError(f"{key}: {length} is more than {most_text}")
