@@ -116,6 +116,29 @@ def test_in_a_whole_device_a_broken_component_costs_itself_alone(convention: Hom
     assert convention.rejected == 1
 
 
+@pytest.mark.parametrize(
+    ("bad", "problem"),
+    [
+        ("light", "component 'bad': it is 'light', not an object"),
+        ({"cmd_t": "b"}, "component 'bad': platform is None, not a text"),
+        ({"p": ["light"], "cmd_t": "b"}, "component 'bad': platform is list of 1, not a text"),
+        ({"p": "light", "~": 7, "cmd_t": "b"}, "component 'bad': ~ is 7, not a topic"),
+        ({"p": "light", "cmd_t": []}, "device/0AFFD2/bad: light: command_topic is list of 0, not a text"),
+        ({"p": "light", "cmd_t": "b", "qos": 7}, "component 'bad': light: qos is 7"),
+    ],
+)
+def test_any_mistake_in_a_component_costs_it_alone(
+    convention: HomeAssistantDiscovery, bad: object, problem: str
+) -> None:
+    cmps = {"bad": bad, "good": {"p": "switch", "uniq_id": "b", "cmd_t": "s"}}
+    payload = json.dumps({**WHOLE, "cmps": cmps}).encode()
+    device, left_out = convention.read_message("homeassistant/device/0AFFD2/config", payload, retained=True)
+    assert isinstance(device, DeviceAnnounced)
+    assert [one.part.id for one in device.parts] == ["b"]
+    assert str(left_out).startswith(problem)
+    assert convention.rejected == 1
+
+
 @pytest.mark.virtual_time
 async def test_a_component_that_is_left_out_is_counted_and_the_log_says_which_and_why() -> None:
     with capture_logs() as lines:

@@ -29,10 +29,12 @@ class Announced(NamedTuple):
         components: The components of the device, without removed ones and unknown ones. The id of one without a
             ``unique_id`` is the key of the announcement and, for a whole device, its name in the message.
         common: The shared fields, or those of a single component; they have the device and its availability.
+        problems: Why components of a whole device are left out.
     """
 
     components: tuple[DiscoveryConfig, ...]
     common: Fields
+    problems: tuple[WireError, ...] = ()
 
 
 def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced | None:
@@ -46,12 +48,10 @@ def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced | None:
         return None
     fields = full_keys(fields, ABBREVIATIONS)
     if topic.component == DEVICE:
-        components = tuple(_components(topic, fields))
-    else:
-        if _BASE in fields:
-            fields = _with_base(fields)
-        components = (DiscoveryConfig(topic.component, topic.key, fields),)
-    return Announced(components, common=fields)
+        return _whole_device(topic, fields)
+    if _BASE in fields:
+        fields = _with_base(fields)
+    return Announced((DiscoveryConfig(topic.component, topic.key, fields),), common=fields)
 
 
 _BASE = "~"
@@ -110,30 +110,38 @@ def _child_devices(fields: Fields) -> Iterator[Fields]:
             yield full_keys(child, ABBREVIATIONS)
 
 
-def _components(topic: ConfigTopic, fields: Fields) -> list[DiscoveryConfig]:
+def _whole_device(topic: ConfigTopic, fields: Fields) -> Announced:
     families = [one["components"] for one in (fields, *_child_devices(fields)) if one.get("components") is not None]
     if not families:
         raise WireError("a device's message has no components")
     common = {key: fields[key] for key in _SHARED if key in fields}
     found: list[DiscoveryConfig] = []
+    problems: list[WireError] = []
     for family in families:
         if not isinstance(family, dict):
             raise WireError(f"components is {shown(family)}, not an object")
-        if len(found) + len(family) > MAX_COMPONENTS:
+        if len(found) + len(problems) + len(family) > MAX_COMPONENTS:
             raise WireError(f"a device has more than {MAX_COMPONENTS} components")
-        components = (_component(topic, name, entry, common) for name, entry in family.items())
-        found += [component for component in components if component is not None]
-    return found
+        for name, entry in family.items():
+            try:
+                component = _component(topic, name, entry, common)
+            except WireError as error:
+                problems.append(WireError(f"component {shown(name)}: {error}"))
+            else:
+                found += () if component is None else (component,)
+    if problems and not found:
+        raise problems[0]
+    return Announced(tuple(found), fields, tuple(problems))
 
 
 def _component(topic: ConfigTopic, name: str, entry: object, common: Fields) -> DiscoveryConfig | None:
     """Return one component; None for a removed or an unknown one."""
     if not isinstance(entry, dict):
-        raise WireError(f"component {shown(name)} is {shown(entry)}, not an object")
+        raise WireError(f"it is {shown(entry)}, not an object")
     full = full_keys(entry, ABBREVIATIONS)
     platform = full.pop("platform", None)
     if not isinstance(platform, str):
-        raise WireError(f"component {shown(name)}: platform is {shown(platform)}, not a text")
+        raise WireError(f"platform is {shown(platform)}, not a text")
     if not full or platform not in BUILDERS:
         return None
     return DiscoveryConfig(platform, f"{topic.key}/{name}", _with_base({**common, **full}))

@@ -53,7 +53,7 @@ class HomeAssistantReader:
         announced = read_announcement(config_topic, payload)
         if announced is None:
             return (DeviceWithdrawn(config_topic.key, "it is moving to another kind of discovery message"),)
-        problems: list[WireError] = []
+        problems = [*announced.problems]
         parts = self._parts(config_topic, announced, problems)
         if not parts:
             return (DeviceWithdrawn(config_topic.key, "it has no components left"),)
