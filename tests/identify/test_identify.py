@@ -121,6 +121,22 @@ async def test_a_sensor_that_sees_nothing_is_an_error_before_anything_changes(ro
     assert room.home.commands == []
 
 
+async def test_a_robot_that_does_not_exist_is_refused_before_anything_changes(room: Room) -> None:
+    problem = "there is no robot 'rosy'; did you mean rosie?"
+    answer = WhereIsRobotResponse(success=False, message=problem, is_mistake=True)
+    room.home.app.create_service(WhereIsRobot, WHERE_IS_ROBOT, lambda _: answer)
+    await room.lamps(5, 60)
+    assert (await room.identify(robot="rosy", distance=2.0)).message == problem
+    assert room.home.commands == []
+
+
+async def test_a_sensor_that_does_not_exist_is_refused_with_those_that_do(room: Room) -> None:
+    await room.lamps(5, 60)
+    found = await room.identify(topic="Attic sensor")
+    assert found.message.endswith("nor a device with a light sensor; there are /rosie/light")
+    assert room.home.commands == []
+
+
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf, 1e300])
 async def test_what_is_no_number_is_not_seen(room: Room, wrong: float) -> None:
     await room.lamps(5, 10, 60, 3)

@@ -221,16 +221,17 @@ def positive(text: str) -> float:
     return number
 
 
-def duration(text: str, most: float = math.inf) -> float:
-    """Return the seconds in *text*, a number or a duration such as ``2m``, up to *most*."""
+def duration(text: str, most: float = math.inf, least: float = 0.0) -> float:
+    """Return the seconds in *text*, a number or a duration such as ``2m``, from *least* to *most*."""
     from homebot.units import parse_duration  # noqa: PLC0415 - loads pydantic
 
     try:
         length = parse_duration(float(text) if _NUMBER.fullmatch(text) else text)
     except UsageError as exc:
         raise argparse.ArgumentTypeError(str(exc)) from exc
-    if length > most:
-        raise argparse.ArgumentTypeError(f"must be at most {most:g} seconds, got {text!r}")
+    if not least <= length <= most:
+        bounds = f"from {least:g} to {most:g}" if least else f"at most {most:g}"
+        raise argparse.ArgumentTypeError(f"must be {bounds} seconds, got {text!r}")
     return length
 
 
@@ -242,10 +243,11 @@ def seconds(text: str) -> float:
     return length
 
 
-def whole(text: str) -> int:
-    """Return the positive whole number *text*."""
-    if not text.isascii() or not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"must be a whole number above 0, got {text!r}")
+def whole(text: str, most: float = math.inf) -> int:
+    """Return the positive whole number *text*, up to *most*."""
+    if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= most:
+        bounds = "above 0" if most == math.inf else f"from 1 to {most:g}"
+        raise argparse.ArgumentTypeError(f"must be a whole number {bounds}, got {text!r}")
     return int(text)
 
 

@@ -26,7 +26,7 @@ from homebot.graph.actions import ActionServer, Preemption, ServerGoal
 from homebot.identify.candidates import CandidatePart, Preview, check_beds, check_time, find_candidates
 from homebot.identify.identification import Identification
 from homebot.identify.kept_values import KeptValues
-from homebot.identify.seen_places import keep_seen
+from homebot.identify.seen_places import check_robot, keep_seen
 from homebot.identify.sight import open_sight
 from homebot.support.folding import fold
 
@@ -92,6 +92,8 @@ class IdentifyServer:
 
     async def _identify(self, goal: IdentifyGoal, request: IdentifyDeviceGoal, run: str) -> IdentifyDeviceResult:
         check_time(request, self._local_time(), self._quiet())
+        if request.robot:
+            await check_robot(self._node, request.robot)
         candidates, left_out = await find_candidates(self._node, self._lookup, request, self._preview)
 
         async def check() -> None:

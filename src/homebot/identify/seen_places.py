@@ -8,13 +8,24 @@ from homebot.devices.identify_messages import IdentifyDeviceGoal
 from homebot.devices.names import SEEN, TEACH_PLACE, WHERE_IS_ROBOT
 from homebot.devices.places_messages import TeachPlace, TeachPlaceRequest
 from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
-from homebot.errors import ServiceError
+from homebot.errors import ServiceError, UsageError
 from homebot.graph import Node
 
-__all__ = ["keep_seen"]
+__all__ = ["check_robot", "keep_seen"]
 
 _ERROR: Final = 0.1
 """Metres by which a sighting may be wrong, and metres for each metre of distance."""
+
+
+async def check_robot(node: Node, robot: str) -> None:
+    """Check the name of a *robot*.
+
+    Raises:
+        UsageError: Other robots have said where they are, but there is none of that name.
+    """
+    with closing(node.create_client(WhereIsRobot, WHERE_IS_ROBOT)) as where:
+        if where.service_is_ready() and (found := await where.call(WhereIsRobotRequest(robot=robot))).is_mistake:
+            raise UsageError(found.message)
 
 
 async def keep_seen(node: Node, goal: IdentifyDeviceGoal, device: str) -> tuple[str, str]:

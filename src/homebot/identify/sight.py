@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 
 import anyio
 
-from homebot.errors import UsageError
+from homebot.errors import InvalidNameError, UsageError
 from homebot.graph.qos import qos_profile_sensor_data
 from homebot.identify.pictures import Region, brightness, compressed_brightness
 from homebot.messages.definition import fields_of
@@ -113,14 +113,17 @@ async def open_sight(node: Node, lookup: DeviceLookup, topic: str, region: Regio
         return _DeviceSight(node, lookup, devices[0].id)
     topics = [one for one, ros_type in node.graph.get_topic_names_and_types().items() if _may_fit(ros_type)]
     known = [*(one.name for one in seeing), *topics]
+    some = f"there are {', '.join(known[:_MOST_NAMED])}" if known else "a robot has to publish it first"
     if not topic:
-        some = f"; there are {', '.join(known[:_MOST_NAMED])}" if known else ""
         found = f"{len(devices)} light sensors are in its room" if rooms else "it is in no room"
-        raise UsageError(f"say what looks, with `topic` (`--with`), as {found}{some}")
-    name = node.resolve_name(topic)
+        raise UsageError(f"say what looks, with `topic` (`--with`), as {found}; {some}")
+    try:
+        name = node.resolve_name(topic)
+    except InvalidNameError:
+        name = topic  # of a device, with a space
     message_type = node.graph.get_message_type(name)
     if message_type is None:
-        hint = did_you_mean(topic, known, "a robot has to publish it first")
+        hint = did_you_mean(topic, known, some)
         raise UsageError(f"there is no topic {name}, nor a device with a light sensor; {hint}")
     return _TopicSight(node, name, message_type, region)
 

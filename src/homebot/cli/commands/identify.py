@@ -60,7 +60,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--night", action="store_true", help="change devices at night and in quiet hours too")
     parser.add_argument(
-        "--seconds", metavar="TIME", type=partial(duration, most=600), default=60.0, help="the time limit; default: 60"
+        "--seconds",
+        metavar="TIME",
+        type=partial(duration, least=5, most=600),
+        default=60.0,
+        help="the time limit, 5 s to 10m; default: 60",
     )
     parser.add_argument("--robot", metavar="NAME", default="", help="the robot of the sensor, to keep the position")
     parser.add_argument("--bearing", metavar="DEGREES", type=float, default=0.0, help="from its heading, to the left")

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 from datetime import datetime
+from functools import partial
 from typing import TYPE_CHECKING, Final, cast
 
+from homebot.cli.arguments import whole
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.local_time import zone_of
@@ -39,7 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(parser, _suggest, _EXAMPLES)
     parser.add_argument("decision", metavar="accept|reject", nargs="?", choices=("accept", "reject"), help="what to do")
     parser.add_argument("number", metavar="N", nargs="?", type=int, help="the number of a proposal")
-    parser.add_argument("--days", type=int, choices=range(1, _MOST_DAYS + 1), default=21, metavar="N", help="21 days")
+    days = partial(whole, most=_MOST_DAYS)
+    parser.add_argument("--days", type=days, default=21, metavar="N", help=f"1 to {_MOST_DAYS}; default: 21")
     parser.add_argument("--each", action="store_true", help="print each occasion")
     parser.add_argument("--json", action="store_true", help="print a JSON list")
 
