@@ -8,7 +8,7 @@ from homebot.habits.days import DAY, Days
 from homebot.habits.habit import FoundHabit, sure_share
 from homebot.habits.search import find_habits, occasions_of
 
-SEEDS = range(size(2, 20))
+SEEDS = range(size(3, 20))
 HOLIDAYS = range(9, 12)
 GUESTS = range(16, 18)
 BLIND = HABITS[4]
@@ -18,20 +18,14 @@ def found_in(days: Days) -> list[FoundHabit]:
     return [one for one in find_habits(days) if one is not None]
 
 
-def test_the_habits_of_a_family_are_found_in_three_weeks() -> None:
-    """With holidays, in which nothing happens, guests, and a habit that changes after the first ten days.
-
-    A few families hardly live up to their habits on these days: of 20 one, with ten that can be seen.
-    """
-    found: list[int] = []
-    for seed in SEEDS:
-        family = Family(seed, holidays=HOLIDAYS, guests=GUESTS)
-        family.changed = (10, BLIND, Planted("21.5", BLIND.do))
-        habits = found_in(family.days(21))
-        found.append(len({one.do for one in habits} & {one.do for one in HABITS}))
-        assert {one.when for one in habits if one.do == BLIND.do} <= {"21:20", "21:25", "21:30", "21:35", "21:40"}
-    assert min(found) >= 10
-    assert sum(one < 11 for one in found) <= len(found) // 20
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_habits_of_a_family_are_found_in_three_weeks(seed: int) -> None:
+    """With holidays, in which nothing happens, guests, and a habit that changes after the first ten days."""
+    family = Family(seed, holidays=HOLIDAYS, guests=GUESTS)
+    family.changed = (10, BLIND, Planted("21.5", BLIND.do))
+    habits = found_in(family.days(21))
+    assert len({one.do for one in habits} & {one.do for one in HABITS}) >= 11
+    assert {one.when for one in habits if one.do == BLIND.do} <= {"21:20", "21:25", "21:30", "21:35", "21:40"}
 
 
 @pytest.mark.parametrize("seed", SEEDS)
