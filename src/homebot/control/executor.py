@@ -309,7 +309,7 @@ class CommandExecutor:
         """Append a command to its timeline; return it, and whether the part is already known to be as commanded."""
         timeline, order = self.timelines.of(command.device, command.part), order_of(command)
         is_at_rest = True
-        for other in timeline.commands:
+        for other in timeline.active:
             if other.is_open and not order.settings.keys().isdisjoint(other.order.settings):
                 is_at_rest = False
         known: dict[str, PlainValue] = {}

@@ -183,7 +183,7 @@ class Timelines:
 
     def _forget_oldest(self) -> None:
         for place, entry in self._entries.items():
-            if not entry.timeline.held and not entry.timeline.open_commands():
+            if not (entry.timeline.held or any(one.is_open for one in entry.timeline.active)):
                 del self._entries[place]
                 self._limits.discard(entry.timer)
                 entry.stop_watch()

@@ -61,6 +61,7 @@ class PartTimeline:
     Attributes:
         reports: The reports, oldest first.
         commands: The commands, including older ones that may still have an effect, oldest first.
+        active: Those of them that may have caused a report now; all that have no outcome are.
         sent: The newest 2,000 sendings of commands, oldest first.
         place: The part.
         nearby: The commands to this part and those near it.
@@ -74,6 +75,7 @@ class PartTimeline:
     def __init__(self, profile: DeviceProfile, first: float, settle: float) -> None:
         self.reports: deque[Reported] = deque()
         self.commands: deque[CommandProgress] = deque()
+        self.active: list[CommandProgress] = []
         self.sent: deque[Sent] = deque(maxlen=_MOST_SENT)
         self.profile = profile
         self.place: PartRef = ("", "")
@@ -87,7 +89,6 @@ class PartTimeline:
         self._settle = settle
         self._latest: dict[str, tuple[PlainValue, float, float]] = {}  # value, last report, first report
         self._number = 0
-        self._active: list[CommandProgress] = []  # those that may have caused a report now
 
     def seed(self, capability: str, value: PlainValue, at: float) -> None:
         """Record a value that was reported live before the timeline began: it is not a change."""
@@ -110,7 +111,7 @@ class PartTimeline:
             answers: Whether the device is known to answer commands.
             is_raw: Whether it has no outcome here: a raw text, or a command to a group of which the part is a member.
         """
-        for older in self._active:
+        for older in self.active:
             older.supersede(order, at)
             if older.superseded_by == order.id:
                 self.on_news(older, None)
@@ -123,11 +124,12 @@ class PartTimeline:
             progress.apply(Decided(order.id, at, NoAnswer(0.0, command_id=order.id)), self._settle)
         self.nearby.device.append(progress)
         self.nearby.room.append(progress)
-        self._active.append(progress)
+        self.active.append(progress)
         for fact in self.reports if is_raw else ():
             if fact.at >= at:  # the text is known a little later than its effect
                 self._report(progress, fact)
         if len(self.commands) > MOST_REPORTS or self.commands[0].ended_at < at - durations.REMEMBERED:
+            self.active = [one for one in self.active if one.covers(at)]  # no report may ever come that drops them
             self._drop_commands(at - durations.REMEMBERED)
         return progress
 
@@ -160,7 +162,7 @@ class PartTimeline:
         previous, before, since = self._latest.get(capability, (None, math.inf, at))
         is_same = previous == value and not is_first
         self._latest[capability] = value, at, since if is_same else at
-        active = self._active = [one for one in self._active if one.covers(at)]
+        active = self.active = [one for one in self.active if one.covers(at)]
         if not active and is_same:
             self.profile.learn_repetition()
             self._report_held(capability, value, Attribution(Cause.PERSON))
@@ -186,14 +188,14 @@ class PartTimeline:
     def next_at(self) -> float:
         """The time of the next call of :meth:`advance`; inf for never."""
         next_at = math.inf
-        for one in self._active:
+        for one in self.active:
             if one.settling is not None and not one.settling.is_over:
                 next_at = min(next_at, one.settling.next_at)
         return next_at
 
     def advance(self, now: float) -> None:
         """End the commands that waited for a further report that did not come."""
-        for one in self._active:
+        for one in self.active:
             if one.settling is not None:
                 one.settling.advance(now)
                 self._learn(one, now)
@@ -255,10 +257,6 @@ class PartTimeline:
                 break  # it replaced all older ones
         return value
 
-    def open_commands(self) -> list[CommandProgress]:
-        """Return the commands without an outcome, oldest first, without raw texts."""
-        return [one for one in self._active if one.is_open]
-
     def _changes(self, settings: Mapping[str, PlainValue], capability: str, value: PlainValue) -> bool:
         """Return whether *settings* are for another *value* of *capability*."""
         if capability in settings and self.profile.fits(capability, settings[capability], value):
@@ -283,7 +281,7 @@ class PartTimeline:
 
     def _learn_change(self, fact: Reported) -> None:
         """Relate a change that no command explains to one nearby, or else to the time that the value before lasted."""
-        is_effect = ReportRole.EFFECT in [one.roles.get(fact.number) for one in self._active]
+        is_effect = ReportRole.EFFECT in [one.roles.get(fact.number) for one in self.active]
         if is_effect or self.cause_of(fact).cause is not Cause.PERSON:
             return
         self.nearby.explain(fact, self.place, self.profile)
@@ -327,7 +325,7 @@ class PartTimeline:
     def _replace_settling(self, progress: CommandProgress, at: float) -> None:
         """Watch the capabilities of a newly confirmed command only for that command."""
         own = set(progress.order.settings)
-        for older in self._active:
+        for older in self.active:
             if older is not progress and older.settling is not None:
                 older.settling.release(own, at)
 
@@ -338,7 +336,7 @@ class PartTimeline:
         known, oldest = self.reports, fact.at - durations.REMEMBERED
         known.append(fact)
         while len(known) > MOST_REPORTS or known[0].at < oldest:
-            is_needed = len(known) <= _MOST_WHILE_OPEN and any(one.covers(fact.at) for one in self._active)
+            is_needed = len(known) <= _MOST_WHILE_OPEN and any(one.covers(fact.at) for one in self.active)
             if is_needed and known[0].at >= oldest:
                 break
             dropped = known.popleft()

@@ -1,0 +1,31 @@
+"""How much the timeline of one part keeps."""
+
+import pytest
+
+from homebot.control.timeline.facts import Decided, Order, SendingEnded, Sent
+from homebot.control.timeline.part_timeline import MOST_REPORTS, PartTimeline
+from homebot.control.timeline.profile import DeviceProfile
+from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome
+
+LAMP_OF_INFRARED = {"on_off": True}
+
+
+@pytest.mark.parametrize("outcome", [Confirmed(0.1, Evidence.ACKNOWLEDGED), NoAnswer(10.0)])
+@pytest.mark.parametrize("seconds", [1.0, 60.0])
+def test_a_part_that_never_reports_keeps_only_its_last_commands(seconds: float, outcome: Outcome) -> None:
+    """All others would be kept for ever, and each further command compared with them."""
+    timeline = PartTimeline(DeviceProfile(), first=10.0, settle=10.0)
+    for number in range(5 * MOST_REPORTS):
+        command(timeline, f"c-{number}", seconds * number, outcome)
+    assert len(timeline.active) <= MOST_REPORTS + 1
+
+
+def command(timeline: PartTimeline, name: str, at: float, outcome: Outcome) -> None:
+    """Give the command to turn it on, with its outcome a tenth of a second later."""
+    timeline.command(Order(name, LAMP_OF_INFRARED, {}), at)
+    for fact in (
+        Sent(name, LAMP_OF_INFRARED, at),
+        SendingEnded(name, at + 0.1),
+        Decided(name, at + 0.1, outcome),
+    ):
+        timeline.append(fact)
