@@ -55,6 +55,12 @@ class KeptHouse:
         await self._gateway.devices.report(device, values)
         await anyio.sleep(0.001)
 
+    async def add(self, device: str, kind: str, **values: PlainValue) -> None:
+        """Put a device that reports at once."""
+        part = simple_part(kind, readable=tuple(values))
+        self._gateway.devices.put(GatewayDevice(device, device.title(), (part,)), "it is there")
+        await self.report(device, **values)
+
     async def read(self, device: str, capability: str = "", since: float = 86_400.0, points: int = 0) -> HistorySeries:
         response = await self.response(device, capability, since, points)
         assert response.success, response.message

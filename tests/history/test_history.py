@@ -25,6 +25,16 @@ async def test_a_value_is_read_before_it_is_written(kept: MakeHouse) -> None:
     assert (series.values, series.unit, series.width, series.name) == ((21.5,), "°C", 0.0, "Thermometer")
 
 
+@pytest.mark.parametrize(
+    ("kind", "capability"), [("temperature_sensor", "temperature"), ("electrical_meter", "energy")]
+)
+async def test_the_first_number_of_a_new_device_is_kept_once(kept: MakeHouse, kind: str, capability: str) -> None:
+    async with kept() as house:
+        await house.add("new", kind, **{capability: 21.5})
+        series = await house.read("new")
+    assert series.values == (21.5,)
+
+
 async def test_numbers_are_values_then_five_minutes_then_hours(kept: MakeHouse) -> None:
     async with kept() as house:
         for hour in range(30):

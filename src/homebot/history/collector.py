@@ -181,6 +181,8 @@ class Collector(HouseWatcher):
                 self._end(followed, at)
 
     def _record_number(self, followed: _CollectedValue, value: float, at: int) -> None:
+        if value == followed.value and at <= followed.told_at:
+            return  # the report of a value with which its device appeared
         if followed.opened_at:
             self._close_state(followed, at)
         is_gap = followed.value is None or at < followed.told_at  # the clock may have been set back
