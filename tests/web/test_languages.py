@@ -14,6 +14,7 @@ SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
 TABLE: dict[str, list[str]] = json.loads((SOURCE / "languages.json").read_text())
 TEXTS = "\n".join(one.read_text() for one in SOURCE.rglob("*.js"))
 SAID = re.compile(r'say\((?:[^?()]*\? "([^"]+)" : )?"([^"]+)"')
+LABELS = re.compile(r"(?:aria-label|title|placeholder)=(?:\"([^\"]*)\"|\$\{`([^`]*)`\})")
 CAN_WAIT = set(re.findall(r"HB\d+", TEXTS))
 FIELD = re.compile(r"\{\w+\}")
 
@@ -31,6 +32,13 @@ def test_every_text_of_the_page_is_translated() -> None:
     said = {text for found in SAID.findall(TEXTS) for text in found if text}
     assert len(said) > 100
     assert said - TABLE.keys() == set()
+
+
+def test_a_label_for_a_screen_reader_has_no_words_of_its_own() -> None:
+    """Such as that of a plot."""
+    labels = [re.sub(r"\$\{[^}]*\}", "", first + second) for first, second in LABELS.findall(TEXTS)]
+    assert labels
+    assert [one for one in labels if re.search("[A-Za-z]", one)] == []
 
 
 def test_device_types_states_capabilities_and_alerts_are_translated() -> None:

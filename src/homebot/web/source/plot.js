@@ -2,13 +2,12 @@ import uPlot from "uplot";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { html } from "./html.js";
 import { say } from "./language.js";
+import { clock, day } from "./words.js";
 
 const HEIGHT = 180;
 const COLOURS = ["--accent", "--bad"];
 const SOON = 172_800; // seconds that are shown with the time of day
 const hour = new Intl.DateTimeFormat([], { hour: "2-digit", minute: "2-digit", hour12: false });
-const moment = new Intl.DateTimeFormat([], { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false });
-const date = new Intl.DateTimeFormat([], { month: "short", day: "numeric" });
 
 /**
  * A plot over time, from `from` to `to`: `values` has a list for each of `names`, null for a gap; `isStepped` where a
@@ -33,7 +32,7 @@ export function Plot({ label, times, values, names, from, to, most, isStepped = 
       paths: isStepped ? uPlot.paths.stepped({ align: 1 }) : uPlot.paths.linear(),
       points: { show: false },
     }));
-    const short = (at) => (span.current[1] - span.current[0] > SOON ? date : span.current[1] - span.current[0] < 300 ? moment : hour).format(at * 1000);
+    const short = (at) => (span.current[1] - span.current[0] > SOON ? day.value : span.current[1] - span.current[0] < 300 ? clock.value : hour).format(at * 1000);
     const options = {
       width: place.current.clientWidth,
       height: HEIGHT,
@@ -60,8 +59,8 @@ export function Plot({ label, times, values, names, from, to, most, isStepped = 
   const at = index ?? times.length - 1;
   const shown = names.map((name, one) => `${name} ${values[one][at] == null ? say("unknown") : text(round(values[one][at]))}`.trim());
   return html`<figure class="plot">
-    <div role="img" aria-label=${`${label} over time, ${times.length} points`} ref=${place}></div>
-    <figcaption><time>${index === null ? say("now") : `${date.format(times[at] * 1000)} ${moment.format(times[at] * 1000)}`}</time> ${shown.join(", ")}</figcaption>
+    <div role="img" aria-label=${say("{what} over time, {count} points", { what: label, count: times.length })} ref=${place}></div>
+    <figcaption><time>${index === null ? say("now") : `${day.value.format(times[at] * 1000)} ${clock.value.format(times[at] * 1000)}`}</time> ${shown.join(", ")}</figcaption>
   </figure>`;
 }
 

@@ -87,8 +87,8 @@ export const hasWords = (text, sought) => sought.toLowerCase().split(" ").every(
 
 export const seconds = (time) => time.sec + time.nanosec / 1e9;
 
-const clock = computed(() => new Intl.DateTimeFormat(locale.value, { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false }));
-const day = computed(() => new Intl.DateTimeFormat(locale.value, { month: "short", day: "numeric" }));
+export const clock = computed(() => new Intl.DateTimeFormat(locale.value, { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false }));
+export const day = computed(() => new Intl.DateTimeFormat(locale.value, { month: "short", day: "numeric" }));
 
 /** A moment: the time of today, else day and time; empty for none. */
 export function timeText(time) {
