@@ -1,12 +1,12 @@
 """Arrays of numbers are held as machine numbers, and read as the tuples that they were."""
 
 import json
-import sys
 from array import array
 from collections.abc import Callable
 from typing import Any
 
 import pytest
+from tests.call_counts import calls
 
 from homebot.errors import TypeMismatchError
 from homebot.messages.cdr import message_to_cdr
@@ -97,22 +97,6 @@ def test_a_large_map_takes_no_python_code_for_each_cell() -> None:
         lambda: message_to_cdr(grid),
     )
     assert max(map(calls, ways)) < 1000
-
-
-def calls(work: Callable[[], object]) -> int:
-    count = 0
-
-    def profile(_frame: object, event: str, _argument: object) -> None:
-        nonlocal count
-        count += event in {"call", "c_call"}
-
-    before = sys.getprofile()
-    sys.setprofile(profile)
-    try:
-        work()
-    finally:
-        sys.setprofile(before)
-    return count
 
 
 def test_a_message_with_unchecked_numbers_is_written_too() -> None:

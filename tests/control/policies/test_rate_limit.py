@@ -5,11 +5,12 @@ from itertools import count
 
 import anyio
 import pytest
+from tests.call_counts import calls
 from tests.control.conftest import Home, OpenHome, obey
-from tests.control.policies.houses import START, make_command, make_device, new_timeline
+from tests.control.policies.houses import START, make_command, make_device, make_facts, new_timeline
 
 from homebot.control.command import IssuedCommand, order_of
-from homebot.control.policies.rate_limit import count_turns
+from homebot.control.policies.rate_limit import RateLimitSettings, count_turns
 from homebot.control.timeline.facts import Sent
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.devices.gateway_messages import Command
@@ -98,6 +99,16 @@ def test_to_turn_on_again_what_has_not_reported_since_is_none() -> None:
     recent.report(-1.0, START, "on_off", value=False)
     recent.sent.extend(Sent(f"again {number}", {"on_off": True}, float(number)) for number in range(10))
     assert count_turns(recent, command({"on_off": False}), 10.0, 10.0) == 0
+
+
+def test_a_command_is_compared_with_none_that_were_sent_long_before() -> None:
+    """The last two thousand took each command to a lamp of every day two milliseconds."""
+    long_used = sent()
+    long_used.sent.extend(
+        Sent(f"c-{number}", {"on_off": number % 2 == 0}, -60.0 * number) for number in range(2000, 0, -1)
+    )
+    facts, one = make_facts(timeline=long_used), command({"on_off": True})
+    assert calls(lambda: RateLimitSettings().judge(one, facts)) < 10
 
 
 def command(settings: Mapping[str, PlainValue]) -> IssuedCommand:

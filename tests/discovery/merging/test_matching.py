@@ -1,13 +1,12 @@
 """Which parts of different sources are one, whoever comes first."""
 
-import sys
-from collections.abc import Callable
 from itertools import permutations
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.announcements import sighting_of
+from tests.call_counts import calls
 from tests.discovery.announcements import announce
 
 from homebot.devices import Device, Sighting
@@ -330,18 +329,6 @@ def test_parts_that_their_ids_decide_are_compared_once() -> None:
     assert calls(lambda: found.update(match([[one] for one in own], others))) < 40 * len(names)
     assert found == {number: number for number in range(len(names))}
     assert calls(lambda: match((), others)) < 10
-
-
-def calls(work: Callable[[], object]) -> int:
-    """Count the calls that *work* causes."""
-    counted: list[str] = []
-    before = sys.getprofile()
-    sys.setprofile(lambda _frame, event, _argument: counted.append(event))
-    try:
-        work()
-    finally:
-        sys.setprofile(before)
-    return sum(event in {"call", "c_call"} for event in counted)
 
 
 def sighting(key: str, convention: str, *told: Part) -> Sighting:
