@@ -84,6 +84,18 @@ def test_a_device_is_placed_and_the_place_is_taken_back(run: Run) -> None:
     assert run("place", "ceiling", "--undo") == (0, "the room of ceiling is unknown now\n")
 
 
+def test_the_name_of_a_person_and_of_her_phone_means_the_person(
+    homebot_with: HomebotWith, capsys: pytest.CaptureFixture[str]
+) -> None:
+    index = DeviceIndex(forget_after=1000.0)
+    for kind in ("x_tracker", "x_person"):
+        part = LAMP.model_copy(update={"service_type": kind})
+        index.observe(sighting_of(f"people:{kind}", part, name="Anna", convention="people", at=NOW), NOW)
+    run = run_at(homebot_with(partial(index_node, index), ManualClock(NOW)), capsys)
+    code, shown = run("show", "Anna")
+    assert (code, "type          person\n" in shown) == (0, True), shown
+
+
 @pytest.mark.parametrize(
     ("arguments", "problem"),
     [

@@ -254,7 +254,9 @@ def _near(door: DoorClient, name: str) -> list[Device]:
 
 
 def _called(name: str, devices: Sequence[Device]) -> list[Device]:
-    """Return the device with the id *name*, or all devices with that name."""
+    """Return the device with the id *name*, or the only person with that name, or all devices with it."""
     wanted = fold(name)
     own = [one for one in devices if one.id == name]
-    return own or [one for one in devices if wanted in {fold(text) for text in (one.id, one.name, *one.names)}]
+    named = own or [one for one in devices if wanted in {fold(text) for text in (one.id, one.name, *one.names)}]
+    persons = [one for one in named if "x_person" in one.service_types]
+    return persons if len(persons) == 1 else named
