@@ -347,6 +347,20 @@ async def test_two_batches_at_once_do_not_mix(home: Home) -> None:
     assert sorted((one.key, one.capability) for one in home.commands) == [("group", "level"), ("group", "on_off")]
 
 
+async def test_a_command_that_is_cancelled_while_it_waits_for_the_others_is_not_kept(home: Home) -> None:
+    """A program that begins anew may give its batches the same names."""
+    await put_lamps(home)
+    client = home.app.create_client(PerformCommand, PERFORM_COMMAND)
+    asked = {"settings": (Setting.of("on_off", True),), "issuer": "/app", "batch": "b", "batch_size": 3}
+    one, *others = (CommandRequest.model_validate({"device": name, **asked}) for name in LAMPS)
+    with anyio.move_on_after(0.1):
+        await client.call(one, cancel_with_caller=True)
+    async with anyio.create_task_group() as tasks:
+        for request in (one, *others):
+            tasks.start_soon(client.call, request)
+    assert keys(home) == ["group"]
+
+
 async def test_a_batch_with_different_commands_shares_a_message_for_those_that_are_alike(home: Home) -> None:
     await put_lamps(home)
     _put(home, "four", ("on_off",))

@@ -82,10 +82,12 @@ class Together:
             finally:
                 batch.is_complete.set()
             return
-        with anyio.move_on_after(_PATIENCE):
-            await batch.is_complete.wait()
-        if self._batches.get(key) is batch:
-            del self._batches[key]
+        try:
+            with anyio.move_on_after(_PATIENCE):
+                await batch.is_complete.wait()
+        finally:
+            if self._batches.get(key) is batch:
+                del self._batches[key]
 
     def refusal_of_members(self, group: IssuedCommand) -> Refused | None:
         """Return why rights, a lease, a policy or a missing approval refuse the command to a member of *group*.
