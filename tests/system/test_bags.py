@@ -1,5 +1,6 @@
 """Bags of a running homebot; the commands are those of docs/bags.md."""
 
+import math
 import re
 import shlex
 import signal
@@ -8,14 +9,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tests.bags.bags import CHAT, bag_of, words
+from tests.bags.bags import CHAT, START, bag_of, topic, words
 from tests.guide import commands_in, guide
 from tests.patience import PATIENCE
 from tests.shell import Homebot, environment, homebot_in
 from tests.system.attack_probe import until
 
-from homebot.bags.bag_topic import BagTopic
+from homebot.bags.bag_topic import BagMessage, BagTopic
 from homebot.bags.bag_writer import BagWriter
+from homebot.bags.mcap_file import McapFile
+from homebot.messages.cdr import message_to_cdr
+from homebot.messages.std_msgs import Float64MultiArray, MultiArrayLayout
 
 GUIDE = guide("bags")
 COMMANDS = commands_in(GUIDE)
@@ -96,6 +100,25 @@ def test_a_bag_is_played_as_fast_as_the_door_reads(tmp_path: Path) -> None:
         assert ok(shell, f"{PLAY} --rate 1000") == "1,000 messages were played; topics: /chat\n"
 
 
+def test_what_is_played_is_what_was_recorded_also_infinity(tmp_path: Path) -> None:
+    """A range finder says so that there is nothing as far as it sees (REP 117)."""
+    seen = topic("/ranges", Float64MultiArray)
+    layout = MultiArrayLayout(dim=(), data_offset=0)
+    data = message_to_cdr(Float64MultiArray(layout=layout, data=(1.5, math.inf, -math.inf, math.nan)))
+    with BagWriter(tmp_path / "day") as writer:
+        for number in range(30):
+            writer.write(BagMessage(seen, START + number * 100_000_000, data))
+    (tmp_path / "homebot.toml").write_text("[gateways.mqtt]\n")
+    with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
+        recorder = begin(shell, "homebot bag record -o again.mcap /ranges")
+        assert recorder.stderr is not None
+        assert "no topic /ranges yet" in recorder.stderr.readline()
+        ok(shell, PLAY.replace("--rate 2", ""))
+        recorder.send_signal(signal.SIGTERM)
+        recorder.communicate(timeout=PATIENCE)
+    assert {one.data for one in McapFile(tmp_path / "again.mcap").messages()} == {data}
+
+
 def test_topics_that_homebot_cannot_read_are_left_out(tmp_path: Path) -> None:
     """Introspection of a service, which rosbag2 records with the text of the service, and a type in IDL."""
     service = "int64 a\nint64 b\n---\nint64 sum\n"
@@ -154,8 +177,8 @@ def test_a_recording_is_exported(tmp_path: Path) -> None:
         ok(shell, "homebot do hall_lamp on")
     assert re.fullmatch(r"house: \d+ messages\n", ok(shell, EXPORT))
     told = ok(shell, "homebot bag info house")
-    for topic in ("/gateway/mqtt/readings", "/gateway/mqtt/state", "/recording/commands", "/recording/outcomes"):
-        assert topic in told
+    for name in ("/gateway/mqtt/readings", "/gateway/mqtt/state", "/recording/commands", "/recording/outcomes"):
+        assert name in told
 
 
 @pytest.mark.parametrize(

@@ -109,7 +109,7 @@ class _Player:
         message_type = self.types.get(topic)
         if message_type is None:
             message_type = self.types[topic] = self._advertised(topic)
-        self._door.publish(topic.name, message_to_json(message_from_cdr(message_type, message.data)))
+        self._door.publish(topic.name, message_to_json(message_from_cdr(message_type, message.data), finite=False))
         self.count += 1
         if self.count % _SETTLED_EVERY == 0:
             self._door.settle()

@@ -43,9 +43,13 @@ _PIECE, _LONG = 50, 50_000
 """Messages per piece, and the text length from which there are fewer: about a millisecond, two for devices."""
 
 
-def message_to_json(message: Message) -> JsonObject:
-    """Return *message* as a JSON object with its fields in order."""
-    return {field.name: _value_to_json(field.value_in(message)) for field in fields_of(type(message))}
+def message_to_json(message: Message, *, finite: bool = True) -> JsonObject:
+    """Return *message* as a JSON object with its fields in order.
+
+    Args:
+        finite: Whether NaN and infinity are null; else they stay, as Python's ``json`` and homebot's door read them.
+    """
+    return {field.name: _value_to_json(field.value_in(message), finite=finite) for field in fields_of(type(message))}
 
 
 def message_to_text(message: Message) -> str:
@@ -134,18 +138,18 @@ def _holds_bytes(message_type: type[Message]) -> bool:
     return any(field.is_base64 for one in types for field in fields_of(one))
 
 
-def _value_to_json(value: object) -> JsonValue:
+def _value_to_json(value: object, *, finite: bool = True) -> JsonValue:
     if isinstance(value, Message):
         form = value.json_form()
-        return message_to_json(value) if form is value else _value_to_json(form)
+        return message_to_json(value, finite=finite) if form is value else _value_to_json(form, finite=finite)
     if isinstance(value, bytes):
         return base64.b64encode(value).decode()
     if isinstance(value, NumericArray) and value.buffer.format != "d":
         return value.tolist()
     if isinstance(value, (tuple, NumericArray)):
-        return [_value_to_json(item) for item in value]
+        return [_value_to_json(item, finite=finite) for item in value]
     if isinstance(value, float):
-        return value if math.isfinite(value) else None
+        return value if not finite or math.isfinite(value) else None
     if isinstance(value, bool | int | str | None):
         return value
     raise TypeMismatchError(f"{value!r} is not a valid message value")
