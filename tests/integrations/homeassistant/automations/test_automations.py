@@ -274,3 +274,33 @@ def test_what_has_two_meanings_or_none_is_refused(trigger: str, data: str, probl
     found = read(text)
     assert not found.texts
     assert problem in found.refused[0].problem
+
+
+def test_automations_in_other_files_are_named_beside_those_that_are_here() -> None:
+    text = """
+automation ui: !include automations.yaml
+automation more: !include_dir_merge_list automations/
+automation:
+  - {alias: A, trigger: {platform: time, at: '12:00'}, action: {service: light.turn_on, entity_id: light.hall_lamp}}
+"""
+    found = read(text)
+    assert [(one.line, one.problem.partition(":")[0]) for one in found.refused] == [
+        (2, "!include 'automations.yaml'"),
+        (3, "!include_dir_merge_list 'automations/'"),
+    ]
+    assert len(found.texts) == 1
+
+
+@pytest.mark.parametrize(
+    ("trigger", "condition", "action", "problem"),
+    [
+        ("triggers: [{trigger: sun, event: sunset}]", "light.hall_lamp: 'on'", "delay: 5", "trigger: `triggers`"),
+        ("trigger: sun, event: sunset", "light.hall_lamp: 'on'", "delay: 5", "condition: `light.hall_lamp`"),
+        ("trigger: sun, event: sunset", "condition: sun, after: sunset", "call: light.turn_on", "action: `call`"),
+    ],
+)
+def test_what_is_of_no_kind_is_refused_by_its_first_field(
+    trigger: str, condition: str, action: str, problem: str
+) -> None:
+    found = read(f"- {{triggers: {{{trigger}}}, conditions: {{{condition}}}, actions: {{{action}}}}}")
+    assert f"{problem} has no counterpart in routines" in [one.problem for one in found.refused]

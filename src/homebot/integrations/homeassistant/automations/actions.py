@@ -92,6 +92,8 @@ class Actions:
                 return self._parallel(fields)
             case "repeat":
                 return self._repeated(fields.inner("repeat"))
+            case "":
+                fields.end()
         raise NotCarriedError(f"action: `{kind}` has no counterpart in routines")
 
     def _branch(self, nodes: Sequence[Located]) -> list[Step]:

@@ -76,6 +76,8 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
             return [_state(state_of_template(automation.entities, fields, "value_template"))]
         case kind if kind in STATES:
             return _states(automation, kind, fields)
+        case "":
+            fields.end()
     raise NotCarriedError(f"condition: {kind!r} has no counterpart in routines")
 
 

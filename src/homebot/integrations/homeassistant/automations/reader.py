@@ -56,7 +56,7 @@ def _automations(document: Located) -> Iterator[Located]:
     if isinstance(document.value, dict) and not {"trigger", "triggers"} & document.value.keys():
         for key, value in document.value.items():
             if key.partition(" ")[0] == "automation":
-                yield from items_of(value, key)
+                yield from [value] if value.tag else items_of(value, key)
         return
     yield from document.value if isinstance(document.value, list) else items_of(document, "automations")
 

@@ -41,6 +41,8 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[str]:
             return _state(automation, fields)
         case kind if kind in STATES:
             return _other_state(automation, kind, fields)
+        case "":
+            fields.end()
     raise NotCarriedError(f"trigger: {kind!r} has no counterpart in routines")
 
 
