@@ -10,11 +10,13 @@ _LEAST: Final = 4
 """Looks before a conclusion: in fewer, a lamp of somebody else may look like a candidate."""
 
 _IN_A_ROW: Final = 2
+_SURER: Final = 0.1
+"""The share of the doubt with which one look is enough for a candidate."""
 
 
 @final
 class Conclusion:
-    """The hypothesis that is sure enough, two times in a row.
+    """The hypothesis that is sure enough, two times in a row; for a candidate that is far surer, once.
 
     Args:
         sure: The probability that it needs.
@@ -39,4 +41,5 @@ class Conclusion:
             probability = 0.0
         self._row = (self._row if found == self.found else 0) + 1 if probability >= self._sure else 0
         self.found = found
-        return self._row >= _IN_A_ROW and self._looks >= _LEAST
+        is_surer = found is not None and 1 - probability <= _SURER * (1 - self._sure)
+        return (is_surer or self._row >= _IN_A_ROW) and self._looks >= _LEAST
