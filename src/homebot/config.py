@@ -27,7 +27,7 @@ The table of a gateway or app belongs to its plug-in: :func:`parse_settings` che
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self, TypeAlias, TypeVar, get_args, get_origin
@@ -70,6 +70,7 @@ __all__ = [
     "load_tables",
     "parse_config",
     "parse_settings",
+    "read_all",
     "value_errors",
 ]
 
@@ -102,6 +103,7 @@ FilePath: TypeAlias = Annotated[Path, AfterValidator(_in_folder)]
 """The path of a file in a configuration, relative to the folder of the configuration file."""
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
+T = TypeVar("T")
 
 
 UNNAMED = "home"
@@ -308,12 +310,27 @@ def parse_settings(model: type[ModelT], table: object, source: str, key: str, fo
         found = exc.errors(include_url=False, include_context=False)[:_MOST_ERRORS]
         wrong = [one["loc"][:-1] for one in found]  # what is left of an array with a wrong element may be too short
         found = [one for one in found if one["type"] != "too_short" or one["loc"] not in wrong]
-        error, *others = [_config_error(model, one, source, key) for one in found]
-        error.others = tuple(others)
         # The cause is left out: it would show the value of a secret.
-        raise error from None
+        raise ConfigError.joined(_config_error(model, one, source, key) for one in found) from None
     except PydanticSerializationError:
         raise ConfigError(source, key, "is nested too deep") from None
+
+
+def read_all(readers: Iterable[Callable[[], T]]) -> list[T]:
+    """Return what *readers* read.
+
+    Raises:
+        ConfigError: The first mistake, with the further ones of all readers in its ``others``.
+    """
+    found, mistakes = list[T](), list[ConfigError]()
+    for read in readers:
+        try:
+            found.append(read())
+        except ConfigError as exc:
+            mistakes += (exc, *exc.others)
+    if mistakes:
+        raise ConfigError.joined(mistakes) from None
+    return found
 
 
 @contextmanager

@@ -34,7 +34,7 @@
             └── GoalCanceledError   the goal was cancelled
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 
 __all__ = [
     "AbortError",
@@ -130,7 +130,7 @@ class ConfigError(UsageError):
         source: The file or option from which the value came.
         key: Dotted path of the wrong value, for example ``gateways.mqtt.url``; empty for the whole file.
         reason: The problem and its remedy; begins with a verb if it concerns the whole file.
-        others: Further problems of the same table.
+        others: Further problems.
     """
 
     def __init__(self, source: str, key: str, reason: str) -> None:
@@ -139,6 +139,13 @@ class ConfigError(UsageError):
         self.key = key
         self.reason = reason
         self.others: tuple[ConfigError, ...] = ()
+
+    @classmethod
+    def joined(cls, errors: Iterable["ConfigError"]) -> "ConfigError":
+        """Return the first of *errors*, with the rest as its others."""
+        first, *others = errors
+        first.others = tuple(others)
+        return first
 
 
 class PluginError(UsageError):

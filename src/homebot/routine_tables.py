@@ -68,5 +68,4 @@ def located(error: ConfigError, text: str = "") -> ConfigError:
             path[1:2] = [str(apps.index(one)) for one in path[1:2]]
     line = line_of(text, *path)
     found = ConfigError(f"{error.source}:{line}" if line else error.source, error.key, error.reason)
-    found.others = tuple(located(one, text) for one in error.others)
-    return found
+    return ConfigError.joined((found, *(located(one, text) for one in error.others)))

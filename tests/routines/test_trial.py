@@ -98,6 +98,31 @@ def test_a_wrong_routine_is_refused_with_its_line(
     assert f"{file}:8: routines.film: 'sunset' needs the place of the home: set latitude" in capsys.readouterr().err
 
 
+def test_every_wrong_text_of_a_file_is_named_with_its_line_without_a_running_homebot(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "new.toml"
+    film = '[[routines]]\nname = "Film"\nwhen = ["22:60"]\ndo = ["wait 999999999h", "hall lamp onn"]\n'
+    file.write_text(f"{ROUTINE.replace('occupied', 'ocupied')}{film}")
+    assert main(["routine", "try", str(file)]) == 1
+    assert [line.split(": ")[1:3] for line in capsys.readouterr().err.splitlines()] == [
+        [f"{file}:6", "routines.night_light.when.0"],
+        [f"{file}:10", "routines.film.when.0"],
+        [f"{file}:11", "routines.film.do.0"],
+        [f"{file}:11", "routines.film.do.1"],
+    ]
+
+
+@pytest.mark.parametrize("time", ["0s", "", "-3d", "yesterday", "nan", "99999999h"])
+def test_a_time_that_is_none_is_refused_with_examples(
+    time: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "new.toml").write_text(ROUTINE)
+    assert main(["routine", "try", str(tmp_path / "new.toml"), f"--on={time}"]) == 1
+    problem = f"--on {time!r}: neither a recording nor a time; write it like last-week, last-day, 3d or 12h"
+    assert problem in capsys.readouterr().err
+
+
 def test_a_file_without_routines_is_refused(day: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "none.toml").write_text("[home]\n")
     assert main(["routine", "try", str(tmp_path / "none.toml"), "--on", str(day)]) != 0

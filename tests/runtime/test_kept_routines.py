@@ -108,6 +108,18 @@ async def test_several_are_added_at_once_or_none(tmp_path: Path) -> None:
         assert (await owner.routines())["Morning"].text == f"[[routines]]\n{MORNING}"
 
 
+async def test_every_wrong_text_of_all_is_named_with_its_line(tmp_path: Path) -> None:
+    async with homebot(tmp_path) as owner:
+        both = EVENING.replace("22:30", "22:60").replace("off", "of"), MORNING.replace("7:00", "27:00")
+        answer = await owner.change("new", text="[[routines]]\n".join(both))
+        lines = answer.message.splitlines()
+        assert [line.partition(": '")[0] for line in lines] == [
+            "the text:3: routines.evening.when.0",
+            "the text:4: routines.evening.do.0",
+            "the text:7: routines.morning.when.0",
+        ]
+
+
 async def test_a_hundred_are_added_in_the_time_of_one(tmp_path: Path) -> None:
     """The command line waits for a minute; each new app has a second to prove that it runs."""
     async with homebot(tmp_path) as owner:

@@ -17,7 +17,7 @@ from typing import Final
 
 from homebot.cli.arguments import HelpFormatter, add_door_options, add_verb, unused_option
 from homebot.cli.parser import SHELLS, CommandParser, PrintCompletion
-from homebot.errors import HomebotError
+from homebot.errors import ConfigError, HomebotError
 from homebot.support.output import clean_output
 from homebot.version import __version__
 
@@ -191,7 +191,8 @@ def _run(argv: Sequence[str]) -> int:
         code = command(options)
         sys.stdout.flush()
     except HomebotError as exc:
-        print(f"homebot: {exc}", file=sys.stderr)
+        for one in (exc, *(exc.others if isinstance(exc, ConfigError) else ())):
+            print(f"homebot: {one}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130

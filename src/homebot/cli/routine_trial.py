@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, cast
 
@@ -13,16 +14,17 @@ from homebot.cli.commands.replay import command_text
 from homebot.cli.door_address import DoorAddress
 from homebot.cli.door_client import DoorClient, open_door, with_client
 from homebot.cli.house_history import read_house_history
-from homebot.config import Config, HomeSettings, load_config, parse_config, parse_settings
+from homebot.config import Config, HomeSettings, load_config, parse_config, parse_settings, read_all
 from homebot.devices.device import part_names
 from homebot.devices.names import HOME_PLACE, LIST_ROUTINES
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import age_text
-from homebot.errors import PeerError, UsageError
+from homebot.errors import ConfigError, PeerError, UsageError
 from homebot.log import configure_logging
 from homebot.recording.recording import Recording, load_recording
 from homebot.replay.replay import Replayed, replay
 from homebot.replay.routine_trial import TriedCommand, routines_of, trial_config, tried
+from homebot.routine_tables import located
 from homebot.routines.checks import asked_about
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.text import read_routines
@@ -44,14 +46,40 @@ LAST: Final = {"last-day": 86_400.0, "last-week": 7 * 86_400.0}
 
 def try_routines(options: argparse.Namespace) -> int:
     """Replay each recording with the routines of the file, and print their commands; nothing is sent."""
-    given = load_config(Path(options.file))
+    try:
+        given = load_config(Path(options.file))
+        _settings(given)
+    except ConfigError as exc:
+        raise located(exc) from None
     for source in options.on or ["last-week"]:
-        seconds = LAST.get(source) or (parse_duration(source) if source[-1] in "dh" and source[:-1].isdigit() else 0.0)
-        if seconds:
+        if seconds := _seconds(source):
             _try_on_history(options, given, seconds, source)
         else:
             _print(trial_lines(source, load_recording(Path(source)), given))
     return 0
+
+
+def _settings(given: Config) -> dict[str, RoutineSettings]:
+    """Return the routines of *given* by the names of their apps; raise ConfigError with all mistakes."""
+    tables = dict(routines_of(given))
+    read = [
+        partial(parse_settings, RoutineSettings, one, given.source, f"routines.{app}") for app, one in tables.items()
+    ]
+    return dict(zip(tables, read_all(read), strict=True))
+
+
+def _seconds(source: str) -> float:
+    """Return the seconds of history that *source* means; 0 for a recording.
+
+    Raises:
+        UsageError: There is neither.
+    """
+    if source in LAST or (source and Path(source).exists()):
+        return LAST.get(source, 0.0)
+    with suppress(UsageError):
+        if seconds := parse_duration(source):
+            return seconds
+    raise UsageError(f"--on {source!r}: neither a recording nor a time; write it like last-week, last-day, 3d or 12h")
 
 
 def _print(lines: Iterable[str]) -> None:
@@ -75,7 +103,7 @@ def history_lines(door: DoorClient, given: Config, seconds: float, title: str) -
     Raises:
         HomebotError: No history is kept, or a routine is wrong or crashed.
     """
-    read = {name: parse_settings(RoutineSettings, one, given.source, name) for name, one in routines_of(given)}
+    read = _settings(given)
     recording = read_house_history(door, seconds, asked_about(read.values()))
     unseen = {key: [text for text, kind in one.asked() if isinstance(kind, RobotArrival)] for key, one in read.items()}
     return trial_lines(title, recording, _in_home(door, given), unseen)

@@ -48,8 +48,8 @@ def trial_config(recording: Recording, given: Config) -> Config:
     if not routines:
         raise UsageError(f"{given.source} has no table [[routines]]")
     config = replay_config(recording, (), given, routines)
-    for error in plan_errors(config):
-        raise located(ConfigError(given.source, error.key, error.reason))
+    if errors := plan_errors(config):
+        raise located(ConfigError.joined(ConfigError(given.source, one.key, one.reason) for one in errors))
     return config
 
 

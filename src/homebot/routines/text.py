@@ -2,9 +2,10 @@
 
 import re
 from collections.abc import Mapping
+from functools import partial
 from typing import Final, NamedTuple
 
-from homebot.config import Table, parse_config, parse_settings
+from homebot.config import Table, parse_config, parse_settings, read_all
 from homebot.errors import ConfigError
 from homebot.routine_tables import check_routine_name, located
 from homebot.routines.settings import RoutineSettings
@@ -35,7 +36,7 @@ def read_routines(text: str, source: str) -> tuple[WrittenRoutine, ...]:
     """Return the routines in *text*: tables ``[[routines]]``, or the keys of one.
 
     Raises:
-        ConfigError: It has none, has other tables, or a mistake; names the first one.
+        ConfigError: It has none, has other tables, or mistakes; each is named, with its line.
     """
     if is_bare := "name" in (tables := parse_toml(text, source)):
         tables, text = {"routines": [tables]}, f"[[routines]]\n{text}"
@@ -51,7 +52,7 @@ def read_routines(text: str, source: str) -> tuple[WrittenRoutine, ...]:
             source, "routines", "must be written as tables with the head [[routines]] in a line of its own"
         )
     try:
-        return tuple(map(_checked, [source] * len(apps), apps, apps.values(), texts))
+        return tuple(read_all(map(partial(partial, _checked, source), apps, apps.values(), texts)))
     except ConfigError as exc:
         raise (exc if is_bare else located(exc, text)) from None
 

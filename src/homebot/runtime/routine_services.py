@@ -14,7 +14,7 @@ from homebot.devices.app_messages import (
     RoutinesResponse,
 )
 from homebot.devices.habit_messages import HabitProposal
-from homebot.errors import HomebotError, UsageError
+from homebot.errors import ConfigError, HomebotError, UsageError
 from homebot.routines.text import WrittenRoutine, read_routines
 from homebot.runtime.app_host import AppHost
 from homebot.runtime.kept_routines import KeptRoutines
@@ -74,7 +74,8 @@ class RoutineServices:
         try:
             message = await change
         except HomebotError as exc:
-            return ChangeRoutineResponse(success=False, message=str(exc))
+            others = exc.others if isinstance(exc, ConfigError) else ()
+            return ChangeRoutineResponse(success=False, message="\n".join(map(str, (exc, *others))))
         _log.info(CHANGED, message=f"{issuer or 'a program'} {message.splitlines()[0]}", client=issuer)
         if problem := await self._host.write_stores():
             message += f"\na restart would lose this, as it was not written: {problem}"

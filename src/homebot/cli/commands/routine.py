@@ -232,9 +232,9 @@ def _print_trial(door: DoorClient, routine: RoutineInfo) -> None:
 
 def _ask(door: DoorClient, request: dict[str, object], file: str = "") -> int:
     answer = door.call(CHANGE_ROUTINE, request, timeout=_LONGEST)
+    lines = [printable(line, 2000) for line in str(answer["message"]).splitlines()]
     if not answer["success"]:
-        message = str(answer["message"])
-        raise PeerError(printable(message.replace("the text:", f"{file}:", 1) if file else message, 2000))
-    for line in str(answer["message"]).splitlines():
-        print(printable(line, 2000))
+        raise PeerError("\n".join(line.replace("the text:", f"{file or 'the text'}:", 1) for line in lines))
+    for line in lines:
+        print(line)
     return 0
