@@ -30,7 +30,9 @@ room = "hall"
 @pytest.fixture(scope="module")
 def home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
     until = ("found hall_lamp", "found hall_cover", "is running")
-    with homebot_in(tmp_path_factory.mktemp("house"), house=HOUSE, until=until) as homebot:
+    folder = tmp_path_factory.mktemp("house")
+    (folder / "dinner.toml").write_text(f"[gateways.mqtt]\n{blocks_in(GUIDE, 'toml')[0]}")
+    with homebot_in(folder, "--config", "dinner.toml", house=HOUSE, until=until) as homebot:
         yield homebot
 
 
@@ -38,6 +40,15 @@ def test_the_commands_of_the_guide_run_in_its_order(home: Homebot) -> None:
     for command in COMMANDS:
         done = home.run(command)
         assert (done.returncode, done.stdout != "") == (0, True), done
+
+
+def test_saving_hides_no_scene_of_the_configuration(home: Homebot) -> None:
+    done = home.run("homebot scene save dinner 'Hall lamp'")
+    assert (done.returncode, "change it there, and `homebot reload`, or choose another name" in done.stderr) == (
+        1,
+        True,
+    )
+    assert "configuration" in home.run("homebot scene list").stdout
 
 
 def test_the_scene_of_the_configuration_is_read() -> None:

@@ -119,6 +119,15 @@ async def test_a_scene_whose_values_are_unknown_is_recalled_and_undone(home: Hom
     assert [(one.name, one.result.outcome) for one in undone.results] == [("Lamp", "confirmed"), ("Shelf", "confirmed")]
 
 
+async def test_no_scene_of_the_owner_hides_one_that_a_bridge_keeps(home: Home, scenes: Scenes) -> None:
+    await living(home, scene_part(FILM))
+    values = [{"key": "lamp", "value": "on"}]
+    problem = "bridge0 keeps a scene 'Film', which this would hide; choose another name"
+    assert (await scenes.change(name="film", change="save", values=values)).message == problem
+    assert (await scenes.change(name="Kino", change="save", values=values)).success
+    assert (await scenes.change(name="Kino", change="rename", target="Film")).message == problem
+
+
 async def test_scenes_of_one_name_in_several_rooms_are_told_apart_by_the_room(home: Home, scenes: Scenes) -> None:
     await living(home, scene_part(FILM), scene_part({}))
     answer = await scenes.apply("Film")

@@ -134,6 +134,12 @@ class HouseScenes:
             raise UsageError(f"there is no scene {name!r}; {hint}")
         return found[0]
 
+    def check_not_native(self, name: str) -> None:
+        """Raise UsageError if a scene of the owner called *name* would hide a native one."""
+        names = {fold(each): one for one in self.native() for each in (one.name, one.full_name)}
+        if (found := names.get(fold(name))) is not None:
+            raise UsageError(f"{found.id} keeps a scene {found.name!r}, which this would hide; choose another name")
+
     def current(self, scene: KeptScene) -> KeptScene:
         """Return *scene* with the present ids and routes of its parts; those that are not there now keep theirs."""
         parts, routes = dict[str, Mapping[str, PlainValue]](), dict[str, tuple[str, ...]]()

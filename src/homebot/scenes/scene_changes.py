@@ -49,6 +49,8 @@ class SceneChanges:
         known = book.scenes.get(fold(name))
         known = None if known is None else house.current(known)
         if request.change == "save":
+            if known is None:
+                house.check_not_native(name)
             scene, left_out = await self._saved(request, known, house)
             scene = house.current(scene)
             book.put(scene)
@@ -63,7 +65,11 @@ class SceneChanges:
             book.remove(fold(name))
             return None, left_out
         if request.change == "rename":
-            return book.rename(known, request.target.strip()), left_out
+            new = request.target.strip()
+            if fold(new) in house.configured:
+                raise UsageError(f"the configuration has a scene {new!r}, which this would hide; choose another name")
+            house.check_not_native(new)
+            return book.rename(known, new), left_out
         parts = {} if request.replaces else dict(known.parts)
         edited = await self._edited(parts, request.values, house)
         scene = house.current(known.model_copy(update={"parts": edited}))

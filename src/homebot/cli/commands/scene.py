@@ -20,6 +20,7 @@ from homebot.devices.names import APPLY_SCENE, CHANGE_SCENE, LIST_SCENES
 from homebot.devices.wording.json_message import fields_of
 from homebot.devices.wording.time_format import ago
 from homebot.errors import PeerError, UsageError
+from homebot.support.folding import fold
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -144,6 +145,12 @@ def _agrees(asking: list[ScenePart]) -> bool:
 
 
 def _save(door: DoorClient, options: argparse.Namespace) -> int:
+    name = fold(options.name.strip())
+    if any(one.is_configured and fold(one.name) == name for one in _scenes(door)):
+        raise UsageError(
+            f"the configuration has a scene {options.name!r}, which this would hide; change it there, and "
+            "`homebot reload`, or choose another name"
+        )
     answer = _changed(door, options, "save")
     for one in answer.left_out:
         print(f"left out: {printable(one.key)}: {printable(one.value, 300)}", file=sys.stderr)
