@@ -58,6 +58,9 @@ def test_a_share_of_one_in_place_of_a_percentage_is_asked_back() -> None:
         (("Sky_Blue",), {"color": (197.0, 43.0)}),
         (("set", "color", "hot pink"), {"color": (330.0, 59.0)}),
         (("warm white",), {"color_temperature": 2700.0}),
+        (("color white",), {"color_temperature": 4000.0}),
+        (("set color to Warm_White",), {"color_temperature": 2700.0}),
+        (("set", "color_temperature", "cold white"), {"color_temperature": 6500.0}),
     ],
 )
 def test_a_lamp_takes_colours_by_name(words: tuple[str, ...], setting: dict[str, object]) -> None:
@@ -69,6 +72,13 @@ def test_a_lamp_takes_colours_by_name(words: tuple[str, ...], setting: dict[str,
     for part in (Part(id="", service_type="light", capabilities=tuple(settable[:1])), lamp):
         with pytest.raises(RefusedError):
             parse_command_words("red" if part is not lamp else "rde", (), part, "Lamp")
+
+
+@pytest.mark.parametrize("words", ["white", "color white"])
+def test_a_lamp_of_colours_alone_shows_white(words: str) -> None:
+    settable = [Capability(name=name, settable=True) for name in ("on_off", "color")]
+    lamp = Part(id="", service_type="light", capabilities=tuple(settable))
+    assert parse_command_words(words, (), lamp, "Lamp") == {"color": (0.0, 0.0)}
 
 
 def test_a_choice_named_as_a_colour_is_the_choice() -> None:

@@ -19,6 +19,8 @@ from homebot.routines.steps import Do, Notify, Undo, Wait, WaitUntil, read_step
         ("open plan lamp on", "open plan lamp", "on", ()),
         ("washing machine: eco 40", "washing machine", "eco 40", ()),
         ("alarm arm night", "alarm", "arm night", ()),
+        ("hall lamp color warm white", "hall lamp", "color warm white", ()),
+        ("water level sensor on", "water level sensor", "on", ()),
     ],
 )
 def test_a_command_ends_with_what_devices_take(

@@ -152,7 +152,7 @@ def _state_for(word: str, part: Part) -> tuple[str, PlainValue] | None:
 def _colored(word: str, part: Part) -> tuple[str, PlainValue] | None:
     """Return the setting for the name of a colour, or of a white tone, that *part* takes; None for none."""
     name = word.replace("_", " ")
-    named = {"color": COLORS.get(name), "color_temperature": WHITES.get(name)}
+    named = {"color_temperature": WHITES.get(name), "color": COLORS.get(name)}
     settable = [one.name for one in part.capabilities if one.settable]
     return next(((capability, value) for capability, value in named.items() if value and capability in settable), None)
 
@@ -160,6 +160,8 @@ def _colored(word: str, part: Part) -> tuple[str, PlainValue] | None:
 def _named_value(text: str, part: Part, target: str) -> tuple[str, PlainValue] | None:
     """Return the setting that ``level 40`` or ``set level to 40`` names; None if *part* has no such capability."""
     name, _, value = text.removeprefix(f"{SET} ").partition(" ")
+    if name == "color" and (colored := _colored(value.removeprefix("to "), part)) is not None:
+        return colored
     capability = _capability(name, part)
     if not value or all(one.name != capability or not one.settable for one in part.capabilities):
         return None
@@ -205,6 +207,8 @@ def _value(name: str, text: str, part: Part, target: str) -> PlainValue:
         if flag is None:
             raise RefusedError(f"{plain[:40]!r} as {name} of {target}", "it takes on or off")
         return flag
+    if name == "color_temperature" and (kelvin := WHITES.get(plain.casefold().replace("_", " "))) is not None:
+        return kelvin
     if kind == "number":
         return _number(name, plain, part, target)
     if kind == "numbers":

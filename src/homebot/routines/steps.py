@@ -193,8 +193,9 @@ def _is_command(text: str) -> bool:
     word = text.casefold()
     if word in _WORDS or word.replace(" ", "_") in _WORDS or _NUMBER.fullmatch(word):
         return True
-    name, _, value = word.rpartition(" ")
-    return name.removeprefix("set ") in _SETTABLE and bool(value)
+    word = word.removeprefix("set ")
+    name, _, value = word.partition(" ")
+    return word.rpartition(" ")[0] in _SETTABLE or (name in _SETTABLE and value in _WORDS)
 
 
 def _combined(text: str, target: str, commands: list[str]) -> Do:

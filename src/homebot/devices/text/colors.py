@@ -29,6 +29,7 @@ COLORS: Final[Mapping[str, tuple[float, float]]] = {
     "pink": (350.0, 25.0),
     "hot pink": (330.0, 59.0),
     "crimson": (348.0, 91.0),
+    "white": (0.0, 0.0),
 }
 
 WHITES: Final[Mapping[str, float]] = MappingProxyType(
