@@ -1,5 +1,6 @@
 """What clients of the door may do with scenes."""
 
+import anyio
 import pytest
 from tests.control.conftest import Home
 from tests.scenes.conftest import Scenes
@@ -8,6 +9,7 @@ from homebot.bridges.rosbridge.access import ClientAccess, right_to_call
 from homebot.devices.client_rights import LOCAL_RIGHTS, Right
 from homebot.devices.robot_owners import RobotOwners
 from homebot.devices.scene_messages import ApplySceneRequest
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 
 
 @pytest.mark.parametrize(
@@ -68,6 +70,43 @@ async def test_what_always_asks_is_asked_for_unless_the_person_at_the_client_has
     assert "nobody answered" in asked.message
     agreed = await scenes.apply("Open", agreed=True, **everything)
     assert agreed.outcome == "confirmed"
+
+
+@pytest.mark.virtual_time
+@pytest.mark.parametrize(
+    ("scope", "policy"), [("act: all", "ask"), ("act: scene or light", "rights"), ("act: scene or lock", "ask")]
+)
+async def test_a_scene_of_unknown_values_is_judged_by_its_parts_that_always_ask(
+    home: Home, scenes: Scenes, scope: str, policy: str
+) -> None:
+    """It may unlock the door."""
+    await native_scene(home)
+    answer = await scenes.apply("Film", issuer="client:guest", scope=[scope])
+    assert (answer.results[0].result.policy, home.commands) == (policy, [])
+    agreed = await scenes.apply("Film", issuer="client:guest", scope=[scope], agreed=True)
+    assert agreed.success is (policy == "ask")
+
+
+@pytest.mark.virtual_time
+async def test_a_command_to_a_scene_needs_the_right_to_its_parts_that_always_ask(home: Home, scenes: Scenes) -> None:
+    await native_scene(home)
+    answer = await scenes.apply("Film", issuer="client:guest", scope=["act: scene"], agreed=True)
+    assert "its member door is refused it: client:guest may not command door" in answer.message.casefold()
+    assert home.commands == []
+
+
+async def native_scene(home: Home) -> None:
+    """Put a scene of a lamp and a lock of which the values are unknown."""
+    for key, kind, capability in (("lamp", "light", "on_off"), ("door", "door_lock", "lock")):
+        part = simple_part(kind, settable=(capability,))
+        home.gateway.devices.put(GatewayDevice(key, key, (part,), identifiers=(f"id:{key}",)), "it was found")
+        await home.report(key, capability, False if key == "lamp" else "locked")
+    film = simple_part("x_scene", settable=("scene",))
+    mute = tuple(one.model_copy(update={"readable": False}) for one in film.capabilities)
+    film = film.model_copy(update={"name": "Film", "capabilities": mute, "members": ("id:lamp", "id:door")})
+    home.gateway.devices.put(GatewayDevice("bridge", "Bridge", (film,)), "it was found")
+    await anyio.sleep(120)
+    home.commands.clear()
 
 
 @pytest.mark.virtual_time
