@@ -12,6 +12,7 @@ import anyio
 from homebot.control.command import IssuedCommand, order_of
 from homebot.control.policies.rights import must_ask, names_it
 from homebot.control.shared_sending import SharedSending
+from homebot.devices.always_ask import always_asks
 from homebot.devices.client_rights import ALL_RIGHTS, CLIENT_RIGHTS
 from homebot.devices.command_messages import Setting
 from homebot.devices.command_sender import CommandSender
@@ -92,12 +93,14 @@ class Together:
     def refusal_of_members(self, group: IssuedCommand) -> Refused | None:
         """Return why rights, a lease, a policy or a missing approval refuse the command to a member of *group*.
 
-        None for a scene. A right by a query that fits the group is one to its members.
+        A right by a query that fits the group, or scene, is one to its members; but what always asks in a scene, which
+        may have any values, needs its own.
         """
         is_group, is_named = group.part.part.is_group, names_it(group)
-        for device, part in group.members if is_group else ():
-            command = replace(group, device=device, part=part, rights=ALL_RIGHTS if is_named else group.rights)
-            problem = "" if is_named or not group.is_client else self._policies.client_refusal(command)
+        for device, part in group.members:
+            is_covered = is_named and (is_group or not always_asks(device, part))
+            command = replace(group, device=device, part=part, rights=ALL_RIGHTS if is_covered else group.rights)
+            problem = "" if is_covered or not group.is_client else self._policies.client_refusal(command)
             refused = Refused(CLIENT_RIGHTS, problem) if problem else self._refusal(command)
             if refused is not None:
                 reason = f"its member {command.label} is refused it: {refused.reason}"

@@ -198,6 +198,11 @@ class HouseScenes:
         found = self.place(place)
         return target_of(*place) if found is None else part_name(*found)
 
+    def why_asked(self, place: Place, values: Mapping[str, PlainValue]) -> str:
+        """Return why a person must agree to *values* of a part; empty if none must, or it is not in the house."""
+        found = self.place(place)
+        return "" if found is None else why_asked(*found, values)
+
     def _part(self, place: Place, values: Mapping[str, PlainValue]) -> ScenePart:
         found, settings = self.place(place), tuple(map(Setting.of, values, values.values()))
         return ScenePart(
@@ -207,7 +212,7 @@ class HouseScenes:
             area="" if found is None else found[0].area,
             settings=settings,
             text=values_text(settings),
-            asks="" if found is None else why_asked(*found, values),
+            asks=self.why_asked(place, values),
             is_known=found is not None,
         )
 

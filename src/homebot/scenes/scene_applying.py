@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping
+from itertools import starmap
 from typing import Final, final
 
 from homebot.command_words.command_service import UNNAMED_CLIENT
@@ -26,7 +27,7 @@ from homebot.devices.scene_messages import ApplySceneRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, ServiceError
 from homebot.graph import Node
-from homebot.scenes.scene import HouseScenes, Place, Scene, place_of, why_asked
+from homebot.scenes.scene import HouseScenes, Place, Scene, place_of
 from homebot.scenes.scene_book import SceneBook
 
 __all__ = ["SceneApplying"]
@@ -114,7 +115,9 @@ class SceneApplying:
                 outcomes[place] = refused
                 continue
             agreed = request.agreed and request.issuer.startswith(CLIENT)
-            asks = found is not None and not agreed and bool(why_asked(*found, values))
+            is_recall = scene.recalled_by is not None and place == place_of(scene.id)
+            judged = {place: values, **(scene.parts if is_recall else {})}
+            asks = not agreed and any(starmap(house.why_asked, judged.items()))
             requests[place] = _request(request, scene, place, values, asks=asks)
         outcomes |= zip(requests, await perform_all(self._outcome, tuple(requests.values())), strict=True)
         lacking = () if request.undo else scene.problems.items()
