@@ -54,8 +54,7 @@ def parse_duration(text: str | float | timedelta, key: str = "") -> float:
         if type(seconds) not in (int, float) or not 0 <= seconds < math.inf:
             raise UsageError(f"{where}{text} is not a duration: it must be a finite number of seconds, 0 or more")
     if seconds > _MOST:
-        shown = repr(text) if isinstance(text, str) else text
-        raise UsageError(f"{where}{shown} is more than 100 years, the most that is possible")
+        raise UsageError(f"{where}{text!r} is more than 100 years, the most that is possible")
     return float(seconds)
 
 

@@ -191,9 +191,7 @@ def _run(argv: Sequence[str]) -> int:
         code = command(options)
         sys.stdout.flush()
     except HomebotError as exc:
-        for one in (exc, *(exc.others if isinstance(exc, ConfigError) else ())):
-            print(f"homebot: {one}", file=sys.stderr)
-        return 1
+        return _fail(exc)
     except KeyboardInterrupt:
         return 130
     except OSError as exc:  # such as a full disk
@@ -204,6 +202,12 @@ def _run(argv: Sequence[str]) -> int:
         print(f"homebot: {exc.strerror or exc}{f': {exc.filename}' if exc.filename else ''}", file=sys.stderr)
         return 1
     return code
+
+
+def _fail(error: HomebotError) -> int:
+    others = error.others if isinstance(error, ConfigError) else ()
+    print(*(f"homebot: {one}" for one in (error, *others)), sep="\n", file=sys.stderr)
+    return 1
 
 
 def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:

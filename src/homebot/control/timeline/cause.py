@@ -1,7 +1,7 @@
 """Cause of a report: a command to the part or to one near it, a device by itself, a person, or unknown. Pure."""
 
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from typing import Final, NamedTuple, TypeAlias
@@ -103,6 +103,10 @@ class HeldValue:
     profile: DeviceProfile
     on_report: Callable[[PlainValue, Attribution | None], None]
     is_so: bool = False
+
+    def confirm(self, settings: Mapping[str, PlainValue]) -> None:
+        """Record that a command with *settings* has succeeded."""
+        self.is_so = self.is_so or settings.get(self.capability) == self.value
 
     def report(self, capability: str, value: PlainValue, found: Attribution) -> None:
         """Record a report and its cause; an intermediate step says nothing."""

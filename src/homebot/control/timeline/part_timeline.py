@@ -117,17 +117,11 @@ class PartTimeline:
                 self.on_news(older, None)
         progress = CommandProgress(order, at, known, last, self.profile, answers=answers, is_raw=is_raw)
         self.commands.append(progress)
-        if is_raw:
-            sent = Sent(order.id, order.settings, at)
-            progress.apply(sent, self._settle)
-            self.sent.extend(() if order.is_foreign else (sent,))
-            progress.apply(Decided(order.id, at, NoAnswer(0.0, command_id=order.id)), self._settle)
         self.nearby.device.append(progress)
         self.nearby.room.append(progress)
         self.active.append(progress)
-        for fact in self.reports if is_raw else ():
-            if fact.at >= at:  # the text is known a little later than its effect
-                self._report(progress, fact)
+        if is_raw:
+            self._send_raw(progress, at)
         if len(self.commands) > MOST_REPORTS or self.commands[0].ended_at < at - durations.REMEMBERED:
             self.active = [one for one in self.active if one.covers(at)]  # no report may ever come that drops them
             self._drop_commands(at - durations.REMEMBERED)
@@ -175,8 +169,6 @@ class PartTimeline:
         if is_same:
             self.profile.learn_repetition()
         else:
-            self.profile.changes = min(self.profile.changes + 1, ENOUGH)
-        if fact.is_change:
             self._learn_change(fact)
         for one in active:
             self.on_news(one, fact)
@@ -263,11 +255,22 @@ class PartTimeline:
             return False
         return any(changes(capability, value, one, settings[one]) for one in related(capability) if one in settings)
 
+    def _send_raw(self, progress: CommandProgress, at: float) -> None:
+        order = progress.order
+        sent = Sent(order.id, order.settings, at)
+        progress.apply(sent, self._settle)
+        self.sent.extend(() if order.is_foreign else (sent,))
+        progress.apply(Decided(order.id, at, NoAnswer(0.0, command_id=order.id)), self._settle)
+        for fact in self.reports:
+            if fact.at >= at:  # the text is known a little later than its effect
+                self._report(progress, fact)
+
     def _end(self, progress: CommandProgress, fact: Decided) -> None:
         """Learn from an outcome; a command that failed may have had an effect, although no report says so."""
         settings, outcome = progress.order.settings, fact.outcome
-        for held in self.held if outcome.succeeded else ():
-            held.is_so = held.is_so or settings.get(held.capability) == held.value
+        if outcome.succeeded:
+            for held in self.held:
+                held.confirm(settings)
         if progress.settling is not None:
             for capability in settings if self.unsure_since else ():
                 self.unsure_since.pop(capability, None)
@@ -281,8 +284,9 @@ class PartTimeline:
 
     def _learn_change(self, fact: Reported) -> None:
         """Relate a change that no command explains to one nearby, or else to the time that the value before lasted."""
+        self.profile.changes = min(self.profile.changes + 1, ENOUGH)
         is_effect = ReportRole.EFFECT in [one.roles.get(fact.number) for one in self.active]
-        if is_effect or self.cause_of(fact).cause is not Cause.PERSON:
+        if not fact.is_change or is_effect or self.cause_of(fact).cause is not Cause.PERSON:
             return
         self.nearby.explain(fact, self.place, self.profile)
         if not fact.along and (began := self._timed_from(fact)) is not None:

@@ -73,7 +73,7 @@ class Actions:
         return first, steps
 
     def _steps(self, fields: UnreadFields) -> Sequence[Step]:
-        kind = next((one for one in _KINDS if one in fields), "")
+        kind = fields.first_of(_KINDS)
         match kind:
             case "service" | "action" | "scene" | "device_id":
                 return steps_of_service(self._automation.entities, fields, kind)

@@ -62,7 +62,7 @@ def _with_fields(node: Located) -> Located:
 
 def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
     kind = fields.text("condition", "")
-    joint = kind or next((one for one in JOINTS if one in fields), "")
+    joint = kind or fields.first_of(JOINTS)
     match joint:
         case "and" | "or" | "not":
             return _joined(joint, _each(automation, fields.items("conditions" if kind else joint)))

@@ -5,7 +5,7 @@ All readers of this package raise :class:`NotCarriedError` for what no routine c
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Final, final
 
 from homebot.errors import UsageError
@@ -63,6 +63,10 @@ class UnreadFields:
 
     def __contains__(self, key: str) -> bool:
         return key in self.left
+
+    def first_of(self, keys: Iterable[str]) -> str:
+        """Return the first of *keys* that is there; empty if none is."""
+        return next((one for one in keys if one in self.left), "")
 
     def end(self) -> None:
         """Check that all fields were read."""

@@ -4,7 +4,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py``; ``child_de
 ``qos`` and ``message_expiry_interval`` are from 2026.11.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_object, shown
@@ -117,21 +117,27 @@ def _whole_device(topic: ConfigTopic, fields: Fields) -> Announced:
     common = {key: fields[key] for key in _SHARED if key in fields}
     found: list[DiscoveryConfig] = []
     problems: list[WireError] = []
-    for family in families:
-        if not isinstance(family, dict):
-            raise WireError(f"components is {shown(family)}, not an object")
-        if len(found) + len(problems) + len(family) > MAX_COMPONENTS:
-            raise WireError(f"a device has more than {MAX_COMPONENTS} components")
-        for name, entry in family.items():
-            try:
-                component = _component(topic, name, entry, common)
-            except WireError as error:
-                problems.append(WireError(f"component {shown(name)}: {error}"))
-            else:
-                found += () if component is None else (component,)
+    for name, entry in _entries(families):
+        try:
+            component = _component(topic, name, entry, common)
+        except WireError as error:
+            problems.append(WireError(f"component {shown(name)}: {error}"))
+        else:
+            found += () if component is None else (component,)
     if problems and not found:
         raise problems[0]
     return Announced(tuple(found), fields, tuple(problems))
+
+
+def _entries(families: Iterable[object]) -> list[tuple[str, object]]:
+    entries: list[tuple[str, object]] = []
+    for family in families:
+        if not isinstance(family, dict):
+            raise WireError(f"components is {shown(family)}, not an object")
+        entries += family.items()
+    if len(entries) > MAX_COMPONENTS:
+        raise WireError(f"a device has more than {MAX_COMPONENTS} components")
+    return entries
 
 
 def _component(topic: ConfigTopic, name: str, entry: object, common: Fields) -> DiscoveryConfig | None:
