@@ -105,3 +105,35 @@ async def test_a_clock_that_is_set_changes_no_wait(jump: float) -> None:
         await anyio.sleep(HOUR)
         tasks.cancel_scope.cancel()
     assert ends == pytest.approx([opened + 600])
+
+
+async def test_the_first_value_of_a_device_that_told_others_before_starts_nothing() -> None:
+    """It may have been so before, as that in the first message of a device."""
+    graph, began = Graph(SetClock(1.8e9)), []
+    door = announce("d", part_of("contact_sensor", "contact", "battery", id="c"), name="Front door", gateway="fake")
+
+    async def wait(node: Node) -> None:
+        async for one in begun(node, read_state("front door open"), is_new=True):
+            began.append(one.device.id)  # noqa: PERF401 - it would be cancelled before it extends
+
+    async with (
+        Node(graph, "fake", namespace="/gateway") as node,
+        Node(graph, "discovery") as its_node,
+        Node(graph, "waiter") as waiter,
+        anyio.create_task_group() as tasks,
+    ):
+        await tasks.start(Directory(its_node, DirectorySettings()).serve)
+        gateway = FakeGateway(node)
+        gateway.publish_sighting(door)
+        tasks.start_soon(wait, waiter)
+        for capability, value, expected in (
+            ("battery", 0.8, 0),
+            ("contact", True, 0),
+            ("contact", False, 0),
+            ("contact", True, 1),
+        ):
+            await anyio.sleep(1)
+            gateway.reports.publish(tell(door, capability, value, part="c", at=graph.clock.now()))
+            await anyio.sleep(1)
+            assert len(began) == expected
+        tasks.cancel_scope.cancel()

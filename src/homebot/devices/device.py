@@ -304,8 +304,8 @@ class StateChange(Message):
         """The new values, or the event, as states of the device."""
         return tuple([self.state_of(reading) for reading in self.readings])
 
-    def state_of(self, reading: Reading) -> State:
-        """Return the state that corresponds to *reading*, one of :attr:`readings`."""
+    def state_of(self, reading: Reading, *, is_first: bool = False) -> State:
+        """Return the state that corresponds to *reading*, one of :attr:`readings`; *is_first* as in it."""
         return State(
             part=reading.part,
             capability=reading.capability,
@@ -313,7 +313,7 @@ class StateChange(Message):
             since=self.told_at,
             told_at=self.told_at,
             live=self.live,
-            is_first=False,
+            is_first=is_first,
         )
 
 

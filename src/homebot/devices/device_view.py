@@ -24,7 +24,7 @@ class DeviceView:
         self.device = device
         self.is_gone = False
         self.sequence = sequence
-        self._newer: dict[tuple[str, str], tuple[StateChange, Reading]] = {}
+        self._newer: dict[tuple[str, str], tuple[StateChange, Reading, bool]] = {}
 
     def update(self, device: Device, sequence: int, *, is_gone: bool = False) -> None:
         """Store a description unless it is older than the stored one."""
@@ -41,7 +41,7 @@ class DeviceView:
         """Store new values, ordered by sequence number, because the clock may have been set back."""
         for reading in change.readings:
             if change.sequence >= self._sequence_of(place := (reading.part, reading.capability)):
-                self._newer[place] = change, reading
+                self._newer[place] = change, reading, self.state(*place) is None
 
     def record_result(self, part_id: str, capability: str, value: PlainValue, now: float) -> None:
         """Store a value from an outcome, reported at *now* in seconds since the Unix epoch, until a newer one comes."""
@@ -73,8 +73,8 @@ class DeviceView:
     def state(self, part_id: str, capability: str) -> State | None:
         """Return the latest value of the part, with its times; None if it has reported none."""
         if (new := self._newer.get((part_id, capability))) is not None:
-            change, reading = new
-            return change.state_of(reading)
+            change, reading, is_first = new
+            return change.state_of(reading, is_first=is_first)
         for state in self.device.states:
             if state.capability == capability and state.part == part_id:
                 return state
@@ -89,6 +89,6 @@ class DeviceView:
         """Return the device with the newest values of its parts."""
         if not self._newer:
             return self.device
-        newer = {place: change.state_of(reading) for place, (change, reading) in self._newer.items()}
+        newer = {place: new[0].state_of(new[1], is_first=new[2]) for place, new in self._newer.items()}
         states = [newer.pop((state.part, state.capability), state) for state in self.device.states]
         return self.device.model_copy(update={"states": (*states, *newer.values())})
