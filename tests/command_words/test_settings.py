@@ -60,6 +60,7 @@ def test_a_share_of_one_in_place_of_a_percentage_is_asked_back() -> None:
         (("warm white",), {"color_temperature": 2700.0}),
         (("color white",), {"color_temperature": 4000.0}),
         (("set color to Warm_White",), {"color_temperature": 2700.0}),
+        (("set", "color", "White"), {"color_temperature": 4000.0}),
         (("set", "color_temperature", "cold white"), {"color_temperature": 6500.0}),
     ],
 )

@@ -66,8 +66,8 @@ def parse_command_words(command: str, values: Sequence[KeyValue], part: Part, ta
         capability, value = _decoded(word, part, target)
         found[capability] = value
     for one in values:
-        name = _capability(one.key, part)
-        found[name] = _value(name, one.value, part, target)
+        name, value = _setting(one.key, one.value, part, target)
+        found[name] = value
     for name, value in found.items():
         check_setting(target, part, name, value)
     if not found:
@@ -160,12 +160,10 @@ def _colored(word: str, part: Part) -> tuple[str, PlainValue] | None:
 def _named_value(text: str, part: Part, target: str) -> tuple[str, PlainValue] | None:
     """Return the setting that ``level 40`` or ``set level to 40`` names; None if *part* has no such capability."""
     name, _, value = text.removeprefix(f"{SET} ").partition(" ")
-    if name == "color" and (colored := _colored(value.removeprefix("to "), part)) is not None:
-        return colored
-    capability = _capability(name, part)
-    if not value or all(one.name != capability or not one.settable for one in part.capabilities):
-        return None
-    return capability, _value(capability, value.removeprefix("to "), part, target)
+    capability, value = _capability(name, part), value.removeprefix("to ")
+    is_settable = any(one.name == capability and one.settable for one in part.capabilities)
+    is_settable |= name == "color" and _colored(value, part) is not None
+    return _setting(name, value, part, target) if value and is_settable else None
 
 
 def _respelt(word: str, part: Part) -> tuple[str, PlainValue] | None:
@@ -197,6 +195,14 @@ def _with_unit(word: str, part: Part) -> tuple[str, PlainValue] | None:
 def _is_unit(text: str, unit: str) -> bool:
     """Return whether *text* spells *unit*, in any case and with or without the degree sign."""
     return text.casefold().removeprefix("°") == unit.casefold().removeprefix("°") != ""
+
+
+def _setting(word: str, text: str, part: Part, target: str) -> tuple[str, PlainValue]:
+    """Return the setting of a capability by *word*: a white tone as a colour is a colour temperature where it can."""
+    if word == "color" and (colored := _colored(text.casefold(), part)) is not None:
+        return colored
+    name = _capability(word, part)
+    return name, _value(name, text, part, target)
 
 
 def _value(name: str, text: str, part: Part, target: str) -> PlainValue:
