@@ -412,6 +412,8 @@ def _reason(model: type[BaseModel], error: ErrorDetails) -> str:
         return unknown_key(str(error["loc"][-1]), known)
     if error["type"] == "missing":
         return "is missing"
+    if error["type"] == "too_short" and error["input"] in ([], {}):
+        return "is empty; it should have at least 1 item"
     if (reason := _TYPE_ERRORS.get(error["type"])) is not None:
         return reason
     message = error["msg"].removeprefix("Value error, ")

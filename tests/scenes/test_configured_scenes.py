@@ -88,6 +88,7 @@ async def test_a_renamed_scene_hides_none_of_the_configuration() -> None:
     [
         ([{"values": {"lamp": "on"}}], "scenes.0.name"),
         ([{"name": "A", "values": {}}], "scenes.0.values"),
+        ([{"name": "A", "values": {}}], "scenes.0.values: is empty; it should have at least 1 item"),
         ([{"name": "A", "values": {"lamp": ""}}], "scenes.0.values.lamp"),
         ([{"name": "A", "values": {"lock": "unlock, code 1234"}}], "scenes.0.values.lock: no code is kept"),
         ([{"name": "a\nb", "values": {"lamp": "on"}}], "scenes.0.name"),
