@@ -1,12 +1,25 @@
 """Window and heating in a simulated flat in virtual time: no heating out of the window, and warm again afterwards."""
 
+import json
+from pathlib import Path
+from random import Random
+
+import anyio
 import pytest
 from structlog.testing import capture_logs
 from tests.apps.houses import Table, flat
 
+from homebot.clock import LoopClock
+from homebot.config import parse_config
 from homebot.house import World
 from homebot.house.devices import SimulatedThermostat
 from homebot.house.faults import unwrap
+from homebot.mqtt.client import MqttSubscription
+from homebot.mqtt.clients import HostedBroker
+from homebot.mqtt.connection import MqttConnection
+from homebot.mqtt.memory_broker import MemoryBroker
+from homebot.mqtt.options import MqttOptions
+from homebot.runtime import Runtime
 from homebot.testing import virtual_house_of
 
 pytestmark = [pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
@@ -89,9 +102,50 @@ async def test_a_deaf_thermostat_is_told_about() -> None:
 
 
 async def test_what_was_lowered_stays_so_when_its_run_ends() -> None:
-    """It is known to that run alone; a new one does not guess."""
+    """The next run restores it."""
     world = airing()
     async with virtual_house_of("window_heating", world=world) as house:
         await house.press("study_window", "open")
         await house.run_for("5m")
     assert target(world) == 12.0
+
+
+WINDOW = {"device_class": "window", "state_topic": "window"}
+HEAT = {"temperature_command_topic": "heat/set", "temperature_state_topic": "heat"}
+
+
+async def test_a_window_that_is_closed_while_homebot_is_off_gets_its_setpoint_back(tmp_path: Path) -> None:
+    clock, random = LoopClock(), Random(0)  # noqa: S311 - a test has no secrets
+    async with MemoryBroker(clock=clock, random=random) as broker, anyio.create_task_group() as tasks:
+        options = MqttOptions(host=broker.host, port=broker.port, client_id="field")
+        async with MqttConnection(options, broker.make_client, status_topic=None, clock=clock, random=random) as field:
+            setpoints = ["21.0"]
+
+            async def obey() -> None:
+                while True:
+                    for message in await field.receive():
+                        setpoints.append(message.payload.decode())
+                        await field.publish("heat", message.payload, retain=True)
+
+            async def run() -> None:
+                apps = {"window_heating": {"act": "thermostat"}}
+                config = parse_config({"gateways": {"mqtt": {"act": True}}, "apps": apps}, "test")
+                services, index = [HostedBroker.in_memory(broker)], tmp_path / "index.sqlite"
+                async with Runtime(config, with_door=False, clock=clock, services=services, index_file=index):
+                    await anyio.sleep(120)
+
+            await field.wait_connected()
+            await field.subscribe(MqttSubscription("heat/set"))
+            tasks.start_soon(obey)
+            for kind, table in ("binary_sensor", WINDOW), ("climate", HEAT):
+                device = {"identifiers": [kind], "name": kind, "suggested_area": "study"}
+                described = json.dumps({**table, "name": None, "unique_id": kind, "device": device})
+                await field.publish(f"homeassistant/{kind}/a/config", described.encode(), retain=True)
+            for topic, payload in ("heat", b"21.0"), ("window", b"ON"):
+                await field.publish(topic, payload, retain=True)
+            await run()
+            assert setpoints == ["21.0", "12.0"]
+            await field.publish("window", b"OFF", retain=True)
+            await run()
+            assert setpoints == ["21.0", "12.0", "21.0"]
+            tasks.cancel_scope.cancel()

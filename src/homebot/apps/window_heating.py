@@ -5,6 +5,7 @@ from functools import partial
 from homebot.apps.base import App, AppSettings
 from homebot.apps.rooms import in_room, per_room
 from homebot.devices.handles import Closure, ContactSensor, Handle, HandleChange, Thermostat
+from homebot.support.folding import fold
 from homebot.units import Celsius, Seconds
 
 __all__ = ["WindowHeating", "WindowHeatingSettings"]
@@ -20,12 +21,12 @@ class WindowHeatingSettings(AppSettings):
 class WindowHeating(App[WindowHeatingSettings]):
     """Lowers the heating while a window or contact in its room is open; keeps a setpoint that was changed meanwhile.
 
-    The setpoints to restore are in memory only: a heater that is lowered at the end of a run stays lowered.
+    The setpoints to restore are kept across restarts.
     """
 
     async def run(self) -> None:
         """Lower and restore setpoints as windows open and close."""
-        self._setpoints: dict[Thermostat, float] = {}
+        self._setpoints: dict[str, float] = self.store.setdefault("setpoints", {})
         follow, lasting = self.devices.follow, self.settings.open_for
         opened = (
             follow(ContactSensor).became(is_open=True, lasting=lasting),
@@ -33,21 +34,28 @@ class WindowHeating(App[WindowHeatingSettings]):
         )
         closed = follow(ContactSensor, is_open=True).only("removed"), follow(Closure, closed=False).only("removed")
         self.on(opened, self._lower, key=per_room, mode="queued")
-        self.on(closed, self._restore, key=per_room, mode="queued")
+        self.on(closed, lambda change: self._restore(change.handle.area), key=per_room, mode="queued")
+        self.after(lasting, self._restore_all)  # windows may have been closed before the start
 
     async def _lower(self, change: HandleChange[Handle]) -> None:
         low, found = self.settings.lowered_to, in_room(await self.devices.find(Thermostat), change.handle.area)
-        new = {one: now for one in found if (now := one.heating_setpoint or 0.0) > low and one not in self._setpoints}
-        self._setpoints |= new
+        new = [one for one in found if (one.heating_setpoint or 0.0) > low and one.id not in self._setpoints]
+        self._setpoints |= {one.id: one.heating_setpoint for one in new if one.heating_setpoint is not None}
         await self.each(lambda one: one.heat_to(low), new)
 
-    async def _restore(self, change: HandleChange[Handle]) -> None:
+    async def _restore_all(self) -> None:
+        for room in {fold(one.area) for one in await self.devices.find(Thermostat) if one.id in self._setpoints}:
+            await self._restore(room)
+
+    async def _restore(self, room: str) -> None:
         windows = *await self.devices.find(ContactSensor, is_open=True), *await self.devices.find(Closure, closed=False)
-        if not in_room(windows, room := change.handle.area):
-            for one in in_room(self._setpoints, room):
-                self.start_task(partial(self._restore_one, one))
+        if not in_room(windows, room):
+            for one in in_room(await self.devices.find(Thermostat), room):
+                if one.id in self._setpoints:
+                    self.start_task(partial(self._restore_one, one))
 
     async def _restore_one(self, one: Thermostat) -> None:
-        is_changed = one.heating_setpoint not in {None, self.settings.lowered_to, self._setpoints[one]}
-        if is_changed or (await self.each(lambda one: one.heat_to(self._setpoints[one]), [one]))[0].succeeded:
-            self._setpoints.pop(one, None)
+        before = self._setpoints[one.id]
+        is_changed = one.heating_setpoint not in {None, self.settings.lowered_to, before}
+        if is_changed or (await self.each(lambda one: one.heat_to(before), [one]))[0].succeeded:
+            self._setpoints.pop(one.id, None)
