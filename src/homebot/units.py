@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field
 
 from homebot.errors import UsageError
 
-__all__ = ["DURATION", "Bytes", "Celsius", "Port", "Seconds", "parse_duration"]
+__all__ = ["DURATION", "LONGEST_WAIT", "Bytes", "Celsius", "Port", "Seconds", "parse_duration"]
 
 
 def _from_text(value: object) -> object:
@@ -23,6 +23,9 @@ def _from_text(value: object) -> object:
     return int(seconds) if seconds.is_integer() else seconds
 
 
+LONGEST_WAIT: Final = 100 * 366 * 86_400.0
+"""100 years, in seconds; a look back may be longer, as it means all that is there."""
+
 DURATION: Final = BeforeValidator(_from_text)
 """Validator that also accepts texts such as ``"7d"`` for seconds in a configuration."""
 
@@ -32,16 +35,17 @@ Bytes = Annotated[int, Field(gt=0, description="bytes")]
 Port = Annotated[int, Field(ge=0, le=65_535, description="TCP port; 0 is any free one")]
 
 
-def parse_duration(text: str | float | timedelta, key: str = "") -> float:
+def parse_duration(text: str | float | timedelta, key: str = "", *, most: float = math.inf) -> float:
     """Return a length of time in seconds.
 
     Args:
         text: A number and a unit, or several with the larger unit first: ``90s``, ``1h30m``, ``1.5d``, ``500ms``.
             Units are d, h, m, s and ms. A plain number is seconds.
         key: The name of the setting or argument, for the error.
+        most: :data:`LONGEST_WAIT` for what is waited for.
 
     Raises:
-        UsageError: It cannot be parsed, is negative, or is more than 100 years.
+        UsageError: It cannot be parsed, is negative or infinite, or is more than *most*.
     """
     where = f"{key}: " if key else ""
     if isinstance(text, str):
@@ -53,11 +57,10 @@ def parse_duration(text: str | float | timedelta, key: str = "") -> float:
         seconds = text.total_seconds() if isinstance(text, timedelta) else text
         if type(seconds) not in (int, float) or not 0 <= seconds < math.inf:
             raise UsageError(f"{where}{text} is not a duration: it must be a finite number of seconds, 0 or more")
-    if seconds > _MOST:
+    if seconds > most or seconds == math.inf:
         raise UsageError(f"{where}{text!r} is more than 100 years, the most that is possible")
     return float(seconds)
 
 
-_MOST: Final = 100 * 366 * 86_400.0
 _UNITS: Final = {"d": 86_400.0, "h": 3_600.0, "m": 60.0, "s": 1.0, "ms": 0.001}
 _DURATION: Final = re.compile(r"\s*".join(rf"(?:(\d+(?:\.\d+)?)\s*{unit}(?![a-z]))?" for unit in _UNITS), re.ASCII)

@@ -17,7 +17,7 @@ from homebot.apps.run_modes import HandlerRuns, RunHandler, RunMode, check_handl
 from homebot.apps.wall_time import LONGEST_OFFSET, TimeOfDay, read_days, read_time
 from homebot.errors import UsageError
 from homebot.graph.current_cause import CURRENT_CAUSE, TimerCause
-from homebot.units import parse_duration
+from homebot.units import LONGEST_WAIT, parse_duration
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
@@ -98,7 +98,7 @@ class Schedule:
 
     def after(self, delay: Length, handler: RunHandler, name: str | None, *, durable: bool, catch_up: Length) -> Job:
         """See :meth:`homebot.App.after`."""
-        seconds, late = parse_duration(delay, "delay"), _catch_up(catch_up)
+        seconds, late = parse_duration(delay, "delay", most=LONGEST_WAIT), _catch_up(catch_up)
         text = f"after {delay if isinstance(delay, str) else f'{seconds:g} s'}"
         method = getattr(handler, "__name__", "")
         if durable:
@@ -125,11 +125,11 @@ class Schedule:
 
     def every(self, period: Length, handler: RunHandler, name: str | None, offset: Length, mode: RunMode) -> Job:
         """See :meth:`homebot.App.every`."""
-        seconds = parse_duration(period, "period")
+        seconds = parse_duration(period, "period", most=LONGEST_WAIT)
         if not seconds:
             raise UsageError("period: must be above 0")
         text = f"every {period if isinstance(period, str) else f'{seconds:g} s'}"
-        begin = seconds + parse_duration(offset, "offset")
+        begin = seconds + parse_duration(offset, "offset", most=LONGEST_WAIT)
         job = self._interval(self._name(name, handler, text), text, handler, begin, seconds, mode)
         return self._add(job)
 

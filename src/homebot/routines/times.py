@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 from homebot.apps.wall_time import LONGEST_OFFSET, read_days, read_time
 from homebot.errors import UsageError
-from homebot.units import parse_duration
+from homebot.units import LONGEST_WAIT, parse_duration
 
 __all__ = [
     "SUN_EVENTS",
@@ -161,7 +161,7 @@ def read_duration(text: str) -> float:
         UsageError: It is not a duration.
     """
     short = _LONG_UNITS.sub(lambda found: found[1], text.strip().lower())
-    return parse_duration(short)
+    return parse_duration(short, most=LONGEST_WAIT)
 
 
 _LONG_UNITS: Final = re.compile(r"\b([smhd])(?:ec(?:ond)?s?|in(?:ute)?s?|ours?|ays?)\b")
