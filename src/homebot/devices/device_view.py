@@ -40,13 +40,15 @@ class DeviceView:
     def record_values(self, change: StateChange) -> None:
         """Store new values, ordered by sequence number, because the clock may have been set back."""
         for reading in change.readings:
-            if change.sequence >= self._sequence_of(place := (reading.part, reading.capability)):
-                self._newer[place] = change, reading, self.state(*place) is None
+            known = self._newer.get(place := (reading.part, reading.capability))
+            if change.sequence >= (self.sequence if known is None else known[0].sequence):
+                self._newer[place] = change, reading, known is None and self.state(*place) is None
 
     def record_result(self, part_id: str, capability: str, value: PlainValue, now: float) -> None:
         """Store a value from an outcome, reported at *now* in seconds since the Unix epoch, until a newer one comes."""
         if self.value(part_id, capability) == value:
             return  # unchanged since it was reported
+        known = self._newer.get((part_id, capability))
         reading = Reading(part=part_id, capability=capability, value=Value.of(value))
         self.record_values(
             StateChange(
@@ -55,13 +57,9 @@ class DeviceView:
                 readings=(reading,),
                 told_at=Time.from_seconds(now),
                 live=True,
-                sequence=self._sequence_of((part_id, capability)),
+                sequence=self.sequence if known is None else known[0].sequence,
             )
         )
-
-    def _sequence_of(self, place: tuple[str, str]) -> int:
-        known = self._newer.get(place)
-        return self.sequence if known is None else known[0].sequence
 
     def value(self, part_id: str, capability: str) -> PlainValue:
         """Return the latest value of the part; None if it is unknown."""
