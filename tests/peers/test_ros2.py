@@ -51,7 +51,7 @@ async def called(service: Any, name: str, **values: object) -> Any:
 async def test_topics_and_services_go_both_ways() -> None:
     pyzeros: Any = pytest.importorskip("pyzeros")
 
-    async with house() as (app, port), robot(port):
+    async with house() as (app, port), robot(port) as session:
         app.create_service(Trigger, "/house/light", lambda _: Trigger.Response(success=True, message="on"))
         ours, words = app.create_publisher(String, "/house/words"), app.create_subscription(String, "/rosie/words")
         theirs, says = pyzeros.Sub(all_msgs.String, "/house/words"), pyzeros.Pub(all_msgs.String, "/rosie/words")
@@ -61,10 +61,16 @@ async def test_topics_and_services_go_both_ways() -> None:
         assert (await heard(partial(ours.publish, String(data="lamp on")), theirs.wait_for_new)).data == "lamp on"
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(answers, pyzeros.Server(all_srvs.Trigger, "/rosie/dock"), docked)
+            declared(session)
             client = app.create_client(Trigger, "/rosie/dock")
             assert await client.wait_for_service(PATIENCE)
             assert (await client.call(Trigger.Request(), PATIENCE)).message == "docked"
             tasks.cancel_scope.cancel()
+
+
+def declared(session: Any) -> None:
+    """Wait until the house knows all that *session* has declared: pyzeros shows a service before it serves it."""
+    assert list(session.liveliness().get("@ros2_lv/0/**"))
 
 
 async def answers(server: Any, answer: Callable[[Any], Awaitable[None]]) -> None:
@@ -179,7 +185,7 @@ async def test_the_house_drives_an_action_of_pyzeros() -> None:
         asked.response.status = GoalState.CANCELED if cancelled else GoalState.SUCCEEDED
         asked.response.result.error_msg = "none"
 
-    async with house() as (app, port), robot(port):
+    async with house() as (app, port), robot(port) as session:
         said = pyzeros.Pub(nav.FeedbackMessage, f"{name}/feedback")
         async with anyio.create_task_group() as tasks:
             for service, part, answer in (
@@ -188,6 +194,7 @@ async def test_the_house_drives_an_action_of_pyzeros() -> None:
                 (nav.SendGoal, "send_goal", accept),
             ):
                 tasks.start_soon(answers, pyzeros.Server(service, f"{name}/{part}"), answer)
+            declared(session)
             client = ActionClient(app, NavigateToPose, "/rosie/navigate_to_pose")
             assert await client.wait_for_server(PATIENCE)
             assert [one.servers for one in app.graph.actions()] == [("/ros2",)]
