@@ -31,7 +31,7 @@ from homebot.routines.text import read_routines
 from homebot.routines.triggers import RobotArrival
 from homebot.support.printable import printable
 from homebot.support.virtual_time import VirtualTimeLoop
-from homebot.units import parse_duration
+from homebot.units import LONGEST_WAIT, parse_duration
 
 if TYPE_CHECKING:
     from homebot.devices.app_messages import HomePlaceResponse, RoutinesResponse
@@ -77,7 +77,7 @@ def _seconds(source: str) -> float:
     if source in LAST or (source and Path(source).exists()):
         return LAST.get(source, 0.0)
     with suppress(UsageError):
-        if seconds := parse_duration(source):
+        if seconds := parse_duration(source, most=LONGEST_WAIT):
             return seconds
     raise UsageError(f"--on {source!r}: neither a recording nor a time; write it like last-week, last-day, 3d or 12h")
 

@@ -121,7 +121,13 @@ class PartTimeline:
         self.nearby.room.append(progress)
         self.active.append(progress)
         if is_raw:
-            self._send_raw(progress, at)
+            sent = Sent(order.id, order.settings, at)
+            progress.apply(sent, self._settle)
+            self.sent.extend(() if order.is_foreign else (sent,))
+            progress.apply(Decided(order.id, at, NoAnswer(0.0, command_id=order.id)), self._settle)
+            for fact in self.reports:
+                if fact.at >= at:  # the text is known a little later than its effect
+                    self._report(progress, fact)
         if len(self.commands) > MOST_REPORTS or self.commands[0].ended_at < at - durations.REMEMBERED:
             self.active = [one for one in self.active if one.covers(at)]  # no report may ever come that drops them
             self._drop_commands(at - durations.REMEMBERED)
@@ -254,16 +260,6 @@ class PartTimeline:
         if capability in settings and self.profile.fits(capability, settings[capability], value):
             return False
         return any(changes(capability, value, one, settings[one]) for one in related(capability) if one in settings)
-
-    def _send_raw(self, progress: CommandProgress, at: float) -> None:
-        order = progress.order
-        sent = Sent(order.id, order.settings, at)
-        progress.apply(sent, self._settle)
-        self.sent.extend(() if order.is_foreign else (sent,))
-        progress.apply(Decided(order.id, at, NoAnswer(0.0, command_id=order.id)), self._settle)
-        for fact in self.reports:
-            if fact.at >= at:  # the text is known a little later than its effect
-                self._report(progress, fact)
 
     def _end(self, progress: CommandProgress, fact: Decided) -> None:
         """Learn from an outcome; a command that failed may have had an effect, although no report says so."""
