@@ -1,10 +1,13 @@
 """Waits for a state that lasts, over a restart."""
 
 import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from typing import Any
 
 import anyio
 import pytest
+from anyio.abc import TaskGroup
 from tests.discovery.announcements import announce, part_of, tell
 from tests.set_clock import SetClock
 
@@ -77,6 +80,20 @@ async def test_what_is_found_so_without_a_wait_before_starts_nothing() -> None:
     assert not await end_of_wait({}, "08:07", "ON")
 
 
+@asynccontextmanager
+async def directory(graph: Graph) -> AsyncIterator[tuple[FakeGateway, Node, TaskGroup]]:
+    """A directory with a gateway, a node that may wait, and a task group that is cancelled at the end."""
+    async with (
+        Node(graph, "fake", namespace="/gateway") as node,
+        Node(graph, "discovery") as its_node,
+        Node(graph, "waiter") as waiter,
+        anyio.create_task_group() as tasks,
+    ):
+        await tasks.start(Directory(its_node, DirectorySettings()).serve)
+        yield FakeGateway(node), waiter, tasks
+        tasks.cancel_scope.cancel()
+
+
 @pytest.mark.parametrize("jump", [-HOUR, HOUR, -20 * 365 * 24 * HOUR])
 async def test_a_clock_that_is_set_changes_no_wait(jump: float) -> None:
     graph, ends = Graph(clock := SetClock(1.8e9)), []
@@ -86,14 +103,7 @@ async def test_a_clock_that_is_set_changes_no_wait(jump: float) -> None:
         async for _ in begun(node, OPEN, is_new=True):
             ends.append(clock.monotonic())  # noqa: PERF401 - it would be cancelled before it extends
 
-    async with (
-        Node(graph, "fake", namespace="/gateway") as node,
-        Node(graph, "discovery") as its_node,
-        Node(graph, "waiter") as waiter,
-        anyio.create_task_group() as tasks,
-    ):
-        await tasks.start(Directory(its_node, DirectorySettings()).serve)
-        gateway = FakeGateway(node)
+    async with directory(graph) as (gateway, waiter, tasks):
         gateway.publish_sighting(door)
         gateway.reports.publish(tell(door, "contact", False, part="c", at=clock.now()))
         await anyio.sleep(1)
@@ -103,7 +113,6 @@ async def test_a_clock_that_is_set_changes_no_wait(jump: float) -> None:
         opened = clock.monotonic()
         gateway.reports.publish(tell(door, "contact", True, part="c", at=clock.now()))
         await anyio.sleep(HOUR)
-        tasks.cancel_scope.cancel()
     assert ends == pytest.approx([opened + 600])
 
 
@@ -116,14 +125,7 @@ async def test_the_first_value_of_a_device_that_told_others_before_starts_nothin
         async for one in begun(node, read_state("front door open"), is_new=True):
             began.append(one.device.id)  # noqa: PERF401 - it would be cancelled before it extends
 
-    async with (
-        Node(graph, "fake", namespace="/gateway") as node,
-        Node(graph, "discovery") as its_node,
-        Node(graph, "waiter") as waiter,
-        anyio.create_task_group() as tasks,
-    ):
-        await tasks.start(Directory(its_node, DirectorySettings()).serve)
-        gateway = FakeGateway(node)
+    async with directory(graph) as (gateway, waiter, tasks):
         gateway.publish_sighting(door)
         tasks.start_soon(wait, waiter)
         for capability, value, expected in (
@@ -136,4 +138,3 @@ async def test_the_first_value_of_a_device_that_told_others_before_starts_nothin
             gateway.reports.publish(tell(door, capability, value, part="c", at=graph.clock.now()))
             await anyio.sleep(1)
             assert len(began) == expected
-        tasks.cancel_scope.cancel()

@@ -39,8 +39,10 @@ class WindowHeating(App[WindowHeatingSettings]):
 
     async def _lower(self, change: HandleChange[Handle]) -> None:
         low, found = self.settings.lowered_to, in_room(await self.devices.find(Thermostat), change.handle.area)
-        new = [one for one in found if (one.heating_setpoint or 0.0) > low and one.id not in self._setpoints]
-        self._setpoints |= {one.id: one.heating_setpoint for one in new if one.heating_setpoint is not None}
+        new = {
+            one: now for one in found if (now := one.heating_setpoint or 0.0) > low and one.id not in self._setpoints
+        }
+        self._setpoints |= {one.id: now for one, now in new.items()}
         await self.each(lambda one: one.heat_to(low), new)
 
     async def _restore_all(self) -> None:
@@ -51,11 +53,10 @@ class WindowHeating(App[WindowHeatingSettings]):
         windows = *await self.devices.find(ContactSensor, is_open=True), *await self.devices.find(Closure, closed=False)
         if not in_room(windows, room):
             for one in in_room(await self.devices.find(Thermostat), room):
-                if one.id in self._setpoints:
-                    self.start_task(partial(self._restore_one, one))
+                if (before := self._setpoints.get(one.id)) is not None:
+                    self.start_task(partial(self._restore_one, one, before))
 
-    async def _restore_one(self, one: Thermostat) -> None:
-        before = self._setpoints[one.id]
+    async def _restore_one(self, one: Thermostat, before: float) -> None:
         is_changed = one.heating_setpoint not in {None, self.settings.lowered_to, before}
         if is_changed or (await self.each(lambda one: one.heat_to(before), [one]))[0].succeeded:
             self._setpoints.pop(one.id, None)
