@@ -55,12 +55,8 @@ class SceneChanges:
             scene = house.current(scene)
             book.put(scene)
             return scene, left_out
-        if known is None and (one := house.configured.get(fold(name))) is not None:
-            raise UsageError(f"the scene {one.name} is in the configuration; change it there, and `homebot reload`")
         if known is None:
-            named = [one.name for one in book.scenes.values()]
-            hint = did_you_mean(name, named, "`homebot scene list` shows them; `save` makes one")
-            raise UsageError(f"there is no scene {name!r} of the owner; {hint}")
+            raise _no_scene(name, house, book)
         if request.change == "remove":
             book.remove(fold(name))
             return None, left_out
@@ -157,6 +153,14 @@ class SceneChanges:
                 members = await self._lookup.members(device, part) if part.part.is_group else [(device, part)]
                 found |= {(one.id, other.id): (one, other) for one, other in members if not other.part.is_group}
         return list(found.values())
+
+
+def _no_scene(name: str, house: HouseScenes, book: SceneBook) -> UsageError:
+    if (one := house.configured.get(fold(name))) is not None:
+        return UsageError(f"the scene {one.name} is in the configuration; change it there, and `homebot reload`")
+    named = [one.name for one in book.scenes.values()]
+    hint = did_you_mean(name, named, "`homebot scene list` shows them; `save` makes one")
+    return UsageError(f"there is no scene {name!r} of the owner; {hint}")
 
 
 def _values_of(words: str, device: Device, part: DevicePart) -> dict[str, PlainValue]:
