@@ -176,7 +176,7 @@ def order_of(command: IssuedCommand) -> Order:
         moves=not _MOTIONS.isdisjoint(settings) and any(settings[one] != STOPPED for one in _MOTIONS & settings.keys()),
         is_told_once=is_told or is_told_once(command.part.part.service_type, settings),
         opens_further=settings.get("movement") == "open" and _is_half_open(command.values.get("position")),
-        turns_on="on_off" not in settings and _turns_on(command),
+        turns_on=command.values.get("on_off") is False and _turns_on(command),
         has_ramp=has_ramp,
         echoed=echoed,
         place=command.place,
@@ -190,9 +190,9 @@ def _is_half_open(position: PlainValue) -> bool:
 
 
 def _turns_on(command: IssuedCommand) -> bool:
-    """Return whether the part reports that it is off, and a level, a speed or, for a lamp, a colour turns it on."""
+    """Return whether a level, a speed or, for a lamp, a colour turns on the part, which reports that it is off."""
     settings = command.settings
-    if command.values.get("on_off") is not False or not command.states["on_off"].live:
+    if "on_off" in settings or not command.states["on_off"].live:
         return False
     if settings.get("level") == 0 or settings.get("fan_speed") == 0:
         return False

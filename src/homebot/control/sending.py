@@ -2,12 +2,10 @@
 
 import asyncio
 import math
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from functools import partial
-from typing import ClassVar, Final, Protocol, final
-
-import anyio
+from typing import ClassVar, Final, Protocol, TypeVar, final
 
 from homebot.control import durations
 from homebot.control.command import IssuedCommand
@@ -31,6 +29,8 @@ from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
 
 __all__ = ["OpenCommand", "Rehearsal", "Sending"]
+
+_T = TypeVar("_T")
 
 WOULD_SEND: Final = "control.would_send"
 
@@ -62,7 +62,6 @@ class OpenCommand:
 
     Attributes:
         recorded: The last report of each capability in the journal, which does not record it twice.
-        acknowledging: The wait for an acknowledgement; None for none.
     """
 
     command: IssuedCommand
@@ -70,7 +69,7 @@ class OpenCommand:
     progress: CommandProgress
     limits: TimeLimits
     recorded: dict[str, object] = field(default_factory=dict)
-    acknowledging: anyio.CancelScope | None = None
+    _acknowledging: asyncio.Timeout | None = None
     _waiter: asyncio.Future[None] | None = None
 
     def is_news(self, fact: Reported) -> bool:
@@ -84,9 +83,9 @@ class OpenCommand:
 
     def wake(self) -> None:
         """Wake the task if it is waiting; a task that checks before it waits misses nothing."""
-        if self.acknowledging is not None and self.progress.wanted and self.progress.over_at == -math.inf:
-            until = asyncio.get_running_loop().time() + durations.ACKNOWLEDGED_TOO
-            self.acknowledging.deadline = min(self.acknowledging.deadline, until)
+        limit, progress = self._acknowledging, self.progress
+        if limit is not None and limit.when() is None and progress.wanted and progress.over_at == -math.inf:
+            limit.reschedule(asyncio.get_running_loop().time() + durations.ACKNOWLEDGED_TOO)
         if self._waiter is not None and not self._waiter.done():
             self._waiter.set_result(None)
 
@@ -98,6 +97,19 @@ class OpenCommand:
             await self._waiter
         finally:
             self.limits.discard(limit)
+
+    async def acknowledged(self, sending: Awaitable[_T]) -> _T | None:
+        """Return the result of *sending*; None if it has none a second after the part reported what was wanted."""
+        limit = self._acknowledging = asyncio.timeout(None)
+        try:
+            async with limit:
+                return await sending
+        except TimeoutError:
+            if not limit.expired():
+                raise
+            return None
+        finally:
+            self._acknowledging = None
 
 
 @final
@@ -194,31 +206,28 @@ class Sending:
         """Send the settings in their order; return the outcome if that fails."""
         command, clock, profile = sent.command, self._clock, sent.timeline.profile
         ineffective = profile.ineffective if profile.failures else ()
-        began, (shared, how) = clock.monotonic(), _way_of(sent)
+        began, is_repeated = clock.monotonic(), sent.progress.transmission.attempts > 0
+        shared = None if is_repeated else command.shared
         if shared is None:
-            self._journal.record("sent", command, how)
+            self._journal.record("sent", command, "again" if is_repeated else "")
         sent.timeline.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
         if command.place in self._leases.parts:
             self._leases.record_stop(command, began)
         order_of, routes, is_unacknowledged, is_shared = _orders(sent, plan, began), list[str](), False, False
         try:
-            if shared is not None:
-                is_shared = await _share(sent, shared, order_of, partial(self._journal.record, "sent", command, how))
-                if is_shared or sent.progress.superseded_by:
-                    return None
-                self._journal.record("sent", command)
+            if shared is not None and (is_shared := await self._share(sent, shared, order_of)):
+                return None
             for capability, value in command.settings.items():
                 if command.place in self._leases.parts:  # a lease that began since the check or the previous setting
                     refused = self._leases.refuse(command, clock.monotonic())
                     if refused is not None:
                         return refused
                 order = order_of(capability=capability, value=Value.of(value))
-                with anyio.CancelScope() as scope:
-                    sent.acknowledging = scope
-                    route = await self._sender.send(command.device, command.part, order, ineffective)
-                    if len(command.part.routes) > 1:
-                        routes.append(route.name)
-                is_unacknowledged = is_unacknowledged or scope.cancelled_caught
+                sending = self._sender.send(command.device, command.part, order, ineffective)
+                if (route := await sent.acknowledged(sending)) is None:
+                    is_unacknowledged = True
+                elif len(command.part.routes) > 1:
+                    routes.append(route.name)
         except UnansweredError:
             is_unacknowledged = True
         except LinkError as exc:
@@ -226,20 +235,27 @@ class Sending:
         except RefusedError as exc:
             return Refused("gateway", exc.reason, command_id=command.id)
         finally:
-            sent.acknowledging = None
             ended = SendingEnded(command.id, clock.monotonic(), tuple(routes), is_unacknowledged, is_shared)
             sent.timeline.append(ended)
         return None
 
+    async def _share(self, sent: OpenCommand, shared: SharedSending, order_of: Callable[..., Command]) -> bool:
+        """Wait until *shared* was sent in place of a first sending; return False if that has to be sent by itself.
 
-def _way_of(sent: OpenCommand) -> tuple[SharedSending | None, str]:
-    """Return the sending that *sent* shares now, if it does, and how it is sent, for the journal."""
-    shared = sent.command.shared
-    if sent.progress.transmission.attempts:
-        return None, "again"
-    if shared is None or not shared.is_possible:
-        return None, ""
-    return shared, shared.name
+        Raises:
+            UnansweredError: It was sent, but not acknowledged.
+        """
+        command, sendings = sent.command, sent.progress.transmission
+        sendings.echoed = shared.echoed
+        orders = [order_of(capability=one, value=Value.of(value)) for one, value in command.settings.items()]
+        on_sent = partial(self._journal.record, "sent", command, shared.name)
+        if await sent.acknowledged(shared.carry(orders, sent.progress, on_sent)) is not False:
+            return True
+        sendings.echoed = frozenset()
+        if sent.progress.superseded_by:
+            return True
+        self._journal.record("sent", command)
+        return False
 
 
 def _orders(sent: OpenCommand, plan: SendingPlan, began: float) -> Callable[..., Command]:
@@ -257,25 +273,3 @@ def _orders(sent: OpenCommand, plan: SendingPlan, began: float) -> Callable[...,
         kept_for=plan.keeps_for if sendings.attempts + 1 < plan.tries else 0.0,
         repeated=is_repeated,
     )
-
-
-async def _share(
-    sent: OpenCommand, shared: SharedSending, order_of: Callable[..., Command], on_sent: Callable[[], object]
-) -> bool:
-    """Wait until *shared* was sent in place of a first sending; return False if that has to be sent by itself.
-
-    Raises:
-        UnansweredError: It was sent, but not acknowledged.
-    """
-    sendings = sent.progress.transmission
-    sendings.echoed = shared.echoed
-    is_carried = False
-    with anyio.CancelScope() as scope:
-        sent.acknowledging = scope
-        settings = sent.command.settings
-        orders = [order_of(capability=one, value=Value.of(settings[one])) for one in settings]
-        is_carried = await shared.carry(orders, sent.progress, on_sent)
-    if scope.cancelled_caught or is_carried:
-        return True
-    sendings.echoed = frozenset()
-    return False
