@@ -23,7 +23,7 @@ from homebot.control.learnt import LearntPersistence
 from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.questions import Questions
-from homebot.control.sending import OpenCommand, Rehearsal, Sending
+from homebot.control.sending import OpenCommand, Rehearsal, Sending, not_sent
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.cause import Cause
 from homebot.control.timeline.facts import Answered, Decided, Order, Reported
@@ -169,10 +169,8 @@ class CommandExecutor:
             device = await self._lookup.device(request.device)
             if device is not None:
                 text = self._sending.texts.target(device, request.payload)
-        except RefusedError as exc:
-            return device, text, Refused("gateway", exc.reason)
-        except (LinkError, ServiceError) as exc:
-            return device, text, NoAnswer(0.0, str(exc))
+        except (LinkError, RefusedError, ServiceError) as exc:
+            return device, text, not_sent(exc)
         return device, text, None if device else Gone()
 
     async def _agreed(self, command: IssuedCommand, *, ask_first: bool = False) -> IssuedCommand | Outcome:

@@ -24,11 +24,11 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.devices.value import Value
 from homebot.devices.wording.journal_words import settings_text
-from homebot.errors import LinkError, RefusedError, UnansweredError
+from homebot.errors import LinkError, RefusedError, ServiceError, UnansweredError
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
 
-__all__ = ["OpenCommand", "Rehearsal", "Sending"]
+__all__ = ["OpenCommand", "Rehearsal", "Sending", "not_sent"]
 
 _T = TypeVar("_T")
 
@@ -230,10 +230,8 @@ class Sending:
                     routes.append(route.name)
         except UnansweredError:
             is_unacknowledged = True
-        except LinkError as exc:
-            return NoAnswer(clock.monotonic() - began, str(exc), command_id=command.id)
-        except RefusedError as exc:
-            return Refused("gateway", exc.reason, command_id=command.id)
+        except (LinkError, RefusedError) as exc:
+            return not_sent(exc, clock.monotonic() - began, command.id)
         finally:
             ended = SendingEnded(command.id, clock.monotonic(), tuple(routes), is_unacknowledged, is_shared)
             sent.timeline.append(ended)
@@ -256,6 +254,13 @@ class Sending:
             return True
         self._journal.record("sent", command)
         return False
+
+
+def not_sent(error: LinkError | RefusedError | ServiceError, waited: float = 0.0, command_id: str = "") -> Outcome:
+    """Return the outcome of a command that no gateway took because of *error*."""
+    if isinstance(error, RefusedError):
+        return Refused("gateway", error.reason, command_id=command_id)
+    return NoAnswer(waited, str(error), command_id=command_id)
 
 
 def _orders(sent: OpenCommand, plan: SendingPlan, began: float) -> Callable[..., Command]:
