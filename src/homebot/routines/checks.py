@@ -103,6 +103,10 @@ class HouseChecks:
         for text, move in _moves(routine):
             if problem := await self._move(move):
                 yield f"{text!r}: {problem}"
+        async for problem in self._of_steps(routine, effects):
+            yield problem
+
+    async def _of_steps(self, routine: RoutineSettings, effects: list[Effect]) -> AsyncIterator[str]:
         is_prompt = True
         for line in program_of(routine.do):
             match line.step:

@@ -86,16 +86,8 @@ class SceneChanges:
     async def _saved(
         self, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes
     ) -> tuple[KeptScene, tuple[KeyValue, ...]]:
-        if request.target:
-            found = await self._found(request.target)
-        else:
-            configured = house.configured.get(fold(request.name.strip()))
-            places = [*map(place_of, known.parts)] if known is not None else configured.parts if configured else ()
-            found = [one for place in places if (one := house.place(place)) is not None]
-            if not (found or request.values):
-                raise UsageError("say what the scene is of, such as 'lights in living'")
         parts, left_out = dict[str, Mapping[str, PlainValue]](), list[KeyValue]()
-        for device, part in found:
+        for device, part in await self._scope(request, known, house):
             values = present_values(device, part)
             if (problem := _why_left_out(device, part, values)) is None:
                 parts[target_of(device.id, part.id)] = values
@@ -106,6 +98,19 @@ class SceneChanges:
             raise UsageError(f"there is nothing to save; {reasons or 'nothing of that has values to bring back'}")
         name = request.name.strip()
         return KeptScene(name=name, parts=await self._edited(parts, request.values, house)), tuple(left_out)
+
+    async def _scope(
+        self, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes
+    ) -> Sequence[tuple[Device, DevicePart]]:
+        """Return the parts whose present values are saved: those of the target, or else those of the scene so far."""
+        if request.target:
+            return await self._found(request.target)
+        configured = house.configured.get(fold(request.name.strip()))
+        places = [*map(place_of, known.parts)] if known is not None else configured.parts if configured else ()
+        found = [one for place in places if (one := house.place(place)) is not None]
+        if not (found or request.values):
+            raise UsageError("say what the scene is of, such as 'lights in living'")
+        return found
 
     async def _edited(
         self, parts: dict[str, Mapping[str, PlainValue]], values: Sequence[KeyValue], house: HouseScenes

@@ -88,13 +88,18 @@ def _button(door: DoorClient, text: str, event: str) -> str:
     named = [one for one in found if press is None or press.is_of(one.part)]
     if not named:
         raise UsageError(f"there is no {text}; name one of {_numbered(found)}")
+    _check_event(named, text, event)
+    return f"{query}{number}{part}"
+
+
+def _check_event(named: Sequence[_Button], text: str, event: str) -> None:
+    """Refuse *event* unless a button of *named* may tell of it, and no other button of its device."""
     telling = [one for one in named if one.may_tell(event)]
     if not telling:
         events = dict.fromkeys(option for one in named for option in one.events)
         raise UsageError(f"{text} reports no {event!r}; it has {', '.join(events)}")
     if len({one.name for one in telling}) == 1 < len(telling):
         raise UsageError(f"{telling[0].name} has {len(telling)} buttons; name one of {_numbered(telling)}")
-    return f"{query}{number}{part}"
 
 
 def _buttons(door: DoorClient, query: str) -> list[_Button]:
