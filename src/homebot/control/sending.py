@@ -158,11 +158,8 @@ class Sending:
                     return problem
             else:
                 sent.timeline.append(Withheld(command.id, now))
-            if (
-                self._feed.losses
-                and (lost_at := self._feed.last_loss(command.part.routes).monotonic) > sendings.lost_at
-            ):
-                sent.timeline.append(LinkLost(command.id, lost_at))
+            if self._feed.losses:
+                sent.timeline.append(LinkLost(command.id, self._feed.last_loss(command.part.routes).monotonic))
         return outcome_of(progress, clock.monotonic())
 
     def rehearse(self, command: IssuedCommand, timeline: PartTimeline) -> Outcome | None:

@@ -63,11 +63,6 @@ class SharedSending:
         self._decided, self._ended = anyio.Event(), anyio.Event()
         self._problem: HomebotError | None = LinkError("it was not sent")
 
-    @property
-    def is_possible(self) -> bool:
-        """True until it was sent or given up."""
-        return not self._decided.is_set()
-
     async def carry(self, orders: Sequence[Command], progress: CommandProgress, on_sent: Callable[[], object]) -> bool:
         """Wait for the other commands, have one message sent for all of them, and return whether it was.
 
@@ -85,7 +80,7 @@ class SharedSending:
         self._send_if_complete()
         with anyio.move_on_after(_PATIENCE):
             await self._decided.wait()
-        if self.is_possible:
+        if not self._decided.is_set():
             self._give_up()
         await self._ended.wait()
         if isinstance(self._problem, UnansweredError):
@@ -94,14 +89,16 @@ class SharedSending:
 
     def leave(self, outcome: Outcome) -> None:
         """Wait no longer for a command that has an *outcome*."""
-        if self.is_possible and isinstance(outcome, AlreadySo):
+        if self._decided.is_set():
+            return
+        if isinstance(outcome, AlreadySo):
             self._awaited -= 1
             self._send_if_complete()
-        elif self.is_possible:
+        else:
             self._give_up()
 
     def _send_if_complete(self) -> None:
-        if not self.is_possible or len(self._orders) < self._awaited:
+        if self._decided.is_set() or len(self._orders) < self._awaited:
             return
         if len(self._orders) < 2 and (self._recall is None or len(self._orders[0]) < 2):
             self._give_up()

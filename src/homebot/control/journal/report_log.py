@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, final
 
 from homebot.control.timeline.cause import Attribution, Cause
-from homebot.control.timeline.facts import PartRef, Reported, ReportRole
+from homebot.control.timeline.facts import Reported, ReportRole
 from homebot.devices.command_messages import Setting
 from homebot.devices.outcomes import Contradicted
 
@@ -38,8 +38,8 @@ class ReportLog:
             return
         cause = found.cause if is_effect or fact.is_change else None
         cause = Cause.UNKNOWN if cause is Cause.PERSON else cause  # a person, or the device's own answer
-        setting = Setting.of(fact.capability, fact.value)
-        self._write(order.place, setting, fact.stamp, cause, order.id, order.issuer)
+        setting, text = Setting.of(fact.capability, fact.value), cause.value if cause else ""
+        self._journal.reported(order.place, setting, fact.stamp, text, order.id, order.issuer)
 
     def on_change(self, change: ChangedSetting) -> None:
         """Record and log a change, unless it has a role for a command to its part: then that command recorded it."""
@@ -53,14 +53,9 @@ class ReportLog:
         elif change.was_absent and cause is Cause.PERSON:
             cause = Cause.UNKNOWN
         setting = Setting(capability=change.capability, value=change.value)
-        self._write(place, setting, at, cause, found.command)
+        self._journal.reported(place, setting, at, cause.value, found.command)
         if not found.command:
             self._journal.log.log_change(change, cause.value)
-
-    def _write(
-        self, place: PartRef, setting: Setting, at: float, cause: Cause | None, command: str, issuer: str = ""
-    ) -> None:
-        self._journal.reported(place, setting, at, cause.value if cause else "", command, issuer)
 
 
 def _is_late(progress: CommandProgress, fact: Reported) -> bool:
