@@ -38,7 +38,7 @@ def project_without(folders: Collection[str], root: Path, points: str) -> Rest:
     Returns:
         What runs a program of Python there, and returns what that prints.
     """
-    left_out = ignore_patterns("__pycache__", ".*_cache", ".git", ".venv*")
+    left_out = ignore_patterns("*.pyc.*", ".*_cache", ".git", ".venv*")
     copytree(ROOT, root, copy_function=os.link, ignore=left_out)
     for parent in ("src/homebot/integrations", "tests/integrations"):
         for one in folders:
