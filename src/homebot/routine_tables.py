@@ -64,7 +64,7 @@ def located(error: ConfigError, text: str = "") -> ConfigError:
         text = text or Path(error.source).read_text("utf-8-sig")
         if path[0] == "routines":  # they are named by their apps
             tables = tomllib.loads(text)
-            apps = [*apps_of_routines(tables["routines"], tables.get("apps", {}))]
+            apps = [*apps_of_routines(tables.get("routines", []), tables.get("apps", {}))]
             path[1:2] = [str(apps.index(one)) for one in path[1:2]]
     line = line_of(text, *path)
     found = ConfigError(f"{error.source}:{line}" if line else error.source, error.key, error.reason)

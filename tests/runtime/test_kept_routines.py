@@ -120,6 +120,17 @@ async def test_every_wrong_text_of_all_is_named_with_its_line(tmp_path: Path) ->
         ]
 
 
+async def test_a_wrong_one_is_named_where_the_configuration_file_has_no_routines(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    tmp_path.joinpath("homebot.toml").write_text('[home]\nname = "villa"\n')
+    async with homebot(tmp_path, routines=[]) as owner:
+        answer = await owner.change("new", text='name = "Dusk"\nwhen = ["sunset"]\ndo = ["all lights on"]\n')
+    assert not answer.success
+    assert "needs the place of the home: set latitude and longitude in the table [home]" in answer.message
+
+
 async def test_a_hundred_are_added_in_the_time_of_one(tmp_path: Path) -> None:
     """The command line waits for a minute; each new app has a second to prove that it runs."""
     async with homebot(tmp_path) as owner:
