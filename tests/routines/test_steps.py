@@ -41,8 +41,11 @@ def test_other_steps() -> None:
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("hall lamp onn", "did you mean on"),
+        ("hall lamp onn", r"did you mean on\?$"),
+        ("hall lamp on for 5m", "write three steps, 'hall lamp on', 'wait 5m' and 'undo'"),
+        ("hall lamp for 5m", "'hall lamp' is no step"),
         ("hall lamp", "say what to do, such as on"),
+        ("washer eco", "a device's own words follow a colon, as in 'washer: eco'"),
         ("hall lamp on 20 %", "write a comma after 'on'"),
         ("hall lamp on, over 5s, 20 %", "write 'over 5s' last"),
         ("turn on hall lamp", "write the device first, like 'hall lamp on'"),

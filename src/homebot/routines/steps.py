@@ -34,6 +34,8 @@ _DIM: Final = re.compile(
 _OVER: Final = re.compile(r"over\s+(?P<length>\d.*)", re.IGNORECASE)
 _NUMBER: Final = re.compile(r"[+-]?\d+(?:\.\d+)?\s*(?P<unit>%|k|°?[cf])?", re.IGNORECASE)
 _UNITS: Final = {"%": "level", "k": "color_temperature"}
+_LASTING: Final = re.compile(r"(?P<do>.+?),?\s+for\s+(?P<length>\d.*)", re.IGNORECASE)
+_WHAT: Final = "say what to do, such as on, off, open or 40 %; a device's own words follow a colon, as in 'washer: eco'"
 _HOW_LONG: Final = "write it like 'wait 5m' or 'wait until hall motion clear, at most 30m'"
 _HINTS: Final = {
     **dict.fromkeys(("wait", "delay", "pause", "sleep"), _HOW_LONG),
@@ -182,10 +184,10 @@ def _read_do(text: str) -> Do:
             if is_after and words[place - 1].casefold() in {"on", "off"}:
                 raise UsageError(f"{text!r}: write a comma after {words[place - 1]!r}, like 'hall lamp on, 20 %'")
             return _combined(text, " ".join(words[:place]), commands)
-    hint = _HINTS.get(words[0].casefold()) or (
-        did_you_mean(words[-1].casefold(), sorted(_WORDS), "say what to do, such as on, off, open or 40 %", _ALIKE)
-        + ", or divide it, such as 'washer: eco'"
-    )
+    if (lasting := _LASTING.fullmatch(text)) is not None:
+        _read_do(lasting["do"])
+        raise UsageError(f"{text!r}: write three steps, {lasting['do']!r}, 'wait {lasting['length']}' and 'undo'")
+    hint = _HINTS.get(words[0].casefold()) or did_you_mean(words[-1].casefold(), sorted(_WORDS), _WHAT, _ALIKE)
     raise UsageError(f"{text!r} is no step: it ends with no command; {hint}")
 
 
