@@ -89,7 +89,6 @@ class LeaseService:
             request.scope,
             request.trigger,
             request.is_open_ended,
-            request.transition,
         )
         if (refused := self._refusal(request, holder, device, part)) is not None:  # before it blocks others
             return refused
@@ -287,13 +286,7 @@ def _command_of(place: tuple[str, str], held: Setting, issuer: str, holder: Leas
     device, part = place
     trigger = Trigger(kind="lease", text=holder.text[:_LONGEST])
     return CommandRequest(
-        device=device,
-        part=part,
-        settings=(held,),
-        transition=holder.transition,
-        issuer=issuer,
-        scope=holder.scope,
-        trigger=trigger,
+        device=device, part=part, settings=(held,), issuer=issuer, trigger=trigger, scope=holder.scope
     )
 
 

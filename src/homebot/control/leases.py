@@ -52,7 +52,6 @@ class LeaseHolder:
         deadline: The end, on the monotonic clock.
         scope: Its rights, if it is a client of the door.
         is_open_ended: Whether it renews the lease until it releases it.
-        transition: Seconds of each change to the value; 0 for those of the device.
     """
 
     by: str
@@ -61,7 +60,6 @@ class LeaseHolder:
     scope: tuple[str, ...] = ()
     trigger: Trigger = NO_TRIGGER
     is_open_ended: bool = False
-    transition: float = 0.0
 
     @property
     def text(self) -> str:

@@ -64,7 +64,6 @@ class HoldRequest(Message):
         by: The holder, as a word for people, such as ``robot``; not blank.
         ttl: Seconds after which the lease ends, unless it is renewed; 1 to 3,600.
         is_open_ended: Whether the holder renews it until it is released, so that its ``ttl`` says nothing to others.
-        transition: Seconds that each change to the value takes, if the device supports that; 0 leaves it to the device.
         issuer: The name of the node, or ``client:NAME`` for a client of the door, set by the door.
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
         trigger: Its cause, if the holder knows it; ignored for a client of the door.
@@ -77,7 +76,6 @@ class HoldRequest(Message):
     by: _Name
     ttl: Annotated[float, Field(ge=SHORTEST_TTL, le=LONGEST_TTL)]
     is_open_ended: bool = False
-    transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
     issuer: str
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
     trigger: Trigger = NO_TRIGGER

@@ -217,7 +217,6 @@ class Identification:
             by=self._by,
             ttl=self._goal.seconds + _COMMAND,
             is_open_ended=True,
-            transition=candidate.transition,
             issuer=self._goal.issuer,
             scope=self._goal.scope,
         )
