@@ -210,9 +210,10 @@ class Sending:
         sent.timeline.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
         if command.place in self._leases.parts:
             self._leases.record_stop(command, began)
-        order_of, routes, is_unacknowledged, is_shared = _orders(sent, plan, began), list[str](), False, False
+        order_of, routes, is_unacknowledged = _orders(sent, plan, began), list[str](), False
+        is_shared: bool | None = False
         try:
-            if shared is not None and (is_shared := await self._share(sent, shared, order_of)):
+            if shared is not None and (is_shared := await self._share(sent, shared, order_of)) is not False:
                 return None
             for capability, value in command.settings.items():
                 if command.place in self._leases.parts:  # a lease that began since the check or the previous setting
@@ -230,12 +231,12 @@ class Sending:
         except (LinkError, RefusedError) as exc:
             return not_sent(exc, clock.monotonic() - began, command.id)
         finally:
-            ended = SendingEnded(command.id, clock.monotonic(), tuple(routes), is_unacknowledged, is_shared)
+            ended = SendingEnded(command.id, clock.monotonic(), tuple(routes), is_unacknowledged, bool(is_shared))
             sent.timeline.append(ended)
         return None
 
-    async def _share(self, sent: OpenCommand, shared: SharedSending, order_of: Callable[..., Command]) -> bool:
-        """Wait until *shared* was sent in place of a first sending; return False if that has to be sent by itself.
+    async def _share(self, sent: OpenCommand, shared: SharedSending, order_of: Callable[..., Command]) -> bool | None:
+        """Return whether *shared* was sent in place of a first sending; None if a newer command replaced this one.
 
         Raises:
             UnansweredError: It was sent, but not acknowledged.
@@ -248,7 +249,7 @@ class Sending:
             return True
         sendings.echoed = frozenset()
         if sent.progress.superseded_by:
-            return True
+            return None
         self._journal.record("sent", command)
         return False
 
