@@ -25,7 +25,7 @@ run: $(VENV)/.run
 
 # With PYTHONDONTWRITEBYTECODE set, each worker would compile all of homebot: a third of the time.
 # Three workers for each core: many tests wait for a program or a network.
-## Runs all tests: about four minutes on two cores.
+## Runs all tests: about twelve minutes on two cores.
 test: $(VENV)/.dev
 	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n 6 --dist worksteal -m "not peers" $(ARGS)
 
