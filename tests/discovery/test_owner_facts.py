@@ -77,6 +77,14 @@ def test_a_stated_room_outranks_the_announced_one_and_is_told_with_its_source(in
     assert got(index, "lamp").outer_areas == ("Home",)
 
 
+def test_a_device_known_by_one_of_its_stated_names_is_not_absent() -> None:
+    """The others may never be announced."""
+    index = index_of({"lamp": {"identifiers": [MAC, SERIAL], "room": "Hall"}})
+    assert list(index.places.absent()) == [(MAC, "Hall")]
+    index.observe(STUDY_LAMP, 0.0)
+    assert list(index.places.absent()) == []
+
+
 def test_an_announced_floor_has_its_rooms_until_the_owner_states_another() -> None:
     light, upstairs = part_of("light", "on_off"), {"floor": "Upstairs"}
     index = index_of()

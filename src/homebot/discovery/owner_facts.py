@@ -82,7 +82,7 @@ class OwnerFacts:
         self.groups: HouseGroups | None = None
         self._configure_groups(given, read_at)
         self.read_at = read_at
-        self._configured = _configured(given, read_at)
+        self._configured, self._configured_names = _configured(given, read_at), tuple(given.devices)
         self._by_name: dict[_Name, _Statement] = {}
         self._known_as: dict[SourceKey, str] = {}
         self.is_empty = not self._configured
@@ -163,11 +163,15 @@ class OwnerFacts:
             self._put(stated)
         self.is_unsaved = True
 
-    def unknown(self, known: Collection[str]) -> Iterator[tuple[str, _Facts]]:
-        """Yield each name with statements that is not among the *known* ids and hardware addresses."""
-        for name in dict.fromkeys((*self._by_name, *self._configured)):
-            if isinstance(name, str) and name not in known:
-                yield name, _once((*self.stated_of((name,)), *self._configured.get(name, ())))
+    def unknown(self, known: Collection[_Name]) -> Iterator[tuple[list[str], _Facts]]:
+        """Yield the ids and hardware addresses, and the facts, of each device none of whose names is *known*."""
+        seen = set(known)
+        for names in (*(one.names for one in self._statements(self._by_name)), *self._configured_names):
+            own = [name for name in names if isinstance(name, str)]
+            if own and seen.isdisjoint(names):
+                seen.update(own)
+                configured = (fact for name in own for fact in self._configured.get(name, ()))
+                yield own, _once((*self.stated_of(own), *configured))
 
     def stated_of(self, names: Iterable[_Name]) -> _Facts:
         """Return the facts that commands and imports stated about a device under these *names*."""
@@ -181,7 +185,8 @@ class OwnerFacts:
     def reconfigure(self, places: Places, rooms: HouseRooms, read_at: float) -> None:
         """Replace the statements of the configuration, with *rooms* to match."""
         self._configure_groups(places, read_at)
-        self.closed_door, self.rooms, self._configured = places.closed_door, rooms, _configured(places, read_at)
+        self.closed_door, self.rooms = places.closed_door, rooms
+        self._configured, self._configured_names = _configured(places, read_at), tuple(places.devices)
         self.is_empty = self.is_empty and not self._configured
 
     def _configure_groups(self, places: Places, read_at: float) -> None:

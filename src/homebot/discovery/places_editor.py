@@ -92,11 +92,11 @@ class PlacesEditor:
 
     def absent(self) -> Iterator[tuple[str, str]]:
         """Yield the id or hardware address, and the stated room, of each device that does not exist."""
-        known = set(self._table.entries)
+        known: set[SourceKey | str] = {*self._table.entries, *self._table.sources}
         known.update(one for source in self._table.sources.values() for one in source.sighting.identifiers)
         known.update(self._table.owner.known_as(key) for key in self._table.sources)
-        for key, facts in self._table.owner.unknown(known):
-            yield from ((key, fact.value) for fact in facts if fact.name == "area")
+        for names, facts in self._table.owner.unknown(known):
+            yield from ((names[0], fact.value) for fact in facts if fact.name == "area")
 
     def teach(self, device_id: str, gateway: str, tag: str, room: str, now: float, *, at: str = "") -> tuple[str, bool]:
         """Learn the place of a device from a tag attached to it; it counts if neither owner nor device state one.

@@ -52,17 +52,17 @@ class PlacesExchange:
         """
         owner = self._table.owner
         devices: list[tuple[str, tuple[OwnerFact, ...], tuple[str, ...]]] = []
-        known: set[str] = set()
+        known: set[SourceKey | str] = set()
         for entry in tuple(self._table.entries.values()):
             yield
             sources = entry.sources.values()
-            known.add(entry.id)
+            known.update((entry.id, *entry.sources))
             known.update(one for source in sources for one in source.sighting.identifiers)
             known.update(owner.known_as(key) for key in entry.sources)
             if facts := _exported(owner.of(entry.id, sources)):
                 devices.append((entry.id, facts, entry.hardware()))
-        unknown = ((name, _exported(facts)) for name, facts in owner.unknown(known))
-        devices += [(name, facts, ()) for name, facts in unknown if facts]
+        unknown = ((names, _exported(facts)) for names, facts in owner.unknown(known))
+        devices += [(names[0], facts, tuple(names[1:])) for names, facts in unknown if facts]
         return places_text(owner.plan, sorted(devices, key=lambda one: one[0]))
 
     def parse(self, text: str, now: float) -> Places:
