@@ -28,6 +28,17 @@ def test_a_file_that_was_cut_off_gives_what_is_whole(tmp_path: Path) -> None:
     assert found == written[: len(found)]
 
 
+@pytest.mark.parametrize("length", [8, 9, 36])
+def test_a_file_that_was_cut_off_after_its_first_bytes_is_called_so(tmp_path: Path, length: int) -> None:
+    """A disk that is full from the start leaves no more than the magic bytes."""
+    bag_of(tmp_path / "whole.mcap", 3)
+    cut = McapFile(tmp_path / "cut.mcap")
+    cut.path.write_bytes((tmp_path / "whole.mcap").read_bytes()[:length])
+    for read in (cut.content, lambda: list(cut.messages())):
+        with pytest.raises(DamagedFileError, match="was cut off or is damaged"):
+            read()
+
+
 def test_any_damage_is_an_error_in_words_and_never_a_wrong_message(tmp_path: Path) -> None:
     """Bytes are changed, dropped and put in anywhere; checksums find it."""
     written = bag_of(tmp_path / "whole.mcap", 300)

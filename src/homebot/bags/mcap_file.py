@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import IO, Final, NamedTuple, final
 
 from mcap.exceptions import EndOfFile, InvalidMagic, McapError
-from mcap.reader import NonSeekingReader, SeekingReader
+from mcap.reader import FOOTER_SIZE, NonSeekingReader, SeekingReader
 from mcap.records import Channel, Schema
 from mcap.writer import MCAP0_MAGIC, Writer
 from zstandard import ZstdDecompressor, ZstdError
@@ -161,9 +161,11 @@ class McapFile:
 
 
 def _check_start(file: IO[bytes]) -> None:
-    """Raise an error if *file* begins as no MCAP file; the library looks at the end first."""
+    """Raise an error if *file* begins as no MCAP file or is too short; the library looks at the end first."""
     if not MCAP0_MAGIC.startswith(start := file.read(len(MCAP0_MAGIC))):
         raise InvalidMagic(start)
+    if len(file.read(FOOTER_SIZE)) < FOOTER_SIZE:
+        raise EndOfFile("it has no footer")
     file.seek(0)
 
 
