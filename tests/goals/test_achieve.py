@@ -249,6 +249,26 @@ class TestScenes:
         assert "turn on Kitchen Spot is not possible: client:anna may not command kitchen_spot" in answer.message
         assert family.home.commands == []
 
+    async def test_a_lock_of_a_scene_stays_locked_after_a_no(self, family: Family, scenes: Scenes) -> None:
+        values = [{"key": "study lock", "value": "unlocked"}, {"key": "hall lamp", "value": "on"}]
+        await scenes.change(name="Leaving", change="save", values=values)
+        owner, goal = Owner(family.home), await family.begin("leaving")
+        assert await owner.answer(await owner.question(), yes=False) == ""
+        assert "unlock Study Lock is not possible: refused (ask): client:owner said no" in (
+            (await goal.result())[1].message
+        )
+        await anyio.sleep(100.0)
+        assert [one.key for one in family.home.commands] == ["hall lamp"]
+
+    async def test_a_lock_of_a_scene_asks_each_time(self, family: Family, scenes: Scenes) -> None:
+        values = [{"key": "study lock", "value": "unlocked"}, {"key": "hall lamp", "value": "on"}]
+        await scenes.change(name="Leaving", change="save", values=values)
+        await family.achieve("hall lit")
+        (step,) = (await family.achieve("leaving", is_dry_run=True)).steps
+        assert (step.text, bool(step.asks)) == ("unlock Study Lock", True)
+        (step,) = (await family.achieve("leaving and study lock unlocked", is_dry_run=True)).steps
+        assert (step.text, step.asks) == ("unlock Study Lock", "")
+
     async def test_a_scene_of_a_bridge_that_tells_no_values_is_applied(self, family: Family, scenes: Scenes) -> None:
         family.home.put("relax", "x_scene", "scene", area="Hall")
         (native,) = [one for one in (await scenes.listed()).scenes if one.is_native]
@@ -310,6 +330,16 @@ async def test_a_person_decides_on_a_lock_on_the_way(family: Family, *, yes: boo
     assert answer.success == yes, answer.message
     assert family.room == room
     assert yes or "owner said no" in answer.message
+
+
+async def test_a_goal_waits_most_of_a_minute_for_each_yes(family: Family) -> None:
+    owner, goal = Owner(family.home), await family.begin("rosie in study")
+    for seconds in (20.0, 50.0):
+        question = await owner.question()
+        await anyio.sleep(seconds)
+        assert await owner.answer(question, yes=True) == ""
+    answer = (await goal.result())[1]
+    assert (answer.success, answer.tried, family.room) == (True, (), "Study")
 
 
 async def test_of_two_answers_the_first_counts_and_the_second_is_told(family: Family) -> None:

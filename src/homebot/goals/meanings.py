@@ -37,6 +37,7 @@ class Meant:
         name: Its name for people.
         settings: The values that a command sets; empty for a part that only reports.
         states: States any of which is enough; without any, all settings count.
+        asks: Why a person is asked before it is commanded; empty if the goal names it, or nothing needs that.
     """
 
     device: str
@@ -44,6 +45,7 @@ class Meant:
     name: str
     settings: Mapping[str, PlainValue]
     states: tuple[StateIs, ...] = ()
+    asks: str = ""
 
     def is_so(self, device: Device) -> bool:
         """Return whether *device* is as wished."""
@@ -176,7 +178,13 @@ def _of_scene(scene: SceneInfo) -> tuple[Meant, ...]:
     if not all(one.settings for one in scene.parts):
         return ()
     return tuple(
-        Meant(one.device, one.part, one.name, {each.capability: each.value.plain() for each in one.settings})
+        Meant(
+            one.device,
+            one.part,
+            one.name,
+            {each.capability: each.value.plain() for each in one.settings},
+            asks=one.asks,
+        )
         for one in scene.parts
     )
 

@@ -227,10 +227,11 @@ class _StepBuilder:
         self._known.problem.operators.append(Operator(needs, gives, takes, step, why, is_unseen=step.room == DOCK))
 
     def _commands(self, device: Device, part: DevicePart) -> Iterator[Operator]:
-        wished = {tuple(one.settings.items()): None for one in self._known.wished.get((device.id, part.id), ())}
+        meant = sorted(self._known.wished.get((device.id, part.id), ()), key=lambda one: one.asks, reverse=True)
+        wished = {tuple(one.settings.items()): one.asks for one in meant}  # also named by itself, it does not ask
         of_door = _door_settings(part) if device.id in self._known.of_doors else ()
         for settings in filter(None, dict.fromkeys((*wished, *of_door))):
-            asks = "" if settings in wished else why_it_asks(device, part)
+            asks = wished[settings] if settings in wished else why_it_asks(device, part)
             text = _step_text(part_name(device, part), settings)
             step = PlanStep("command", text, target_of(device.id, part.id), ((device.id, part.id, settings),), asks)
             gives, takes = self._effects(step)
