@@ -52,6 +52,8 @@ def test_a_misspelt_word_is_named_with_what_was_meant(house: DeviceIndex, text: 
     assert bool(problem) == bool(refusal(house, text))
 
 
-@pytest.mark.parametrize("text", ["in bathroom", "robot", "hall", "desk", "dexk", "gateway=zigbee", "type=plug"])
+@pytest.mark.parametrize(
+    "text", ["in bathroom", "robot", "hall", "desk", "dexk", "gateway=zigbee", "type=plug", "hall_button"]
+)
 def test_what_may_be_there_tomorrow_is_no_mistake(house: DeviceIndex, text: str) -> None:
     assert refusal(house, text) == ""

@@ -97,6 +97,6 @@ def area_problem(area: str, postings: Postings, plan: HousePlan) -> str:
     return f"no device is in {area!r}, and [places] has no such room; {hint}"
 
 
-def _typo(problem: str, word: str, known: Iterable[str]) -> str:
+def _typo(problem: str, word: str, known: Collection[str]) -> str:
     meant = sorted(one for one in known if is_typo(word, one))
-    return f"{problem}; did you mean {' or '.join(meant)}?" if meant else ""
+    return f"{problem}; did you mean {' or '.join(meant)}?" if meant and word not in known else ""
