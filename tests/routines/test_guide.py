@@ -1,15 +1,20 @@
 """What docs/routines.md shows works."""
 
 import re
+import tomllib
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from tests.guide import blocks_in, commands_in, guide
 from tests.shell import Homebot, homebot_in
 
+import homebot
+from homebot.config import load_config, parse_config
 from homebot.routines.conditions import read_condition
 from homebot.routines.steps import read_step
 from homebot.routines.triggers import read_trigger
+from homebot.runtime.plan import make_plan
 
 pytestmark = [pytest.mark.slow, pytest.mark.rooms("homeassistant")]
 
@@ -67,6 +72,12 @@ def test_the_commands_of_the_guide_run_in_its_order(home: Homebot) -> None:
     for command in COMMANDS:
         done = home.run(command)
         assert (done.returncode, done.stdout != "") == (0, True), done
+
+
+def test_its_first_example_fits_the_house_of_homebot_run() -> None:
+    config = load_config(Path(homebot.__file__).parent / "house" / "family" / "home.toml")
+    routines = tomllib.loads(next(iter(blocks_in(GUIDE, "toml"))))["routines"]
+    assert make_plan(parse_config({**config.model_dump(), "routines": routines}, "home.toml")).left_out == {}
 
 
 def test_the_texts_of_the_guide_are_read() -> None:
