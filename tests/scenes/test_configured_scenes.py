@@ -74,12 +74,14 @@ async def test_a_command_does_not_change_the_file_but_a_saved_scene_outranks_it(
 
 @pytest.mark.virtual_time
 @pytest.mark.rooms("homeassistant")
-async def test_a_renamed_scene_hides_none_of_the_configuration() -> None:
+async def test_a_renamed_or_new_scene_hides_none_of_the_configuration() -> None:
     async with virtual_house_of(world=hall(), config={"scenes": [DINNER]}) as house:
         await house.run_until("07:00")
         assert (await change(house, name="Film", change="save", target="hall lamp")).success
         refused = await change(house, name="Film", change="rename", target="dinner")
         assert refused.message == ("the configuration has a scene 'dinner', which this would hide; choose another name")
+        again = await change(house, name="dinner", change="save", target="hall lamp")
+        assert again.message == refused.message
         assert [(one.name, one.is_configured) for one in await listed(house)] == [("Dinner", True), ("Film", False)]
 
 

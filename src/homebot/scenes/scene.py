@@ -134,8 +134,10 @@ class HouseScenes:
             raise UsageError(f"there is no scene {name!r}; {hint}")
         return found[0]
 
-    def check_not_native(self, name: str) -> None:
-        """Raise UsageError if a scene of the owner called *name* would hide a native one."""
+    def check_hides_none(self, name: str) -> None:
+        """Raise UsageError if a scene of the owner called *name* would hide a configured or a native one."""
+        if fold(name) in self.configured:
+            raise UsageError(f"the configuration has a scene {name!r}, which this would hide; choose another name")
         names = {fold(each): one for one in self.native() for each in (one.name, one.full_name)}
         if (found := names.get(fold(name))) is not None:
             raise UsageError(f"{found.id} keeps a scene {found.name!r}, which this would hide; choose another name")

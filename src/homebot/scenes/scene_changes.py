@@ -49,8 +49,8 @@ class SceneChanges:
         known = book.scenes.get(fold(name))
         known = None if known is None else house.current(known)
         if request.change == "save":
-            if known is None:
-                house.check_not_native(name)
+            if known is None and (request.target or request.values or fold(name) not in house.configured):
+                house.check_hides_none(name)
             scene, left_out = await self._saved(request, known, house)
             scene = house.current(scene)
             book.put(scene)
@@ -62,9 +62,7 @@ class SceneChanges:
             return None, left_out
         if request.change == "rename":
             new = request.target.strip()
-            if fold(new) in house.configured:
-                raise UsageError(f"the configuration has a scene {new!r}, which this would hide; choose another name")
-            house.check_not_native(new)
+            house.check_hides_none(new)
             return book.rename(known, new), left_out
         parts = {} if request.replaces else dict(known.parts)
         edited = await self._edited(parts, request.values, house)
