@@ -12,8 +12,8 @@ from homebot.config import parse_config
 from homebot.devices.gateway_messages import Report
 from homebot.devices.history_messages import HistorySeries
 from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest
-from homebot.devices.names import READ_JOURNAL, TAG_DEVICE
-from homebot.devices.places_messages import TagDevice
+from homebot.devices.names import ALIAS_DEVICE, READ_JOURNAL, TAG_DEVICE
+from homebot.devices.places_messages import AliasDevice, TagDevice
 from homebot.graph import Node
 from homebot.recording.recording import Recording
 from homebot.replay.history_recording import history_recording
@@ -50,6 +50,8 @@ async def lived() -> Recording:
         await house.run_until("08:01")
         tag = TagDevice.Request(device="hall_lamp", tag="my lamps")
         assert (await owner.create_client(TagDevice, TAG_DEVICE).call(tag)).success
+        name = AliasDevice.Request(device="hall_button", alias="Doorbell")
+        assert (await owner.create_client(AliasDevice, ALIAS_DEVICE).call(name)).success
         await house.run_until("08:12")
         await house.press("hall_lamp", "on")
         await house.run_until("08:16")
@@ -96,6 +98,10 @@ def test_each_press_starts_a_routine_though_nothing_followed_it_then(replayed: R
 
 def test_names_and_tags_of_the_owner_count(replayed: Replayed) -> None:
     assert dict(replayed.hints) == {}
+
+
+def test_a_device_is_called_as_in_the_house(replayed: Replayed) -> None:
+    assert {one.id: one.name for one in replayed.devices}["hall_button"] == "Doorbell"
 
 
 def test_the_mean_of_a_setpoint_that_was_changed_meanwhile_is_none_that_somebody_set() -> None:

@@ -93,9 +93,8 @@ def _announcements(device: Device, at: Time) -> Iterator[Message]:
         expires_at=Time.from_seconds(at.to_seconds() + _FOREVER),
         confirmed=True,
     )
-    for name in device.names:
-        if name not in {device.name, device.id}:
-            yield _asked(at, ALIAS_DEVICE, device=device.id, alias=name)
+    for name in reversed(device.names if len(device.names) > 1 else ()):  # the newest is shown
+        yield _asked(at, ALIAS_DEVICE, device=device.id, alias=name)
     for tag in device.tags:
         yield _asked(at, TAG_DEVICE, device=device.id, tag=tag)
 
