@@ -33,11 +33,13 @@ from homebot.support.similar import did_you_mean, similar_to
 
 __all__ = ["UNITS", "comparison"]
 
-UNITS = frozenset(
-    {"%", "K", "°C", "C", "°F", "F", "W", "mW", "kW", "Wh", "kWh", "MWh", "V", "mV", "A", "mA", "Hz"}
-    | {"lx", "hPa", "kPa", "Pa", "mbar", "bar", "ppm", "ppb", "µg/m³", "m³/h", "l/min", "dBm"}
+_SYMBOLS = (
+    *("%", "K", "°C", "C", "°F", "F", "W", "mW", "kW", "Wh", "kWh", "MWh", "V", "mV", "A", "mA", "Hz", "dB", "dBm"),
+    *("lx", "hPa", "kPa", "Pa", "mbar", "bar", "ppm", "ppb", "µg/m³", "m³/h", "l/min", "m/s", "km/h", "kg"),
 )
-"""Units that may follow a number. A capability has one, and any other is refused rather than ignored."""
+_NAMES = {"percent": "%", "degrees": "°C", "celsius": "°C", "fahrenheit": "°F", "watt": "W", "watts": "W", "volt": "V"}
+UNITS = {one: one for one in _SYMBOLS} | _NAMES
+"""Units that may follow a number, also by name. A capability has one, and any other is refused rather than ignored."""
 
 _ALIKE = 0.6
 _FLAGS = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}

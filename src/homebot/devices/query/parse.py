@@ -214,9 +214,10 @@ class _Parser:
         self._place += 1
         unit = self._peek()
         is_number = value.kind == "word" and value.text[-1:].isdigit()
-        if is_number and unit is not None and unit.kind == "word" and unit.text in UNITS:
-            self._place += 1
-            value = replace(value, text=value.text + unit.text)
+        if is_number and unit is not None and unit.kind == "word":
+            symbol = UNITS.get(unit.text) or UNITS.get(unit.text.casefold(), "")
+            self._place += bool(symbol)
+            value = replace(value, text=value.text + symbol)
         return name, operator, value
 
     def _is_compared(self) -> bool:
