@@ -74,6 +74,12 @@ def test_the_commands_of_the_guide_run_in_its_order(home: Homebot) -> None:
         assert (done.returncode, done.stdout != "") == (0, True), done
 
 
+def test_why_tells_of_a_routine_and_a_scene_what_they_do_and_did(home: Homebot) -> None:
+    assert "do   notify Good night" in home.run("homebot why 'good night'").stdout
+    home.run("homebot scene save Film 'hall lamp'")
+    assert home.run("homebot why Film").stdout.startswith("Film, kept by homebot\n  hall_lamp: ")
+
+
 def test_its_first_example_fits_the_house_of_homebot_run() -> None:
     config = load_config(Path(homebot.__file__).parent / "house" / "family" / "home.toml")
     routines = tomllib.loads(next(iter(blocks_in(GUIDE, "toml"))))["routines"]

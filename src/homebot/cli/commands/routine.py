@@ -26,7 +26,7 @@ from homebot.support.similar import did_you_mean
 if TYPE_CHECKING:
     from homebot.devices.app_messages import RoutineInfo, RoutinesResponse
 
-__all__ = ["add_arguments"]
+__all__ = ["add_arguments", "show"]
 
 _EXAMPLES = """\
   homebot routine list                     the routines, and when a time starts each next
@@ -71,7 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(command, _list, "  homebot routine list --json\n")
     command.add_argument("--json", action="store_true", help="print a JSON list")
     command = add_verb(verbs, "show", "show a routine, and what happened the last times")
-    set_door_command(command, _show, _EXAMPLES)
+    set_door_command(command, show, _EXAMPLES)
     command.add_argument("name", metavar="NAME", help="its name")
     command = add_verb(verbs, "try", "print what the routines of a file would have done on recorded days")
     set_client_command(command, _try, _EXAMPLES)
@@ -145,7 +145,8 @@ def _named(door: DoorClient, name: str) -> RoutineInfo:
     return found
 
 
-def _show(door: DoorClient, options: argparse.Namespace) -> int:
+def show(door: DoorClient, options: argparse.Namespace) -> int:
+    """Print the routine of the name in *options*, and what happened the last times."""
     found = _named(door, options.name)
     if found.problem:
         print_line(f"{printable(found.name)} does not run: {printable(found.problem, 500)}", "yellow")

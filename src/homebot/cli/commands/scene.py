@@ -26,7 +26,7 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices.scene_messages import ChangeSceneResponse, SceneInfo, ScenePart, ScenesResponse
 
-__all__ = ["add_arguments"]
+__all__ = ["add_arguments", "show"]
 
 _EXAMPLES = """\
   homebot scene list                             the scenes, yours and those that bridges keep
@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(command, _list, _EXAMPLES)
     command.add_argument("--json", action="store_true", help="print a JSON list")
     command = _with_name(add_verb(verbs, "show", "show the values of a scene"))
-    set_door_command(command, _show, _EXAMPLES)
+    set_door_command(command, show, _EXAMPLES)
     command.add_argument("--json", action="store_true", help="print a JSON object")
     command = _with_name(add_verb(verbs, "save", "save the present values of devices as a scene"))
     set_door_command(command, _save, _EXAMPLES, acts=True)
@@ -104,7 +104,8 @@ def _kind(scene: SceneInfo) -> str:
     return printable(scene.id.partition("#")[0]) if scene.is_native else "homebot"
 
 
-def _show(door: DoorClient, options: argparse.Namespace) -> int:
+def show(door: DoorClient, options: argparse.Namespace) -> int:
+    """Print the scene of the name in *options*, and when it was last applied."""
     scene = _scenes(door, options.name)[0]
     if options.json:
         print(json_text(fields_of(scene)))

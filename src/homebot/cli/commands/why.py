@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, cast
 
+from homebot.cli.commands.routine import show as show_routine
+from homebot.cli.commands.scene import show as show_scene
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, set_door_command
@@ -50,13 +52,14 @@ _EXAMPLES = """\
   homebot why lights/roomlights405 --json
 
 Explains the state of a device: its last change, the program that asked for it, the cause, and the device's answer. If
-no command explains the change, it was made by hand, or by the device itself. Of a robot, also routines that sent it.
+no command explains the change, it was made by hand, or by the device itself. Of a robot, also routines that sent it; of
+a routine or scene, what it did last.
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(parser, _why, _EXAMPLES)
-    parser.add_argument("device", metavar="DEVICE", help="its id or its name")
+    parser.add_argument("device", metavar="DEVICE", help="its id or its name; or that of a routine or scene")
     parser.add_argument("state", nargs="?", help=argparse.SUPPRESS)
     parser.add_argument("--json", action="store_true", help="print a JSON object, times in ISO 8601 UTC")
 
@@ -79,10 +82,13 @@ def _why(door: DoorClient, options: argparse.Namespace) -> int:
     if options.state:
         asked = f"homebot why-not {shlex.quote(options.device)} {shlex.quote(options.state)}"
         raise UsageError(f"a state is asked for by `{asked}`")
-    sent = sent_by_routines(door, options.device)
+    sent, named = sent_by_routines(door, options.device), argparse.Namespace(name=options.device, json=options.json)
     try:
         device = named_device(door, options.device)
     except PeerError:
+        for show in () if options.json else (show_routine, show_scene):
+            with suppress(PeerError, UsageError):
+                return show(door, named)
         if not sent or options.json:  # robots need not be devices
             raise
         _print_sent(sent, house_time(door))
