@@ -361,6 +361,20 @@ async def test_a_command_that_is_cancelled_while_it_waits_for_the_others_is_not_
     assert keys(home) == ["group"]
 
 
+async def test_a_command_that_is_cancelled_before_it_is_sent_has_an_outcome_in_the_journal(home: Home) -> None:
+    await put_lamps(home)
+    request = CommandRequest(
+        device="one", settings=(Setting.of("on_off", True),), issuer="/app", batch="b", batch_size=3
+    )
+    with anyio.move_on_after(0.1):
+        await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(request, cancel_with_caller=True)
+    entries = (await home.read(device="one")).entries
+    assert [(one.kind, [result.text for result in one.results]) for one in entries] == [
+        ("requested", []),
+        ("outcome", ["not sent: it was cancelled"]),
+    ]
+
+
 async def test_a_batch_with_different_commands_shares_a_message_for_those_that_are_alike(home: Home) -> None:
     await put_lamps(home)
     _put(home, "four", ("on_off",))

@@ -65,6 +65,8 @@ REVERTED = "control.reverted"
 
 _UNREADABLE: Final = "it always asks, and this text cannot be decoded as a command; command it by its handle"
 
+_CANCELLED: Final = "it was cancelled"
+
 MOST_PENDING: Final = 10_000
 """The limit of commands without an outcome; further ones are refused."""
 
@@ -117,23 +119,29 @@ class CommandExecutor:
         place = (request.device, request.part if part is None else part.id)
         shown = without_codes(request.settings, device, part)
         name = self._journal.requested(request.issuer, place, shown, request.trigger, asked_at, device)
-        if problem is not None:
-            outcome: Outcome = replace(problem, command_id=name)
-        elif device is None or part is None:
-            outcome = no_such_part(request.device, request.part, device, name)
-        else:
-            command = self._issued(name, request, device, part, asked_at)
-            if part.part.members:
-                command.members = await self._lookup.members(device, part)
-            if request.batch:
-                await self._together.join(command, request)
-            is_checked = request.ask_first or command.is_client or command.members
-            agreed = await self._agreed(command, ask_first=request.ask_first) if is_checked else command
-            if not isinstance(agreed, Outcome):
-                agreed = self._with_warnings(agreed, await self._carry_out(agreed))
-            outcome = agreed
-            if command.shared is not None:
-                command.shared.leave(outcome)
+        try:
+            if problem is not None:
+                outcome: Outcome = replace(problem, command_id=name)
+            elif device is None or part is None:
+                outcome = no_such_part(request.device, request.part, device, name)
+            else:
+                command = self._issued(name, request, device, part, asked_at)
+                if part.part.members:
+                    command.members = await self._lookup.members(device, part)
+                if request.batch:
+                    await self._together.join(command, request)
+                is_checked = request.ask_first or command.is_client or command.members
+                agreed = await self._agreed(command, ask_first=request.ask_first) if is_checked else command
+                if not isinstance(agreed, Outcome):
+                    agreed = self._with_warnings(agreed, await self._carry_out(agreed))
+                outcome = agreed
+                if command.shared is not None:
+                    command.shared.leave(outcome)
+        except asyncio.CancelledError:
+            self._journal.decided(request.issuer, place, self._cancelled(name))
+            raise
+        finally:
+            self._open.pop(name, None)
         self._journal.decided(request.issuer, place, outcome)
         return outcome
 
@@ -287,21 +295,18 @@ class CommandExecutor:
             if await self._is_gone(command, outcome):
                 outcome = Gone(command_id=command.id)
             return self._decided(opened, outcome)
-        except asyncio.CancelledError:
-            self._on_cancelled(opened)
-            raise
         finally:
             for witness in witnesses:
                 witness.stop_watch()
-            del self._open[command.id]
 
-    def _on_cancelled(self, opened: OpenCommand) -> None:
-        """Record the outcome of a command that its issuer cancelled: it is not sent again."""
-        command, progress = opened.command, opened.progress
-        waited = self._clock.monotonic() - progress.transmission.first_sent_at
-        reason = "" if progress.transmission.count else "it was cancelled"
-        outcome = self._decided(opened, NoAnswer(waited, reason, command_id=command.id))
-        self._journal.decided(command.issuer, command.place, outcome)
+    def _cancelled(self, name: str) -> Outcome:
+        """Return the outcome of the command *name*, which its issuer cancelled: it is not sent again."""
+        opened = self._open.get(name)
+        if opened is None:
+            return NoAnswer(0.0, _CANCELLED, command_id=name)
+        sendings = opened.progress.transmission
+        waited, reason = self._clock.monotonic() - sendings.first_sent_at, "" if sendings.count else _CANCELLED
+        return self._decided(opened, NoAnswer(waited, reason, command_id=name))
 
     def _begin(self, command: IssuedCommand) -> tuple[OpenCommand, bool]:
         """Append a command to its timeline; return it, and whether the part is already known to be as commanded."""

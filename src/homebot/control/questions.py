@@ -104,9 +104,6 @@ class Questions:
                 await question.answered.wait()
         except anyio.get_cancelled_exc_class():
             end = f"{issuer_text(command.issuer)} asks no more"
-            self._journal.decided(
-                command.issuer, command.place, NoAnswer(0.0, "it was cancelled", command_id=command.id)
-            )
             raise
         finally:
             if command.id in self._open:
