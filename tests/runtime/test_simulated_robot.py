@@ -37,6 +37,7 @@ from homebot.messages.tf2_msgs import TFMessage
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime import Runtime
+from homebot.runtime.simulated_house import HouseOfRun
 
 pytestmark = pytest.mark.virtual_time
 
@@ -109,6 +110,12 @@ async def test_in_the_hall_of_the_family_the_lamp_of_the_hall_is_the_nearest() -
         await anyio.sleep(1.5)  # then it drives off
         found = await Devices(node).find(Light, near="robot")
         assert found[0].device.id == "hall_lamp"
+
+
+@WHOLE_HOUSE
+def test_a_robot_that_drives_has_the_room_of_its_state_and_no_other() -> None:
+    places = HouseOfRun(load_world(FAMILY_HOUSE), ()).places()
+    assert places.devices["home425/robots/robot",] == ()
 
 
 async def test_a_reload_leaves_the_rooms_of_the_house_as_they_are() -> None:

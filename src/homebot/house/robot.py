@@ -35,6 +35,7 @@ class Robot(SimulatedDevice):
     """
 
     kind: ClassVar[str] = "robot"
+    stays: ClassVar[bool] = False
     rooms: Rooms = field(repr=False)
     room: str
     speed: float = 0.5

@@ -30,11 +30,13 @@ class SimulatedDevice(ABC):
         senses: The property of its handle that it senses, with the type of its values; None for a device that senses
             nothing.
         by_hand: The manual commands that every device of its kind knows, see :meth:`commands`.
+        stays: Whether it stays in its room.
     """
 
     kind: ClassVar[str]
     senses: ClassVar[tuple[str, type[bool | float]] | None] = None
     by_hand: ClassVar[tuple[str, ...]] = ()
+    stays: ClassVar[bool] = True
     device_id: str
     service_type: str = field(default="", kw_only=True)
     now: float = field(default=0.0, init=False)

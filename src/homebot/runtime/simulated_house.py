@@ -171,7 +171,8 @@ def identifiers(placed: Placed, home: str, *, has_root: bool = True) -> tuple[st
 
 def _facts(name: str, placed: Placed) -> Iterator[OwnerFact]:
     """Yield the facts that the owner of a simulated device would state, because few protocols carry rooms or names."""
-    yield OwnerFact("area", placed.room, *_STATED)
+    if unwrap(placed.device).stays:
+        yield OwnerFact("area", placed.room, *_STATED)
     if announces(placed.dialect):
         yield OwnerFact("name", name, *_STATED)
     if placed.at is not None:
