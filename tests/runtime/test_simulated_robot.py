@@ -115,7 +115,7 @@ async def test_in_the_hall_of_the_family_the_lamp_of_the_hall_is_the_nearest() -
 @WHOLE_HOUSE
 def test_a_robot_that_drives_has_the_room_of_its_state_and_no_other() -> None:
     places = HouseOfRun(load_world(FAMILY_HOUSE), ()).places()
-    assert places.devices["home425/robots/robot",] == ()
+    assert places.devices["robots/robot",] == ()
 
 
 async def test_a_reload_leaves_the_rooms_of_the_house_as_they_are() -> None:
