@@ -147,7 +147,8 @@ class Actions:
     def _wait(self, fields: UnreadFields, kind: str) -> str:
         most = fields.duration("timeout")
         if not most:
-            raise NotCarriedError(f"action {kind}: it may last forever; give it a `timeout`")
+            how = "write after how long to go on, such as `timeout: '01:00:00'`"
+            raise NotCarriedError(f"action {kind}: it may last forever; {how}")
         if not fields.flag("continue_on_timeout", default=True):
             raise NotCarriedError(f"action {kind}: a routine goes on after the timeout")
         text = (
