@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import time
 
+from anyio.lowlevel import checkpoint
+
 from directory import sighting
 from homebot.clock import LoopClock
 from homebot.devices import Sighting
@@ -60,7 +62,7 @@ async def _rows(times: int) -> list[tuple[str, ...]]:
         robot.create_service(WhereIsRobot, WHERE_IS_ROBOT, _where)
         navigate = find_action("nav2_msgs/action/NavigateToPose")
         ActionServer(robot, navigate, "/robi/navigate_to_pose", _drive)
-        AchieveServer(goals, lambda: None).serve_words()
+        AchieveServer(goals, lambda: None, {}, checkpoint).serve_words()
         client = robot.create_client(AchieveWords, ACHIEVE_WORDS)
         rows: list[tuple[str, ...]] = []
         for goal in GOALS:

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import anyio
 import pytest
+from anyio.lowlevel import checkpoint
 from tests.control.conftest import Home, home, home_settings, open_home
 from tests.one_task import in_one_task
 
@@ -142,5 +143,5 @@ async def family(home: Home) -> AsyncIterator[Family]:
 @asynccontextmanager
 async def goals_of(home: Home) -> AsyncIterator[None]:
     async with Node(home.graph, "goals") as node:
-        AchieveServer(node, lambda: home.control).serve_goals()
+        AchieveServer(node, lambda: home.control, {}, checkpoint).serve_goals()
         yield

@@ -13,10 +13,19 @@ import anyio
 from homebot.clock import LoopClock
 from homebot.config import parse_config
 from homebot.devices.achieve_messages import Achieve, AchieveFeedback, AchieveGoal, AchieveResult
-from homebot.devices.names import ACHIEVE, ANSWER_QUESTION, CHANGE_SCENE, IMPORT_PLACES, OPEN_QUESTIONS
+from homebot.devices.journal_messages import ExplainDevice, ExplainDeviceRequest
+from homebot.devices.names import (
+    ACHIEVE,
+    ANSWER_QUESTION,
+    CHANGE_SCENE,
+    EXPLAIN_DEVICE,
+    IMPORT_PLACES,
+    OPEN_QUESTIONS,
+)
 from homebot.devices.places_messages import ImportPlaces, ImportPlacesRequest
 from homebot.devices.question_messages import AnswerQuestion, AnswerQuestionRequest, OpenQuestions
 from homebot.devices.scene_messages import ChangeScene, ChangeSceneRequest
+from homebot.devices.wording.journal_words import finding_text
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.actions import ActionClient, ClientGoal
 from homebot.house import World
@@ -103,6 +112,12 @@ class FamilyHouse:
         answered = await self.node.create_client(AnswerQuestion, ANSWER_QUESTION).call(asked)
         assert answered.success, answered.message
 
+    async def why(self, device: str) -> str:
+        asked = ExplainDeviceRequest(device=device)
+        found = await self.node.create_client(ExplainDevice, EXPLAIN_DEVICE).call(asked)
+        assert found.success, found.message
+        return finding_text(found, {}, self.node.graph.clock.now())
+
     def told(self) -> list[tuple[str, str]]:
         """Return the commands that devices got, oldest first."""
         return [
@@ -111,7 +126,9 @@ class FamilyHouse:
 
 
 @asynccontextmanager
-async def family_house(config: Mapping[str, object] | None = None) -> AsyncIterator[FamilyHouse]:
+async def family_house(
+    config: Mapping[str, object] | None = None, index_file: Path | None = None
+) -> AsyncIterator[FamilyHouse]:
     """Run the house without its errands."""
     tables = {**FAMILY, "devices": {**FAMILY["devices"], **MORE}, "errands": []}
     world = parse_world(tables, "family.toml")
@@ -123,6 +140,7 @@ async def family_house(config: Mapping[str, object] | None = None) -> AsyncItera
             robot="robot",
             clock=LoopClock(NIGHT),
             with_door=False,
+            index_file=index_file,
             services=(HostedBroker.in_memory(broker),),
         )
         async with runtime, Node(runtime.graph, "client") as node:

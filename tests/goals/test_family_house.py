@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from shutil import copytree
+
 import anyio
 import pytest
+from structlog.testing import capture_logs
 from tests.goals.family_house import DASH, family_house
 from tests.whole_house import WHOLE_HOUSE
 
@@ -122,6 +126,35 @@ async def test_goals_that_do_not_fight_run_side_by_side() -> None:
         assert (await house.achieve("hall lit")).success
         goal.request_cancel()
         assert (await goal.result())[0] == GoalState.CANCELED
+
+
+async def test_the_next_start_says_which_goals_were_cut_off_and_after_which_step(tmp_path: Path) -> None:
+    """As after a kill: with the files of the moment."""
+    async with family_house(index_file=tmp_path / "before" / "index.sqlite") as house:
+        await house.achieve("hall lit")
+        cancelled = await house.begin("robot in kitchen")
+        await anyio.sleep(8.0)
+        cancelled.request_cancel()
+        await cancelled.result()
+        await house.begin("robot in bedroom")
+        await house.answer(yes=True)
+        await anyio.sleep(5.0)
+        copytree(tmp_path / "before", tmp_path / "after")
+    cut_off = (
+        "he goal 'robot in bedroom' of the client anna was cut off when homebot ended, after unlock bedroom_lock: "
+        "confirmed after 2 s (reported)"
+    )
+    with capture_logs() as logs:
+        async with family_house(index_file=tmp_path / "after" / "index.sqlite") as house:
+            for device in ("locks/bedroom_lock", "covers/bedroom_slide"):
+                assert (await house.why(device)).endswith(f". T{cut_off}.")
+            assert "cut off" not in await house.why("covers/kitchen_slide")
+            assert (await house.achieve("bedroom lock unlocked")).success
+            assert "cut off" not in await house.why("locks/bedroom_lock")
+    assert [one["message"] for one in logs if one["event"] == "goals.cut_off"] == [f"t{cut_off}"]
+    with capture_logs() as logs:
+        async with family_house(index_file=tmp_path / "after" / "index.sqlite"):
+            assert "goals.cut_off" not in {one["event"] for one in logs}
 
 
 async def test_no_step_is_against_a_policy() -> None:

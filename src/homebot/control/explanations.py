@@ -40,6 +40,8 @@ _DEEPEST: Final = 5
 _MOST_CHOICES: Final = 6
 _REQUESTS: Final = frozenset({"requested", "published", "denied"})
 _REPORTS: Final = frozenset({"reported", "changed"})
+_GOALS_END: Final = frozenset({"cut_off", "requested", "published"})
+"""The kinds of entries the newest of which says whether a goal that was cut off still matters."""
 
 ReadEntries: TypeAlias = Callable[[ReadJournalRequest], Awaitable[ReadJournalResponse]]
 
@@ -152,9 +154,15 @@ class Explanations:
             finding, changed_at, entries = "event", event.at, (event,)
         names = tuple(reader.names.values())
         fights = self._find_fights(device.id)
-        ineffective = self._find_ineffective(device)
+        latest = next((one for one in reversed(known) if one.kind in _GOALS_END), None)
         return ExplainDeviceResponse(
-            finding=finding, changed_at=changed_at, entries=entries, names=names, fights=fights, ineffective=ineffective
+            finding=finding,
+            changed_at=changed_at,
+            entries=entries,
+            names=names,
+            fights=fights,
+            ineffective=self._find_ineffective(device),
+            cut_off=(latest,) if latest is not None and latest.kind == "cut_off" else (),
         )
 
     def _finding_of_state(self, device: Device, newest: State) -> Finding:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Awaitable, Callable, MutableMapping, Sequence
 from itertools import count
-from typing import TYPE_CHECKING, TypeAlias, final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
 
 import anyio
 
@@ -37,6 +36,11 @@ if TYPE_CHECKING:
 
 __all__ = ["AchieveServer"]
 
+CUT_OFF = "goals.cut_off"
+
+_MOST_DEVICES: Final = 200
+_LONGEST: Final = 500
+
 _Goal: TypeAlias = ServerGoal[AchieveGoal, AchieveResult, AchieveFeedback]
 
 
@@ -46,10 +50,19 @@ class AchieveServer:
 
     Args:
         control: Returns the control layer, whose rights and policies limit the plans.
+        kept: Goals under way, by their runs; kept across restarts.
+        flush: Writes them now.
     """
 
-    def __init__(self, node: Node, control: Callable[[], Control | None]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        control: Callable[[], Control | None],
+        kept: MutableMapping[str, Any],
+        flush: Callable[[], Awaitable[object]],
+    ) -> None:
         self._node, self._control = node, control
+        self._kept, self._flush = kept, flush
         self._reader = HouseReader(node)
         self._commands = node.create_client(PerformCommand, PERFORM_COMMAND)
         self._numbers = count(1)
@@ -62,14 +75,31 @@ class AchieveServer:
 
     def serve_words(self) -> None:
         """Create the service."""
-        self._node.create_service(AchieveWords, ACHIEVE_WORDS, partial(self._achieve, on_plan=lambda _: None))
+
+        async def achieve(request: AchieveRequest) -> AchieveResponse:
+            return await self._achieve(self._new_run(), request, lambda _: None)
+
+        self._node.create_service(AchieveWords, ACHIEVE_WORDS, achieve)
+
+    def record_cut_off(self) -> None:
+        """Say in the log and in the journal which goals the end of homebot cut off."""
+        control = self._control()
+        while self._kept:
+            _, one = self._kept.popitem()
+            text = f"{one['goal']} was cut off when homebot ended, {one['how_far']}"
+            self._node.log.warning(CUT_OFF, message=text)
+            if control is not None:
+                control.record_cut_off(one["devices"], one["issuer"], text)
+
+    def _new_run(self) -> str:
+        return f"{next(self._numbers)}-{self._node.graph.clock.now():.0f}"
 
     def _preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         control = self._control()
         return None if control is None else control.preview(request, device, part)  # then nothing can be sent either
 
     async def _execute(self, goal: _Goal) -> AchieveResult:
-        shown = AchieveFeedback(steps=())
+        shown, run = AchieveFeedback(steps=()), self._new_run()
 
         def on_plan(feedback: AchieveFeedback) -> None:
             nonlocal shown
@@ -77,9 +107,10 @@ class AchieveServer:
             goal.publish_feedback(feedback)
 
         try:
-            response = await self._achieve(goal.request, on_plan)
+            response = await self._achieve(run, goal.request, on_plan)
         except anyio.get_cancelled_exc_class():
             if goal.is_cancel_requested:
+                self._kept.pop(run, None)
                 message = (
                     f"cancelled; {sum(bool(one.outcome) for one in shown.steps)} of {len(shown.steps)} steps are done"
                 )
@@ -88,7 +119,9 @@ class AchieveServer:
         (goal.succeed if response.success else goal.abort)()
         return AchieveResult(**dict(response))
 
-    async def _achieve(self, asked: AchieveRequest, on_plan: Callable[[AchieveFeedback], None]) -> AchieveResponse:
+    async def _achieve(
+        self, run: str, asked: AchieveRequest, on_plan: Callable[[AchieveFeedback], None]
+    ) -> AchieveResponse:
         request = asked.model_copy(update={"issuer": asked.issuer or UNNAMED_CLIENT})
 
         async def fight(moves: Sequence[Move]) -> str:
@@ -99,13 +132,31 @@ class AchieveServer:
                 achievement.claim(moves)
             return ""
 
-        run = f"{next(self._numbers)}-{self._node.graph.clock.now():.0f}"
-        achievement = Achievement(self._reader, self._commands, run, request, self._preview, fight, on_plan)
+        async def show(feedback: AchieveFeedback) -> None:
+            on_plan(feedback)
+            if achievement in self._under_way:
+                await self._keep(run, achievement, request.issuer)
+
+        achievement = Achievement(self._reader, self._commands, run, request, self._preview, fight, show)
         if not request.is_dry_run:
             self._under_way[achievement] = f"the goal {request.goal[:200]!r} of {issuer_text(request.issuer)}"
         try:
-            return await achievement.run()
+            answer = await achievement.run()
         except HomebotError as exc:
-            return AchieveResponse(success=False, message=str(exc), steps=tuple(achievement.steps))
+            answer = AchieveResponse(success=False, message=str(exc), steps=tuple(achievement.steps))
         finally:
             self._under_way.pop(achievement, None)
+        if self._kept.pop(run, None) is not None:
+            await self._flush()
+        return answer
+
+    async def _keep(self, run: str, achievement: Achievement, issuer: str) -> None:
+        before = self._kept.get(run, {"how_far": "before its first step", "devices": ()})
+        done = [f"after {one.text}: {one.outcome[:_LONGEST]}" for one in achievement.steps if one.outcome]
+        self._kept[run] = {
+            "goal": self._under_way[achievement],
+            "issuer": issuer,
+            "how_far": done[-1] if done else before["how_far"],
+            "devices": sorted(achievement.devices.union(before["devices"]))[:_MOST_DEVICES],
+        }
+        await self._flush()

@@ -66,7 +66,7 @@ class Achievement:
         request: AchieveRequest,
         preview: Preview,
         fight: Callable[[Sequence[Move]], Awaitable[str]],
-        on_plan: Callable[[AchieveFeedback], None],
+        on_plan: Callable[[AchieveFeedback], Awaitable[None]],
     ) -> None:
         self._reader, self._commands, self._request = reader, commands, request
         self._node = reader.node
@@ -103,6 +103,11 @@ class Achievement:
                 return reached
         return self._answer(f"is not reached after {_MOST_PLANS} plans; the last one failed: {self._tried[-1]}")
 
+    @property
+    def devices(self) -> set[str]:
+        """The ids of the devices of the plan."""
+        return {device for one in self._moves for device, *_ in one.step.parts}
+
     def claim(self, moves: Sequence[Move]) -> None:
         """Take *moves* as the plan."""
         self._moves = moves
@@ -110,13 +115,13 @@ class Achievement:
 
     async def _carry_out(self, moves: Sequence[Move]) -> AchieveResponse | None:
         """Do all steps, or only show them; return None if that did not reach the goal."""
-        self._show()
+        await self._show()
         is_so = "is reached" if moves or self._tried else "is so already"
         if self._request.is_dry_run:
             return self._answer("would be reached" if moves else is_so, is_reached=True)
         if trouble := await self._do(moves) or await self._left():
             self._tried.append(trouble)
-            self._show()
+            await self._show()
             return None
         return self._answer(is_so, is_reached=True)
 
@@ -155,7 +160,7 @@ class Achievement:
             if not trouble:
                 outcome, is_done = await self._one(move)
                 self.steps[number] = self.steps[number].model_copy(update={"outcome": outcome})
-                self._show()
+                await self._show()
                 trouble = "" if is_done else f"{move.step.text}: {outcome}"
             if trouble:
                 return trouble
@@ -225,8 +230,8 @@ class Achievement:
             return str(exc), False
         return outcome.text, outcome.succeeded
 
-    def _show(self) -> None:
-        self._on_plan(AchieveFeedback(steps=tuple(self.steps), tried=tuple(self._tried)))
+    async def _show(self) -> None:
+        await self._on_plan(AchieveFeedback(steps=tuple(self.steps), tried=tuple(self._tried)))
 
     def _answer(self, text: str, *, is_reached: bool = False) -> AchieveResponse:
         message = f"{self._request.goal!r} {text}"

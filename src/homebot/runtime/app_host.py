@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from homebot.routines.routine import Routine
     from homebot.runtime.kept_routines import KeptRoutines
 
-__all__ = ["STORE_FILE", "AppHost", "RehearsedAct"]
+__all__ = ["CUT_OFF_GOALS", "IDENTIFY_VALUES", "STORE_FILE", "AppHost", "RehearsedAct"]
 
 STORE_FILE = "apps.sqlite"
 """The name of the file of the app stores, beside the index file."""
@@ -39,8 +39,9 @@ _MOST_REHEARSED = 10_000
 _ROUTINES = "routines."
 _ROUTINE_MODULE = "homebot.routines.routine"
 _KEPT_ROUTINES = "routines"
-_IDENTIFY = "identify/values"
 _REJECTED = "habits/rejected"
+IDENTIFY_VALUES = "identify/values"
+CUT_OFF_GOALS = "goals/cut_off"
 """The names of stores that no app can have."""
 
 
@@ -140,15 +141,13 @@ class AppHost:
         """The habits that nobody wants as routines, by the ids of their proposals."""
         return self._app_stores().of(_REJECTED)
 
-    @property
-    def identify_store(self) -> MutableMapping[str, Any]:
-        """The values before identifications that are not back yet."""
-        return self._app_stores().of(_IDENTIFY)
+    def store(self, name: str) -> MutableMapping[str, Any]:
+        """Return the store of that name, which no app can have."""
+        return self._app_stores().of(name)
 
-    @property
-    def has_identify_store(self) -> bool:
-        """True if there are any."""
-        return self._stores is not None and bool(self._stores.of(_IDENTIFY))
+    def has_kept(self, name: str) -> bool:
+        """Return whether anything is in that store."""
+        return self._stores is not None and bool(self._stores.of(name))
 
     async def write_stores(self) -> str:
         """Write all changes now; return the problem, empty for none."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, final
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.identify.identify_server import IdentifyServer
 from homebot.identify.kept_values import KeptValues
+from homebot.runtime.app_host import IDENTIFY_VALUES
 
 if TYPE_CHECKING:
     from datetime import time
@@ -32,7 +33,8 @@ class IdentifyStarter:
         self._host = host
         self._control = control
         self._random = random or Random()  # noqa: S311 - no secret
-        self._kept = KeptValues(node, DeviceLookup(node), host.identify_store, host.write_stores, host.began_at)
+        store = host.store(IDENTIFY_VALUES)
+        self._kept = KeptValues(node, DeviceLookup(node), store, host.write_stores, host.began_at)
         node.create_task(self._kept.run)
 
     def serve(self) -> None:

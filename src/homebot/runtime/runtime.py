@@ -45,7 +45,7 @@ from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import UsageError
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import Graph, Node, RosoutFeed
-from homebot.runtime.app_host import STORE_FILE, AppHost
+from homebot.runtime.app_host import CUT_OFF_GOALS, IDENTIFY_VALUES, STORE_FILE, AppHost
 from homebot.runtime.app_loading import AppPlanner
 from homebot.runtime.app_manager import AppManager
 from homebot.runtime.health import RuntimeHealth
@@ -400,19 +400,22 @@ class Runtime:
             server = cache(partial(self._achieve_server, node))
             node.offer_action("homebot/action/Achieve", ACHIEVE, lambda: server().serve_goals())
             node.offer_service("homebot/srv/AchieveWords", ACHIEVE_WORDS, lambda: server().serve_words())
+            if self.app_host.has_kept(CUT_OFF_GOALS):
+                server().record_cut_off()
             task_status.started()
             await anyio.sleep_forever()
 
     def _achieve_server(self, node: Node) -> AchieveServer:
         from homebot.goals.achieve_server import AchieveServer  # noqa: PLC0415 - few homes plan
 
-        return AchieveServer(node, lambda: self._controller)
+        kept = self.app_host.store(CUT_OFF_GOALS)
+        return AchieveServer(node, lambda: self._controller, kept, self.app_host.write_stores)
 
     async def _identify(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "identify") as node:
             starter = cache(partial(self._identify_starter, node))
             node.offer_action("homebot/action/IdentifyDevice", IDENTIFY_DEVICE, lambda: starter().serve())
-            if self.app_host.has_identify_store:
+            if self.app_host.has_kept(IDENTIFY_VALUES):
                 starter()
             task_status.started()
             await anyio.sleep_forever()

@@ -236,6 +236,10 @@ class CommandJournal:
         """Record a step of a lease on the part *place*."""
         self._add(JournalNote(kind, self._clock.now(), *place, "", issuer, trigger, (held,), text))
 
+    def cut_off(self, device: str, issuer: str, text: str) -> None:
+        """Record that homebot ended before a goal of *issuer* with the device; *text* says how far it came."""
+        self._add(JournalNote("cut_off", self._clock.now(), device, issuer=issuer, text=text))
+
     def _add(self, note: JournalNote) -> None:
         if self._entries.subscription_count:
             self._entries.publish(note.entry())
