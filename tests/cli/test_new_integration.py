@@ -44,7 +44,7 @@ def test_its_tests_pass_as_written(folder: Path, plugins: str) -> None:
 
 @pytest.mark.slow
 def test_its_simulated_lamp_is_found_and_obeys(folder: Path) -> None:
-    until = ("found desk_lamp on mqtt", "found desk_lux on mqtt")
+    until = ("found desk_lamp on mqtt", "found desk_lux on mqtt", "found study_temperature on mqtt")
     assert ASKED
     with homebot_in(folder, *RUN.removeprefix("homebot run ").split(), "--ephemeral", until=until) as homebot:
         for command in ASKED:
@@ -53,6 +53,7 @@ def test_its_simulated_lamp_is_found_and_obeys(folder: Path) -> None:
         shown = homebot.run("homebot devices").stdout
     assert re.search(r"desk_lamp +light +study +on, 40 %", shown), shown
     assert re.search(r"desk_lux +light_sensor +study +60 lx", shown), shown
+    assert re.search(r"study_temperature +temperature_sensor +study +\d+(\.\d)? °C", shown), shown
 
 
 def test_nothing_is_written_over(folder: Path) -> None:

@@ -23,17 +23,18 @@ class DeviceState:
     """The reported state of a device; missing values keep their defaults.
 
     Attributes:
-        text: Its last state as text, for example ``on``, ``opening``, ``locked`` or ``21.5``.
-        is_on: Of a lamp: whether it is on.
-        brightness: Of a lamp: brightness while on, 0 to 1.
-        kelvin: Of a lamp: its colour temperature.
-        position: Of a motor: 0 is closed, 1 is open.
-        way: Of a motor: 1 while it opens, -1 while it closes, 0 at rest.
-        value: The number reported by a sensor; 0 for none.
-        kilowatt_hours: Of a power meter: the energy counted.
-        celsius: Of a thermostat: the room's temperature.
-        target: Setpoint of a thermostat.
-        heats: Of a thermostat: whether it heats.
+        text: Its last state as text, for example ``on``, ``opening`` or ``21.5``; of a ``contact``, ``lock``,
+            ``motion``, ``presence``, ``robot`` and ``tag`` all that there is: ``open``, ``jammed``, ``motion``.
+        is_on: Of a ``lamp``: whether it is on.
+        brightness: Of a ``lamp``: brightness while on, 0 to 1.
+        kelvin: Of a ``lamp``: its colour temperature.
+        position: Of a ``window`` or ``cover``: 0 is closed, 1 is open.
+        way: Of a ``window`` or ``cover``: 1 while it opens, -1 while it closes, 0 at rest.
+        value: Of a ``lux`` or ``power_meter``: lux or watts; 0 for none.
+        kilowatt_hours: Of a ``power_meter``: the energy counted.
+        celsius: Of a ``thermostat``: the room's temperature.
+        target: Of a ``thermostat``: its setpoint.
+        heats: Of a ``thermostat``: whether it heats.
     """
 
     text: str
