@@ -95,15 +95,33 @@ async def test_a_command_to_a_scene_needs_the_right_to_its_parts_that_always_ask
     assert home.commands == []
 
 
-async def native_scene(home: Home) -> None:
-    """Put a scene of a lamp and a lock of which the values are unknown."""
-    for key, kind, capability in (("lamp", "light", "on_off"), ("door", "door_lock", "lock")):
+@pytest.mark.virtual_time
+@pytest.mark.parametrize(
+    ("other", "policy"), [("shelf", ""), ("cupboard", "rights"), ("attic", "rights"), ("door", "rights")]
+)
+async def test_a_right_to_all_parts_of_a_scene_is_one_to_the_scene(
+    home: Home, scenes: Scenes, other: str, policy: str
+) -> None:
+    """The cupboard is in another room, nobody knows the attic, and the door is no lamp."""
+    await native_scene(home, "lamp", other)
+    answer = await scenes.apply("Film", issuer="client:guest", scope=["act: light in hall"])
+    assert [(one.key, one.capability) for one in home.commands] == [("bridge", "scene")] * (not policy)
+    assert answer.results[0].result.policy == policy
+
+
+async def native_scene(home: Home, *members: str) -> None:
+    """Put a scene of a lamp and a lock, or of *members*, of which the values are unknown."""
+    kinds = dict.fromkeys(("lamp", "shelf", "cupboard"), ("light", "on_off")) | {"door": ("door_lock", "lock")}
+    for key, (kind, capability) in kinds.items():
         part = simple_part(kind, settable=(capability,))
-        home.gateway.devices.put(GatewayDevice(key, key, (part,), identifiers=(f"id:{key}",)), "it was found")
-        await home.report(key, capability, False if key == "lamp" else "locked")
+        area = "study" if key == "cupboard" else "hall"
+        known = GatewayDevice(key, key, (part,), identifiers=(f"id:{key}",), area=area)
+        home.gateway.devices.put(known, "it was found")
+        await home.report(key, capability, "locked" if key == "door" else False)
     film = simple_part("x_scene", settable=("scene",))
     mute = tuple(one.model_copy(update={"readable": False}) for one in film.capabilities)
-    film = film.model_copy(update={"name": "Film", "capabilities": mute, "members": ("id:lamp", "id:door")})
+    names = tuple(f"id:{key}" for key in members or ("lamp", "door"))
+    film = film.model_copy(update={"name": "Film", "capabilities": mute, "members": names})
     home.gateway.devices.put(GatewayDevice("bridge", "Bridge", (film,)), "it was found")
     await anyio.sleep(120)
     home.commands.clear()

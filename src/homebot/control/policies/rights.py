@@ -2,6 +2,7 @@
 
 import shlex
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 from typing import Final
 
@@ -19,6 +20,7 @@ from homebot.devices.client_rights import (
     read_scope,
 )
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.device_lookup import references
 from homebot.devices.harmless import why_not_harmless
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.value import PlainValue
@@ -103,7 +105,7 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
     if command.trigger.kind == "lease" and must_ask(command):
         return f"a person must agree to each command of {command.issuer} to {command.device.id}, so it cannot hold it"
     limit = _limit(command, rights)
-    if limit is None or (limit and _may_make_safe(command, rights)):
+    if limit is None or (_may_make_safe(command, rights) if limit else _may_command_members(command)):
         return ""
     return _refusal_text(command, limit, needs_approval=needs_approval)
 
@@ -174,6 +176,22 @@ def _may_make_safe(command: IssuedCommand, rights: ClientRights) -> bool:
     device, part, is_lease = command.device, command.part, command.trigger.kind == "lease"
     knows_load = rights.acts_on_ordinary or bool(command.why_it_asks and is_of_known_load(device, part))
     return rights.acts_on_harmless and not is_lease and is_safe(device, part, command.settings, knows_load=knows_load)
+
+
+def _may_command_members(scene: IssuedCommand) -> bool:
+    """Return whether all that a scene of a bridge names as its members is known, and its client may command it."""
+    parts = (scene.part, *(part for _, part in scene.members))
+    gateways = {route.gateway for part in parts for route in part.routes}
+    known = {name for device, part in scene.members for name in references(device, part, gateways)}
+    return (
+        scene.part.part.service_type == "x_scene"
+        and bool(scene.members)
+        and known.issuperset(name for part in parts for name in part.part.members)
+        and not any(
+            client_refusal(replace(scene, device=device, part=part, members=()), needs_approval=False)
+            for device, part in scene.members
+        )
+    )
 
 
 def _unlisted(limit: str) -> str:
