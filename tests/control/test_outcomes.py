@@ -8,10 +8,17 @@ import pytest
 from structlog.testing import capture_logs
 from tests.control.conftest import Behaviour, Home, OpenHome, ignore, obey, obey_after, report
 
-from homebot.devices.command_messages import CommandRequest, CommandResult, PerformCommand, Setting
+from homebot.devices.command_messages import (
+    CommandRequest,
+    CommandResult,
+    PerformCommand,
+    SendText,
+    SendTextRequest,
+    Setting,
+)
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import DoorLock, Handle, Light, Switch, Thermostat, WindowCovering
-from homebot.devices.names import PERFORM_COMMAND
+from homebot.devices.names import PERFORM_COMMAND, SEND_TEXT
 from homebot.devices.outcomes import (
     AlreadySo,
     Confirmed,
@@ -682,6 +689,13 @@ async def test_a_device_that_was_removed_is_gone(home: Home) -> None:
     home.gateway.devices.remove("lamp", "sold")
     await anyio.sleep(1)
     assert isinstance(await lamp.turn_on(), Gone)
+
+
+async def test_a_text_to_an_unknown_device_is_refused_with_its_id_as_a_command_by_values_is(home: Home) -> None:
+    request = SendTextRequest(device="nosuch", payload="on", issuer="/app")
+    response = await home.app.create_client(SendText, SEND_TEXT).call(request)
+    (_, outcome) = (await home.read(device="nosuch")).entries
+    assert response.message == outcome.results[0].text == "there is no device with the id nosuch"
 
 
 async def test_a_device_that_is_removed_before_it_answers_is_gone(home: Home) -> None:

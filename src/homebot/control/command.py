@@ -73,6 +73,7 @@ class IssuedCommand:
         nearest: The numbers of *settings* that the device can do in place of those asked, as a clause for the outcome.
         scope: The rights of a client of the door, by its token.
         text: The raw text that is sent for its settings, once and unverified; None for a command by values.
+        has_code: Whether one of *settings* is a code, which nothing shows.
         states: The states of the part at the time of the command, by capability.
         values: Their values.
         why_it_asks: Why the part is one that always asks; empty if it is not.
@@ -99,9 +100,10 @@ class IssuedCommand:
     states: dict[str, State] = field(init=False)
     values: dict[str, PlainValue] = field(init=False)
     why_it_asks: str = field(init=False)
-    warnings: dict[str, str] = field(init=False, default_factory=dict)
+    warnings: dict[str, str] = field(default_factory=dict)
     shared: SharedSending | None = field(default=None, repr=False)
     members: Sequence[tuple[Device, DevicePart]] = ()
+    has_code: bool = False
 
     def __post_init__(self) -> None:
         self.place = self.device.id, self.part.id
@@ -160,18 +162,25 @@ def label_of(device: Device, part_id: str) -> str:
 
 def order_of(command: IssuedCommand) -> Order:
     """Return *command* as an order for the timeline."""
-    settings, readable, echoed, has_ramp = command.settings, set[str](), _NO_ECHO, False
+    settings, wanted, readable = command.settings, dict[str, PlainValue](), set[str]()
+    echoed, has_ramp = _NO_ECHO, False
     is_told = bool(command.text or command.code or command.why_it_asks)  # a second attempt with its code may count
     for one in command.part.part.capabilities:
+        name, is_set = one.name, one.name in settings
         if one.readable:
-            readable.add(one.name)
-        if one.echoed and one.name in settings:
-            echoed |= {one.name}
-        has_ramp = has_ramp or (one.name == "level" and one.settable)
+            readable.add(name)
+            if is_set and name not in MOMENTARY:
+                wanted[name] = settings[name]
+        if one.echoed and is_set:
+            echoed |= {name}
+        has_ramp = has_ramp or (name == "level" and one.settable)
+    movement = settings.get("movement")
+    if movement in END_POSITIONS and "position" in readable and wanted.keys().isdisjoint(_MOTIONS):
+        wanted["position"] = END_POSITIONS[movement]  # it reports no movement
     return Order(
         command.id,
         settings,
-        _expected(settings, readable),
+        wanted,
         command.transition,
         moves=not _MOTIONS.isdisjoint(settings) and any(settings[one] != STOPPED for one in _MOTIONS & settings.keys()),
         is_told_once=is_told or is_told_once(command.part.part.service_type, settings),
@@ -197,15 +206,6 @@ def _turns_on(command: IssuedCommand) -> bool:
     if settings.get("level") == 0 or settings.get("fan_speed") == 0:
         return False
     return not settings.keys().isdisjoint(_LIT if command.part.part.service_type == "light" else POWERS)
-
-
-def _expected(settings: Mapping[str, PlainValue], readable: set[str]) -> dict[str, PlainValue]:
-    """Return the lasting values that the part should report; its position if it reports no movement."""
-    found = {name: value for name, value in settings.items() if name in readable and name not in MOMENTARY}
-    movement = settings.get("movement")
-    if movement in END_POSITIONS and "position" in readable and found.keys().isdisjoint({"movement", "position"}):
-        found["position"] = END_POSITIONS[movement]
-    return found
 
 
 def device_settings(settings: Mapping[str, PlainValue], part: Part) -> Mapping[str, PlainValue]:

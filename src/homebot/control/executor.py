@@ -1,8 +1,10 @@
 """The steps of a command: resolve, rights, leases, policies, send, wait for evidence, journal."""
 
 import asyncio
+from collections.abc import Awaitable, Callable
 from dataclasses import replace
-from typing import Final, final
+from functools import partial
+from typing import Final, TypeVar, final
 
 from homebot.control import durations
 from homebot.control.code_guesses import CodeGuesses
@@ -42,7 +44,7 @@ from homebot.devices.command_messages import (
     SendTextRequest,
     SendTextResponse,
 )
-from homebot.devices.command_sender import TextTarget
+from homebot.devices.command_sender import TextSender, TextTarget
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import COMMAND_EVENTS
 from homebot.devices.outcomes import (
@@ -60,6 +62,8 @@ from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
 
 __all__ = ["CommandExecutor"]
+
+_T = TypeVar("_T")
 
 REVERTED = "control.reverted"
 
@@ -98,6 +102,7 @@ class CommandExecutor:
         self._feed = feed
         self._learnt = learnt
         self._sending = Sending(node, settings, policies, journal, leases, feed, rehearsal)
+        self._texts = TextSender(node)
         self._together = Together(node, lookup, policies, leases, timelines)
         self._events = node.create_publisher(CommandEvent, COMMAND_EVENTS, 1000)
         self._limits, self._open = TimeLimits(), dict[str, OpenCommand]()
@@ -114,72 +119,72 @@ class CommandExecutor:
         try:
             device = await self._lookup.device(request.device)
         except ServiceError as exc:
-            problem = NoAnswer(0.0, str(exc))
+            problem = not_sent(exc)
         part = commanded_part(device, request.part, request.settings)
-        place = (request.device, request.part if part is None else part.id)
+        return await self._carry_out(request, asked_at, device, part, problem, self._send)
+
+    async def send_text(self, request: SendTextRequest) -> SendTextResponse:
+        """Carry out a command by a raw text, and return when its gateway has queued it; never raises."""
+        asked_at, device, text, problem = self._clock.now(), None, TextTarget(request.payload), None
+        try:
+            device = await self._lookup.device(request.device)
+            if device is not None:
+                text = self._texts.target(device, request.payload)
+        except (LinkError, RefusedError, ServiceError) as exc:
+            problem = not_sent(exc)
+        part, read = read_text(device, text)
+        if read.capability == UNREAD and device is not None and why_device_asks(device):
+            problem = problem or Refused("always_ask", _UNREADABLE)
+        issuer, scope, trigger = request.issuer, request.scope, request.trigger
+        command = CommandRequest(device=request.device, settings=(read,), issuer=issuer, scope=scope, trigger=trigger)
+        send = partial(self._send_text, text)
+        outcome = await self._carry_out(command, asked_at, device, part, problem, send, text)
+        return SendTextResponse.of(outcome) if isinstance(outcome, Outcome) else outcome
+
+    async def _carry_out(
+        self,
+        request: CommandRequest,
+        asked_at: float,
+        device: Device | None,
+        part: DevicePart | None,
+        problem: Outcome | None,
+        send: Callable[[IssuedCommand], Awaitable[_T]],
+        text: TextTarget | None = None,
+    ) -> Outcome | _T:
+        """Check a command, send it unless there is a *problem*, and return its outcome, which the journal records.
+
+        Args:
+            send: Sends the command; its result is no outcome if the journal has the end of the command already.
+        """
+        place = request.device, request.part if part is None else part.id
         shown = without_codes(request.settings, device, part)
         name = self._journal.requested(request.issuer, place, shown, request.trigger, asked_at, device)
+        outcome: Outcome | _T
         try:
             if problem is not None:
-                outcome: Outcome = replace(problem, command_id=name)
+                outcome = replace(problem, command_id=name)
             elif device is None or part is None:
                 outcome = no_such_part(request.device, request.part, device, name)
             else:
                 command = self._issued(name, request, device, part, asked_at)
+                command.text, command.has_code = text, shown is not request.settings
                 if part.part.members:
                     command.members = await self._lookup.members(device, part)
                 if request.batch:
                     await self._together.join(command, request)
                 is_checked = request.ask_first or command.is_client or command.members
                 agreed = await self._agreed(command, ask_first=request.ask_first) if is_checked else command
-                if not isinstance(agreed, Outcome):
-                    agreed = self._with_warnings(agreed, await self._carry_out(agreed))
-                outcome = agreed
-                if command.shared is not None:
-                    command.shared.leave(outcome)
+                outcome = agreed if isinstance(agreed, Outcome) else self.check(agreed) or await send(agreed)
+                if isinstance(outcome, Outcome):
+                    outcome = self._ended(command, outcome)
         except asyncio.CancelledError:
             self._journal.decided(request.issuer, place, self._cancelled(name))
             raise
         finally:
             self._open.pop(name, None)
-        self._journal.decided(request.issuer, place, outcome)
+        if isinstance(outcome, Outcome):
+            self._journal.decided(request.issuer, place, outcome)
         return outcome
-
-    async def send_text(self, request: SendTextRequest) -> SendTextResponse:
-        """Carry out a command by a raw text, and return when its gateway has queued it; never raises."""
-        asked_at, issuer, trigger = self._clock.now(), request.issuer, request.trigger
-        device, text, outcome = await self._text_target(request)
-        part, read = read_text(device, text)
-        if read.capability == UNREAD and device is not None and why_device_asks(device):
-            outcome = outcome or Refused("always_ask", _UNREADABLE)
-        place, shown = (request.device, part.id), without_codes((read,), device, part)
-        name = self._journal.requested(issuer, place, shown, trigger, asked_at, device)
-        if outcome is not None or device is None:
-            outcome = replace(outcome or Gone(), command_id=name)
-        else:
-            rights, settings = self._policies.rights(issuer), {read.capability: read.value.plain()}
-            members = await self._lookup.members(device, part) if part.part.members else ()
-            command = IssuedCommand(
-                name, device, part, settings, issuer, rights, trigger, asked_at, request.scope, text, members=members
-            )
-            agreed = await self._agreed(command) if command.is_client or command.members else command
-            is_code = shown != (read,)
-            outcome = agreed if isinstance(agreed, Outcome) else await self._send_text(agreed, text, is_code=is_code)
-        if outcome is None:
-            return SendTextResponse(success=True, others=text.others, command_id=name)
-        self._journal.decided(issuer, place, outcome)
-        return SendTextResponse.of(outcome)
-
-    async def _text_target(self, request: SendTextRequest) -> tuple[Device | None, TextTarget, Outcome | None]:
-        """Return the device of a raw text, and where it is sent to; with its outcome if it cannot be sent."""
-        device, text = None, TextTarget(request.payload)
-        try:
-            device = await self._lookup.device(request.device)
-            if device is not None:
-                text = self._sending.texts.target(device, request.payload)
-        except (LinkError, RefusedError, ServiceError) as exc:
-            return device, text, not_sent(exc)
-        return device, text, None if device else Gone()
 
     async def _agreed(self, command: IssuedCommand, *, ask_first: bool = False) -> IssuedCommand | Outcome:
         """Return *command* if no member refuses it, and once a person has agreed, if one must; else its outcome."""
@@ -189,8 +194,10 @@ class CommandExecutor:
             return command
         return self.check(command, is_preview=True) or await self.questions.agreed(command)
 
-    def _with_warnings(self, command: IssuedCommand, outcome: Outcome) -> Outcome:
-        """Return the outcome of a sent command with the warnings of its policies, and count a guess of its code."""
+    def _ended(self, command: IssuedCommand, outcome: Outcome) -> Outcome:
+        """Return the outcome of a command with the warnings of its policies, and let its batch and its code know it."""
+        if command.shared is not None:
+            command.shared.leave(outcome)
         if command.nearest and outcome.succeeded:
             command.warnings["steps"] = command.nearest
         if command.code:
@@ -215,17 +222,19 @@ class CommandExecutor:
                 return held
         return self._policies.check(command, is_recorded=not is_preview)
 
-    async def _send_text(self, command: IssuedCommand, text: TextTarget, *, is_code: bool) -> Outcome | None:
-        """Send a text, which supersedes older commands for the same; None if that is done, as no report is awaited."""
-        refused = self.check(command)
-        if refused is not None:
-            return refused
+    async def _send_text(self, text: TextTarget, command: IssuedCommand) -> Outcome | SendTextResponse:
+        """Send a text, which supersedes older commands for the same; no report is awaited."""
         if self._sending.rehearsal is not None:
             assumed = self._sending.rehearse(command, self.timelines.of(command.device, command.part))
             if assumed is not None:
                 return assumed
         self._record_text(command, order_of(command), self._clock.monotonic())
-        return await self._sending.send_text(command, text, is_code=is_code)
+        try:
+            sent = await self._texts.send(text, command.issuer, command.trigger, command.id, command.part.routes)
+        except LinkError as exc:
+            return not_sent(exc, command_id=command.id)
+        self._journal.published(command.device.id, sent, self._clock.now(), is_code=command.has_code)
+        return SendTextResponse(success=True, others=text.others, command_id=command.id)
 
     async def record_raw(self, name: str, device: Device, gateway: str, raw: RawCommand) -> None:
         """Record that another program had *gateway* send a text to *device*; *name* is the new id of the command."""
@@ -266,15 +275,12 @@ class CommandExecutor:
             nearest="" if settings is asked else rounding_text(asked, settings),
         )
 
-    async def _carry_out(self, command: IssuedCommand) -> Outcome:
-        """Check a command, send it unless the part is already so, and return its outcome by reports and witnesses."""
+    async def _send(self, command: IssuedCommand) -> Outcome:
+        """Send a command unless its part is already so, and return its outcome by reports and witnesses."""
         if len(self._open) >= MOST_PENDING:
             reason = f"{MOST_PENDING:,} commands wait for their outcome"
             return Refused("control", reason, command_id=command.id)
-        refused = self.check(command)
-        if refused is None and command.code:
-            refused = self.codes.begin(command)
-        if refused is not None:
+        if command.code and (refused := self.codes.begin(command)) is not None:
             return refused
         if self._learnt.is_awaited:
             await self._learnt.load()

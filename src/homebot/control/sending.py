@@ -19,7 +19,7 @@ from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
 from homebot.control.timeline.facts import LinkLost, Reported, ReportRole, SendingEnded, Sent, Withheld
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
-from homebot.devices.command_sender import CommandSender, TextSender, TextTarget
+from homebot.devices.command_sender import CommandSender
 from homebot.devices.gateway_messages import Command
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.devices.value import Value
@@ -139,7 +139,6 @@ class Sending:
         self._leases = leases
         self._feed = feed
         self._sender = CommandSender(node)
-        self.texts = TextSender(node)
 
     async def run(self, sent: OpenCommand) -> Outcome:
         """Send a command, and again if no answer comes; return its outcome."""
@@ -173,15 +172,6 @@ class Sending:
             text = f"{command.issuer.removeprefix('/')} would set {command.label} → {settings_text(command.public())}"
             self._log.info(WOULD_SEND, message=text, device=command.device.id, command=command.id)
         return outcome
-
-    async def send_text(self, command: IssuedCommand, text: TextTarget, *, is_code: bool) -> NoAnswer | None:
-        """Send a text once, and return when its gateway has queued it; return the outcome if that fails."""
-        try:
-            sent = await self.texts.send(text, command.issuer, command.trigger, command.id, command.part.routes)
-        except LinkError as exc:
-            return NoAnswer(0.0, str(exc), command_id=command.id)
-        self._journal.published(command.device.id, sent, self._clock.now(), is_code=is_code)
-        return None
 
     def _plan(self, sent: OpenCommand) -> SendingPlan:
         command, order, profile = sent.command, sent.progress.order, sent.timeline.profile
