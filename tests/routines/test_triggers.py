@@ -25,6 +25,9 @@ def test_the_room_of_a_measurement_may_come_before_its_limit() -> None:
     last = read_trigger("temperature below 18 °C in nursery")
     assert isinstance(last, Becomes)
     assert found.query == last.query
+    under = read_trigger("temperature in nursery under 18")
+    assert isinstance(under, Becomes)
+    assert under.query == last.query
 
 
 def test_a_press_may_be_a_certain_one() -> None:
@@ -54,7 +57,8 @@ def test_times_of_the_day_and_of_the_sun() -> None:
     assert read_trigger("22:00 on weekdays") == DaysAndTime("22:00", "mon-fri")
     assert read_trigger("7:30") == DaysAndTime("7:30", "")
     assert read_trigger("sunset - 30m") == SunMoment("sunset", "-30m")
-    assert read_trigger("sunrise") == SunMoment("sunrise", "0s")
+    assert read_trigger("Sunrise") == read_trigger("sunrise") == SunMoment("sunrise", "0s")
+    assert read_trigger("22:00 on mondays") == DaysAndTime("22:00", "mondays")
 
 
 @pytest.mark.parametrize(
@@ -67,6 +71,17 @@ def test_times_of_the_day_and_of_the_sun() -> None:
         ("hall lamp", "names no state; write it like"),
         ("at 22:00", "'at 22:00': write a time like '22:00 on weekdays'"),
         ("22.00", "write a time like '22:00 on weekdays'"),
+        ("every day at 7", "write a time like '22:00 on weekdays', here '07:00'"),
+        ("10pm", "here '22:00'"),
+        ("12:30 am on sat,sun", "here '00:30 on sat,sun'"),
+        ("every monday at 22:00", "here '22:00 on monday'"),
+        ("sunset -30", "like 'sunset - 30m'"),
+        ("door open for 5", "like 'door open for 5m'"),
+        ("temperature nursery under 18", "write it like 'temperature in nursery under 18 °C'"),
+        ("temperature below", "write it like 'temperature below 18 °C'"),
+        ("power drops below 5", "write it like 'power below 5 W'"),
+        ("power above 5 kW", "power is a number in W, not '5kW'"),
+        ("nobody home", "start by 'Anna arrives', 'everybody has left' or 'nobody is home'"),
         ("sunnset - 30m", "write a moment like 'sunset - 30m'"),
         ("1h before sunrise", "write a moment like 'sunset - 30m'"),
         ("all windows closed", "would hold as soon as one of them does; ask for the contrary, like 'no window open'"),

@@ -81,7 +81,7 @@ def moment_of(day: date, at: time, zone: tzinfo) -> float:
 
 def _day(name: str) -> int:
     for number, day in enumerate(_DAYS):
-        if len(name) >= _SHORTEST and day.startswith(name):
+        if len(name) >= _SHORTEST and f"{day}s".startswith(name):
             return number
     hint = did_you_mean(name, [day[:_SHORTEST] for day in _DAYS], "write it like mon-fri or sat,sun")
     raise UsageError(f"days: there is no day {name!r}; {hint}")

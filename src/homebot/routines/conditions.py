@@ -27,6 +27,12 @@ __all__ = ["AnyOf", "Condition", "Matches", "OnDays", "SunIs", "read_condition",
 _PRESENCE: Final = "motion occupied in"
 _IN_BED: Final = "tag=bed occupied in"
 """Sensors that the owner tagged as those of a bed, such as a Withings Sleep mat or a zone of an Aqara FP2."""
+_EXAMPLES: Final = {
+    "": "write it like 'front door open', 'no window open', 'nobody in study', 'Anna is home', 'sun is down', "
+    "'after 22:00' or 'on weekdays'",
+    "time": "write it like 'after 22:00' or 'between 22:00 and 6:30'",
+    "sun": "write it like 'sun is down' or 'after sunset - 30m'",
+}
 _ALL_DAYS: Final = frozenset(range(7))
 _NONE: Final = re.compile(r"(?:no|not|none of)\s+(?P<state>.+)", re.IGNORECASE)
 
@@ -122,7 +128,7 @@ def _of_people(text: str) -> Matches | None:
 
 def _of_state(text: str) -> Matches:
     none = None if read_person(text) else _NONE.fullmatch(text)
-    state = read_state(none["state"] if none else text)
+    state = read_state(none["state"] if none else text, _EXAMPLES)
     if none is not None:
         check_known(text, Not(state.query))
     if state.lasting:

@@ -19,18 +19,22 @@ __all__ = [
     "read_days_of_week",
     "read_duration",
     "read_span",
-    "time_hint",
+    "time_kind",
 ]
 
 SUN_EVENTS: Final = ("dawn", "sunrise", "noon", "sunset", "dusk")
 _DAYS: Final = {
     **dict.fromkeys(("weekdays", "weekday"), "mon-fri"),
     **dict.fromkeys(("weekends", "weekend"), "sat,sun"),
-    **dict.fromkeys(("every day", "all days"), ""),
+    **dict.fromkeys(("every day", "all days", "daily"), ""),
 }
 _ALIKE: Final = 0.8
 _SUN: Final = re.compile(rf"(?P<event>{'|'.join(SUN_EVENTS)})(?:\s*(?P<sign>[+-])\s*(?P<offset>.+))?")
 _CLOCK: Final = re.compile(r"(?P<time>\d{1,2}:\d\d(?::\d\d)?)(?:\s+on\s+(?P<days>.+))?")
+_OTHER_CLOCK: Final = re.compile(
+    r"(?:(?:every(?!\s+day)\s+|on\s+)?(?P<first>(?!at\b)[a-z]\D*?)\s+)?(?:at\s+)?(?P<hour>\d{1,2})"
+    r"(?:[:.h](?P<minute>\d\d))?\s*(?P<half>[ap]m|o'?clock|h)?(?:\s+(?:every(?!\s+day)\s+|on\s+)?(?P<days>\D+))?"
+)
 _BETWEEN: Final = re.compile(r"between\s+(?P<begin>.+?)\s+and\s+(?P<end>.+)")
 _HALF: Final = re.compile(r"(?P<word>after|before)\s+(?P<end>.+)")
 
@@ -54,11 +58,11 @@ class SunMoment(NamedTuple):
         Raises:
             UsageError: Its offset is not a duration, or more than 12 hours.
         """
-        found = _SUN.fullmatch(text)
+        found = _SUN.fullmatch(text.casefold())
         if found is None:
             return None
         offset = found["offset"] or "0s"
-        if read_duration(offset) > LONGEST_OFFSET:
+        if read_duration(offset, f"{found['event']} {found['sign']} {offset}") > LONGEST_OFFSET:
             raise UsageError(f"{text!r}: {offset} is more than 12 hours from the {found['event']}")
         return cls(found["event"], f"{'-' if found['sign'] == '-' else ''}{offset}")
 
@@ -74,10 +78,12 @@ class DaysAndTime(NamedTuple):
         """Return the time *text*, such as ``22:00 on weekdays``; None if it is none.
 
         Raises:
-            UsageError: There is no such time or day.
+            UsageError: There is no such time or day, or it is written otherwise.
         """
         found = _CLOCK.fullmatch(text)
         if found is None:
+            if meant := _meant_time(text.casefold()):
+                raise UsageError(f"{text!r}: write a time like '22:00 on weekdays', here {meant!r}")
             return None
         read_time(found["time"])
         days = _days_text(found["days"] or "")
@@ -144,27 +150,48 @@ def read_days_of_week(text: str) -> frozenset[int] | None:
     return read_days(_days_text(days)) if word == "on" and days else None
 
 
-def time_hint(text: str) -> str:
-    """Return how a time or moment of the sun is written if *text* seems to mean one; else empty."""
+def time_kind(text: str) -> str:
+    """Return ``time`` or ``sun`` if *text* seems to mean a time or a moment of the sun; else empty."""
     if re.search(r"\b\d{1,2}[:.]\d\d\b", text):
-        return "write a time like '22:00 on weekdays', or as a condition 'after 22:00' or 'between 22:00 and 6:30'"
+        return "time"
     words = text.casefold().split()
-    if "sun" in words or any(get_close_matches(one, SUN_EVENTS, cutoff=_ALIKE) for one in words):
-        return "write a moment like 'sunset - 30m', or as a condition 'sun is down' or 'after sunset - 30m'"
-    return ""
+    is_sun = "sun" in words or any(get_close_matches(one, SUN_EVENTS, cutoff=_ALIKE) for one in words)
+    return "sun" if is_sun else ""
 
 
-def read_duration(text: str) -> float:
+def read_duration(text: str, whole: str = "", unit: str = "m") -> float:
     """Return a length of time in seconds: ``5m``, ``30 s``, ``2 hours``.
+
+    Args:
+        whole: The text that ends with it, for the error.
+        unit: The unit that is proposed if it has none.
 
     Raises:
         UsageError: It is not a duration.
     """
+    if whole and text[-1].isdigit():
+        raise UsageError(f"{whole!r}: a length of time has a unit; write it like '{whole}{unit}'")
     short = _LONG_UNITS.sub(lambda found: found[1], text.strip().lower())
     return parse_duration(short, most=LONGEST_WAIT)
 
 
-_LONG_UNITS: Final = re.compile(r"\b([smhd])(?:ec(?:ond)?s?|in(?:ute)?s?|ours?|ays?)\b")
+_LONG_UNITS: Final = re.compile(r"(?<![a-z])([smhd])(?:ec(?:ond)?s?|in(?:ute)?s?|ours?|ays?)\b")
+
+
+def _meant_time(text: str) -> str:
+    """Return the time that *text* is in other words, such as ``every day at 7`` or ``10pm``; empty if it is none."""
+    if text.isdigit() or (found := _OTHER_CLOCK.fullmatch(text)) is None:
+        return ""
+    hour, days = int(found["hour"]), found["first"] or found["days"] or ""
+    if found["half"] in {"am", "pm"}:
+        hour = hour % 12 + 12 * (found["half"] == "pm")
+    at = f"{hour:02}:{found['minute'] or '00'}"
+    try:
+        read_time(at)
+        read_days(_days_text(days))
+    except UsageError:
+        return ""
+    return f"{at} on {days}" if _days_text(days) else at
 
 
 def _days_text(days: str) -> str:

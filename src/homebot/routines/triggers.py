@@ -1,17 +1,20 @@
 """Triggers of routines, as text: a state, a press, a time, the sun, or the arrival of a robot. Pure."""
 
 import re
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device import DevicePart
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import Query, StateIs, leaves, split_near
 from homebot.devices.query.tokens import tokens_of
+from homebot.devices.query.vocabulary import CAPABILITY_WORDS
 from homebot.errors import UsageError
 from homebot.routines.people import HOME_FACTS, check_known, may_begin, read_move, read_person
-from homebot.routines.times import DaysAndTime, SunMoment, read_days_of_week, read_duration, read_span, time_hint
+from homebot.routines.times import DaysAndTime, SunMoment, read_days_of_week, read_duration, read_span, time_kind
 from homebot.support.folding import fold
 
 __all__ = [
@@ -31,12 +34,24 @@ __all__ = [
 ]
 
 _LASTING: Final = re.compile(r"(?P<state>.+?)\s+for\s+(?P<length>\d[^,]*)")
-_BY_PLACE: Final = re.compile(r"(?P<what>.+?)\s+in\s+(?P<area>.+?)\s+(?P<limit>(?:below|above|<=?|>=?)\s*\S.*)")
-_ALL: Final = re.compile(r"(?:all|every|each)\s", re.IGNORECASE)
-_EXAMPLES: Final = (
-    "write it like 'hall motion occupied', 'front door open for 5m', 'Anna arrives', "
-    "'temperature in nursery below 18 °C', 'hall button press', '22:00 on weekdays' or 'sunset - 30m'"
+_BY_PLACE: Final = re.compile(
+    r"(?P<what>.+?)\s+in\s+(?P<area>.+?)\s+(?P<limit>(?:below|above|under|over|<=?|>=?)\s*\S.*)"
 )
+_LIMIT: Final = re.compile(
+    r"(?P<what>\w+)(?:\s+in\b)?(?P<area>.*?)(?:\s+(?:is|drops|falls|rises))?"
+    r"\s+(?P<word>below|above|under|over)(?:\s+(?P<number>\d[\d.]*))?",
+    re.IGNORECASE,
+)
+_ALL: Final = re.compile(r"(?:all|every|each)\s", re.IGNORECASE)
+_STATES: Final = dict.fromkeys(
+    ("", "time", "sun"), "write it like 'hall motion occupied' or 'temperature in nursery below 18 °C'"
+)
+_EXAMPLES: Final = {
+    "": "write it like 'hall motion occupied', 'front door open for 5m', 'Anna arrives', "
+    "'temperature in nursery below 18 °C', 'hall button press', '22:00 on weekdays' or 'sunset - 30m'",
+    "time": "write a time like '22:00 on weekdays'",
+    "sun": "write a moment like 'sunset - 30m'",
+}
 _PRESS: Final = re.compile(
     r"(?P<query>.+?)(?:(?<=\S)#(?P<part>[^#'\"]+?))?\s+(?:press|pressed|presses)"
     r"(?:\s+(?P<value>\w+|\"[^\"]+\"|'[^']+'))?",
@@ -127,9 +142,10 @@ def read_trigger(text: str) -> Trigger:
     check_alone(plain, "or", "and")
     if (found := _read_other(plain)) is not None:
         return found
-    state = read_state(plain)
+    state = read_state(plain, _EXAMPLES)
     if not HOME_FACTS.isdisjoint(state.capabilities) and not (state.lasting and may_begin(state.query)):
-        raise UsageError(f"{text!r} may only have been unknown before; start by 'Anna arrives' or 'everybody has left'")
+        words = "'Anna arrives', 'everybody has left' or 'nobody is home'"
+        raise UsageError(f"{text!r} may only have been unknown before; start by {words}")
     return state
 
 
@@ -195,15 +211,18 @@ def read_press(text: str) -> Press | None:
     return Press(text, parse_query(pressed["query"]), value, fold(pressed["part"] or ""))
 
 
-def read_state(text: str) -> Becomes:
+def read_state(text: str, examples: Mapping[str, str] = _STATES) -> Becomes:
     """Return the state *text*, such as ``front door open for 5m``.
+
+    Args:
+        examples: The hints if it is none, by what it seems to be: see :func:`homebot.routines.times.time_kind`.
 
     Raises:
         UsageError: It is not a query, or contains no state.
     """
     check_alone(text, "or", "and")
     lasting = _LASTING.fullmatch(text)
-    state, length = (lasting["state"], read_duration(lasting["length"])) if lasting else (text, 0.0)
+    state, length = (lasting["state"], read_duration(lasting["length"], text)) if lasting else (text, 0.0)
     if (person := read_person(state)) is not None:
         return Becomes(text, person.query, length)
     if (placed := _BY_PLACE.fullmatch(state)) is not None:  # a query has its room last
@@ -215,11 +234,22 @@ def read_state(text: str) -> Becomes:
     try:
         query = parse_query(state)
     except UsageError as exc:
-        raise UsageError(f"{text!r}: {time_hint(text) or exc}") from exc
+        hint = examples[kind] if (kind := time_kind(text)) else _limit_hint(text) or exc
+        raise UsageError(f"{text!r}: {hint}") from exc
     check_known(text, query)
     if split_near(query)[0] is not None:
         raise UsageError(f"{text!r}: a distance to a robot starts nothing; write it like 'robot arrives in kitchen'")
     found = Becomes(text, query, length)
     if not found.capabilities:
-        raise UsageError(f"{text!r} names no state; {time_hint(text) or _EXAMPLES}")
+        raise UsageError(f"{text!r} names no state; {examples[time_kind(text)]}")
     return found
+
+
+def _limit_hint(text: str) -> str:
+    """Return how a limit is written if *text* seems to be one; else empty."""
+    found = _LIMIT.fullmatch(text)
+    can = CAPABILITIES.get(CAPABILITY_WORDS.get(fold(found["what"]), "")) if found else None
+    if found is None or can is None or can.kind != "number":
+        return ""
+    area = f" in{found['area']}" if found["area"] else ""
+    return f"write it like '{found['what']}{area} {found['word']} {found['number'] or 18} {can.unit}'"
