@@ -1,6 +1,7 @@
 """The steps of a routine, as text. Pure."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
 from typing import Final, TypeAlias
@@ -34,7 +35,23 @@ _DIM: Final = re.compile(
 _OVER: Final = re.compile(r"over\s+(?P<length>\d.*)", re.IGNORECASE)
 _NUMBER: Final = re.compile(r"[+-]?\d+(?:\.\d+)?\s*(?P<unit>%|k|°?[cf])?", re.IGNORECASE)
 _UNITS: Final = {"%": "level", "k": "color_temperature"}
-_LASTING: Final = re.compile(r"(?P<do>.+?),?\s+for\s+(?P<length>\d.*)", re.IGNORECASE)
+_NO_TARGET: Final = re.compile(
+    r"turn\s.*|set\s.*\sto(?:\s.*)?|(?:.*\s)?(?:and|at|for|over|then|with)\s\S+", re.IGNORECASE
+)
+"""A target and a word after it that are not meant so."""
+_JOINT: Final = re.compile(r"\s*[;,]\s*(?:(?:and|then)\s+)*|\s+(?:(?:and|then)\s+)+", re.IGNORECASE)
+_FIRST: Final = "write the device first, like"
+_VERBS: Final = "on|off|open|close|toggle|lock|unlock|start|stop|pause|play"
+_MEANT: Final = (
+    (r"wait\s+for\s+(?P<length>\d.*)", "write", ("wait {length}",)),
+    (r"(?P<do>.+?),?\s+for\s+(?P<length>\d.*)", "write three steps,", ("{do}", "wait {length}", "undo")),
+    (r"(?P<do>.+[^,])\s+over\s+(?P<length>\d.*)", "write", ("{do}, over {length}",)),
+    (r"(?P<do>.+\son)\s+(?:at|with)\s+(?P<value>\d+\s*\D{0,2})", "write", ("{do}, {value}",)),
+    (r"(?P<target>.+)\s+at\s+(?P<value>\d+\s*\D{0,2})", "write", ("{target} {value}",)),
+    (r"(?:turn|set)\s+(?P<target>.+)\s+(?P<do>on|off|to\s.+)", _FIRST, ("{target} {do}",)),
+    (rf"(?:turn\s+|switch\s+)?(?P<do>{_VERBS})\s+(?:the\s+)?(?P<target>.+)", _FIRST, ("{target} {do}",)),
+)
+"""How steps that are no command are written instead: a pattern, the advice, and the steps."""
 _WHAT: Final = "say what to do, such as on, off, open or 40 %; a device's own words follow a colon, as in 'washer: eco'"
 _HOW_LONG: Final = "write it like 'wait 5m' or 'wait until hall motion clear, at most 30m'"
 _HINTS: Final = {
@@ -138,6 +155,10 @@ class Undo:
 Step: TypeAlias = Do | Dim | SendRobot | Notify | Wait | WaitUntil | Undo
 
 
+class _NoStepError(UsageError):
+    """A text that ends with no command."""
+
+
 def read_step(text: str) -> Step:
     """Return the step *text*.
 
@@ -145,16 +166,25 @@ def read_step(text: str) -> Step:
         UsageError: It is none; the message shows how it could be written.
     """
     plain = " ".join(text.split())
+    try:
+        return _read(plain)
+    except _NoStepError as exc:
+        if advice := _several(plain) or _meant(plain):
+            raise UsageError(f"{text!r}: {advice}") from exc
+        raise
+
+
+def _read(plain: str) -> Step:
     if plain.casefold() == "undo":
         return Undo()
     if (found := _NOTIFY.fullmatch(plain)) is not None:
         return Notify(found["text"])
     if (until := _WAIT_UNTIL.fullmatch(plain)) is not None:
-        return WaitUntil(read_state(until["state"]), read_duration(until["most"]))
+        return WaitUntil(read_state(until["state"]), read_duration(until["most"], plain))
     if plain.casefold().startswith("wait until"):
-        raise UsageError(f"{text!r} may last forever; end it with `, at most 30m`")
+        raise UsageError(f"{plain!r} may last forever; end it with `, at most 30m`")
     if (pause := _WAIT.fullmatch(plain)) is not None:
-        return Wait(read_duration(pause["length"]))
+        return Wait(read_duration(pause["length"], plain, "s"))
     if (driven := _DRIVE.fullmatch(plain)) is not None:
         return SendRobot(plain, driven["robot"].casefold(), driven["room"])
     if (held := _DIM.fullmatch(plain)) is not None:
@@ -162,7 +192,7 @@ def read_step(text: str) -> Step:
         if (press := read_press(f"{button} press {event}")) is not None:
             return Dim(plain, target, parse_query(target), way.casefold(), press)
     if (scene := _SCENE.fullmatch(plain)) is not None:
-        length = read_duration(scene["length"]) if scene["length"] else 0.0
+        length = read_duration(scene["length"], plain, "s") if scene["length"] else 0.0
         return Do(plain, f"scene {scene['name']}", APPLY, transition=length)
     return _read_do(plain)
 
@@ -179,16 +209,56 @@ def _read_do(text: str) -> Do:
     words = text.split(" ")
     for place in range(1, len(words)):
         commands = [one.strip().removeprefix("to ") for one in " ".join(words[place:]).split(",")]
-        if _is_command(commands[0]) and all(_is_command(one) or _OVER.fullmatch(one) for one in commands):
+        is_read = _is_command(commands[0]) and all(_is_command(one) or _OVER.fullmatch(one) for one in commands)
+        target = " ".join(words[:place])
+        if is_read and not _NO_TARGET.fullmatch(f"{target} {words[place]}"):
+            if _JOINT.search(target) and _several(text):
+                break
             is_after = place > 1 and words[place - 2].casefold() not in {"are", "is"}
             if is_after and words[place - 1].casefold() in {"on", "off"}:
-                raise UsageError(f"{text!r}: write a comma after {words[place - 1]!r}, like 'hall lamp on, 20 %'")
-            return _combined(text, " ".join(words[:place]), commands)
-    if (lasting := _LASTING.fullmatch(text)) is not None:
-        _read_do(lasting["do"])
-        raise UsageError(f"{text!r}: write three steps, {lasting['do']!r}, 'wait {lasting['length']}' and 'undo'")
+                rest = " ".join(words[place:])
+                raise UsageError(f"{text!r}: write a comma after {words[place - 1]!r}, like '{target}, {rest}'")
+            return _combined(text, target, commands)
     hint = _HINTS.get(words[0].casefold()) or did_you_mean(words[-1].casefold(), sorted(_WORDS), _WHAT, _ALIKE)
-    raise UsageError(f"{text!r} is no step: it ends with no command; {hint}")
+    raise _NoStepError(f"{text!r} is no step: it ends with no command; {hint}")
+
+
+def _several(text: str) -> str:
+    """Return the advice to divide *text* if it is several steps; else empty."""
+    first, *others = _JOINT.split(text)
+    if not others:
+        return ""
+    try:
+        device = _read_do(first).target
+        parse_query(device)
+        steps = [first, *(f"{device} {one}" if _is_command(one) else one for one in others)]
+        for one in steps:
+            _read(one)
+    except UsageError:
+        return ""
+    return "" if device.endswith((" are", " is")) else f"write each as a step: {_listed(steps)}"
+
+
+def _meant(text: str) -> str:
+    """Return the advice of the first row of known mistakes that *text* is; empty if it is none.
+
+    Raises:
+        UsageError: The steps would have another mistake.
+    """
+    for pattern, advice, steps in _MEANT:
+        if (found := re.fullmatch(pattern, text, re.IGNORECASE)) is not None:
+            length = found.groupdict().get("length", "")
+            words = {**found.groupdict(), "length": f"{length}s" if length[-1:].isdigit() else length}
+            written = [one.format(**words) for one in steps]
+            for one in written:
+                _read(one)
+            return f"{advice} {_listed(written)}"
+    return ""
+
+
+def _listed(steps: Sequence[str]) -> str:
+    *first, last = map(repr, steps)
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def _is_command(text: str) -> bool:
@@ -205,7 +275,7 @@ def _combined(text: str, target: str, commands: list[str]) -> Do:
     first, *others = commands
     values: list[tuple[str, str]] = []
     over = _OVER.fullmatch(others[-1]) if others else None
-    transition = read_duration(over["length"]) if over is not None else 0.0
+    transition = read_duration(over["length"], text, "s") if over is not None else 0.0
     others = others[:-1] if over is not None else others
     for one in others:
         number = _NUMBER.fullmatch(one)
