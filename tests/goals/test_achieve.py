@@ -97,6 +97,8 @@ async def test_without_an_answer_the_lock_is_the_reason(family: Family) -> None:
         ("hall lamp", "'hall lamp' names no state"),
         ("on", "'on' names no device or no state"),
         ("rosie in hall and rosie in living", "rosie cannot be in Hall and in Living at once"),
+        ("rosie in living and rosie not in living", "each wish can be reached, but not all at once"),
+        ("anna is home", "'anna is home' names no state; write it like"),
         ("  ", "the goal is empty"),
     ],
 )
@@ -182,6 +184,13 @@ async def test_a_robot_between_two_rooms_is_on_its_way(family: Family) -> None:
     answer = await family.achieve("rosie in kitchen")
     assert answer.message == "'rosie in kitchen' is reached"
     assert (family.drives, answer.tried) == (["Kitchen"], ())
+
+
+async def test_a_robot_leaves_for_a_room_that_no_wish_excludes(family: Family) -> None:
+    family.room = "Living"
+    answer = await family.achieve("rosie not in living and rosie not in hall")
+    assert answer.success, answer.message
+    assert family.drives == ["Kitchen"]
 
 
 async def test_a_robot_that_does_not_know_where_it_is_is_the_reason(family: Family) -> None:

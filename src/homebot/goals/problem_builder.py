@@ -104,6 +104,7 @@ class _FactBuilder:
         unlocked: The fact without which a device does not open, by device.
         closed: The fact without which a lock does not lock, by device.
         of_doors: The devices of doors.
+        excluded: For each robot the facts that it is not in a room, with that.
     """
 
     def __init__(self, house: HouseNow) -> None:
@@ -114,6 +115,7 @@ class _FactBuilder:
         self.unlocked: dict[str, str] = {}
         self.closed: dict[str, str] = {}
         self.of_doors: set[str] = set()
+        self.excluded: dict[str, dict[str, str]] = {}
 
     def add_parts(self, wish: Wish, meant: Iterable[Meant]) -> None:
         """Add the facts that the wish is about."""
@@ -164,6 +166,8 @@ class _FactBuilder:
         room, wished = self.house.robots.get(wish.robot, ""), _wished_room(wish)
         self.problem.goal[wished] = None
         self.problem.contrary[wished] = self.house.lost.get(wish.robot) or _at(wish.robot, room)
+        if wish.is_not:
+            self.excluded.setdefault(wish.robot, {})[wished] = fold(wish.room)
         if not room:
             return
         self.problem.facts.add(_at(wish.robot, room))
@@ -217,8 +221,8 @@ class _StepBuilder:
             passable = tracked & {f"{door.name} is open", f"{door.name} is unlocked"}
             for here, there in (door.rooms, door.rooms[::-1]):
                 gives, takes = {_at(robot, there)}, {_at(robot, here)}
-                if wish.is_not:
-                    (takes if fold(there) == fold(wish.room) else gives).add(wished)
+                for fact, room in self._known.excluded.get(robot, {}).items():
+                    (takes if fold(there) == room else gives).add(fact)
                 step = PlanStep("drive", f"{robot} drives to {there}", robot, room=there)
                 self._add_drive(step, frozenset((_at(robot, here), *passable)), frozenset(gives), frozenset(takes))
 

@@ -168,7 +168,8 @@ def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> Wish:
     except UsageError:
         first, _, last = words.rpartition(" ")
         missing = "state" if first else "device or no state"
-        hint = did_you_mean(last, [*_OPPOSITE, *ADJECTIVES], _EXAMPLES, _TYPO) if first else _EXAMPLES
+        states = [*_OPPOSITE, *(one for one in ADJECTIVES if " " not in one)]  # nobody is made to be at home
+        hint = did_you_mean(last, states, _EXAMPLES, _TYPO) if first else _EXAMPLES
         raise UsageError(f"{text!r} names no {missing}; {hint}") from None
     match step:
         case SendRobot(robot=robot, room=room):
