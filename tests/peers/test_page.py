@@ -109,7 +109,7 @@ socket.onmessage = (event) => socket.close() || done(JSON.parse(event.data).valu
 
 
 BARE_BROWSER = """
-globalThis.localStorage = { getItem: () => null };
+globalThis.localStorage = { getItem: () => null, setItem: () => null };
 globalThis.document = { documentElement: {} };
 Object.defineProperty(globalThis, "navigator", { value: { languages: ["en-GB"] } });
 """
@@ -458,19 +458,36 @@ async def test_a_way_to_a_device_is_none_of_homebots_own_addresses(page: OpenPag
 
 async def test_a_summary_has_no_measurement_without_a_name_beside_a_known_one() -> None:
     """A metering plug was "on · 1840 W · measurement 1850 · measurement 80"."""
-    home = node_folder(SOURCE)
-    shutil.copytree(SOURCE, home, dirs_exist_ok=True)
     readings = [{"capability": name, "value": value} for name, value in (("measurement", 1850), ("power", 1840))]
-    script = f"""{BARE_BROWSER}
+    script = f"""
         const {{ summary, valueText }} = await import("./words.js");
         const states = (all) => ({{ states: new Map(all.entries()) }});
         console.log(summary(states({readings})), "|", summary(states({readings[:1]})), "|",
             valueText("level", 40.157, "%", 100 / 254), valueText("fan_speed", 33.5, "%", 0.5));"""
-    command = ("node", "--input-type=module", "--eval", script)
-    done = await to_thread.run_sync(
-        partial(subprocess.run, command, cwd=home, check=True, capture_output=True, text=True)
-    )
-    assert done.stdout.strip() == "1840 | measurement 1850 | 40\u00a0% 33.5\u00a0%"
+    assert await printed_by(script) == "1840 | measurement 1850 | 40\u00a0% 33.5\u00a0%"
+
+
+async def test_the_reason_of_a_refusal_is_said_in_the_language_of_the_page() -> None:
+    held = {
+        "outcome": "refused",
+        "policy": "lease",
+        "reason": "its member a is refused it: held at 5 % by b for 3 s more",
+    }
+    script = f"""
+        const {{ choose }} = await import("./language.js"), {{ outcomeText }} = await import("./words.js");
+        choose("de");
+        console.log(outcomeText({json.dumps(held)}));"""
+    said = "abgelehnt (Belegung): das Mitglied a lehnt ab: noch 3 s auf 5 % gehalten von b"
+    assert await printed_by(script) == said
+
+
+async def printed_by(script: str) -> str:
+    """Return what a *script* prints that imports modules of the page."""
+    home = node_folder(SOURCE)
+    shutil.copytree(SOURCE, home, dirs_exist_ok=True)
+    command = ("node", "--input-type=module", "--eval", BARE_BROWSER + script)
+    run = partial(subprocess.run, command, cwd=home, check=True, capture_output=True, text=True)
+    return (await to_thread.run_sync(run)).stdout.strip()
 
 
 async def test_the_committed_page_is_what_its_source_builds(tmp_path: Path) -> None:

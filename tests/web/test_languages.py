@@ -4,18 +4,28 @@ import json
 import re
 from pathlib import Path
 
+import pytest
+
+from homebot.control.leases import LEASE_POLICY
+from homebot.control.policies import interlock, presence_guard, quiet_hours, rate_limit
+from homebot.control.policies.rights import ALWAYS_ASK, APPROVAL, GRANTS
 from homebot.devices.alerts import ALERTS
 from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.client_rights import ASK, CLIENT_RIGHTS, HARMLESS
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.outcomes import OUTCOMES
 from homebot.devices.wording.values import flag_texts
 
 SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
-TABLE: dict[str, list[str]] = json.loads((SOURCE / "languages.json").read_text())
+REASONS: dict[str, list[str]] = json.loads((SOURCE / "reasons.json").read_text())
+TABLE: dict[str, list[str]] = json.loads((SOURCE / "languages.json").read_text()) | REASONS
 TEXTS = "\n".join(one.read_text() for one in SOURCE.rglob("*.js"))
 SAID = re.compile(r'say\((?:[^?()]*\? "([^"]+)" : )?"([^"]+)"')
 LABELS = re.compile(r"(?:aria-label|title|placeholder)=(?:\"([^\"]*)\"|\$\{`([^`]*)`\})")
 CAN_WAIT = set(re.findall(r"HB\d+", TEXTS))
+PYTHON = "\n".join(
+    one.read_text() for folder in ("control", "gateways") for one in (SOURCE.parents[1] / folder).rglob("*.py")
+)
 FIELD = re.compile(r"\{\w+\}")
 
 
@@ -58,3 +68,16 @@ def test_every_outcome_has_a_text_in_other_languages() -> None:
     found = dict(re.findall(r'(\w+): "([^"]+)"', table))
     assert found.keys() == OUTCOMES.keys()
     assert set(found.values()) <= TABLE.keys()
+
+
+def test_the_policies_are_translated() -> None:
+    own = (one.NAME for one in (interlock, presence_guard, quiet_hours, rate_limit))
+    rights = (CLIENT_RIGHTS, GRANTS, HARMLESS, ALWAYS_ASK, APPROVAL, ASK)
+    assert {spoken(one) for one in (*own, *rights, LEASE_POLICY)} - TABLE.keys() == set()
+
+
+@pytest.mark.parametrize("reason", REASONS)
+def test_a_reason_that_is_translated_is_one_that_homebot_gives(reason: str) -> None:
+    """Its words are in the source, between the fields."""
+    words = [one.strip(" ,") for one in re.split(r"\{\w+\}|:| at ", reason)]
+    assert [one for one in words if one not in PYTHON] == []

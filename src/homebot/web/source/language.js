@@ -1,6 +1,9 @@
 // The language of the page: the browser's, or the one that was chosen here. A row of the table is an English text in the others.
 import { computed, effect, signal } from "@preact/signals";
-import table from "./languages.json" with { type: "json" };
+import texts from "./languages.json" with { type: "json" };
+import reasons from "./reasons.json" with { type: "json" };
+
+const table = { ...texts, ...reasons };
 
 export const LANGUAGES = { en: "English", de: "Deutsch", fr: "Français", es: "Español", nl: "Nederlands", it: "Italiano" };
 
@@ -23,6 +26,15 @@ export function choose(name) {
 export function say(text, values = {}) {
   const found = table[text]?.[COLUMNS.indexOf(language.value)] ?? text.replace(/\|(do|mode|routine)$/, "");
   return found.replace(/\{(\w+)\}/g, (all, name) => values[name] ?? all);
+}
+
+const REASONS = Object.keys(reasons).map((text) => [text, new RegExp(`^${text.replace(/\{(\w+)\}/g, "(?<$1>.+?)")}$`)]);
+
+/** A reason that homebot gives in English, in the language of the page if it has one of the forms of the table. */
+export function sayReason(text) {
+  const [form, found] = REASONS.map(([one, pattern]) => [one, pattern.exec(text)]).find(([, one]) => one) ?? [text];
+  const { value, reason, ...others } = found?.groups ?? {};
+  return say(form, { ...others, value: say(value ?? ""), reason: reason && sayReason(reason) });
 }
 
 export const numberText = (value) => value.toLocaleString(locale.value, { maximumFractionDigits: 20, useGrouping: false });

@@ -1,6 +1,6 @@
 // Values, times and causes as people read them.
 import { computed, signal } from "@preact/signals";
-import { language, locale, numberText, say } from "./language.js";
+import { language, locale, numberText, say, sayReason } from "./language.js";
 
 /** Of capabilities: units, words for no and yes, and texts that only report; and the outcomes that are failures. */
 export const vocabulary = signal({ units: {}, failures: [], flags: {}, passing: {} });
@@ -133,7 +133,7 @@ export const settingsText = (settings) => settings.map(readingText).join(", ");
 const readingText = (one) =>
   (PLAIN.has(one.capability) || typeof one.value === "boolean" ? "" : `${label(one.capability)} `) + valueText(one.capability, one.value);
 
-/** Outcomes in other languages; the reasons of refusals are English. */
+/** Outcomes in other languages. */
 const OUTCOMES = {
   already_so: "it was so already",
   confirmed: "confirmed after {time}",
@@ -147,9 +147,9 @@ const OUTCOMES = {
 
 /** The text of an outcome, with its time as people read it. */
 export function outcomeText(result) {
-  const known = !(result.outcome === "no_answer" && result.reason) && OUTCOMES[result.outcome];
+  const known = result.outcome === "no_answer" && result.reason ? "not sent: {reason}" : OUTCOMES[result.outcome];
   if (language.value === "en" || !known) return result.text.replace(/(after|within) ([\d.e-]+) s\b/, (_, word, time) => `${word} ${durationText(Number(time))}`);
-  return say(known, { ...result, policy: label(result.policy), time: durationText(result.latency) });
+  return say(known, { ...result, policy: label(result.policy), reason: sayReason(result.reason), time: durationText(result.latency) });
 }
 
 /** The issuer of a command. */
@@ -190,7 +190,7 @@ export function entryText(entry) {
 
 function verdictText(verdict) {
   if (!verdict) return "";
-  return `${label(verdict.policy)}: ${verdict.reason || say(verdict.allowed ? "allowed" : "refused")}`;
+  return `${label(verdict.policy)}: ${verdict.reason ? sayReason(verdict.reason) : say(verdict.allowed ? "allowed" : "refused")}`;
 }
 
 /** How a command was sent: first, again, or with others in one message to a group or scene, which the text names. */
