@@ -68,6 +68,12 @@ async def test_another_lamp_serves_when_the_first_does_not_obey() -> None:
         assert [one.text for one in answer.steps] == ["turn on stairs_lamp"]
 
 
+async def test_why_says_for_which_goal_the_robot_drove() -> None:
+    async with family_house() as house:
+        assert (await house.achieve("robot in living")).success
+        assert (await house.why("robots/robot")).endswith(": robot drives to living for 'robot in living': done.")
+
+
 async def test_a_door_that_a_person_closes_on_the_way_is_opened_again() -> None:
     async with family_house() as house:
         goal = await house.begin("robot in kitchen")
@@ -141,17 +147,17 @@ async def test_the_next_start_says_which_goals_were_cut_off_and_after_which_step
         await anyio.sleep(5.0)
         copytree(tmp_path / "before", tmp_path / "after")
     cut_off = (
-        "he goal 'robot in bedroom' of the client anna was cut off when homebot ended, after unlock bedroom_lock: "
+        "the goal 'robot in bedroom' of the client anna was cut off when homebot ended, after unlock bedroom_lock: "
         "confirmed after 2 s (reported)"
     )
     with capture_logs() as logs:
         async with family_house(index_file=tmp_path / "after" / "index.sqlite") as house:
-            for device in ("locks/bedroom_lock", "covers/bedroom_slide"):
-                assert (await house.why(device)).endswith(f". T{cut_off}.")
+            for device in ("locks/bedroom_lock", "covers/bedroom_slide", "robots/robot"):
+                assert (await house.why(device)).endswith(f": {cut_off}.")
             assert "cut off" not in await house.why("covers/kitchen_slide")
             assert (await house.achieve("bedroom lock unlocked")).success
             assert "cut off" not in await house.why("locks/bedroom_lock")
-    assert [one["message"] for one in logs if one["event"] == "goals.cut_off"] == [f"t{cut_off}"]
+    assert [one["message"] for one in logs if one["event"] == "goals.cut_off"] == [cut_off]
     with capture_logs() as logs:
         async with family_house(index_file=tmp_path / "after" / "index.sqlite"):
             assert "goals.cut_off" not in {one["event"] for one in logs}

@@ -166,10 +166,10 @@ class Control:
         """Return why a command would be refused now; None if it would not."""
         return self._layer.executor.preview(request, device, part)
 
-    def record_cut_off(self, devices: Iterable[str], issuer: str, text: str) -> None:
-        """Record in the journal of *devices* that homebot ended before a goal of *issuer*, as *text* says."""
+    def record_goal(self, devices: Iterable[str], issuer: str, text: str) -> None:
+        """Record what a goal of *issuer* did with *devices* other than by commands, as *text* says."""
         for device in devices:
-            self._layer.journal.cut_off(device, issuer, text)
+            self._layer.journal.goal(device, issuer, text)
 
     def quiet_hours(self) -> tuple[tuple[time, time], ...]:
         """Return the quiet hours, each with its local start and end."""

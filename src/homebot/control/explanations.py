@@ -40,8 +40,8 @@ _DEEPEST: Final = 5
 _MOST_CHOICES: Final = 6
 _REQUESTS: Final = frozenset({"requested", "published", "denied"})
 _REPORTS: Final = frozenset({"reported", "changed"})
-_GOALS_END: Final = frozenset({"cut_off", "requested", "published"})
-"""The kinds of entries the newest of which says whether a goal that was cut off still matters."""
+_GOALS_END: Final = frozenset({"goal", "requested", "published"})
+"""The kinds of entries the newest of which says whether the last goal still matters."""
 
 ReadEntries: TypeAlias = Callable[[ReadJournalRequest], Awaitable[ReadJournalResponse]]
 
@@ -162,7 +162,7 @@ class Explanations:
             names=names,
             fights=fights,
             ineffective=self._find_ineffective(device),
-            cut_off=(latest,) if latest is not None and latest.kind == "cut_off" else (),
+            goal=(latest,) if latest is not None and latest.kind == "goal" else (),
         )
 
     def _finding_of_state(self, device: Device, newest: State) -> Finding:

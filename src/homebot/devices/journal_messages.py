@@ -48,7 +48,7 @@ EntryKind: TypeAlias = Literal[
     "outranked",
     "handed_back",
     "would",
-    "cut_off",
+    "goal",
 ]
 
 Finding: TypeAlias = Literal["command", "change", "event", "heard", "retained", "first", "none"]
@@ -94,10 +94,10 @@ class JournalEntry(Message):
             ``released``: the holder released it; ``ended``: the issuer, another party, ended its lease; ``expired``:
             the lease expired; ``outranked``: a hand or a stop command outranks the lease; ``handed_back``: it counts
             again;
-            ``would``: in place of ``sent``, in a dry run or a replay, which send nothing; ``cut_off``: homebot ended
-            before a goal that the device is a part of, which is known at the next start.
+            ``would``: in place of ``sent``, in a dry run or a replay, which send nothing; ``goal``: a robot
+            drove for a goal, or homebot ended before a goal with the device, which is known at the next start.
         device: The id of the device; empty for ``denied`` if none is known.
-        command: The id of the command, raw or not; empty for ``changed``, ``denied``, ``cut_off`` and leases.
+        command: The id of the command, raw or not; empty for ``changed``, ``denied``, ``goal`` and leases.
         issuer: The issuer of the command, or the holder: the name of a node, or ``client:NAME`` for a door client.
         trigger: ``requested`` and ``published``: its cause.
         settings: ``requested``: the desired values; ``reported`` and ``changed``: the reported values; for a lease the
@@ -105,7 +105,7 @@ class JournalEntry(Message):
         text: ``published``: the payload; ``sent``: empty for the first try, ``again`` for the others;
             ``acknowledged``: the gateway, for a part with several; ``denied``: the command, if known; ``held``,
             ``released``, ``ended`` and ``expired``: the holder, as a word; ``outranked``: the observation;
-            ``cut_off``: the goal, and its last step, as a clause.
+            ``goal``: what happened, as a clause.
         verdicts: ``judged``: the verdict; ``denied``: that of ``rights``, with the facts ``operation``, ``target``, the
             missing ``right``, the client's ``address`` and the number of requests (``count``), or that of ``lease``.
         results: ``outcome`` and ``reverted``: the outcome.
@@ -202,7 +202,7 @@ class ExplainDeviceResponse(Message):
         fights: The fights of apps over the device in the last hour.
         ineffective: By part, :attr:`homebot.devices.Route.name` of each route that is tried last, because its last
             commands had no effect.
-        cut_off: The entry of a goal that was cut off, if there was no command to the device since.
+        goal: The newest entry of a goal, if there was no command to the device since.
     """
 
     success: bool = True
@@ -213,7 +213,7 @@ class ExplainDeviceResponse(Message):
     names: tuple[KeyValue, ...] = ()
     fights: tuple[DeviceFight, ...] = ()
     ineffective: tuple[KeyValue, ...] = ()
-    cut_off: Annotated[tuple[JournalEntry, ...], Field(max_length=1)] = ()
+    goal: Annotated[tuple[JournalEntry, ...], Field(max_length=1)] = ()
 
 
 class ExplainMissingStateRequest(Message):

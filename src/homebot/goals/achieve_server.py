@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, MutableMapping, Sequence
+from collections.abc import Awaitable, Callable, Iterable, MutableMapping, Sequence
 from itertools import count
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
 
@@ -83,13 +83,16 @@ class AchieveServer:
 
     def record_cut_off(self) -> None:
         """Say in the log and in the journal which goals the end of homebot cut off."""
-        control = self._control()
         while self._kept:
             _, one = self._kept.popitem()
             text = f"{one['goal']} was cut off when homebot ended, {one['how_far']}"
             self._node.log.warning(CUT_OFF, message=text)
-            if control is not None:
-                control.record_cut_off(one["devices"], one["issuer"], text)
+            self._record(one["devices"], one["issuer"], text)
+
+    def _record(self, devices: Iterable[str], issuer: str, text: str) -> None:
+        control = self._control()
+        if control is not None:
+            control.record_goal(devices, issuer, text)
 
     def _new_run(self) -> str:
         return f"{next(self._numbers)}-{self._node.graph.clock.now():.0f}"
@@ -137,7 +140,7 @@ class AchieveServer:
             if achievement in self._under_way:
                 await self._keep(run, achievement, request.issuer)
 
-        achievement = Achievement(self._reader, self._commands, run, request, self._preview, fight, show)
+        achievement = Achievement(self._reader, self._commands, run, request, self._preview, fight, show, self._record)
         if not request.is_dry_run:
             self._under_way[achievement] = f"the goal {request.goal[:200]!r} of {issuer_text(request.issuer)}"
         try:

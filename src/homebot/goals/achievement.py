@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, final
@@ -53,6 +53,7 @@ class Achievement:
         run: Its id.
         fight: Returns the conflict of a plan with another goal under way; without one, claims it, and returns nothing.
         on_plan: Called with each plan, and after each step.
+        record: Records what was done with devices, for an issuer, in the journal.
 
     Attributes:
         steps: The plan, with outcomes.
@@ -67,10 +68,11 @@ class Achievement:
         preview: Preview,
         fight: Callable[[Sequence[Move]], Awaitable[str]],
         on_plan: Callable[[AchieveFeedback], Awaitable[None]],
+        record: Callable[[Iterable[str], str, str], None],
     ) -> None:
         self._reader, self._commands, self._request = reader, commands, request
         self._node = reader.node
-        self._fight, self._on_plan = fight, on_plan
+        self._fight, self._on_plan, self._record = fight, on_plan, record
         now = Time.from_seconds(self._node.graph.clock.now())
         self._trigger = Trigger(kind="goal", id=f"goal-{run}", text=request.goal[:200], at=now)
         self._goal = UnderstoodGoal()
@@ -194,7 +196,9 @@ class Achievement:
             outcome = outcome if is_done else lost or outcome
         finally:
             if step.kind == "drive":
-                self._node.log.info(DROVE, message=f"{step.text} for {self._request.goal!r}: {outcome}")
+                text = f"{step.text} for {self._request.goal[:200]!r}: {outcome}"
+                self._node.log.info(DROVE, message=text)
+                self._record([device for device, *_ in step.parts], self._request.issuer, text)
         if is_done:
             for device, part, settings in step.parts:
                 self._assumed.setdefault((device, part), {}).update(settings)

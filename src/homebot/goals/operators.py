@@ -31,7 +31,8 @@ class PlanStep:
 
     Attributes:
         place: The part as ``DEVICE#PART``, the id of the scene, or the robot.
-        parts: The parts that it sets; none for a drive, and for a scene with values that only its bridge knows.
+        parts: The parts that it sets; none for a scene with values that only its bridge knows. For a drive, the robot
+            without values, if it is a device.
         asks: The reason to ask a person first; empty for none.
         room: The end of the drive, which may be the dock.
     """

@@ -209,9 +209,10 @@ class _StepBuilder:
     def add_drives(self, wish: RobotWish) -> None:
         """Add the ways of a robot."""
         robot, wished = wish.robot, _wished_room(wish)
-        at = _at(robot, self._house.robots.get(robot, ""))
+        at, device = _at(robot, self._house.robots.get(robot, "")), self._house.called(robot)
+        parts = () if device is None else ((device.id, "", ()),)
         if wish.room == DOCK:
-            step = PlanStep("drive", f"{robot} drives to its dock", robot, room=DOCK)
+            step = PlanStep("drive", f"{robot} drives to its dock", robot, parts, room=DOCK)
             self._add_drive(step, frozenset(), frozenset((wished,)), frozenset((at,)))
             return
         tracked = {fact for facts in self._known.tests.values() for fact in facts}
@@ -223,7 +224,7 @@ class _StepBuilder:
                 gives, takes = {_at(robot, there)}, {_at(robot, here)}
                 for fact, room in self._known.excluded.get(robot, {}).items():
                     (takes if fold(there) == room else gives).add(fact)
-                step = PlanStep("drive", f"{robot} drives to {there}", robot, room=there)
+                step = PlanStep("drive", f"{robot} drives to {there}", robot, parts, room=there)
                 self._add_drive(step, frozenset((_at(robot, here), *passable)), frozenset(gives), frozenset(takes))
 
     def _add_drive(self, step: PlanStep, needs: frozenset[str], gives: frozenset[str], takes: frozenset[str]) -> None:

@@ -236,9 +236,9 @@ class CommandJournal:
         """Record a step of a lease on the part *place*."""
         self._add(JournalNote(kind, self._clock.now(), *place, "", issuer, trigger, (held,), text))
 
-    def cut_off(self, device: str, issuer: str, text: str) -> None:
-        """Record that homebot ended before a goal of *issuer* with the device; *text* says how far it came."""
-        self._add(JournalNote("cut_off", self._clock.now(), device, issuer=issuer, text=text))
+    def goal(self, device: str, issuer: str, text: str) -> None:
+        """Record what a goal of *issuer* did with the device other than by commands, as *text* says."""
+        self._add(JournalNote("goal", self._clock.now(), device, issuer=issuer, text=text))
 
     def _add(self, note: JournalNote) -> None:
         if self._entries.subscription_count:

@@ -195,7 +195,7 @@ _TEXTS: Mapping[str, Callable[[JournalEntry, str], str]] = {
     "outranked": lambda entry, name: (
         f"{printable(entry.text, 60)}, which outranks the lease that holds {name} {_wanted(entry)}"
     ),
-    "cut_off": lambda entry, _: printable(entry.text, 1000),
+    "goal": lambda entry, _: printable(entry.text, 1000),
     "handed_back": lambda entry, name: f"{name} is held {_wanted(entry)} again",
     "changed": lambda entry, name: (
         f"{name} reported {_wanted(entry)}; {_BY_ITSELF if entry.cause == 'device' else 'no command explains it'}"
@@ -270,8 +270,8 @@ def _changed_along(chain: Chain) -> bool:
 
 def finding_text(found: ExplainDeviceResponse, names: Mapping[str, str], now: float) -> str:
     """Return a sentence that explains since when and why a device is in its state."""
-    cut_off = [f"{text[:1].upper()}{text[1:]}." for text in (entry_text(one, names) for one in found.cut_off)]
-    return " ".join((_finding_text(found, names, now), *cut_off))
+    goal = (f" {ago_text(one.at, now).capitalize()}: {entry_text(one, names)}." for one in found.goal)
+    return "".join((_finding_text(found, names, now), *goal))
 
 
 def _finding_text(found: ExplainDeviceResponse, names: Mapping[str, str], now: float) -> str:
