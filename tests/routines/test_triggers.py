@@ -58,6 +58,7 @@ def test_times_of_the_day_and_of_the_sun() -> None:
     assert read_trigger("7:30") == DaysAndTime("7:30", "")
     assert read_trigger("sunset - 30m") == SunMoment("sunset", "-30m")
     assert read_trigger("Sunrise") == read_trigger("sunrise") == SunMoment("sunrise", "0s")
+    assert read_trigger("22:00 on sat and sun") == DaysAndTime("22:00", "sat,sun")
     assert read_trigger("22:00 on mondays") == DaysAndTime("22:00", "mondays")
 
 
@@ -88,6 +89,7 @@ def test_times_of_the_day_and_of_the_sun() -> None:
         ("lamp on near robot", "arrives in"),
         ("front door open for 5 parsecs", "is not a duration"),
         ("front door open or sunset", "`or` joins only states of devices here; write 'sunset' for itself"),
+        ("22:00 on monday or sunset", "write '22:00 on monday' for itself"),
         ("Anna arrives or Ben arrives", "write 'Anna arrives' for itself"),
         ("front door open and nobody in study", "write 'nobody in study' for itself"),
     ],

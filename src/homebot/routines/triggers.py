@@ -139,6 +139,9 @@ def read_trigger(text: str) -> Trigger:
         UsageError: It is none; the message shows how it could be written.
     """
     plain = " ".join(text.split())
+    with suppress(UsageError):  # `22:00 on sat and sun` is one time
+        if (moment := DaysAndTime.read(plain)) is not None:
+            return moment
     check_alone(plain, "or", "and")
     if (found := _read_other(plain)) is not None:
         return found
