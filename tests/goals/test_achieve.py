@@ -99,6 +99,7 @@ async def test_without_an_answer_the_lock_is_the_reason(family: Family) -> None:
         ("rosie in hall and rosie in living", "rosie cannot be in Hall and in Living at once"),
         ("rosie in living and rosie not in living", "each wish can be reached, but not all at once"),
         ("anna is home", "'anna is home' names no state; write it like"),
+        ("hall lamp halfway", "'hall lamp halfway' names no state; write it like"),
         ("  ", "the goal is empty"),
     ],
 )
@@ -278,6 +279,12 @@ class TestScenes:
         (step,) = (await family.achieve("leaving and study lock unlocked", is_dry_run=True)).steps
         assert (step.text, step.asks) == ("unlock Study Lock", "")
 
+    @pytest.mark.usefixtures("scenes")
+    async def test_a_scene_says_that_a_client_with_the_right_ask_asks(self, family: Family) -> None:
+        scope = ("read", "act: all", 'ask: name="Kitchen Spot"')
+        (step,) = (await family.achieve("cooking", is_dry_run=True, scope=scope)).steps
+        assert (step.text, step.asks) == ("apply scene Cooking", "its client may only ask")
+
     async def test_a_scene_of_a_bridge_that_tells_no_values_is_applied(self, family: Family, scenes: Scenes) -> None:
         family.home.put("relax", "x_scene", "scene", area="Hall")
         (native,) = [one for one in (await scenes.listed()).scenes if one.is_native]
@@ -349,6 +356,13 @@ async def test_a_goal_waits_most_of_a_minute_for_each_yes(family: Family) -> Non
         assert await owner.answer(question, yes=True) == ""
     answer = (await goal.result())[1]
     assert (answer.success, answer.tried, family.room) == (True, (), "Study")
+
+
+async def test_the_plan_says_what_a_client_with_the_right_ask_asks(family: Family) -> None:
+    answer = await family.achieve("hall lit, kitchen lit", is_dry_run=True, scope=("read", "act: all", "ask: in hall"))
+    asks = {one.text: one.asks for one in answer.steps}
+    assert asks.pop("turn on Hall Lamp") == "its client may only ask"
+    assert [*asks.values()] == [""]
 
 
 async def test_of_two_answers_the_first_counts_and_the_second_is_told(family: Family) -> None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, final
 from homebot.command_words.suitable_parts import part_name
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import why_it_asks
+from homebot.devices.client_rights import LOCAL_RIGHTS, read_scope
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.device import target_of
 from homebot.devices.value import PlainValue
@@ -185,6 +186,7 @@ class _FactBuilder:
 class _StepBuilder:
     def __init__(self, known: _FactBuilder, asker: Asker) -> None:
         self._known, self._house, self._asker = known, known.house, asker
+        self._rights = read_scope(asker.scope) if asker.scope else LOCAL_RIGHTS
 
     def add_commands(self) -> None:
         """Add the commands to the devices of all facts."""
@@ -198,7 +200,7 @@ class _StepBuilder:
         parts = _parts_of(scene)
         if not (is_named or (len(parts) >= _LEAST and all(map(self._is_wished, parts)))):
             return
-        asks = next((one.asks for one in scene.parts if one.asks), "")
+        asks = next((one.asks for one in scene.parts if one.asks), "") or next(filter(None, map(self._asks, parts)), "")
         step = PlanStep("scene", f"apply scene {scene.name}", scene.id, parts, asks)
         gives, takes = self._effects(step)
         gives |= {_applied(scene)}
@@ -236,16 +238,17 @@ class _StepBuilder:
         wished = {tuple(one.settings.items()): one.asks for one in meant}  # also named by itself, it does not ask
         of_door = _door_settings(part) if device.id in self._known.of_doors else ()
         for settings in filter(None, dict.fromkeys((*wished, *of_door))):
-            asks = wished[settings] if settings in wished else why_it_asks(device, part)
+            asks, parts = wished.get(settings), ((device.id, part.id, settings),)
+            asks = (why_it_asks(device, part) if asks is None else asks) or self._asks(parts[0])
             text = _step_text(part_name(device, part), settings)
-            step = PlanStep("command", text, target_of(device.id, part.id), ((device.id, part.id, settings),), asks)
+            step = PlanStep("command", text, target_of(device.id, part.id), parts, asks)
             gives, takes = self._effects(step)
             needs = frozenset[str]()
             if not OPENINGS.isdisjoint(dict(settings)):
                 needs = frozenset((self._known.unlocked[device.id],)) if device.id in self._known.unlocked else needs
             elif dict(settings).get("lock") == "locked" and device.id in self._known.closed:
                 needs = frozenset((self._known.closed[device.id],))
-            why = self._blocked(step) or self._refusal(step.parts[0], asks)
+            why = self._blocked(step) or self._refusal(parts[0], asks)
             yield Operator(needs, gives, takes, step, why)
 
     def _effects(self, step: PlanStep) -> tuple[frozenset[str], frozenset[str]]:
@@ -265,6 +268,14 @@ class _StepBuilder:
         device, its_part, settings = part
         return any(one.settings == dict(settings) for one in self._known.wished.get((device, its_part), ()))
 
+    def _asks(self, wanted: PartSettings) -> str:
+        """Return that each command of the client to a part has to be agreed to; empty if it has not."""
+        device = self._house.devices.get(wanted[0])
+        part = None if device is None else device.part(wanted[1])
+        if device is None or part is None or not self._rights.must_ask(device, part):
+            return ""
+        return "its client may only ask"
+
     def _refusal(self, wanted: PartSettings, asks: str) -> str:
         """Return why a part cannot get its settings now; empty if it can."""
         device_id, part_id, settings = wanted
@@ -283,7 +294,7 @@ class _StepBuilder:
             ask_first=bool(asks),
         )
         refused = self._asker.preview(request, device, part)
-        return "" if refused is None else f"{asks and 'it always asks, and '}{refused.reason} ({refused.policy})"
+        return "" if refused is None else f"{asks and 'it asks first, and '}{refused.reason} ({refused.policy})"
 
 
 def _parts_of(scene: SceneInfo) -> tuple[PartSettings, ...]:

@@ -8,6 +8,7 @@ from typing import Final, TypeAlias
 from homebot.devices.query.terms import StateIs
 from homebot.devices.query.vocabulary import ADJECTIVES
 from homebot.errors import UsageError
+from homebot.routines.people import AT_HOME
 from homebot.routines.steps import Do, SendRobot, read_step
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
@@ -168,7 +169,7 @@ def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> Wish:
     except UsageError:
         first, _, last = words.rpartition(" ")
         missing = "state" if first else "device or no state"
-        states = [*_OPPOSITE, *(one for one in ADJECTIVES if " " not in one)]  # nobody is made to be at home
+        states = [*_OPPOSITE, *(one for one, (state, *_) in ADJECTIVES.items() if state.capability != AT_HOME)]
         hint = did_you_mean(last, states, _EXAMPLES, _TYPO) if first else _EXAMPLES
         raise UsageError(f"{text!r} names no {missing}; {hint}") from None
     match step:
