@@ -1,5 +1,6 @@
 """Changes that come along with commands to other parts: of groups, scenes, one relay or one room; in virtual time."""
 
+import gc
 from functools import partial
 
 import anyio
@@ -7,6 +8,8 @@ import pytest
 from tests.control.conftest import Home, OpenHome, ignore, obey
 from tests.control.test_explanations import explain
 
+from homebot.control import durations
+from homebot.control.timeline.progress import CommandProgress
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.gateway_messages import Command
@@ -159,9 +162,15 @@ async def test_a_person_in_the_room_some_seconds_after_a_command_is_named(home: 
     assert await told(home, "left") == ["person"]
 
 
-async def test_two_parts_of_one_relay_are_learnt_however_slowly_it_answers(home: Home) -> None:
+@pytest.mark.parametrize("is_alone_at_first", [False, True])
+async def test_two_parts_of_one_relay_are_learnt_however_slowly_it_answers(
+    home: Home, *, is_alone_at_first: bool
+) -> None:
     relay = simple_part("switch", settable=("on_off",))
     parts = tuple(relay.model_copy(update={"id": one}) for one in ("relay", "light"))
+    if is_alone_at_first:
+        home.gateway.devices.put(GatewayDevice("plug", "Plug", parts[:1]), "it was found")
+        await (await home.handle(Handle, "plug")).command("on_off", True)
     home.gateway.devices.put(GatewayDevice("plug", "Plug", parts), "it was found")
     for one in parts:
         await home.gateway.devices.report("plug", {"on_off": False}, one.id)
@@ -184,6 +193,17 @@ async def test_two_parts_of_one_relay_are_learnt_however_slowly_it_answers(home:
     await anyio.sleep(1)
     entries = [one for one in (await home.read()).entries if one.part == "light"]
     assert [one.cause for one in entries] == ["unknown"] * 3 + ["command"]
+
+
+async def test_the_commands_to_a_device_of_one_part_are_forgotten_with_its_reports(home: Home) -> None:
+    """No change of another part can belong to them; 300 lamps kept 40 MB."""
+    lamp = await home.new(Light, "lonely", "on_off")
+    for number in range(4):
+        await lamp.command("on_off", number % 2 == 0)
+        await anyio.sleep(durations.REMEMBERED + 1)
+    gc.collect()
+    known = [one for one in gc.get_objects() if type(one) is CommandProgress and one.order.place[0] == lamp.device.id]
+    assert len(known) == 1
 
 
 async def test_lamps_that_change_with_a_scene_of_their_room_are_learnt(home: Home) -> None:

@@ -36,7 +36,7 @@ class _TrackedPart:
     timeline: PartTimeline
     target: str
     part: DevicePart
-    room: str | None = None
+    near: tuple[str, bool] | None = None
     relevant: frozenset[str] = frozenset()
     stop_watch: Callable[[], None] = lambda: None
     timer: int = 0
@@ -69,7 +69,7 @@ class Timelines:
             self._entries.move_to_end(place)
         if entry.part is not part and entry.part != part:
             self._follow(entry, part)
-        if entry.room != device.area:
+        if entry.near != (device.area, len(device.parts) > 1):
             self._move(entry, device)
         return entry.timeline
 
@@ -140,12 +140,12 @@ class Timelines:
         return entry
 
     def _move(self, entry: _TrackedPart, device: Device) -> None:
-        """Let a part be in the room where its *device* is now."""
-        entry.room = device.area
-        lists = [self._commands_to(f"device {device.id}"), NOWHERE.room]
-        if device.area:
-            lists[1] = self._commands_to(f"room {device.area}")
-        entry.timeline.nearby = Nearby(*lists)
+        """Let a part be near the other parts of its *device*, if it has any, and in the room where that is now."""
+        entry.near = area, has_others = device.area, len(device.parts) > 1
+        entry.timeline.nearby = Nearby(
+            self._commands_to(f"device {device.id}") if has_others else NOWHERE.device,
+            self._commands_to(f"room {area}") if area else NOWHERE.room,
+        )
 
     def _commands_to(self, place: str) -> NearbyCommands:
         known = self._nearby.get(place)
