@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from datetime import datetime, time
@@ -23,6 +24,7 @@ from homebot.devices.identify_messages import (
     IdentifyDeviceResult,
 )
 from homebot.devices.names import IDENTIFY_DEVICE, PERFORM_COMMAND
+from homebot.devices.outcomes import Outcome
 from homebot.graph import Node
 from homebot.graph.actions import ActionClient, ClientGoal
 from homebot.identify.identify_server import IdentifyServer
@@ -43,6 +45,7 @@ class Room:
         effects: By how much each lamp changes what the sensor sees.
         told: What people were told.
         store: The values that are kept across restarts.
+        flushed: What of them a kill would leave.
         problem: Why they cannot be written; empty if they can.
         now: The time of day.
         seen: What the sensor makes of a value.
@@ -58,6 +61,7 @@ class Room:
         self.shown: dict[str, float] = {}
         self.told: list[str] = []
         self.store: dict[str, Any] = {}
+        self.flushed: dict[str, Any] = {}
         self.problem = ""
         self.now = "12:00"
         home_time.set(lambda: datetime.fromisoformat(f"2026-01-01 {self.now}"))
@@ -100,12 +104,13 @@ class Room:
         """Switch a lamp at its own switch."""
         await self.home.report(key, "on_off", is_on)
 
-    async def command(self, key: str, *, is_on: bool) -> None:
+    async def command(self, key: str, *, is_on: bool, issuer: str = "client:owner") -> Outcome:
         device = next(one for one in await DeviceLookup(self.home.app).devices() if one.name == key.title())
-        request = CommandRequest(device=device.id, part="", settings=(Setting.of("on_off", is_on),), issuer="/app")
-        await self.home.app.create_client(PerformCommand, PERFORM_COMMAND).call(request, timeout=60)
+        request = CommandRequest(device=device.id, part="", settings=(Setting.of("on_off", is_on),), issuer=issuer)
+        return await self.home.app.create_client(PerformCommand, PERFORM_COMMAND).call(request, timeout=60)
 
     async def flush(self) -> str:
+        self.flushed = copy.deepcopy(self.store)
         return self.problem
 
     async def tell(self, message: str, title: str) -> None:

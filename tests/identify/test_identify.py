@@ -13,6 +13,7 @@ from tests.identify.conftest import Room
 
 from homebot.devices.gateway_messages import Command
 from homebot.devices.names import TAG_DEVICE, WHERE_IS_ROBOT
+from homebot.devices.outcomes import Refused
 from homebot.devices.places_messages import TagDevice, TagDeviceRequest
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotResponse
 from homebot.errors import RefusedError
@@ -99,6 +100,32 @@ async def test_a_lamp_that_a_person_switches_drops_out_and_stays_as_the_person_l
     assert found.name == "Lamp2"
     assert "it was changed meanwhile" in found.candidates[0].problem
     assert await room.is_on() == {"Lamp0": not is_on, "Lamp1": True, "Lamp2": False, "Lamp3": True}
+
+
+@pytest.mark.parametrize("wanted", [False, True])
+async def test_a_lamp_that_a_person_commands_obeys_drops_out_and_stays_so(room: Room, *, wanted: bool) -> None:
+    """Whether it is as the person wants just then or not."""
+    await room.lamps(5, 10, 60, 3)
+    goal = await room.begin()
+    await anyio.sleep(5.0)
+    assert (await room.command("lamp0", is_on=wanted)).succeeded
+    found = (await goal.result())[1]
+    assert found.name == "Lamp2"
+    assert found.candidates[0].problem == "it was changed meanwhile: contradicted: a command by the client owner"
+    assert await room.is_on() == {"Lamp0": wanted, "Lamp1": True, "Lamp2": False, "Lamp3": True}
+    entries = [one for one in (await room.home.read()).entries if one.kind == "outranked"]
+    assert [(one.device, one.issuer) for one in entries] == [("lamp0", "client:owner")]
+    assert (room.store, await room.home.leases()) == ({}, ())
+
+
+async def test_what_an_app_commands_by_itself_is_refused_while_it_blinks(room: Room) -> None:
+    await room.lamps(5, 10, 60, 3)
+    before, goal = await room.is_on(), await room.begin()
+    await anyio.sleep(5.0)
+    is_on = (await room.is_on())["Lamp0"]
+    assert isinstance(await room.command("lamp0", is_on=not is_on, issuer="/app"), Refused)
+    assert (await goal.result())[1].name == "Lamp2"
+    assert await room.is_on() == before
 
 
 async def test_a_cancelled_goal_leaves_everything_as_before(room: Room) -> None:

@@ -146,3 +146,43 @@ async def test_what_is_not_yet_back_comes_back_after_the_next_identification_too
     await anyio.sleep(5.0)
     assert await room.is_on() == {"Lamp0": False, "Lamp1": True}
     assert room.store == {}
+
+
+async def test_a_person_is_obeyed_whenever_a_lamp_is_commanded_in_a_run(room: Room) -> None:
+    """At random times, for lamps that answer after random times."""
+    await room.lamps(5, 10, 60, 3)
+    for number in range(RUNS):
+        for key in room.effects:
+            room.home.behaviours[key] = obey_after(room.random.uniform(0.0, 1.5))
+        before, is_on = await room.is_on(), room.random.random() < 0.5
+        goal = await room.begin(seconds=30)
+        await anyio.sleep(room.random.uniform(3.0, 9.0))
+        key = room.random.choice([*room.effects])
+        assert (await room.command(key, is_on=is_on)).succeeded, number
+        await goal.result()
+        await anyio.sleep(10.0)
+        assert await room.is_on() == before | {key.title(): is_on}, number
+    assert room.store == {}
+
+
+@pytest.mark.parametrize("wanted", [False, True])
+async def test_what_a_person_commanded_just_before_a_kill_is_not_put_back(home: Home, *, wanted: bool) -> None:
+    room = Room(home)
+    await room.lamps(60, 5)
+    before = await room.is_on()
+    async with served(room):
+        goal = await room.begin()
+        await anyio.sleep(4.5)
+        room.home.behaviours["lamp0"] = obey_after(1.0)
+        home.begin(lambda: room.command("lamp0", is_on=wanted))
+        await anyio.sleep(0.01)
+        left = copy.deepcopy(room.flushed)
+        goal.request_cancel()
+        await goal.result()
+    await home.report("lamp0", "on_off", wanted)
+    await anyio.sleep(1.0)
+    room.store = left
+    async with served(room):
+        await anyio.sleep(70.0)
+        assert await room.is_on() == before | {"Lamp0": wanted}
+        assert room.store == {}

@@ -249,7 +249,8 @@ class CommandExecutor:
     def _record_text(self, command: IssuedCommand, order: Order, at: float) -> None:
         """Record that *command* is sent as a text, which is for all parts of its device if it is not understood."""
         device = command.device
-        if command.place in self.leases.parts:
+        if self.leases.parts:
+            self.leases.yield_to(command)
             self.leases.record_stop(command, at)
         is_for_all = UNREAD in command.settings and device.parts
         for part in device.parts if is_for_all else (command.part,):
@@ -316,6 +317,8 @@ class CommandExecutor:
 
     def _begin(self, command: IssuedCommand) -> tuple[OpenCommand, bool]:
         """Append a command to its timeline; return it, and whether the part is already known to be as commanded."""
+        if self.leases.parts:
+            self.leases.yield_to(command)
         timeline, order = self.timelines.of(command.device, command.part), order_of(command)
         is_at_rest = True
         for other in timeline.active:

@@ -89,6 +89,7 @@ class LeaseService:
             request.scope,
             request.trigger,
             request.is_open_ended,
+            request.yields_to_persons,
         )
         if (refused := self._refusal(request, holder, device, part)) is not None:  # before it blocks others
             return refused
@@ -180,8 +181,12 @@ class LeaseService:
         if capability in MOMENTARY or value in {STOPPED, None}:
             return f"{capability} {value_text(value)} cannot be held, because it does not last"
         self._expire()
-        now = self._clock.monotonic()
-        lease = self._leases.hold((request.device, request.part), capability, value, _key(request), holder, now)
+        now, key = self._clock.monotonic(), _key(request)
+        if request.yields_to_persons:  # its value changes without a moment in which nobody sees a person's command
+            if outranked := self._leases.outranked(key, now):
+                return outranked
+            self._release(key)
+        lease = self._leases.hold((request.device, request.part), capability, value, key, holder, now)
         self._changed.set()
         return lease
 
@@ -210,7 +215,7 @@ class LeaseService:
     def _on_report(self, lease: Lease, value: PlainValue, found: Attribution | None) -> None:
         """Handle a report of the held value, or of another one and its cause, unless the outcome of a command will."""
         now, saw = self._clock.monotonic(), f"{lease.capability} is {value_text(value)}"
-        if lease.lock.locked() or (found is not None and now < lease.hand_until):
+        if lease.lock.locked() or lease.yielded_to or (found is not None and now < lease.hand_until):
             return
         if found is None:
             self._hand_back(lease)
@@ -224,6 +229,8 @@ class LeaseService:
     def _outcome(self, lease: Lease, now: float) -> Outcome:
         """Return the outcome of the newest command, or the change made by a hand since."""
         if now < lease.hand_until:
+            if lease.yielded_to:
+                return Contradicted(lease.saw)
             left = math.ceil(lease.hand_until - now)
             return Contradicted(f"{lease.saw}; it is commanded again in {left} s")
         return lease.outcome
@@ -258,7 +265,7 @@ class LeaseService:
 
     def _on_outranked(self, lease: Lease) -> None:
         self._log("control.hand", lease, f"was changed by hand: {lease.saw}")
-        self._record("outranked", lease, text=lease.saw)
+        self._record("outranked", lease, lease.yielded_to, lease.saw)
 
     def _hand_back(self, lease: Lease) -> None:
         if lease.hand_back():

@@ -14,7 +14,7 @@ from homebot.devices.obedience import STOPPED, changes
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
-from homebot.devices.wording.journal_words import trigger_text
+from homebot.devices.wording.journal_words import issuer_text, trigger_text
 from homebot.devices.wording.values import value_text
 
 __all__ = [
@@ -39,6 +39,9 @@ MOST_OF_ISSUER: Final = 50
 _MOST_NAMED: Final = 3
 _COMMANDING: Final = NoAnswer(0.0, "it is being commanded")
 
+_KEEPING: Final = frozenset({"lease", "end"})
+"""Triggers of commands that keep or put back a value, whoever began that."""
+
 HolderKey: TypeAlias = tuple[str, str, str]
 """Issuer, name for people, and the name of the lease."""
 
@@ -52,6 +55,7 @@ class LeaseHolder:
         deadline: The end, on the monotonic clock.
         scope: Its rights, if it is a client of the door.
         is_open_ended: Whether it renews the lease until it releases it.
+        yields_to_persons: Whether a person's command is obeyed nevertheless, if all holders say so.
     """
 
     by: str
@@ -60,6 +64,7 @@ class LeaseHolder:
     scope: tuple[str, ...] = ()
     trigger: Trigger = NO_TRIGGER
     is_open_ended: bool = False
+    yields_to_persons: bool = False
 
     @property
     def text(self) -> str:
@@ -74,6 +79,7 @@ class Lease:
     Attributes:
         again_at: The time at which the value is commanded again, on the monotonic clock; inf for never.
         hand_until: When a hand, or a stop command, no longer outranks the lease.
+        yielded_to: The issuer of a person's command that outranks it: it is neither renewed nor commanded again.
         stop_watch: Ends the watch of the part; None before it begins.
     """
 
@@ -84,6 +90,7 @@ class Lease:
     again_at: float = math.inf
     hand_until: float = -math.inf
     saw: str = ""
+    yielded_to: str = ""
     stop_watch: Callable[[], None] | None = None
     lock: anyio.Lock = field(default_factory=anyio.Lock)
     outcome: Outcome = _COMMANDING
@@ -108,6 +115,16 @@ class Lease:
         until = "until it is released" if is_open_ended else f"for {math.ceil(left)} s more"
         return f"held {self.held_value} by {', '.join(names[:_MOST_NAMED])}{more} {until}"
 
+    @property
+    def yields_to_persons(self) -> bool:
+        """True if all its holders yield to persons."""
+        return all(one.yields_to_persons for one in self.holders.values())
+
+    def outranked(self, now: float) -> str:
+        """Return what outranks the lease at *now*; empty for nothing."""
+        left = self.hand_until - now
+        return f"{self.saw}, which outranks leases for {math.ceil(left)} s more" if left > 0 else ""
+
     def hand_back(self) -> bool:
         """Record that no hand outranks the lease any more, or is waited for; return whether one did."""
         was_outranked = self.hand_until > -math.inf
@@ -125,7 +142,7 @@ class Leases:
     Attributes:
         refused: The number of holders beyond :data:`MOST_HOLDERS` or :data:`MOST_OF_ISSUER`.
         parts: The leases of each part that has any, by capability; for reading.
-        on_outranked: Called with each lease when a hand or a stop command outranks it.
+        on_outranked: Called with each lease when a hand or a command outranks it.
     """
 
     def __init__(self, hand_time: float) -> None:
@@ -153,18 +170,19 @@ class Leases:
             self.refused += 1
             return full
         lease = self.parts.setdefault(part, {}).setdefault(capability, Lease(part, capability, value))
-        if now < lease.hand_until:
-            return f"{lease.saw}, which outranks leases for {math.ceil(lease.hand_until - now)} s more"
+        if outranked := lease.outranked(now):
+            return outranked
         lease.holders[key] = holder
         self._of[key] = lease
         return lease
 
     def renew(self, key: HolderKey, now: float) -> Lease | None:
-        """Renew the lease of a holder; return it, or None if it is over."""
+        """Renew the lease of a holder, unless it has yielded; return it, or None if it is over."""
         lease = self._of.get(key)
         if lease is None or (holder := lease.holders[key]).deadline <= now:
             return None
-        holder.deadline = now + holder.ttl
+        if not lease.yielded_to:
+            holder.deadline = now + holder.ttl
         return lease
 
     def release(self, key: HolderKey) -> Lease | None:
@@ -203,14 +221,23 @@ class Leases:
         over = [(key, lease.holders[key]) for key, lease in self._of.items() if lease.holders[key].deadline <= now]
         return [(lease, key, holder) for key, holder in over if (lease := self.release(key)) is not None]
 
-    def refusal(self, part: PartRef, settings: Mapping[str, PlainValue], now: float) -> str:
-        """Return why a command is refused at *now*; empty if no lease forbids it."""
+    def outranked(self, key: HolderKey, now: float) -> str:
+        """Return what outranks the lease of a holder at *now*; empty for nothing."""
+        lease = self._of.get(key)
+        return "" if lease is None else lease.outranked(now)
+
+    def refusal(
+        self, part: PartRef, settings: Mapping[str, PlainValue], now: float, *, is_by_person: bool = False
+    ) -> str:
+        """Return why a command, perhaps by a person, is refused at *now*; empty if no lease forbids it."""
         leases = self.parts.get(part)
         if leases is None:
             return ""
         for lease in leases.values():
             if all(one.deadline <= now for one in lease.holders.values()):
                 continue  # ended, but not removed yet
+            if is_by_person and lease.yields_to_persons:
+                continue
             for capability, value in settings.items():
                 if value != STOPPED and changes(lease.capability, lease.value, capability, value):
                     return lease.text(now)
@@ -218,7 +245,7 @@ class Leases:
 
     def refuse(self, command: IssuedCommand, now: float) -> Refused | None:
         """Return the refusal of a command at *now*; None if no lease forbids it."""
-        reason = self.refusal(command.place, command.settings, now)
+        reason = self.refusal(command.place, command.settings, now, is_by_person=_is_by_person(command))
         return Refused(LEASE_POLICY, reason, command_id=command.id) if reason else None
 
     def record_stop(self, command: IssuedCommand, now: float) -> None:
@@ -228,8 +255,20 @@ class Leases:
             for lease in leases.values():
                 self.outrank(lease, "it was stopped", now)
 
+    def yield_to(self, command: IssuedCommand) -> None:
+        """Record that *command*, if a person gave it, outranks the leases of its parts that yield to persons."""
+        places = (command.place, *((device.id, part.id) for device, part in command.members))
+        for place in places if _is_by_person(command) else ():
+            for lease in self.parts.get(place, {}).values():
+                if lease.yields_to_persons:
+                    lease.yielded_to, lease.saw = command.issuer, f"a command by {issuer_text(command.issuer)}"
+                    lease.again_at = lease.hand_until = max(one.deadline for one in lease.holders.values())
+                    self.on_outranked(lease)
+
     def outrank(self, lease: Lease, saw: str, now: float) -> None:
         """Record that a hand changed the held value of *lease*: nothing is commanded for a while."""
+        if lease.yielded_to:
+            return
         lease.saw = saw
         lease.again_at = lease.hand_until = now + self.hand_time
         self.on_outranked(lease)
@@ -246,3 +285,8 @@ class Leases:
         if sum(key[0] == issuer for key in self._of) >= MOST_OF_ISSUER:
             return f"{issuer} has {MOST_OF_ISSUER} leases already; release one first"
         return ""
+
+
+def _is_by_person(command: IssuedCommand) -> bool:
+    """Return whether a person gave *command*, and neither a lease nor the end of what a person began."""
+    return command.is_by_person and command.trigger.kind not in _KEEPING

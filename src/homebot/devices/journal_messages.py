@@ -92,8 +92,8 @@ class JournalEntry(Message):
             `Devices.tell` or by another program, unverified; ``denied``: a client of the door, or a node that wanted to
             hold a part, was refused before any command; ``held``: a holder began to hold a part;
             ``released``: the holder released it; ``ended``: the issuer, another party, ended its lease; ``expired``:
-            the lease expired; ``outranked``: a hand or a stop command outranks the lease; ``handed_back``: it counts
-            again;
+            the lease expired; ``outranked``: a hand, a stop command or, by its issuer, a person's command outranks the
+            lease; ``handed_back``: it counts again;
             ``would``: in place of ``sent``, in a dry run or a replay, which send nothing; ``goal``: a robot
             drove for a goal, or homebot ended before a goal with the device, which is known at the next start.
         device: The id of the device; empty for ``denied`` if none is known.

@@ -64,6 +64,8 @@ class HoldRequest(Message):
         by: The holder, as a word for people, such as ``robot``; not blank.
         ttl: Seconds after which the lease ends, unless it is renewed; 1 to 3,600.
         is_open_ended: Whether the holder renews it until it is released, so that its ``ttl`` says nothing to others.
+        yields_to_persons: Whether a person's command is obeyed, and outranks it, if all holders say so. The holder may
+            request its lease again for another value.
         issuer: The name of the node, or ``client:NAME`` for a client of the door, set by the door.
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
         trigger: Its cause, if the holder knows it; ignored for a client of the door.
@@ -76,6 +78,7 @@ class HoldRequest(Message):
     by: _Name
     ttl: Annotated[float, Field(ge=SHORTEST_TTL, le=LONGEST_TTL)]
     is_open_ended: bool = False
+    yields_to_persons: bool = False
     issuer: str
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
     trigger: Trigger = NO_TRIGGER

@@ -2,14 +2,13 @@
 
 A look takes a second, and begins at least 0.8 s after the last change that a candidate reported, so that nothing ever
 flashes three times in a second, which is dangerous for people with photosensitive epilepsy. Lamps may report at once
-and then fade for seconds: how long is seen when all turn bright together. Each value is held by a
-lease, so that nothing but a person changes it meanwhile. One that does not obey, or that a person changes, drops out.
+and then fade for seconds: how long is seen when all turn bright together. Each value is held by a lease that yields to
+persons, so that nothing else changes it meanwhile. One that does not obey, or that a person changes, drops out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Sequence
-from itertools import count
 from random import Random
 from typing import TYPE_CHECKING, Final, final
 
@@ -17,9 +16,11 @@ import anyio
 
 from homebot.command_words.earlier_values import known_states
 from homebot.devices.command_messages import Setting
+from homebot.devices.device import target_of
 from homebot.devices.identify_messages import CandidateState, IdentifyDeviceFeedback, IdentifyDeviceGoal, LookRecord
+from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.lease_messages import HolderRequest, HoldPart, HoldRequest, ReleaseLease, RenewLease
-from homebot.devices.names import HOLD_PART, RELEASE_LEASE, RENEW_LEASE
+from homebot.devices.names import HOLD_PART, JOURNAL_ENTRIES, RELEASE_LEASE, RENEW_LEASE
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError, UsageError
 from homebot.identify.belief import Belief, Seen, begun, is_brightening, is_brighter
@@ -37,6 +38,9 @@ __all__ = ["Identification"]
 
 _FADES: Final = 6.0
 """Seconds after which a look begins though a candidate still reports changes, as one with an effect does for ever."""
+
+_ENTRIES: Final = 1000
+"""Entries of the journal that wait at most."""
 
 _FADING: Final = frozenset({"on_off", "level", "position", "fan_speed"})
 
@@ -80,7 +84,7 @@ class Identification:
         self._hold = node.create_client(HoldPart, HOLD_PART)
         self._renew = node.create_client(RenewLease, RENEW_LEASE)
         self._release = node.create_client(ReleaseLease, RELEASE_LEASE)
-        self._numbers = count(1)
+        self._entries = node.create_subscription(JournalEntry, JOURNAL_ENTRIES, self._on_entry, _ENTRIES)
         self._belief: Belief | None = None
         self._fades_on = 0.0
         self._began = self._last_at = self._clock.monotonic()
@@ -117,8 +121,8 @@ class Identification:
 
     def close(self) -> None:
         """Leave the graph."""
-        for client in (self._hold, self._renew, self._release):
-            client.close()
+        for entity in (self._hold, self._renew, self._release, self._entries):
+            entity.close()
 
     async def end(self) -> None:
         """Release all leases, and put everything back."""
@@ -203,10 +207,9 @@ class Identification:
             return
         if candidate.lease and not await self._check(candidate):
             return
-        await self._let_go(candidate)
         before = candidate.wanted, candidate.set_at
         candidate.wanted, candidate.set_at = value, self._clock.now()
-        candidate.lease = f"{self._run_id}-{next(self._numbers)}"
+        candidate.lease = candidate.lease or f"{self._run_id}-{self._candidates.index(candidate)}"
         self._kept.command(self._run_id, candidate)
         device, part = candidate.place
         request = HoldRequest(
@@ -217,6 +220,7 @@ class Identification:
             by=self._by,
             ttl=self._goal.seconds + _COMMAND,
             is_open_ended=True,
+            yields_to_persons=True,
             issuer=self._goal.issuer,
             scope=self._goal.scope,
         )
@@ -248,6 +252,11 @@ class Identification:
         if candidate.lease:
             await self._release.call(self._holder(candidate))
             candidate.lease = ""
+
+    async def _on_entry(self, entry: JournalEntry) -> None:
+        """Leave a candidate as a person commands it, now, as homebot may be killed before the next look."""
+        if entry.kind == "outranked" and entry.issuer:
+            await self._kept.forget(self._run_id, target_of(entry.device, entry.part))
 
     def _holder(self, candidate: CandidatePart) -> HolderRequest:
         return HolderRequest(lease=candidate.lease, by=self._by, issuer=self._goal.issuer)

@@ -94,18 +94,22 @@ class KeptValues:
             raise LinkError(f"nothing was changed, as the values to put back cannot be kept: {problem}")
 
     def command(self, run: str, candidate: CandidatePart) -> None:
-        """Record that *candidate* is given the value that it wants."""
-        kept = self._store[run]["values"][target_of(*candidate.place)]
-        kept[_WANTED], kept[_SET_AT] = candidate.wanted, candidate.set_at
+        """Record that *candidate* is given the value that it wants, unless its value is forgotten."""
+        if kept := self._store[run]["values"].get(target_of(*candidate.place)):
+            kept[_WANTED], kept[_SET_AT] = candidate.wanted, candidate.set_at
+
+    async def forget(self, run: str, target: str) -> None:
+        """Forget the value of what a person changes."""
+        if self._store.get(run, {"values": {}})["values"].pop(target, None):
+            await self._flush()
 
     async def leave_changed(self, run: str, candidate: CandidatePart) -> bool:
         """Forget a value if a person has changed it; return whether one has."""
-        target, values = target_of(*candidate.place), self._store[run]["values"]
-        states = known_states(await self._lookup.devices())
-        if not self._is_foreign(values[target], states.get((*candidate.place, candidate.capability))):
+        states, target = known_states(await self._lookup.devices()), target_of(*candidate.place)
+        kept = self._store[run]["values"].get(target)
+        if kept and not self._is_foreign(kept, states.get((*candidate.place, candidate.capability))):
             return False
-        del values[target]
-        await self._flush()
+        await self.forget(run, target)
         return True
 
     async def end(self, run: str) -> None:
