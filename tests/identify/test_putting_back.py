@@ -186,3 +186,30 @@ async def test_what_a_person_commanded_just_before_a_kill_is_not_put_back(home: 
         await anyio.sleep(70.0)
         assert await room.is_on() == before | {"Lamp0": wanted}
         assert room.store == {}
+
+
+async def test_a_person_is_obeyed_while_a_lamp_is_put_back(room: Room) -> None:
+    """The lamp has not heard that it is put back, and is as the person wants."""
+    await room.lamps(60)
+    goal = await room.begin()
+    await anyio.sleep(4.0)
+    room.home.behaviours["lamp0"] = ignore
+    goal.request_cancel()
+    await anyio.sleep(1.0)
+    del room.home.behaviours["lamp0"]
+    assert (await room.command("lamp0", is_on=True)).succeeded
+    await goal.result()
+    await anyio.sleep(70.0)
+    assert (await room.is_on(), room.store) == ({"Lamp0": True}, {})
+
+
+@pytest.mark.parametrize("is_by_hand", [False, True])
+async def test_what_a_person_changes_before_the_first_change_stays_so(room: Room, *, is_by_hand: bool) -> None:
+    """While people are told, and the sensor looks for the first time."""
+    await room.lamps(60, 5)
+    goal = await room.begin()
+    await anyio.sleep(0.5)
+    await (room.by_person("lamp0", is_on=True) if is_by_hand else room.command("lamp0", is_on=True))
+    found = (await goal.result())[1]
+    assert (found.name, found.candidates[0].problem) == ("Lamp0", "")
+    assert await room.is_on() == {"Lamp0": True, "Lamp1": True}

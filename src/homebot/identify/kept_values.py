@@ -14,7 +14,7 @@ from homebot.devices.command_messages import CommandRequest, PerformCommand, Set
 from homebot.devices.device import State, target_of
 from homebot.devices.names import PERFORM_COMMAND
 from homebot.devices.obedience import fits
-from homebot.devices.outcomes import NoAnswer, Outcome
+from homebot.devices.outcomes import NoAnswer, Outcome, Superseded
 from homebot.devices.trigger import Trigger
 from homebot.errors import LinkError, ServiceError
 
@@ -75,14 +75,17 @@ class KeptValues:
     async def keep(
         self, run: str, by: str, issuer: str, scope: Sequence[str], candidates: Sequence[CandidatePart]
     ) -> None:
-        """Keep the values of *candidates*, before the first change: of what is not yet back, those before that.
+        """Keep the values that *candidates* have now, before the first change: of what is not yet back, those before.
 
         Raises:
             LinkError: They cannot be written.
         """
         at, values = self._clock.now(), dict[str, list[Any]]()
+        states = known_states(await self._lookup.devices())
         for one in candidates:
             target = target_of(*one.place)
+            if (state := states.get((*one.place, one.capability))) is not None:
+                one.before = one.wanted = state.value.plain()
             values[target] = kept = [one.capability, one.before, one.wanted, one.set_at]
             for left in (each["values"] for each in self._store.values()):
                 if target in left and left[target][_CAPABILITY] == one.capability:
@@ -165,7 +168,7 @@ class KeptValues:
             values[target][_WANTED], values[target][_SET_AT] = values[target][_BEFORE], self._clock.now()
         outcomes = await perform_all(self._outcome, requests)
         for target, outcome in zip(due, outcomes, strict=True):
-            if outcome.succeeded:
+            if outcome.succeeded or isinstance(outcome, Superseded):  # a newer command is what somebody wants now
                 values.pop(target, None)
             else:
                 text = f"{target} is not yet as before {kept['by']}: {outcome.text}; it is tried again"
