@@ -119,6 +119,15 @@ async def test_another_lamp_takes_the_place_of_one_that_does_not_obey(family: Fa
     assert answer.tried[0].startswith(f"{first}: no answer")
 
 
+async def test_a_lamp_that_somebody_turns_off_meanwhile_is_turned_on_again(family: Family) -> None:
+    goal = await family.begin("hall lit and rosie in living")
+    await anyio.sleep(5.0)
+    await family.home.report("hall lamp", "on_off", value=False)
+    answer = (await goal.result())[1]
+    assert answer.success, answer.message
+    assert answer.tried == ("after all steps, Hall is not lit",)
+
+
 async def test_when_no_lamp_obeys_the_reason_is_the_outcome(family: Family) -> None:
     family.home.behaviours["hall lamp"] = ignore
     answer = await family.achieve("hall lit")

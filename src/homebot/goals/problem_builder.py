@@ -136,7 +136,7 @@ class _FactBuilder:
                 self.problem.goal[fact] = None
         if is_any:
             self.problem.goal[wish.text] = None
-            self.problem.contrary[wish.text] = f"not {wish.text}"
+            self.problem.contrary[wish.text] = f"{wish.text.removesuffix(' lit')} is not lit"
 
     def add_door(self, door: DoorInfo, *, is_way: bool) -> None:
         """Add the facts of a door that is on a way, or whose devices are concerned, as its devices tell them."""
