@@ -62,6 +62,9 @@ def test_a_share_of_one_in_place_of_a_percentage_is_asked_back() -> None:
         (("set color to Warm_White",), {"color_temperature": 2700.0}),
         (("set", "color", "White"), {"color_temperature": 4000.0}),
         (("set", "color_temperature", "cold white"), {"color_temperature": 6500.0}),
+        (("Color temperature 3000 K",), {"color_temperature": 3000.0}),
+        (("set color temperature to 3000",), {"color_temperature": 3000.0}),
+        (("set", "color", "temperature 3000"), {"color_temperature": 3000.0}),
     ],
 )
 def test_a_lamp_takes_colours_by_name(words: tuple[str, ...], setting: dict[str, object]) -> None:

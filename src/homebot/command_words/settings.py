@@ -66,7 +66,8 @@ def parse_command_words(command: str, values: Sequence[KeyValue], part: Part, ta
         capability, value = _decoded(word, part, target)
         found[capability] = value
     for one in values:
-        name, value = _setting(one.key, one.value, part, target)
+        longer = _named_value(f"{one.key} {one.value}", part, target, len(one.key.split()) + 1)  # heating | setpoint 21
+        name, value = longer or _setting(one.key, one.value, part, target)
         found[name] = value
     for name, value in found.items():
         check_setting(target, part, name, value)
@@ -104,7 +105,7 @@ def _agree(settings: Mapping[str, PlainValue], part: Part) -> bool:
 def _capability(word: str, part: Part) -> str:
     settable = {one.name for one in part.capabilities if one.settable}
     meant = [name for name, known in CAPABILITIES.items() if known.spoken and known.spoken == word]
-    return next((name for name in meant if name in settable), word)
+    return next((name for name in meant if name in settable), word.replace(" ", "_"))
 
 
 def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
@@ -157,13 +158,19 @@ def _colored(word: str, part: Part) -> tuple[str, PlainValue] | None:
     return next(((capability, value) for capability, value in named.items() if value and capability in settable), None)
 
 
-def _named_value(text: str, part: Part, target: str) -> tuple[str, PlainValue] | None:
-    """Return the setting that ``level 40`` or ``set level to 40`` names; None if *part* has no such capability."""
-    name, _, value = text.removeprefix(f"{SET} ").partition(" ")
-    capability, value = _capability(name, part), value.removeprefix("to ")
-    is_settable = any(one.name == capability and one.settable for one in part.capabilities)
-    is_settable |= name == "color" and _colored(value, part) is not None
-    return _setting(name, value, part, target) if value and is_settable else None
+def _named_value(text: str, part: Part, target: str, least: int = 1) -> tuple[str, PlainValue] | None:
+    """Return the setting that ``level 40`` or ``set fan speed to 40`` names, by the longest name of *part* that fits.
+
+    Args:
+        least: The least number of words of the name.
+    """
+    words = text.removeprefix(f"{SET} ").split(" ")
+    for count in range(len(words) - 1, least - 1, -1):
+        name, value = " ".join(words[:count]), " ".join(words[count:]).removeprefix("to ")
+        is_settable = any(one.name == _capability(name, part) and one.settable for one in part.capabilities)
+        if is_settable or (name == "color" and _colored(value, part) is not None):
+            return _setting(name, value, part, target)
+    return None
 
 
 def _respelt(word: str, part: Part) -> tuple[str, PlainValue] | None:
