@@ -238,6 +238,19 @@ async def test_a_text_and_a_command_in_words_ask_as_well_and_nothing_is_held(hom
     assert home.commands == []
 
 
+async def test_what_is_cancelled_while_a_person_is_asked_has_one_outcome_in_the_journal(home: Home) -> None:
+    """Also a text."""
+    await put_house(home)
+    agent = Asker(home)
+    await agent.begin()
+    agent.waiting.cancel()
+    text = SendTextRequest(device="door", payload="unlock", issuer="client:agent", scope=AGENT)
+    with anyio.move_on_after(0.1):
+        await home.app.create_client(SendText, SEND_TEXT).call(text, cancel_with_caller=True)
+    ends = [one.results[0].text for one in (await home.read()).entries if one.kind == "outcome"]
+    assert ends == ["not sent: it was cancelled"] * 2
+
+
 async def test_one_client_has_five_open_questions_at_most(home: Home) -> None:
     await put_house(home)
     agent = Asker(home)
