@@ -294,6 +294,12 @@ class TestScenes:
         (step,) = (await family.achieve("cooking", is_dry_run=True, scope=scope)).steps
         assert (step.text, step.asks) == ("apply scene Cooking", "its client may only ask")
 
+    @pytest.mark.usefixtures("scenes")
+    async def test_of_many_wishes_the_two_that_undo_each_other_are_named(self, family: Family) -> None:
+        assert (await family.achieve("cooking and kitchen spot off")).message.endswith(
+            "not all at once: Kitchen Spot: scene Cooking and Kitchen Spot: kitchen spot off"
+        )
+
     async def test_a_scene_of_a_bridge_that_tells_no_values_is_applied(self, family: Family, scenes: Scenes) -> None:
         family.home.put("relax", "x_scene", "scene", area="Hall")
         (native,) = [one for one in (await scenes.listed()).scenes if one.is_native]

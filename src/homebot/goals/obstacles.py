@@ -1,5 +1,7 @@
 """The fact that is in the way of a goal without a plan. Pure."""
 
+from collections.abc import Iterable
+
 from homebot.goals.operators import GoalProblem, Operator, reachable
 
 __all__ = ["why_not"]
@@ -12,7 +14,7 @@ def why_not(problem: GoalProblem) -> str:
     allowed = list(problem.allowed())
     known = reachable(problem.facts, allowed)
     if not (missing := [one for one in problem.goal if one not in known]):
-        return f"each wish can be reached, but not all at once: {' and '.join(problem.goal)}"
+        return f"each wish can be reached, but not all at once: {' and '.join(_at_odds(problem, allowed))}"
     blocked = [one for one in problem.operators if one.blocked and one.gives and one.step is not None]
     for one in blocked:
         if problem.goal.keys() <= reachable(known, [*allowed, *_like(one, blocked)]):
@@ -25,6 +27,16 @@ def why_not(problem: GoalProblem) -> str:
     if hopeless:
         return f"{'; '.join(hopeless[:_MOST_NAMED])}, and nothing here can change that"
     return "; ".join(dict.fromkeys(reasons[:_MOST_NAMED]))
+
+
+def _at_odds(problem: GoalProblem, operators: list[Operator]) -> Iterable[str]:
+    """Return a wish, and another that each way to it undoes; all wishes if there is no such pair."""
+    for fact in problem.goal:
+        ways = [one for one in operators if fact in one.gives]
+        for other in problem.goal if ways else ():
+            if all(other in one.takes for one in ways):
+                return fact, other
+    return problem.goal
 
 
 def _enough(problem: GoalProblem, known: set[str], operators: list[Operator]) -> list[str]:
