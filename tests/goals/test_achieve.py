@@ -93,6 +93,7 @@ async def test_without_an_answer_the_lock_is_the_reason(family: Family) -> None:
         ("hall lit and hall dark", "each wish can be reached, but not all at once"),
         ("hal lit", "there is no room 'hal'; did you mean Hall?"),
         ("marvin in hall", "there is no robot 'marvin'; robots are rosie"),
+        ("lights in hall", "; of devices name the state too, as in 'lights in hall on'"),
         ("bath lit", "Bath lit: no lamp is known in Bath"),
         ("hall lamp", "'hall lamp' names no state"),
         ("on", "'on' names no device or no state"),

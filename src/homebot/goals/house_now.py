@@ -29,6 +29,7 @@ Assumed = MutableMapping[tuple[str, str], dict[str, PlainValue]]
 """Values that parts got without reporting them, by device and part."""
 
 OPENINGS: Final = frozenset({"movement", "position"})
+_NO_ROBOT: Final = "; of devices name the state too, as in 'lights in hall on'"
 _DRIVE_ACTIONS: Final = ("/navigate_to_pose", "/dock_robot")
 
 
@@ -136,10 +137,10 @@ class HouseReader:
             found = await self._where.call(WhereIsRobotRequest(robot=robot))
         except ServiceUnavailableError:
             raise UsageError(
-                f"there is no robot {robot!r}: none has said where it is, for example on /NAME/pose"
+                f"there is no robot {robot!r}: none has said where it is, for example on /NAME/pose{_NO_ROBOT}"
             ) from None
         if found.is_mistake:
-            raise UsageError(found.message)
+            raise UsageError(f"{found.message}{_NO_ROBOT}")
         return found
 
 
