@@ -163,6 +163,8 @@ async def test_a_goal_is_planned_for_who_may_act_and_a_mistake_is_named(tmp_path
     async with running_api(tmp_path) as api:
         done = await api.achieve("lamp1 on and lamp2 off", Authorization=bearer("agent"))
         assert (done.status, done.values["reached"]) == (200, True)
+        asks = await api.achieve("front_door unlocked", Authorization=bearer("asker"))
+        assert asks.values["steps"] == ["unlock front_door (asks first: its client may only ask)"]
         wrong = await api.achieve("lamp1", Authorization=bearer("agent"))
         assert (wrong.status, wrong.values["reached"]) == (200, False)
         assert "names no device or no state" in wrong.values["text"]

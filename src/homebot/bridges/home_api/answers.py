@@ -25,6 +25,7 @@ from homebot.devices.wording.journal_words import (
     finding_text,
     issuer_text,
     result_text,
+    step_text,
     was_obeyed,
 )
 from homebot.devices.wording.json_message import JsonMessage
@@ -195,7 +196,7 @@ async def achieve(home: HomeCalls, asked: shapes.GoalQuestion) -> shapes.GoalAns
     """Plan for a goal and, unless only the plan is wanted, do it."""
     request = {"goal": asked.goal, "is_dry_run": asked.dry_run}
     answer = cast("AchieveResponse", await home.call(names.ACHIEVE_WORDS, request))
-    steps = tuple(f"{one.text}: {one.outcome}" if one.outcome else one.text for one in answer.steps)
+    steps = tuple(map(step_text, answer.steps))
     return shapes.GoalAnswer(reached=answer.success, text=answer.message, steps=steps, tried=answer.tried)
 
 

@@ -11,11 +11,12 @@ from homebot.cli.device_json import json_text
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.goals import perform_goal
 from homebot.devices.names import ACHIEVE
+from homebot.devices.wording.journal_words import step_text
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
-    from homebot.devices.achieve_messages import AchieveFeedback, AchieveResult, PlannedStep
+    from homebot.devices.achieve_messages import AchieveFeedback, AchieveResult
 
 __all__ = ["add_arguments"]
 
@@ -61,10 +62,4 @@ def _lines(feedback: AchieveFeedback) -> Iterable[str]:
     for one in feedback.tried:
         yield f"tried: {printable(one, _WIDEST)}"
     for number, step in enumerate(feedback.steps, 1):
-        yield f"{number}. {_step_text(step)}"
-
-
-def _step_text(step: PlannedStep) -> str:
-    asks = f" (asks first: {printable(step.asks, _WIDEST)})" if step.asks else ""
-    outcome = f": {printable(step.outcome, _WIDEST)}" if step.outcome else ""
-    return f"{printable(step.text, _WIDEST)}{asks}{outcome}"
+        yield f"{number}. {step_text(step)}"

@@ -12,6 +12,7 @@ from homebot.devices.wording.values import plain_value, value_text
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
+    from homebot.devices.achieve_messages import PlannedStep
     from homebot.devices.command_messages import Setting
     from homebot.devices.journal_messages import ExplainDeviceResponse, JournalEntry
     from homebot.devices.trigger import Trigger
@@ -33,6 +34,7 @@ __all__ = [
     "repeats",
     "result_text",
     "settings_text",
+    "step_text",
     "trigger_text",
     "was_obeyed",
 ]
@@ -121,6 +123,12 @@ def _cause_text(trigger: Trigger, names: Mapping[str, str]) -> str:
         case "timer":
             return f"its timer ({printable(trigger.text)}) was due"
     return ""
+
+
+def step_text(step: PlannedStep) -> str:
+    """Return a step of the plan for a goal, why it asks first, and its outcome."""
+    asks = f" (asks first: {step.asks})" if step.asks else ""
+    return printable(f"{step.text}{asks}{f': {step.outcome}' if step.outcome else ''}", 1000)
 
 
 def settings_text(settings: Iterable[Setting | Reading]) -> str:
