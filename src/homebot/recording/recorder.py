@@ -188,6 +188,7 @@ class LineBuffer:
         self._lines: list[str] = []
         self._bytes = 0
         self._gap = 0
+        self._added = anyio.Event()
 
     def add(self, line: RecordingLine) -> bool:
         """Add a line, or count it if there is no room; return whether it was added."""
@@ -211,7 +212,13 @@ class LineBuffer:
             count, size = count + 1, size + len(text)
         taken, self._lines = self._lines[:count], self._lines[count:]
         self._bytes -= size
+        if self.is_empty:
+            self._added = anyio.Event()
         return taken
+
+    async def wait(self) -> None:
+        """Wait for a line."""
+        await self._added.wait()
 
     @property
     def is_empty(self) -> bool:
@@ -221,3 +228,4 @@ class LineBuffer:
     def _put(self, text: str) -> None:
         self._lines.append(text)
         self._bytes += len(text)
+        self._added.set()

@@ -124,6 +124,7 @@ async def _write_all(node: Node, recorder: Recorder, sink: LineSink) -> None:
         if sink.is_full:
             node.log.warning(FULL, message="the recording ended: its file is full")
             return
+        await recorder.lines.wait()
         await anyio.sleep(_EVERY)
 
 
