@@ -174,7 +174,7 @@ class Alerts(App[AlertsSettings]):
         devices = await self._devices(query_terms(Or((*(kind.query(lost) for kind in ALERTS), HOUSEHOLD))), ())
         self._is_empty = _is_nobody_home(devices)
         alerts = [one for one in self._gateways.values() if one is not None]
-        alerts += [one for kind in ALERTS for device in devices for one in alerts_of(kind, device, now, lost)]
+        alerts += [one for device in devices for one in alerts_of(ALERTS, device, now, lost)]
         return {one.key: one for one in sorted(alerts, key=lambda one: [*FindingKind].index(one.kind.finding))}
 
     async def _ended(self, keys: Iterable[str]) -> set[str]:

@@ -98,14 +98,18 @@ WATCHED: Final = frozenset(term.capability for kind in ALERTS for term in _terms
 """The capabilities of which a new value may begin or end an alert."""
 
 
-def alerts_of(kind: AlertKind, device: Device, now: float, lost: Iterable[str] = ()) -> Iterator[Alert]:
-    """Yield the alerts of one kind about *device*: one for each part with a value that fits, else one."""
-    query = kind.query(lost)
-    if not fits(query, facets_of(device)):
-        return
-    if not _terms(kind):
-        yield _alert_of_device(kind, device, now)
-        return
+def alerts_of(kinds: Iterable[AlertKind], device: Device, now: float, lost: Iterable[str] = ()) -> Iterator[Alert]:
+    """Yield the alerts of some kinds about *device*: one for each part with a value that fits, else one."""
+    facets = facets_of(device)
+    for kind in kinds:
+        if fits(query := kind.query(lost), facets):
+            if _terms(kind):
+                yield from _alerts_of_parts(kind, query, device, now)
+            else:
+                yield _alert_of_device(kind, device, now)
+
+
+def _alerts_of_parts(kind: AlertKind, query: Query, device: Device, now: float) -> Iterator[Alert]:
     parts = [one for one in device.parts if fits(query, PartFacets(device, one))]
     for part in parts:
         name = device.name if len(parts) == 1 else f"{device.name} {part.part.name or part.id}"

@@ -185,7 +185,7 @@ class _Doctor:
 
     async def _alert_findings(self, kind: AlertKind, now: float, lost: Iterable[str]) -> list[Finding]:
         found = await self._find(kind.query(lost), MOST_SHOWN)
-        alerts = [alert for one in found.results for alert in alerts_of(kind, one.device, now, lost)]
+        alerts = [alert for one in found.results for alert in alerts_of((kind,), one.device, now, lost)]
         shown = sorted((one for one in alerts if one.is_shown(now)), key=attrgetter("target"))
         total = found.total if found.total > MOST_SHOWN else 0
         return [_finding(kind.text, one, max(one.total, total)) for one in findings_of(shown)]
