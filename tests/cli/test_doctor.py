@@ -20,6 +20,7 @@ from homebot.clock import ManualClock
 from homebot.devices import QUERY_DEVICES, Fact, GatewayState, QueryDevices
 from homebot.devices.findings import FindingKind
 from homebot.devices.health import Count, HealthRequest, HealthResponse, PartFailure
+from homebot.devices.part import Part
 from homebot.discovery.store import index_path
 from homebot.graph import Graph, Node
 from homebot.messages import Time
@@ -96,7 +97,9 @@ def test_a_weak_battery_is_a_problem_and_a_device_without_room_is_none(
         def _devices(self) -> tuple:  # type: ignore[type-arg]
             states = (told("", "battery", 7.4, 5), told("", "battery_low", True, 5))
             one = attic().model_copy(update={"states": states, "reachable": super()._devices()[0].reachable})
-            return (one.model_copy(update={"area": ""}),)
+            robot = one.parts[0].model_copy(update={"part": Part(id="", service_type="x_robot")})
+            rosie = one.model_copy(update={"id": "rosie", "area": "", "parts": (robot,), "states": ()})
+            return one.model_copy(update={"area": ""}), rosie
 
     still = Weak()
     still.is_well = True

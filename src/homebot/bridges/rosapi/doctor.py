@@ -357,6 +357,9 @@ _DEVICE_CHECKS = (
     _DeviceCheck(FindingKind.UNREADABLE, UNREADABLE, _unread, MOST_SHOWN),
     _DeviceCheck(FindingKind.NAMES, f'"{SEVERAL_NAMES}"=names', _several_names, MOST_SHOWN),
     _DeviceCheck(
-        FindingKind.NO_ROOM, "without area and not (person or household or tracker)", lambda one, _now: one.name, _FEW
+        FindingKind.NO_ROOM,
+        "without area and not (person or household or tracker or robot)",
+        lambda one, _now: one.name,
+        _FEW,
     ),
 )
