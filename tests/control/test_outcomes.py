@@ -836,6 +836,27 @@ async def test_a_lamp_that_reports_the_end_of_a_fade_first_and_then_its_steps_do
     assert len(home.events) == reverted
 
 
+@pytest.mark.parametrize(
+    ("settable", "transition", "reported", "reverted_after"),
+    [
+        (("on_off",), 0.1, {"on_off": True}, 1.0),
+        (("on_off", "level"), 0.1, {"on_off": True, "level": 100.0}, 1.0),
+        (("on_off", "level"), 0.1, {"on_off": True}, 2.0),  # a lower level may follow
+        (("on_off", "level"), 4.0, {"on_off": True}, 4.0),  # or until the end of the transition
+    ],
+)
+async def test_a_lamp_that_is_on_again_went_back_when_no_fade_can_explain_it(
+    home: Home, settable: tuple[str, ...], transition: float, reported: dict[str, PlainValue], reverted_after: float
+) -> None:
+    """A lease would take a person's hand for a step of the transition."""
+    lamp = await home.lamp(*settable, before={one: {"on_off": True, "level": 100.0}[one] for one in settable})
+    assert isinstance(await lamp.command("on_off", False, transition=transition), Confirmed)
+    await anyio.sleep(1.0)
+    await home.gateway.devices.report("lamp", reported)
+    await anyio.sleep(20)
+    assert [one.result.latency for one in home.events] == [pytest.approx(reverted_after, abs=0.01)]
+
+
 async def test_a_whole_floor_is_confirmed_at_once(home: Home) -> None:
     for number in range(200):
         home.put(f"lamp{number}", "light", "on_off")

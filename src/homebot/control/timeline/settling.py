@@ -59,7 +59,7 @@ class Settling:
         self._confirmed_at = at
         self._seconds = seconds
         self._steps_until = at + order.transition + durations.LAST_STEPS
-        self._fades_until = self._steps_until if order.transition else -math.inf
+        self._fades_until = at + order.transition if order.has_ramp else -math.inf
         self._fade = FadeOut(last.get("level")) if order.settings.get(_ON) is False else None
         self._is_fading = False
         self._step = ""  # the capability of the last intermediate value
@@ -103,13 +103,13 @@ class Settling:
             return self._fade_role(self._fade.report(fact.value, fact.at), fact)
         if not self._departs(capability, fact.value):
             return self._kept_role(fact)
-        is_fade = self._fade is not None and self._fade.is_possible
-        is_late_step = capability == _ON and fact.at <= self._fades_until
-        if not (is_fade or is_late_step or self._may_move_on(fact)):
+        is_fading = capability == _ON and fact.at < self._fades_until
+        may_fade = is_fading or (self._fade is not None and self._fade.is_possible)
+        if not (may_fade or self._may_move_on(fact)):
             self._undo(capability, fact.at)
             return ReportRole.UNDONE
         if (self._step, self._step_value) != (capability, fact.value):
-            self._begin_step(fact, is_late_step=is_late_step)
+            self._begin_step(fact, may_fade=may_fade)
         return self._step_role(fact.number)
 
     def _kept_role(self, fact: Reported) -> ReportRole:
@@ -143,17 +143,14 @@ class Settling:
             return True  # it fades in from 0
         return not isinstance(before, float) or min(before, wanted) < value < max(before, wanted)
 
-    def _begin_step(self, fact: Reported, *, is_late_step: bool) -> None:
-        """Wait for the next step; for the level of a lamp that is on again."""
+    def _begin_step(self, fact: Reported, *, may_fade: bool) -> None:
+        """Wait for the next step; for the level of a lamp that is on again, or the end of its transition."""
         self._step, self._step_value = fact.capability, fact.value
         self._steps_until = max(self._steps_until, fact.at + durations.LAST_STEPS)
         self._wait_on(fact.at)
-        if self._fade is None or not self._fade.is_possible or is_late_step:
-            return
-        sign = self._fade.sign(fact.at)
-        self._judge_fade(sign, fact.at)
-        if sign == "unknown":
-            self._level_until = fact.at + durations.LEVEL_FOLLOWS
+        self._level_until = max(fact.at + durations.LEVEL_FOLLOWS, self._fades_until) if may_fade else math.inf
+        if self._fade is not None:
+            self._judge_fade(self._fade.sign(fact.at), fact.at)
 
     def _fade_role(self, sign: FadeSign, fact: Reported) -> ReportRole:
         if not self._step:  # it did not report that it is on again
@@ -162,7 +159,7 @@ class Settling:
         return self._step_role(fact.number)
 
     def _judge_fade(self, sign: FadeSign, at: float) -> None:
-        if sign == "back" and not (self._step == _ON and at <= self._fades_until):
+        if sign == "back" and not (self._step == _ON and at < self._fades_until):
             self._undo(self._step, at)
         elif sign == "fading":
             self._is_fading, self._level_until = True, math.inf
