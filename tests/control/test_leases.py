@@ -112,6 +112,16 @@ async def test_the_steps_of_a_dimmer_are_no_hand(home: Home) -> None:
         assert isinstance(holding.outcome, Contradicted)
 
 
+async def test_each_command_of_a_lease_has_the_transition_of_its_holder(open_home: OpenHome) -> None:
+    async with open_home(hand_time=20) as home:
+        await home.lamp("on_off", before={"on_off": False})
+        await home.hold(hold_request("lamp", "on_off", True, scope=("act: light",), ttl=100, transition=0.1))
+        await anyio.sleep(20)
+        await home.report("lamp", "on_off", False)
+        await anyio.sleep(30)
+        assert [(one.value.flag, one.transition) for one in home.commands] == [(True, 0.1), (True, 0.1)]
+
+
 @pytest.mark.parametrize(("later", "is_so"), [((2.0, 80.0), True), ((2.0, 60.0), False)])
 async def test_steps_after_the_end_was_reported_are_a_hand_only_if_the_lamp_stays_there(
     home: Home, later: tuple[float, float], *, is_so: bool

@@ -49,7 +49,8 @@ class Room:
         problem: Why they cannot be written; empty if they can.
         now: The time of day.
         seen: What the sensor makes of a value.
-        fade: Seconds for which a lamp fades after its report.
+        fade: Seconds for which a lamp fades after its report, unless it is commanded with a transition that it takes.
+        takes_transitions: Whether the lamps do.
     """
 
     def __init__(self, home: Home) -> None:
@@ -57,7 +58,7 @@ class Room:
         self.effects: dict[str, float] = {}
         self.values: dict[str, float] = {}
         self.random = Random(1)  # noqa: S311 - a simulation
-        self.noise, self.least, self.fade = 5.0, 0.0, PERIOD
+        self.noise, self.least, self.fade, self.takes_transitions = 5.0, 0.0, PERIOD, False
         self.shown: dict[str, float] = {}
         self.told: list[str] = []
         self.store: dict[str, Any] = {}
@@ -117,15 +118,19 @@ class Room:
         self.told.append(f"{title}: {message}")
 
     async def _see(self) -> None:
-        lookup = DeviceLookup(self.home.app)
+        lookup, transitions, carried_out = DeviceLookup(self.home.app), dict[str, float](), 0
         while True:
             await anyio.sleep(PERIOD)
             devices = {one.name: one for one in await lookup.devices()}
+            if self.takes_transitions:
+                transitions |= {one.key: one.transition for one in self.home.commands[carried_out:]}
+                carried_out = len(self.home.commands)
             lit = 0.0
             for key, effect in self.effects.items():
                 device = devices.get(key.title())
                 value = device.states[0].value.plain() if device is not None and device.states else 0.0
-                level, step = value / 100 if isinstance(value, float) else float(value is True), PERIOD / self.fade
+                level = value / 100 if isinstance(value, float) else float(value is True)
+                step = PERIOD / (transitions.get(key) or self.fade)
                 before = self.shown.get(key, level)
                 self.shown[key] = before + max(-step, min(step, level - before))
                 lit += effect * self.shown[key]

@@ -400,6 +400,15 @@ async def test_lamps_that_report_at_once_and_fade_on_are_told_apart(room: Room, 
         assert found.looks[-1].at < longest
 
 
+async def test_lamps_are_told_to_change_in_a_moment_and_nothing_else_is(room: Room) -> None:
+    await room.lamp("lamp", 60)
+    room.home.put("fan", "fan", "on_off", area="hall")
+    await room.home.report("fan", "on_off", False)
+    await room.identify(candidates="light or fan")
+    while_held = [one for one in room.home.commands if one.value.flag]
+    assert {(one.key, one.transition) for one in while_held} == {("lamp", 0.1), ("fan", 0.0)}
+
+
 async def test_a_dimmer_without_a_switch_changes_between_two_levels(room: Room) -> None:
     room.home.put("lamp", "light", "level", area="hall")
     await room.home.report("lamp", "level", 40.0)

@@ -13,6 +13,7 @@ from tests.sizes import size
 pytestmark = pytest.mark.virtual_time
 
 ROOMS = size(12, 500)
+FADING_ROOMS = size(20, 200)
 LAMPS = 8
 
 
@@ -75,3 +76,20 @@ async def test_the_lamp_in_view_is_found_among_eight(
     assert right >= least * ROOMS - 1
     assert wrong <= 0.001 * ROOMS
     assert median(spent) <= longest
+
+
+@pytest.mark.parametrize("noise", [0.25, 0.5])
+async def test_lamps_that_report_at_once_are_told_to_leave_out_their_long_fades(room: Room, noise: float) -> None:
+    """As those of Zigbee2MQTT, which reports what it commands, with a transition of 5 s in the settings of each."""
+    await room.lamps(*[0.0] * LAMPS)
+    room.fade, room.takes_transitions = 5.0, True
+    right, wrong = 0, 0
+    for _ in range(FADING_ROOMS):
+        target = await arrange(room, 0.0, is_in_view=True)
+        room.home.behaviours.clear()  # all obey, and report at once
+        room.noise = noise * 50
+        found = await room.identify(least_effect=room.least)
+        is_right = found.success and found.name == target
+        right, wrong = right + is_right, wrong + (found.success and not is_right)
+        await anyio.sleep(10.0)
+    assert (right >= 0.99 * FADING_ROOMS - 1, wrong) == (True, 0)

@@ -90,6 +90,7 @@ class LeaseService:
             request.trigger,
             request.is_open_ended,
             request.yields_to_persons,
+            request.transition,
         )
         if (refused := self._refusal(request, holder, device, part)) is not None:  # before it blocks others
             return refused
@@ -293,7 +294,13 @@ def _command_of(place: tuple[str, str], held: Setting, issuer: str, holder: Leas
     device, part = place
     trigger = Trigger(kind="lease", text=holder.text[:_LONGEST])
     return CommandRequest(
-        device=device, part=part, settings=(held,), issuer=issuer, trigger=trigger, scope=holder.scope
+        device=device,
+        part=part,
+        settings=(held,),
+        transition=holder.transition,
+        issuer=issuer,
+        scope=holder.scope,
+        trigger=trigger,
     )
 
 

@@ -56,6 +56,7 @@ class LeaseHolder:
         scope: Its rights, if it is a client of the door.
         is_open_ended: Whether it renews the lease until it releases it.
         yields_to_persons: Whether a person's command is obeyed nevertheless, if all holders say so.
+        transition: Seconds of each change to the value; 0 for those of the device.
     """
 
     by: str
@@ -65,6 +66,7 @@ class LeaseHolder:
     trigger: Trigger = NO_TRIGGER
     is_open_ended: bool = False
     yields_to_persons: bool = False
+    transition: float = 0.0
 
     @property
     def text(self) -> str:

@@ -66,6 +66,7 @@ class HoldRequest(Message):
         is_open_ended: Whether the holder renews it until it is released, so that its ``ttl`` says nothing to others.
         yields_to_persons: Whether a person's command is obeyed, and outranks it, if all holders say so. The holder may
             request its lease again for another value.
+        transition: Seconds that each change to the value takes, if the device supports that; 0 leaves it to the device.
         issuer: The name of the node, or ``client:NAME`` for a client of the door, set by the door.
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
         trigger: Its cause, if the holder knows it; ignored for a client of the door.
@@ -79,6 +80,7 @@ class HoldRequest(Message):
     ttl: Annotated[float, Field(ge=SHORTEST_TTL, le=LONGEST_TTL)]
     is_open_ended: bool = False
     yields_to_persons: bool = False
+    transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
     issuer: str
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
     trigger: Trigger = NO_TRIGGER

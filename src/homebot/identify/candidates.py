@@ -79,6 +79,11 @@ class CandidatePart:
         """Seconds after its last report in which it changes further: a lamp fades, and a fan runs up."""
         return 0.8 if self.part.part.service_type == "light" else 3.0
 
+    @property
+    def transition(self) -> float:
+        """Seconds of each change, in place of a fade that may go on for long after its report; 0 for no lamp."""
+        return 0.1 if self.part.part.service_type == "light" else 0.0
+
     @staticmethod
     def level_of(value: PlainValue) -> float:
         """Return the level that is *value*, from 0 to 1."""

@@ -221,6 +221,7 @@ class Identification:
             ttl=self._goal.seconds + _COMMAND,
             is_open_ended=True,
             yields_to_persons=True,
+            transition=candidate.transition,
             issuer=self._goal.issuer,
             scope=self._goal.scope,
         )
