@@ -7,7 +7,7 @@ from itertools import chain
 from typing import Final, TypeAlias
 
 from homebot.command_words.settings import STATE_WORDS, check_without_code
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, SETTABLE
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import Query
@@ -211,7 +211,8 @@ def _read_do(text: str) -> Do:
         commands = [one.strip().removeprefix("to ") for one in " ".join(words[place:]).split(",")]
         is_read = _is_command(commands[0]) and all(_is_command(one) or _OVER.fullmatch(one) for one in commands)
         target = " ".join(words[:place])
-        if is_read and not _NO_TARGET.fullmatch(f"{target} {words[place]}"):
+        begun = (f"{target} {words[place]}", f"{target} {commands[0]}")
+        if is_read and not any(map(_NO_TARGET.fullmatch, begun)):
             if _JOINT.search(target) and _several(text):
                 break
             is_after = place > 1 and words[place - 2].casefold() not in {"are", "is"}
@@ -265,9 +266,14 @@ def _is_command(text: str) -> bool:
     word = text.casefold()
     if word in _WORDS or word.replace(" ", "_") in _WORDS or _NUMBER.fullmatch(word):
         return True
-    word = word.removeprefix("set ")
-    name, _, value = word.partition(" ")
-    return word.rpartition(" ")[0] in _SETTABLE or (name in _SETTABLE and value in _WORDS)
+    words = word.removeprefix("set ").split(" ")
+    for place in range(1, len(words)):
+        name, value = " ".join(words[:place]), " ".join(words[place:])
+        is_set = name.replace(" ", "_") in SETTABLE  # not heat, as in ``kitchen heat to 16 °C``
+        number = value.removeprefix("to ") if is_set else ""
+        if name in _SETTABLE and (" " not in value or value in _WORDS or _NUMBER.fullmatch(number)):
+            return True
+    return False
 
 
 def _combined(text: str, target: str, commands: list[str]) -> Do:
