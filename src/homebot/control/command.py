@@ -173,16 +173,16 @@ def order_of(command: IssuedCommand) -> Order:
                 wanted[name] = settings[name]
         if one.echoed and is_set:
             echoed |= {name}
-        has_ramp = has_ramp or (name == "level" and one.settable)
-    movement = settings.get("movement")
-    if movement in END_POSITIONS and "position" in readable and wanted.keys().isdisjoint(_MOTIONS):
-        wanted["position"] = END_POSITIONS[movement]  # it reports no movement
+        if name == "level":
+            has_ramp = one.settable
+    if "movement" in settings and "position" in readable:
+        _expect_end(wanted, settings["movement"])
     return Order(
         command.id,
         settings,
         wanted,
         command.transition,
-        moves=not _MOTIONS.isdisjoint(settings) and any(settings[one] != STOPPED for one in _MOTIONS & settings.keys()),
+        moves=not _MOTIONS.isdisjoint(settings) and _moves(settings),
         is_told_once=is_told or is_told_once(command.part.part.service_type, settings),
         opens_further=settings.get("movement") == "open" and _is_half_open(command.values.get("position")),
         turns_on=command.values.get("on_off") is False and _turns_on(command),
@@ -192,6 +192,16 @@ def order_of(command: IssuedCommand) -> Order:
         issuer=command.issuer,
         label=label_of(command.device, command.part.id),
     )
+
+
+def _expect_end(wanted: dict[str, PlainValue], movement: PlainValue) -> None:
+    """Add the end position of *movement* to the values that the part should report, unless it reports movement."""
+    if movement in END_POSITIONS and wanted.keys().isdisjoint(_MOTIONS):
+        wanted["position"] = END_POSITIONS[movement]
+
+
+def _moves(settings: Mapping[str, PlainValue]) -> bool:
+    return any(settings[one] != STOPPED for one in _MOTIONS & settings.keys())
 
 
 def _is_half_open(position: PlainValue) -> bool:

@@ -324,8 +324,7 @@ class CommandExecutor:
         for other in timeline.active:
             if other.is_open and not order.settings.keys().isdisjoint(other.order.settings):
                 is_at_rest = False
-        known: dict[str, PlainValue] = {}
-        is_recent = False
+        known, is_recent = dict[str, PlainValue](), False
         if command.place not in self.witnesses.contradicted:
             asked, lost = dict.fromkeys((*order.settings, *order.wanted)), self._feed.last_loss(command.part.routes)
             known, is_recent = certain_values(command, asked, timeline, lost.wall, self._clock)

@@ -243,13 +243,14 @@ class _StepBuilder:
             text = _step_text(part_name(device, part), settings)
             step = PlanStep("command", text, target_of(device.id, part.id), parts, asks)
             gives, takes = self._effects(step)
-            needs = frozenset[str]()
-            if not OPENINGS.isdisjoint(dict(settings)):
-                needs = frozenset((self._known.unlocked[device.id],)) if device.id in self._known.unlocked else needs
-            elif dict(settings).get("lock") == "locked" and device.id in self._known.closed:
-                needs = frozenset((self._known.closed[device.id],))
             why = self._blocked(step) or self._refusal(parts[0], asks)
-            yield Operator(needs, gives, takes, step, why)
+            yield Operator(self._needs(device.id, dict(settings)), gives, takes, step, why)
+
+    def _needs(self, door: str, settings: Mapping[str, PlainValue]) -> frozenset[str]:
+        """Return the facts that must hold before *settings*: a door that opens is unlocked, one that locks closed."""
+        facts = self._known.closed if settings.get("lock") == "locked" else {}
+        facts = facts if OPENINGS.isdisjoint(settings) else self._known.unlocked
+        return frozenset((facts[door],)) if door in facts else frozenset()
 
     def _effects(self, step: PlanStep) -> tuple[frozenset[str], frozenset[str]]:
         """Return the facts that hold after *step*, and those that do not, of the devices that it changes."""
