@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from math import inf
@@ -175,8 +175,8 @@ def order_of(command: IssuedCommand) -> Order:
             echoed |= {name}
         if name == "level":
             has_ramp = one.settable
-    if "movement" in settings and "position" in readable:
-        _expect_end(wanted, settings["movement"])
+    if "movement" in settings:
+        _expect_end(wanted, settings["movement"], readable)
     return Order(
         command.id,
         settings,
@@ -194,9 +194,9 @@ def order_of(command: IssuedCommand) -> Order:
     )
 
 
-def _expect_end(wanted: dict[str, PlainValue], movement: PlainValue) -> None:
+def _expect_end(wanted: dict[str, PlainValue], movement: PlainValue, readable: Container[str]) -> None:
     """Add the end position of *movement* to the values that the part should report, unless it reports movement."""
-    if movement in END_POSITIONS and wanted.keys().isdisjoint(_MOTIONS):
+    if movement in END_POSITIONS and "position" in readable and wanted.keys().isdisjoint(_MOTIONS):
         wanted["position"] = END_POSITIONS[movement]
 
 

@@ -45,30 +45,25 @@ class SceneChanges:
         Raises:
             HomebotError: It cannot be made; nothing was changed.
         """
-        name, left_out = request.name.strip(), tuple[KeyValue, ...]()
+        name = request.name.strip()
         known = book.scenes.get(fold(name))
         known = None if known is None else house.current(known)
         if request.change == "save":
-            if known is None and (request.target or request.values or fold(name) not in house.configured):
-                house.check_hides_none(name)
-            scene, left_out = await self._saved(request, known, house)
-            scene = house.current(scene)
-            book.put(scene)
-            return scene, left_out
+            return await self._save(request, known, house, book)
         if known is None:
             raise _no_scene(name, house, book)
         if request.change == "remove":
             book.remove(fold(name))
-            return None, left_out
+            return None, ()
         if request.change == "rename":
             new = request.target.strip()
             house.check_hides_none(new)
-            return book.rename(known, new), left_out
+            return book.rename(known, new), ()
         parts = {} if request.replaces else dict(known.parts)
         edited = await self._edited(parts, request.values, house)
         scene = house.current(known.model_copy(update={"parts": edited}))
         book.put(scene)
-        return scene, left_out
+        return scene, ()
 
     async def configured(self, settings: SceneSettings) -> Scene:
         """Return a scene of the configuration, with the parts that its devices and queries mean now."""
@@ -81,9 +76,12 @@ class SceneChanges:
         values = {place_of(target): values for target, values in parts.items()}
         return Scene(settings.name, settings.name, values, is_configured=True, problems=problems)
 
-    async def _saved(
-        self, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes
+    async def _save(
+        self, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes, book: SceneBook
     ) -> tuple[KeptScene, tuple[KeyValue, ...]]:
+        name = request.name.strip()
+        if known is None and (request.target or request.values or fold(name) not in house.configured):
+            house.check_hides_none(name)
         parts, left_out = dict[str, Mapping[str, PlainValue]](), list[KeyValue]()
         for device, part in await self._scope(request, known, house):
             values = present_values(device, part)
@@ -94,8 +92,10 @@ class SceneChanges:
         if not (parts or request.values):
             reasons = "; ".join(f"{one.key}: {one.value}" for one in left_out[:_MOST_NAMED])
             raise UsageError(f"there is nothing to save; {reasons or 'nothing of that has values to bring back'}")
-        name = request.name.strip()
-        return KeptScene(name=name, parts=await self._edited(parts, request.values, house)), tuple(left_out)
+        edited = await self._edited(parts, request.values, house)
+        scene = house.current(KeptScene(name=name, parts=edited))
+        book.put(scene)
+        return scene, tuple(left_out)
 
     async def _scope(
         self, request: ChangeSceneRequest, known: KeptScene | None, house: HouseScenes
