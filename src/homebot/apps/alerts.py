@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Container, Iterable, Mapping
-from functools import partial
+from functools import lru_cache, partial
 from typing import Final, NamedTuple
 
 import anyio
@@ -170,8 +170,8 @@ class Alerts(App[AlertsSettings]):
 
     async def _alerts(self, now: float) -> dict[str, Alert]:
         """Return the present alerts by cause, the worst first."""
-        lost = [name for name, alert in self._gateways.items() if alert is not None]
-        devices = await self._devices(query_terms(Or((*(kind.query(lost) for kind in ALERTS), HOUSEHOLD))), ())
+        lost = tuple(name for name, alert in self._gateways.items() if alert is not None)
+        devices = await self._devices(_query(lost), ())
         self._is_empty = _is_nobody_home(devices)
         alerts = [one for one in self._gateways.values() if one is not None]
         alerts += [one for device in devices for one in alerts_of(ALERTS, device, now, lost)]
@@ -205,6 +205,12 @@ class Alerts(App[AlertsSettings]):
         if kind == "door" and self._is_empty and told_after < math.inf:
             told_after = min(told_after, _WHILE_AWAY)
         return self._incidents[key].due(told_after)
+
+
+@lru_cache(maxsize=8)
+def _query(lost: tuple[str, ...]) -> tuple[QueryTerm, ...]:
+    """Return the query for what may have alerts while the gateways *lost* are away, and for people."""
+    return query_terms(Or((*(kind.query(lost) for kind in ALERTS), HOUSEHOLD)))
 
 
 def _is_nobody_home(devices: Iterable[Device]) -> bool:
