@@ -1,10 +1,13 @@
 """Habits of a simulated family are found, and nothing else is taken for one."""
 
+from collections.abc import Iterator
+from random import Random
+
 import pytest
 from tests.habits.family import HABITS, Family, Planted, days_of, sun_is_down
 from tests.sizes import size
 
-from homebot.habits.days import DAY, Days
+from homebot.habits.days import DAY, Days, Happening
 from homebot.habits.habit import FoundHabit, sure_share
 from homebot.habits.search import find_habits, occasions_of
 
@@ -72,3 +75,23 @@ def test_a_habit_has_its_conditions_and_every_occasion() -> None:
 @pytest.mark.parametrize(("done", "of", "share"), [(0, 0, 0.0), (5, 5, 0.649), (14, 15, 0.749), (50, 100, 0.419)])
 def test_the_sure_share_is_the_bound_of_wilson(done: int, of: int, share: float) -> None:
     assert sure_share(done, of) == pytest.approx(share, abs=0.001)
+
+
+def test_a_habit_after_dark_is_found_though_its_trigger_comes_all_day() -> None:
+    """Motion is mostly in daylight, when nobody needs the lamp: the habit follows 1 in 20 of it."""
+    days = days_of([one for day in range(21) for one in _busy_hall(day)])
+    (lamp,) = found_in(days)
+    assert (lamp.when, lamp.conditions) == ("hall motion occupied", ("sun is down",))
+    assert lamp.done == len(lamp.occasions) == 21
+
+
+def _busy_hall(day: int) -> Iterator[Happening]:
+    random, is_on = Random(day), False  # noqa: S311 - a simulation
+    for half_hour in range(17, 46):
+        at = day * DAY + half_hour * 1800 + random.uniform(0, 1700)
+        yield Happening(at, "hall motion", "occupancy", "hall motion occupied")
+        if sun_is_down(at) and not is_on:
+            is_on = True
+            yield Happening(at + 20, "hall lamp", "on_off", "hall lamp on", "hall lamp on")
+        yield Happening(at + 60, "hall motion", "occupancy", "hall motion clear")
+    yield Happening(day * DAY + 23.5 * 3600, "hall lamp", "on_off", "hall lamp off")

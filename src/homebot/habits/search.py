@@ -11,6 +11,7 @@ from bisect import bisect_left
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from statistics import median
 from typing import Final
 
@@ -52,12 +53,13 @@ _RECENT: Final = 7
 _FOLDS: Final = 6
 """The rule of five sixths of the days is mostly that of all; that of two thirds is often none."""
 
+_LEAST_NEW: Final = LEAST_DAYS * (_FOLDS - 1) // _FOLDS
 _SIMPLER: Final = 0.02
 _SOONER: Final = 0.05 / 900
 """Per second: of two triggers that are as good, the nearer one is the cause."""
 
-_WORTH_A_LOOK: Final = 0.15
-"""The share of its moments after which it is done; below it no condition helps a trigger."""
+_WORTH_A_LOOK: Final = 0.8 * _LEAST_SURE
+"""The sure share that scores; what is done less often does not reach it."""
 
 _MOST_TRIGGERS: Final = 12
 _MOST_TIMES: Final = 3
@@ -93,8 +95,8 @@ def _steps(days: Days) -> Iterator[Happenings]:
 
 
 def occasions_of(days: Days, habit: FoundHabit) -> tuple[Occasion, ...]:
-    """Return the occasions of a habit in other days."""
-    rule = _rule(days, days.by_text[habit.do], habit.when, habit.within)
+    """Return the occasions of a habit in other days, however seldom it is done there."""
+    rule = _rule(days, days.by_text[habit.do], habit.when, habit.within, is_found=True)
     return tuple(one.occasion for one in replace(rule, conditions=habit.conditions).occasions)
 
 
@@ -193,8 +195,11 @@ def _common_times(offsets: Sequence[float]) -> Iterable[float]:
     return dict.fromkeys(round(median(one) / _ROUND) * _ROUND for one in near)
 
 
-def _rule(days: Days, done: Happenings, when: str, within: float) -> _Rule:
-    """Return the rule of a trigger: people do it *within* so many seconds after it, or before and after a time."""
+def _rule(days: Days, done: Happenings, when: str, within: float, *, is_found: bool = False) -> _Rule:
+    """Return the rule of a trigger: people do it *within* so many seconds after it, or before and after a time.
+
+    Nothing is tried of one that is not *found* yet and cannot score.
+    """
     if when in days.by_text:
         begins = [at + _REACTION for at in days.by_text[when].times]
         span, late, shifts = within - _REACTION, -_REACTION, _OTHER_DAYS
@@ -203,8 +208,20 @@ def _rule(days: Days, done: Happenings, when: str, within: float) -> _Rule:
         begins = [at - within for at in days.moments_of(when) if first <= at <= last]
         span, late, shifts = 2 * within, within, _OTHER_HOURS
     occasions = _occasions(days, done, begins, span, late)
-    is_hopeless = sum(one.done_at is not None for one in occasions) < _WORTH_A_LOOK * len(occasions)
-    return _Rule(when, begins, span, late, shifts, () if is_hopeless else _tried(days, done, occasions))
+    tried = _tried(days, done, occasions) if is_found or _is_worth_a_look(days, done, occasions) else ()
+    return _Rule(when, begins, span, late, shifts, tried)
+
+
+def _is_worth_a_look(days: Days, done: Happenings, occasions: Iterable[Occasion]) -> bool:
+    """Return whether it is done often enough to score: always, or where one condition holds."""
+    hits = [one.at for one in occasions if one.done_at is not None]
+    others = [one.at for one in occasions if one.done_at is None]
+    for holds in (lambda _: True, *days.conditions_on(done.device).values()):
+        count = sum(map(holds, hits))
+        most = int(count / _WORTH_A_LOOK) - count
+        if count >= _LEAST_NEW and len([*islice(filter(holds, others), most + 1)]) <= most:
+            return True
+    return False
 
 
 def _occasions(days: Days, done: Happenings, begins: Iterable[float], span: float, late: float) -> list[Occasion]:
@@ -271,10 +288,10 @@ def _score(tried: Sequence[_Tried], conditions: tuple[str, ...], left: set[float
     own = [one.occasion for one in tried if one.held.issuperset(conditions)]
     followed = {one.done_at for one in own if one.done_at is not None}
     new = len(followed & left)
-    if new < LEAST_DAYS * (_FOLDS - 1) // _FOLDS:
+    if new < _LEAST_NEW:
         return 0.0
     sure = sure_share(len(followed), len(own))
-    return sure + 0.3 * new / len(left) if sure >= _LEAST_SURE * 0.8 else 0.0
+    return sure + 0.3 * new / len(left) if sure >= _WORTH_A_LOOK else 0.0
 
 
 def _proved(
