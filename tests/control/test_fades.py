@@ -116,6 +116,22 @@ async def test_a_deaf_dimmer_is_told_three_times_again_after_it_was_told_once(ho
     assert sendings == [3, 1, 3]
 
 
+@pytest.mark.parametrize(("levels", "reverted"), [((70.0, 40.0, 10.0), 0), ((70.0, 70.0, 70.0), 1)])
+async def test_a_lamp_of_unknown_level_fades_off_beyond_its_transition_if_its_level_sinks(
+    home: Home, levels: tuple[float, ...], reverted: int
+) -> None:
+    """The levels of its steps tell, as homebot started when it was on already."""
+    lamp = await home.lamp("on_off", "level", before={"on_off": True})
+    assert isinstance(await lamp.command("on_off", False, transition=2.0), Confirmed)
+    for level in levels:
+        await anyio.sleep(0.6)
+        await home.gateway.devices.report("lamp", on_and_level(level))
+    await anyio.sleep(0.5)
+    await home.report("lamp", "on_off", False)
+    await anyio.sleep(20)
+    assert len(home.events) == reverted
+
+
 @pytest.mark.parametrize(
     ("told", "reverted_after"),
     [

@@ -196,7 +196,8 @@ class FadeOut:
     end of its fade (Koenkk/zigbee2mqtt#2850).
 
     Args:
-        level: The level that the lamp reported before it was turned off; None if it reported none.
+        level: The level that the lamp reported before it was turned off; None if it reported none. The first level that
+            it reports since takes its place.
     """
 
     __slots__ = ("_level", "_lowered_at", "_told_at")
@@ -207,14 +208,17 @@ class FadeOut:
 
     @property
     def is_possible(self) -> bool:
-        """True if the previous level is known."""
+        """True if an earlier level is known."""
         return self._level < math.inf
 
     def report(self, level: PlainValue, now: float) -> FadeSign:
         """Record a report of *level* at *now*, and return its meaning."""
-        if not isinstance(level, float) or not self.is_possible:
+        if not isinstance(level, float):
             return "unknown"
         self._told_at = now
+        if not self.is_possible:
+            self._level = level
+            return "unknown"
         if level < self._level - STEP:
             self._level, self._lowered_at = level, now
             return "fading"
