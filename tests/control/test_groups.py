@@ -195,6 +195,27 @@ async def test_two_parts_of_one_relay_are_learnt_however_slowly_it_answers(
     assert [one.cause for one in entries] == ["unknown"] * 3 + ["command"]
 
 
+async def test_a_part_that_was_alone_at_first_changes_with_one_that_came_later(home: Home) -> None:
+    relay = simple_part("switch", settable=("on_off",))
+    parts = tuple(relay.model_copy(update={"id": one}) for one in ("relay", "light"))
+    home.gateway.devices.put(GatewayDevice("plug", "Plug", parts[:1]), "it was found")
+    await home.gateway.devices.report("plug", {"on_off": False}, "relay")
+    await (await home.handle(Handle, "plug")).command("on_off", False)
+    home.gateway.devices.put(GatewayDevice("plug", "Plug", parts), "it was found")
+    await home.gateway.devices.report("plug", {"on_off": False}, "light")
+    await anyio.sleep(30)
+
+    async def answer(home: Home, command: Command) -> None:
+        for one in ("light", "relay"):
+            await home.gateway.devices.report("plug", {"on_off": command.value.plain()}, one)
+
+    home.behaviours["plug"] = answer
+    request = CommandRequest(device="plug", part="light", settings=(Setting.of("on_off", True),), issuer="/app")
+    await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(request, timeout=60)
+    await anyio.sleep(1)
+    assert [one.cause for one in (await home.read()).entries if one.part == "relay"][-1] == "unknown"
+
+
 async def test_the_commands_to_a_device_of_one_part_are_forgotten_with_its_reports(home: Home) -> None:
     """No change of another part can belong to them; 300 lamps kept 40 MB."""
     lamp = await home.new(Light, "lonely", "on_off")

@@ -140,12 +140,15 @@ class Timelines:
         return entry
 
     def _move(self, entry: _TrackedPart, device: Device) -> None:
-        """Let a part be near the other parts of its *device*, if it has any, and in the room where that is now."""
-        entry.near = area, has_others = device.area, len(device.parts) > 1
-        entry.timeline.nearby = Nearby(
+        """Let the parts of a *device* be near each other, if it has several, and in the room where it is now."""
+        near = area, has_others = device.area, len(device.parts) > 1
+        nearby = Nearby(
             self._commands_to(f"device {device.id}") if has_others else NOWHERE.device,
             self._commands_to(f"room {area}") if area else NOWHERE.room,
         )
+        others = (self._entries.get((device.id, one.id)) for one in device.parts)
+        for one in (entry, *filter(None, others)):
+            one.near, one.timeline.nearby = near, nearby
 
     def _commands_to(self, place: str) -> NearbyCommands:
         known = self._nearby.get(place)
