@@ -1,5 +1,7 @@
 """Leases that yield to persons, as those of an identification: a person's command is obeyed; in virtual time."""
 
+from functools import partial
+
 import anyio
 import pytest
 from anyio.lowlevel import checkpoint
@@ -22,11 +24,23 @@ def blinking(*, value: PlainValue = True, device: str = "lamp", **fields: object
 
 
 async def command(
-    home: Home, value: PlainValue, issuer: str = "client:owner", device: str = "lamp", trigger: str = ""
+    home: Home,
+    value: PlainValue,
+    issuer: str = "client:owner",
+    device: str = "lamp",
+    trigger: str = "",
+    batch: str = "",
+    batch_size: int = 0,
 ) -> Outcome:
     settings = (Setting.of("on_off", value),)
     request = CommandRequest(
-        device=device, part="", settings=settings, issuer=issuer, trigger=Trigger.model_validate({"kind": trigger})
+        device=device,
+        part="",
+        settings=settings,
+        issuer=issuer,
+        trigger=Trigger.model_validate({"kind": trigger}),
+        batch=batch,
+        batch_size=batch_size,
     )
     return await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(request, timeout=60)
 
@@ -99,6 +113,17 @@ async def test_a_command_to_a_group_outranks_the_leases_of_its_members(home: Hom
     await anyio.sleep(30)
     assert (await steps(home))[1:] == [("outranked", "client:owner", "a command by the client owner")]
     assert [one.key for one in home.commands] == ["left", "group"]
+
+
+async def test_commands_to_all_members_outrank_the_lease_of_the_group_that_carries_them(home: Home) -> None:
+    group = await put_group(home, "id:left", "id:right")
+    assert (await home.hold(blinking(device=group.device.id))).held
+    await anyio.sleep(5)
+    for name in ("left", "right"):
+        home.tasks.start_soon(partial(command, home, False, device=name, batch="all", batch_size=2))
+    await anyio.sleep(30)
+    assert (await steps(home))[1:] == [("outranked", "client:owner", "a command by the client owner")]
+    assert [(one.key, one.value.plain()) for one in home.commands] == [("group", True), ("group", False)]
 
 
 @pytest.mark.parametrize("turns", range(40))

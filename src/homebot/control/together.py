@@ -164,14 +164,16 @@ class Together:
     async def _may_begin(self, commands: Sequence[IssuedCommand], device: Device, part: DevicePart) -> bool:
         """Return whether the group or scene has the same members as when it was chosen, and no lease has begun since.
 
-        If so, record that a group is commanded.
+        If so, record that a group is commanded, also for the leases of it that yield to persons.
         """
         present = await self._lookup.known(device.id)
         now = None if present is None else present.part(part.id)
         is_same = now is not None and (now.part.members, now.part.values) == (part.part.members, part.part.values)
-        if not is_same or any(map(self._held, commands)):
+        whole = replace(commands[0], device=device, part=part)
+        if not is_same or any(map(self._held, (*commands, whole))):
             return False
         if part.part.is_group:
+            self._leases.yield_to(whole)
             self._timelines.command_members(order_of(commands[0]), [(device, part)])
         return True
 
