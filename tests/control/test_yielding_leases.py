@@ -8,12 +8,14 @@ from anyio.lowlevel import checkpoint
 from tests.control.conftest import Home, hold_request, obey_after
 from tests.control.test_groups import put_group
 
-from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
+from homebot.devices.command_messages import CommandRequest, PerformCommand, SendText, SendTextRequest, Setting
+from homebot.devices.gateway_messages import Command
 from homebot.devices.lease_messages import HolderRequest, HoldRequest, LeaseResponse, RenewLease
-from homebot.devices.names import PERFORM_COMMAND, RENEW_LEASE
+from homebot.devices.names import PERFORM_COMMAND, RENEW_LEASE, SEND_TEXT
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Outcome, Refused
 from homebot.devices.trigger import Trigger
 from homebot.devices.value import PlainValue
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 
 pytestmark = pytest.mark.virtual_time
 
@@ -124,6 +126,28 @@ async def test_commands_to_all_members_outrank_the_lease_of_the_group_that_carri
     await anyio.sleep(30)
     assert (await steps(home))[1:] == [("outranked", "client:owner", "a command by the client owner")]
     assert [(one.key, one.value.plain()) for one in home.commands] == [("group", True), ("group", False)]
+
+
+async def test_a_text_of_a_person_that_is_not_understood_outranks_the_leases_of_all_parts(home: Home) -> None:
+    """As a JSON object of Zigbee2MQTT for one of two lights."""
+    light = simple_part("light", settable=("on_off",))
+    parts = tuple(light.model_copy(update={"id": one}) for one in ("left", "right"))
+    home.gateway.devices.put(GatewayDevice("lamp", "Lamp", parts, command_address="lamp/set"), "it was found")
+    home.behaviours["lamp"] = report_right
+    await home.gateway.devices.report("lamp", {"on_off": False}, "right")
+    await anyio.sleep(1)
+    assert (await home.hold(blinking(part="right"))).held
+    await anyio.sleep(20)
+    text = SendTextRequest(device="lamp", payload='{"state_right": "OFF"}', issuer="client:owner")
+    assert (await home.app.create_client(SendText, SEND_TEXT).call(text)).success
+    await home.gateway.devices.report("lamp", {"on_off": False}, "right")
+    await anyio.sleep(20)
+    assert (await steps(home))[1:] == [("outranked", "client:owner", "a command by the client owner")]
+    assert [one.value.plain() for one in home.commands] == [True]
+
+
+async def report_right(home: Home, command: Command) -> None:
+    await home.gateway.devices.report("lamp", {"on_off": command.value.plain()}, "right")
 
 
 @pytest.mark.parametrize("turns", range(40))

@@ -249,11 +249,13 @@ class CommandExecutor:
     def _record_text(self, command: IssuedCommand, order: Order, at: float) -> None:
         """Record that *command* is sent as a text, which is for all parts of its device if it is not understood."""
         device = command.device
-        if self.leases.parts:
-            self.leases.yield_to(command)
-            self.leases.record_stop(command, at)
         is_for_all = UNREAD in command.settings and device.parts
-        for part in device.parts if is_for_all else (command.part,):
+        parts = device.parts if is_for_all else (command.part,)
+        if self.leases.parts:
+            for part in parts:
+                self.leases.yield_to(replace(command, part=part))
+            self.leases.record_stop(command, at)
+        for part in parts:
             self.timelines.of(device, part).command(order, at, is_raw=True)
         if command.members:
             self.timelines.command_members(order, command.members)
