@@ -803,6 +803,8 @@ FADES_UP += [(float(step), {"level": 25.0 * step}) for step in range(1, 5)]
 FADES_DOWN: Fade = [(0.1, {"on_off": False})]
 FADES_DOWN += [(float(step), {"on_off": step < 4, "level": 100.0 - 20 * step}) for step in range(1, 5)]
 
+FADES_DOWN_LATE: Fade = [(0.1, {"on_off": False}), (1.0, {"on_off": True}), (4.6, {"on_off": False})]
+
 
 @pytest.mark.parametrize(
     ("was_on", "setting", "transition", "steps", "reverted"),
@@ -810,6 +812,7 @@ FADES_DOWN += [(float(step), {"on_off": step < 4, "level": 100.0 - 20 * step}) f
         (False, ("level", 100.0), 4.0, FADES_UP, 0),
         (False, ("level", 100.0), 0.0, FADES_UP, 0),  # by a transition that is set in the bridge
         (True, ("on_off", False), 4.0, FADES_DOWN, 0),
+        (True, ("on_off", False), 4.0, FADES_DOWN_LATE, 0),  # its last step comes after the transition
         (True, ("on_off", False), 0.0, FADES_DOWN, 0),  # likewise
         (True, ("on_off", False), 0.0, FADES_DOWN[:-1], 1),
         (True, ("on_off", False), 4.0, FADES_DOWN[:-1], 1),
@@ -842,7 +845,7 @@ async def test_a_lamp_that_reports_the_end_of_a_fade_first_and_then_its_steps_do
         (("on_off",), 0.1, {"on_off": True}, 1.0),
         (("on_off", "level"), 0.1, {"on_off": True, "level": 100.0}, 1.0),
         (("on_off", "level"), 0.1, {"on_off": True}, 2.0),  # a lower level may follow
-        (("on_off", "level"), 4.0, {"on_off": True}, 4.0),  # or until the end of the transition
+        (("on_off", "level"), 4.0, {"on_off": True}, 5.0),  # or after the end of the transition
     ],
 )
 async def test_a_lamp_that_is_on_again_went_back_when_no_fade_can_explain_it(

@@ -148,7 +148,7 @@ class Settling:
         self._step, self._step_value = fact.capability, fact.value
         self._steps_until = max(self._steps_until, fact.at + durations.LAST_STEPS)
         self._wait_on(fact.at)
-        self._level_until = max(fact.at + durations.LEVEL_FOLLOWS, self._fades_until) if may_fade else math.inf
+        self._level_until = max(fact.at, self._fades_until) + durations.LEVEL_FOLLOWS if may_fade else math.inf
         if self._fade is not None:
             self._judge_fade(self._fade.sign(fact.at), fact.at)
 
@@ -159,7 +159,9 @@ class Settling:
         return self._step_role(fact.number)
 
     def _judge_fade(self, sign: FadeSign, at: float) -> None:
-        if sign == "back" and not (self._step == _ON and at < self._fades_until):
+        if sign == "back" and self._step == _ON and at < self._fades_until:
+            self._level_until = min(self._level_until, max(at + durations.LEVEL_FOLLOWS, self._fades_until))
+        elif sign == "back":
             self._undo(self._step, at)
         elif sign == "fading":
             self._is_fading, self._level_until = True, math.inf
