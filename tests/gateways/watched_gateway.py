@@ -8,7 +8,15 @@ import anyio
 from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
-from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
+from homebot.devices.gateway_messages import (
+    Command,
+    RefreshPart,
+    RefreshRequest,
+    RefreshResponse,
+    Report,
+    SendCommand,
+    SendCommandResponse,
+)
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.names import PairingNames
 from homebot.devices.value import PlainValue, Value
@@ -45,6 +53,10 @@ class WatchedGateway:
         command = Command.model_validate({"key": key, "part": part, "capability": capability, **wanted})
         client = self.watcher.create_client(SendCommand, self.gateway.names.send_command)
         return await client.call(command, timeout=PATIENCE)
+
+    async def refresh(self, key: str, part: str) -> RefreshResponse:
+        client = self.watcher.create_client(RefreshPart, self.gateway.names.refresh)
+        return await client.call(RefreshRequest(key=key, part=part), timeout=PATIENCE)
 
     async def pair_with(self, key: str, code: str) -> PairResponse:
         client = self.watcher.create_client(Pair, PairingNames(self.gateway.node.name).pair)

@@ -90,7 +90,7 @@ class AsksMembers(Protocol):
     """A codec of a group whose bridge reports values for members unheard, in addition to :class:`Codec`."""
 
     def questions(self, sent: Publications) -> Publications:
-        """Return the requests to the members for the values that the command *sent* changes."""
+        """Return the requests to the members for the values that the command *sent* changes; for none, for all."""
 
 
 class AutoExpiry(NamedTuple):

@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
+from contextlib import closing, suppress
 from typing import Final, NamedTuple
 
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.capabilities import is_told_once
 from homebot.devices.device import Device, DevicePart, Endpoint, Route, check_gateway
-from homebot.devices.gateway_messages import Command, GatewayState, RawCommand, SendCommand, SendCommandResponse
+from homebot.devices.gateway_messages import (
+    Command,
+    GatewayState,
+    RawCommand,
+    RefreshPart,
+    RefreshRequest,
+    SendCommand,
+    SendCommandResponse,
+)
 from homebot.devices.names import ONLY_OBSERVES, OWNER, PREFER, GatewayNames
 from homebot.devices.text.commands import command_address, others_at
 from homebot.devices.trigger import NO_TRIGGER, Trigger
@@ -76,6 +85,16 @@ class CommandSender:
             if not response.unable and (response.problem == "refused" or _is_told_once(device, part, command)):
                 break
         raise _error(capability, device.id, failures, _approval_hint(device.id, routes[0], part.routes))
+
+    async def refresh(self, part: DevicePart) -> bool:
+        """Have a part asked for its values, and a group those of its members; return whether a route can."""
+        for route in part.routes:
+            client = self._node.create_client(RefreshPart, GatewayNames(route.gateway).refresh)
+            with closing(client), suppress(InvalidNameError, ServiceError):
+                request = RefreshRequest(key=route.key, part=route.part)
+                if client.service_is_ready() and (await client.call(request, timeout=_ANSWERS_WITHIN)).success:
+                    return True
+        return False
 
     def _client(self, gateway: str) -> Client[Command, SendCommandResponse]:
         client = self._clients[gateway] = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)

@@ -20,6 +20,9 @@ __all__ = [
     "GatewayState",
     "RawCommand",
     "RawMessage",
+    "RefreshPart",
+    "RefreshRequest",
+    "RefreshResponse",
     "Report",
     "SendCommand",
     "SendCommandResponse",
@@ -187,6 +190,23 @@ class SendCommandResponse(ServiceAnswer):
 
 
 SendCommand = ServiceType("homebot/srv/SendCommand", Command, SendCommandResponse)
+
+
+class RefreshRequest(Message):
+    """Request that a gateway ask a part for its values, and a group those of its members.
+
+    The values come as reports, after the answer. A peer that reports only changes reports nothing if there was none.
+    """
+
+    key: str
+    part: str
+
+
+class RefreshResponse(ServiceAnswer):
+    """Result of a request for values; *message* has the reason if the part was not asked."""
+
+
+RefreshPart = ServiceType("homebot/srv/RefreshPart", RefreshRequest, RefreshResponse)
 
 
 class RawMessage(Message):

@@ -41,6 +41,7 @@ HOLD_PART = "/control/hold"
 RENEW_LEASE = "/control/renew"
 RELEASE_LEASE = "/control/release"
 GET_LEASES = "/control/leases"
+GET_CAUSES = "/control/causes"
 END_LEASES = "/control/end_leases"
 COMMAND_EVENTS = "/control/events"
 READ_JOURNAL = "/control/journal"
@@ -194,6 +195,8 @@ class GatewayNames:
         send_command: Service that takes commands in terms of the vocabulary.
         describe_commands: Service that returns the messages that commands would publish, as
             :data:`homebot.devices.approval_messages.DescribeCommands`.
+        refresh: Service that asks a part for its values, as :data:`homebot.devices.gateway_messages.RefreshPart`; only
+            of gateways that can.
         subscribe: Service that starts mirroring raw messages.
     """
 
@@ -212,6 +215,7 @@ class GatewayNames:
         self.offer_commands = f"{base}/offer_commands"
         self.send_command = f"{base}/send_command"
         self.describe_commands = f"{base}/describe_commands"
+        self.refresh = f"{base}/refresh"
         self.subscribe = f"{base}/subscribe_to_topic"
         self._received_data = f"{base}/received_data"
 

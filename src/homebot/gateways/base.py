@@ -13,6 +13,7 @@ A gateway is the node ``/gateway/<name>``. Its interface are these names below t
 ``out``                subscribed topic: :class:`RawCommand`, text to a text address or raw bytes to an address
 ``subscribe_to_topic`` service: requests the raw messages of an address, or the states of a part as text
 ``quarantine``         topic: :class:`Quarantine`, peers that broke the rules and are read slowly
+``refresh``            service: asks a part for its values, and a group for those of its members
 ``offers``             subscribed topic: :class:`ExposedDevice`, a device of homebot for other systems
 ``offer_reports``      subscribed topic: :class:`ExposedState`, the states of those devices
 ``offer_commands``     topic: :class:`Command`, commands of those systems

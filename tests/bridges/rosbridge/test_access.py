@@ -468,6 +468,8 @@ def test_each_token_has_a_secret_of_its_own_which_no_error_shows() -> None:
         ("/discovery/approve", Right.MANAGE),
         ("/control/end_leases", Right.MANAGE),
         ("/control/leases", Right.READ),
+        ("/control/causes", Right.READ),
+        ("/gateway/mqtt/refresh", Right.ACT),
         ("/gateway/nfc/write_tag", Right.MANAGE),
         ("/gateway/matter/commission", Right.MANAGE),
         ("/homebot/start_recorder", Right.MANAGE),

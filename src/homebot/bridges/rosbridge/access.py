@@ -38,6 +38,7 @@ _READING: Final = frozenset(
         names.FIND_DEVICES,
         names.GET_CHANGES,
         names.GET_INDEX_DATA,
+        names.GET_CAUSES,
         names.GET_LEASES,
         names.GET_PLACES,
         names.GET_QUESTIONS,
@@ -97,7 +98,11 @@ _OF_EACH_NODE: Final = {
 }
 """Services that any node may offer, by the last parts of their names."""
 
-_GATEWAY_RIGHTS: Final = {**dict.fromkeys(names.GATEWAY_READING, Right.READ), "send_command": Right.RAW}
+_GATEWAY_RIGHTS: Final = {
+    **dict.fromkeys(names.GATEWAY_READING, Right.READ),
+    "refresh": Right.ACT,
+    "send_command": Right.RAW,
+}
 """Services of gateways, by the last parts of their names; the others manage the gateway."""
 
 

@@ -8,7 +8,14 @@ import anyio.lowlevel
 
 from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.approval_messages import DescribeCommands, DescribeCommandsRequest, DescribeCommandsResponse
-from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
+from homebot.devices.gateway_messages import (
+    Command,
+    RefreshPart,
+    RefreshRequest,
+    RefreshResponse,
+    SendCommand,
+    SendCommandResponse,
+)
 from homebot.devices.health import GetHealth, HealthResponse
 from homebot.devices.names import ONLY_OBSERVES, TEXT_SCHEME, read_text_address
 from homebot.devices.part import CommandDescription
@@ -22,7 +29,7 @@ from homebot.gateways.announced.sent_commands import sent_commands
 from homebot.gateways.raw_delivery import begin_of
 from homebot.support.unanswered import SENT_REQUESTS, SentRequests
 
-__all__ = ["CommandServer", "Perform", "RawMessages"]
+__all__ = ["CommandServer", "Perform", "RawMessages", "Refresh"]
 
 COMMAND_REFUSED = "gateway.command_refused"
 COMMAND_FAILED = "gateway.command_failed"
@@ -36,6 +43,13 @@ Perform: TypeAlias = Callable[[Command], Coroutine[object, object, None]]
 It raises :class:`UnableError` if the part as described cannot do that and nothing was sent,
 :class:`LinkError` if the device or its network cannot be reached now, and :class:`RefusedError` if one of them
 refuses. It waits for an answer inside :func:`homebot.support.unanswered.awaiting_answer`.
+"""
+
+
+Refresh: TypeAlias = Callable[[str, str], Awaitable[object]]
+"""The port of a protocol with values that can be asked for: asks the part of a key, and a group's members.
+
+It raises :class:`UnableError` if the part cannot be asked, and :class:`LinkError` if it cannot be reached now.
 """
 
 
@@ -71,6 +85,7 @@ class CommandServer:
         health: Returns the health report of the protocol, which the engine's counters complete.
         keeps_states: Whether a new listener to the texts of a part gets its last state as a retained message;
             False if the network itself retains states.
+        refresh: Asks a part for its values; None if the protocol cannot.
     """
 
     def __init__(
@@ -81,6 +96,7 @@ class CommandServer:
         health: Callable[[], HealthResponse],
         *,
         keeps_states: bool,
+        refresh: Refresh | None = None,
     ) -> None:
         self._gateway = engine.gateway
         self._perform = perform
@@ -97,6 +113,9 @@ class CommandServer:
         node.create_service(SubscribeToTopic, names.subscribe, self.subscribe)
         node.create_service(GetHealth, names.health, lambda _: engine.health(health()))
         node.create_service(DescribeCommands, names.describe_commands, self.describe_commands, concurrent=True)
+        self._refresh = refresh
+        if refresh is not None:
+            node.create_service(RefreshPart, names.refresh, self.refresh, concurrent=True)
         self._out = node.create_subscription(RawCommand, names.out, self._send, _OUT_DEPTH, concurrent=True)
 
     async def serve(self, command: Command) -> SendCommandResponse:
@@ -130,6 +149,16 @@ class CommandServer:
             SENT_REQUESTS.reset(token)
         self._counters.commands += 1
         return _CARRIED_OUT
+
+    async def refresh(self, request: RefreshRequest) -> RefreshResponse:
+        """Ask a part for its values, and return whether it was asked."""
+        if self._refresh is None or not self._gateway.acts:
+            return RefreshResponse(success=False, message=self._gateway.observes_because)
+        try:
+            await self._refresh(request.key, request.part)
+        except HomebotError as exc:
+            return RefreshResponse(success=False, message=str(exc))
+        return RefreshResponse(success=True, message="")
 
     def subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
         """Deliver all further messages on an address."""

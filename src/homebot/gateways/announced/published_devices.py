@@ -16,7 +16,7 @@ from homebot.devices.part import check_setting
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UnableError, WireError
 from homebot.gateways.announced.announcement import SightingKind, StoredAnnouncement
-from homebot.gateways.announced.command_server import CommandServer, Perform
+from homebot.gateways.announced.command_server import CommandServer, Perform, Refresh
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.gateway_device import GatewayDevice, can_report
 from homebot.gateways.announced.registry import DeviceRegistry, RegistryLimits
@@ -49,6 +49,7 @@ class PublishedDevices:
 
     Args:
         send_raw: Sends raw commands to addresses; None for a protocol without them.
+        refresh: Asks a part for its values; None for a protocol that cannot.
         find_source: Returns the device of a raw address; by default the registered one with that address.
         settings: The keys that the tables of all gateways have in common.
         max_devices: Most devices known at once; see :class:`RegistryLimits` for the other limits.
@@ -68,6 +69,7 @@ class PublishedDevices:
         settings: GatewaySettings | None = None,
         *,
         send_raw: SendRaw | None = None,
+        refresh: Refresh | None = None,
         find_source: FindSource | None = None,
         max_devices: int = MAX_DEVICES,
         find_problems: Callable[[], Iterable[str]] = tuple,
@@ -95,6 +97,7 @@ class PublishedDevices:
             self,
             lambda: HealthResponse(counts=(), troubles=(*self.problems, *find_problems()), notes=tuple(find_notes())),
             keeps_states=True,
+            refresh=refresh,
         )
 
     @property

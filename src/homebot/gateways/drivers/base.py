@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict
 
 from homebot.conventions.dns_sd import FoundService
 from homebot.devices.gateway_messages import Command
-from homebot.errors import LinkError
+from homebot.errors import LinkError, UnableError
 from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.device_runner import DriverHost
 from homebot.plugins import check_extra
@@ -101,6 +101,16 @@ class Driver(ABC):
             LinkError: There is no connection.
             RefusedError: The device refuses.
         """
+
+    async def refresh(self, key: str, part: str) -> None:
+        """Ask the device for the values of a part, which it reports later.
+
+        Raises:
+            LinkError: There is no connection.
+            UnableError: It cannot be asked.
+        """
+        del part
+        raise UnableError(f"{key[:100]} answers no requests")
 
 
 async def first_answer(name: str, addresses: Sequence[str], ask: Callable[[str], Awaitable[Answer]]) -> Answer:

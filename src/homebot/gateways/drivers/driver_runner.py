@@ -122,12 +122,19 @@ class DriverRunner(DeviceRunner):
 
     async def perform(self, command: Command) -> None:
         """Carry out *command*; wait a moment for a connection in progress."""
+        await (await self._connected_driver()).perform(command)
+
+    async def refresh(self, key: str, part: str) -> None:
+        """Ask the device for the values of a part; wait as :meth:`perform`."""
+        await (await self._connected_driver()).refresh(key, part)
+
+    async def _connected_driver(self) -> Driver:
         if self._is_connecting:
             with anyio.move_on_after(CONNECTED_WITHIN):
                 await self._connected.wait()
         if self._driver is None or not self.is_connected:
             raise self.not_connected()
-        await self._driver.perform(command)
+        return self._driver
 
     def describe(self, device: GatewayDevice) -> None:
         """Publish the description of the device, now connected, under the key of its service."""

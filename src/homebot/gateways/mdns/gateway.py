@@ -83,6 +83,7 @@ class MdnsGateway(Gateway):
             self,
             self._perform,
             settings,
+            refresh=self._refresh,
             max_devices=settings.max_services,
             find_problems=lambda: problems_of(one.runner for one in self._listed.values()),
         )
@@ -265,18 +266,24 @@ class MdnsGateway(Gateway):
         )
 
     async def _perform(self, command: Command) -> None:
+        await self._runner_of(command.key).perform(command)
+
+    async def _refresh(self, key: str, part: str) -> None:
+        await self._runner_of(key).refresh(key, part)
+
+    def _runner_of(self, key: str) -> DriverRunner:
         if self._unavailable:
             raise LinkError(f"no device can be reached: {self._unavailable}")
-        if command.key in self._asleep:
-            raise LinkError(f"{command.key[:100]} is asleep; try again once it is awake")
-        listed = self._listed.get(command.key)
+        if key in self._asleep:
+            raise LinkError(f"{key[:100]} is asleep; try again once it is awake")
+        listed = self._listed.get(key)
         if listed is None:
-            listed = next((one for one in self._listed.values() if command.key in one.behind), None)
+            listed = next((one for one in self._listed.values() if key in one.behind), None)
         if listed is None:
-            raise LinkError(f"{command.key[:100]} is not on the network now")
+            raise LinkError(f"{key[:100]} is not on the network now")
         if listed.runner is None:
-            raise LinkError(f"{command.key[:100]} has no driver; `homebot doctor` names those that cannot be used")
-        await listed.runner.perform(command)
+            raise LinkError(f"{key[:100]} has no driver; `homebot doctor` names those that cannot be used")
+        return listed.runner
 
 
 def _check_present(interfaces: Interfaces, wanted: tuple[str, ...]) -> None:

@@ -174,10 +174,22 @@ class CommandPublisher:
         if publications and not is_heard and not announced_part.reports(command.capability):
             raise LinkError(f"no client subscribes to {publications[0].topic[:100]}")
 
-    def _ask_members(self, group: AnnouncedPart, sent: tuple[Publication, ...]) -> None:
+    async def refresh(self, key: str, part: str) -> None:
+        """Ask a part for its values, or the members of a group, soon; see :data:`Refresh`."""
+        announced_part = self._find_part(key, part)
+        await self._connection.require_link()
+        if not (self._ask_members(announced_part, ()) or announced_part.described.state_requests):
+            raise UnableError(f"{key[:100]} answers no requests")
+        for publication in announced_part.described.state_requests:
+            self._ask(DeviceRequest(f"{key} {publication.topic}", (publication,)))
+
+    def _ask_members(self, group: AnnouncedPart, sent: tuple[Publication, ...]) -> bool:
+        """Ask the members of a group for the values that *sent* changes, by default for all; return whether any can."""
         codec = group.described.codec
-        for one in codec.questions(sent) if isinstance(codec, AsksMembers) else ():
-            self._ask(DeviceRequest(f"{group.stored.key} {one.topic}", (one,)))
+        questions = codec.questions(sent) if isinstance(codec, AsksMembers) else ()
+        for publication in questions:
+            self._ask(DeviceRequest(f"{group.stored.key} {publication.topic}", (publication,)))
+        return bool(questions)
 
     async def _publish(self, command: Command, publications: Iterable[Publication]) -> bool:
         """Publish the messages of *command*; return whether a client may receive one of them.

@@ -113,7 +113,9 @@ class AnnouncedDevices:
         )
         self.offers = Offers(gateway, publishers, self.quarantine)
         publisher = CommandPublisher(engine, connection, self.census, self._subscriber.question, responses)
-        self.texts = CommandServer(engine, publisher.perform, self, self._health, keeps_states=False)
+        self.texts = CommandServer(
+            engine, publisher.perform, self, self._health, keeps_states=False, refresh=publisher.refresh
+        )
 
     async def serve(self) -> None:
         """Subscribe, send requests and expire values until cancelled."""

@@ -44,6 +44,7 @@ class CrashingHomeAssistant(SimulatedHomeAssistant):
         self.serving = anyio.CancelScope()
         self.crashes = False
         self.called = 0
+        self.last_call: Mapping[str, object] = {}
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         with anyio.CancelScope() as self.serving:
@@ -52,6 +53,7 @@ class CrashingHomeAssistant(SimulatedHomeAssistant):
     def receive(self, peer: WebPeer, message: bytes) -> None:
         is_call = b"call_service" in message
         self.called += is_call
+        self.last_call = as_object(message) if is_call else self.last_call
         if is_call and self.crashes:
             self.serving.cancel()
         else:
@@ -194,6 +196,19 @@ async def test_a_refusal_of_a_command_with_a_code_never_repeats_it(tmp_path: Pat
     assert (coded.success, coded.problem) == (False, "refused")
     assert "4711" not in coded.message
     assert "not found" not in coded.message
+
+
+async def test_an_entity_is_polled_when_its_values_are_asked_for(tmp_path: Path) -> None:
+    home = CrashingHomeAssistant()
+    async with house(tmp_path, home) as seen:
+        await seen.sighted(parts=1)
+        await seen.refresh("home-lock", "lock_home-lock")
+        wanted = {
+            "domain": "homeassistant",
+            "service": "update_entity",
+            "service_data": {"entity_id": ["lock.home_lock"]},
+        }
+        assert wanted.items() <= home.last_call.items()
 
 
 async def test_a_command_is_sent_once_or_not_at_all_while_home_assistant_is_away(tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ from tests.integrations.hue.gateway.bridges import (
 from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
-from homebot.devices.gateway_messages import SendCommandResponse
+from homebot.devices.gateway_messages import Report, SendCommandResponse
 from homebot.devices.value import PlainValue
 from homebot.gateways.pairing import PairResponse
 from homebot.graph import Graph, Node
@@ -232,6 +232,18 @@ async def test_all_lights_of_a_room_are_told_by_one_request(tmp_path: Path) -> N
         assert (await home.send(lights.key, "level", 40.0, "grouped_light")).success
         body = {"on": {"on": True}, "dimming": {"brightness": 40.0}}
         assert home.bridge.commands == [("grouped_light", lights.key, body)]
+
+
+async def test_the_lights_of_a_room_are_read_again(tmp_path: Path) -> None:
+    async with house(tmp_path) as home:
+        lamp = await home.install("lamp", DeviceState(text="off"), room="Kitchen")
+        lights = await home.sighting("Kitchen lights")
+        reports = home.watcher.create_subscription(Report, home.gateway.names.readings, qos_profile=100)
+        assert (await home.refresh(lights.key, "grouped_light")).success
+        report = await receive(reports, lambda one: one.key == lamp.owner_id)
+        assert [one.value.plain() for one in report.readings if one.capability == "on_off"] == [False]
+        await home.kill()
+        assert not (await home.refresh(lights.key, "grouped_light")).success
 
 
 async def test_a_scene_is_recalled_without_a_lamp_that_is_gone(tmp_path: Path) -> None:

@@ -99,6 +99,20 @@ async def test_a_node_that_loses_power_is_unreachable_and_stays() -> None:
         assert "removed" not in kinds
 
 
+async def test_a_value_that_the_server_missed_is_read_from_its_node() -> None:
+    async with house() as home:
+        reports = home.reports()
+        lamp = await home.commission("lamp", DeviceState(text="off"))
+        await reading(reports, "on_off", lambda one: one is False)
+        lamp.attributes["1/6/0"] = True
+        assert (await home.refresh("node-1", "1")).success
+        await reading(reports, "on_off", lambda one: one is True)
+        lamp.is_available = False
+        home.server.miss(lamp)
+        await reading(reports, "reachable", lambda one: one is False)
+        assert "does not answer" in (await home.refresh("node-1", "1")).message
+
+
 async def test_a_press_of_a_button_is_one_event() -> None:
     async with house() as home:
         reports = home.reports()

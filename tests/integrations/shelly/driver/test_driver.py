@@ -61,6 +61,12 @@ class TestADimmer:
         assert shelly.told == ["on", "0.3"]
         assert json.loads(host.raw[0])["method"] == "NotifyStatus"
 
+    async def test_reads_its_status_again(self) -> None:
+        async with driven(Obeying(), driver) as (host, shelly_driver):
+            host.values.clear()
+            await shelly_driver.refresh(host.device.key, "light:0")
+            await host.until(lambda: host.values.get(("light:0", "on_off")) is False)
+
     async def test_refuses_what_it_cannot(self) -> None:
         async with driven(Obeying(), driver) as (_, shelly_driver):
             with pytest.raises(RefusedError, match="cellar"):

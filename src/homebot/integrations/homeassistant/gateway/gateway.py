@@ -55,7 +55,12 @@ class HomeAssistantGateway(LinkedGateway):
         self._changed = anyio.Event()
         self._forgot_at = 0.0
         self.devices = PublishedDevices(
-            self, self._perform, settings, max_devices=settings.max_entities, find_problems=self._problems
+            self,
+            self._perform,
+            settings,
+            refresh=self._refresh,
+            max_devices=settings.max_entities,
+            find_problems=self._problems,
         )
 
     @classmethod
@@ -253,6 +258,14 @@ class HomeAssistantGateway(LinkedGateway):
                 raise RefusedError(what, "Home Assistant refuses it, or the code is wrong") from None
             raise exc from None
         entity.expect(call)
+
+    async def _refresh(self, key: str, part: str) -> None:
+        """Have an entity polled, and of a group its members; Home Assistant reports what has changed."""
+        self.check_link()
+        entity = self._entities.entity(key, part)
+        polled = {"entity_id": list(entity.members or (entity.entity_id,))}
+        args = {"domain": "homeassistant", "service": "update_entity", "service_data": polled}
+        await self._link.call(f"an update of {entity.entity_id}", "call_service", args)
 
 
 def _suppress_refusal(registry: str) -> AbstractContextManager[object, bool | None]:

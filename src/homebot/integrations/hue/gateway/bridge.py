@@ -125,6 +125,22 @@ class BridgeRunner(DeviceRunner):
         except RefusedError as exc:
             raise self._explained(exc) from None
 
+    async def refresh(self, key: str, part: str) -> None:
+        """Read a service again; of a group or a scene, the lights in it."""
+        if self._link is None:
+            raise self.not_connected()
+        service = next(one for one in self._described[key].services if one.part.id == part)
+        wanted, members = {service.id}, set(service.part.members)
+        for device in self._described.values() if members else ():
+            names = {own.id: f"id:hue:{device.id}#{own.part.id}" for own in device.services}
+            wanted |= {rid for rid, name in names.items() if name in members or f"id:hue:{device.id}" in members}
+        listed = await self._link.read("light" if members else service.part.advertised)
+        resources = (
+            [one for one in listed if text_of(as_fields(one).get("id")) in wanted] if isinstance(listed, list) else []
+        )
+        for item, _ in self._apply({"type": "update", "data": resources}):
+            await self._publish(item)
+
     def list_unheard(self) -> None:
         """Publish the bridge with only its id and name."""
         device = GatewayDevice(self.key, self.name, identifiers=bridge_identifiers(self.key), service_type="bridge")

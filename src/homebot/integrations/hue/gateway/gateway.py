@@ -73,7 +73,11 @@ class HueGateway(Gateway):
         self._tasks: TaskGroup | None = None
         self._tried = anyio.Event()
         self.devices = PublishedDevices(
-            self, self._perform, settings, find_problems=lambda: problems_of(self._bridges.values())
+            self,
+            self._perform,
+            settings,
+            refresh=self._refresh,
+            find_problems=lambda: problems_of(self._bridges.values()),
         )
         PairingServices(self, node)
         names = GatewayNames(settings.mdns)
@@ -198,7 +202,13 @@ class HueGateway(Gateway):
         self._tried.set()
 
     async def _perform(self, command: Command) -> None:
-        bridge = next((one for one in self._bridges.values() if one.has(command.key)), None)
+        await self._bridge_of(command.key).perform(command)
+
+    async def _refresh(self, key: str, part: str) -> None:
+        await self._bridge_of(key).refresh(key, part)
+
+    def _bridge_of(self, key: str) -> BridgeRunner:
+        bridge = next((one for one in self._bridges.values() if one.has(key)), None)
         if bridge is None:
-            raise LinkError(f"the bridge of {command.key[:100]} is not connected")
-        await bridge.perform(command)
+            raise LinkError(f"the bridge of {key[:100]} is not connected")
+        return bridge

@@ -77,7 +77,7 @@ class MatterGateway(LinkedGateway):
         self._node_of: dict[str, MatterNode] = {}
         self._missed: set[int] = set()
         self._scenes = SceneReader(self, self._on_scenes)
-        self.devices = PublishedDevices(self, self._perform, settings)
+        self.devices = PublishedDevices(self, self._perform, settings, refresh=self._refresh)
         serve_commissioning(node, self, self._commission, self._decommission)
 
     @classmethod
@@ -295,14 +295,29 @@ class MatterGateway(LinkedGateway):
         return key, name
 
     async def _perform(self, command: Command) -> None:
-        self.check_link()
-        node = self._node_of[command.key]
-        device = next(one for one in node.published if one.device.key == command.key)
-        if not node.is_reachable(device):
-            raise LinkError(f"{device.device.name} does not answer the Matter server")
+        node, device = self._reached(command.key)
         endpoint, rows = device.rows[command.part]
         write = writer_of(rows, command.capability)
         what = f"{command.capability} for {device.device.name}"
         for order in write(endpoint, command):
             name, args = order.server_call(node.id, endpoint.id)
             check_result(what, await self._link.call(what, name, args, is_secret=order.is_secret))
+
+    async def _refresh(self, key: str, part: str) -> None:
+        """Read the attributes behind the values of a part from its node."""
+        node, device = self._reached(key)
+        endpoint, rows = device.rows[part]
+        paths = [f"{endpoint.id}/{cluster}/*" for cluster in sorted({one for row in rows for one in row.watched})]
+        args = {"node_id": node.id, "attribute_path": paths}
+        answer = await self._link.call(f"the values of {device.device.name}", "read_attribute", args)
+        for path, value in as_fields(answer).items():
+            await self._on_attribute([node.id, path, value], b"")
+
+    def _reached(self, key: str) -> tuple[MatterNode, NodeDevice]:
+        """Return a device that answers, and its node."""
+        self.check_link()
+        node = self._node_of[key]
+        device = next(one for one in node.published if one.device.key == key)
+        if not node.is_reachable(device):
+            raise LinkError(f"{device.device.name} does not answer the Matter server")
+        return node, device

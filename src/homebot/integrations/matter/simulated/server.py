@@ -99,6 +99,7 @@ class SimulatedMatterServer(WebDevice):
         self._node_commands: Mapping[str, _Handler] = {
             "get_node": lambda node, _args: (None, node.describe()),
             "remove_node": self._remove_node,
+            "read_attribute": _read,
             "write_attribute": _write,
             "device_command": _invoke,
         }
@@ -188,7 +189,7 @@ class SimulatedMatterServer(WebDevice):
         node = self.nodes.get(node_id) if isinstance(node_id, int) else None
         if node is None:
             return _NO_NODE, f"Node {node_id} does not exist or has not been interviewed."
-        if command in {"device_command", "write_attribute"} and not node.is_available:
+        if command in {"device_command", "read_attribute", "write_attribute"} and not node.is_available:
             return _NOT_READY, f"Node {node_id} is not (yet) available."
         return self._node_commands[command](node, args)
 
@@ -214,6 +215,14 @@ class SimulatedMatterServer(WebDevice):
         node.node_id = self._last_node_id
         self.nodes[node.node_id] = node
         self.send_event("node_added", node.describe())
+
+
+def _read(node: CommissionedNode, args: Mapping[str, object]) -> _Answer:
+    paths = args.get("attribute_path")
+    if not isinstance(paths, list):
+        return _WRONG_ARGUMENTS, "attribute_path"
+    wanted = [str(path).removesuffix("*") for path in paths]
+    return None, {path: value for path, value in node.attributes.items() if path.startswith(tuple(wanted))}
 
 
 def _write(node: CommissionedNode, args: Mapping[str, object]) -> _Answer:

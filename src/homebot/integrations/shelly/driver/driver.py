@@ -125,6 +125,14 @@ class ShellyDriver(Driver):
         for method, params in device.calls((key, command.part), command.capability, value, command.transition):
             await rpc.call(method, params)
 
+    async def refresh(self, key: str, part: str) -> None:
+        """Read the status of all parts again."""
+        del key, part
+        rpc, device = self._rpc, self._device
+        if rpc is None or device is None:
+            raise LinkError(f"{self.service.name} is not connected")
+        await rpc.call(ANSWERS["status"], on_answer=partial(self._on_answer, device, "status"))
+
     async def _probe(self, client: HttpClient) -> tuple[str, Fields]:
         """Return the address that answers, and the facts available without a password."""
 

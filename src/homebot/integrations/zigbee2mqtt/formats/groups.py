@@ -110,7 +110,7 @@ class _GroupCodec:
     def questions(self, sent: Publications) -> Publications:
         """See :class:`homebot.conventions.description.AsksMembers`."""
         keys = {key: "" for one in sent for key in parse_object(one.payload, _MAX_BYTES) if key != "transition"}
-        asked = ((one.topic, one.question if _RECALL in keys else keys) for one in self._members)
+        asked = ((one.topic, keys if keys and _RECALL not in keys else one.question) for one in self._members)
         return tuple([Publication(f"{topic}/get", compact_json(one).encode()) for topic, one in asked if one])
 
 
