@@ -17,7 +17,7 @@ from homebot.clock import Clock
 from homebot.control import Control, ControlSettings
 from homebot.devices import Devices
 from homebot.devices.command_messages import CommandEvent, Setting
-from homebot.devices.gateway_messages import Command
+from homebot.devices.gateway_messages import Command, RefreshPart, RefreshRequest, RefreshResponse
 from homebot.devices.handles import Handle, Light
 from homebot.devices.handles.handle_query import HandleType
 from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest, ReadJournalResponse
@@ -228,6 +228,19 @@ class RecordingGateway(MemoryGateway):
         self._check_link()
         self.house.commands.append(command)
         await self.house.behaviours.get(command.key, obey)(self.house, command)
+
+
+def answer_requests(home: Home, answer: Callable[[str], Awaitable[None]]) -> list[str]:
+    """Let parts be asked for their values, which *answer* reports; return the keys that are asked."""
+    asked: list[str] = []
+
+    async def refresh(request: RefreshRequest) -> RefreshResponse:
+        asked.append(request.key)
+        await answer(request.key)
+        return RefreshResponse(success=True, message="")
+
+    home.gateway.node.create_service(RefreshPart, home.gateway.names.refresh, refresh)
+    return asked
 
 
 class OpenHome(Protocol):

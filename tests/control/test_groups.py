@@ -5,7 +5,7 @@ from functools import partial
 
 import anyio
 import pytest
-from tests.control.conftest import Home, OpenHome, ignore, obey
+from tests.control.conftest import Home, OpenHome, answer_requests, ignore, obey
 from tests.control.test_explanations import explain
 
 from homebot.control import durations
@@ -15,7 +15,7 @@ from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, Light
 from homebot.devices.names import PERFORM_COMMAND
-from homebot.devices.outcomes import Confirmed, Refused, Superseded
+from homebot.devices.outcomes import Confirmed, Evidence, Refused, Superseded
 from homebot.devices.part import Part
 from homebot.devices.wording.journal_words import finding_text
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
@@ -96,6 +96,35 @@ async def test_a_person_at_a_lamp_of_a_group_is_named_seconds_later(home: Home) 
     await anyio.sleep(20)
     await home.report("left", "on_off", True)
     assert await told(home, "left") == ["command", "person", "person"]
+
+
+async def test_the_members_of_a_silent_group_are_asked_and_a_person_at_one_is_not_overridden(home: Home) -> None:
+    group = await put_group(home, "id:left", "id:right")
+    home.behaviours["group"] = ignore
+
+    async def answer(key: str) -> None:
+        """The right lamp obeyed; the left one did too, and a person has turned it off since."""
+        await home.report("right", "on_off", True)
+        await home.report("left", "on_off", True)
+        await home.report("left", "on_off", False)
+
+    asked = answer_requests(home, answer)
+    await group.command("on_off", True)
+    assert asked == ["group"]
+    assert [one.key for one in home.commands] == ["group"]
+
+
+async def test_a_group_is_confirmed_by_its_members(home: Home) -> None:
+    group = await put_group(home, "id:left", "id:right")
+
+    async def tell_lamps(home: Home, command: Command) -> None:
+        for name in LAMPS:
+            home.later(0.2, name, "on_off", command.value.plain())
+
+    home.behaviours["group"] = tell_lamps
+    outcome = await group.command("on_off", True)
+    assert isinstance(outcome, Confirmed)
+    assert (round(outcome.latency, 1), outcome.evidence) == (0.2, Evidence.REPORTED)
 
 
 async def test_a_command_to_a_group_replaces_that_to_its_lamp(home: Home) -> None:

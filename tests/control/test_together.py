@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import anyio
 import pytest
-from tests.control.conftest import Behaviour, Home, OpenHome, hold_request, ignore
+from tests.control.conftest import Behaviour, Home, OpenHome, answer_requests, hold_request, ignore
 from tests.control.test_explanations import explain
 
 from homebot.apps import App
@@ -20,7 +20,7 @@ from homebot.devices.command_messages import (
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
 from homebot.devices.names import COMMAND_DEVICES, PERFORM_COMMAND
-from homebot.devices.outcomes import AlreadySo, Confirmed, NoAnswer, Outcome, Refused
+from homebot.devices.outcomes import AlreadySo, Confirmed, Evidence, NoAnswer, Outcome, Refused
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.journal_words import entry_text
 from homebot.errors import LinkError
@@ -158,7 +158,8 @@ async def test_what_a_bridge_says_of_its_group_is_no_proof_that_a_lamp_obeyed(ho
     assert "person" not in {each for one in (await causes(home)).values() for each in one}
 
 
-async def test_a_dead_lamp_of_a_group_whose_bridge_speaks_for_it_gave_no_answer(home: Home) -> None:
+async def put_echoing_lamps(home: Home) -> None:
+    """Put lamps whose bridge speaks for them after a message to their group, which reaches none of them."""
     await put_lamps(home, echoed=True)
 
     async def repeat(home: Home, command: Command) -> None:
@@ -166,10 +167,29 @@ async def test_a_dead_lamp_of_a_group_whose_bridge_speaks_for_it_gave_no_answer(
             home.later(0.01, name, command.capability, command.value.plain())
 
     home.behaviours["group"] = repeat
-    home.behaviours["two"] = ignore
+
+
+async def test_lamps_that_only_echo_and_cannot_be_asked_get_no_messages_of_their_own(home: Home) -> None:
+    await put_echoing_lamps(home)
     outcomes = await command(home)
-    assert (keys(home)[0], sorted(keys(home)[1:])) == ("group", ["one", "three", "two", "two", "two"])
-    assert [type(one) for one in outcomes] == [Confirmed, NoAnswer, Confirmed]
+    assert keys(home) == ["group"]
+    assert [one.evidence for one in outcomes if isinstance(one, Confirmed)] == [Evidence.ACKNOWLEDGED] * 3
+
+
+async def test_lamps_are_asked_before_one_is_told_by_itself(home: Home) -> None:
+    """The first has obeyed; the second answers that it has not, and is dead for further messages."""
+    await put_echoing_lamps(home)
+    home.behaviours["two"] = ignore
+
+    async def answer(key: str) -> None:
+        home.later(0.1, key, "on_off", key != "two")
+
+    asked = answer_requests(home, answer)
+    outcomes = await command(home)
+    assert sorted(set(asked)) == sorted(LAMPS)
+    assert set(keys(home)) == {"group", "two"}
+    assert [type(one) for one in outcomes][::2] == [Confirmed] * 2
+    assert not outcomes[1].succeeded
 
 
 @pytest.mark.parametrize("tells_old_first", [False, True])

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
+from contextlib import closing
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias, final
 
 from homebot.devices.capabilities import CAPABILITIES, LIGHTS_UP
+from homebot.devices.cause_messages import GetCauses, GetCausesRequest, KnownCause, KnownCauses
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import Device, State, target_of
+from homebot.devices.names import GET_CAUSES
 from homebot.devices.obedience import fits
+from homebot.errors import ServiceError
 
 if TYPE_CHECKING:
     from homebot.devices.command_messages import CommandedPart
     from homebot.devices.value import PlainValue
+    from homebot.graph import Node
 
-__all__ = ["RESTORED", "EarlierValues", "KnownStates", "known_states"]
+__all__ = ["RESTORED", "EarlierValues", "KnownStates", "KnownValue", "known_states", "plain_states"]
 
 RESTORED: Final = (
     *("on_off", "level", "color", "color_temperature", "fan_speed", "volume"),
@@ -22,23 +27,36 @@ RESTORED: Final = (
 )
 """The values that an undo brings back, in this order. It opens nothing that was locked, and arms nothing."""
 
-_SETTLES: Final = 10.0
-"""Seconds after a command in which further changes are still its own, such as the last steps of a dimmer."""
-
-_ROUNDING: Final = 1e-5
-"""Seconds by which the clock of a replay may be ahead of the stamps of devices."""
-
-_TOLD: Final = 3
 _WITHOUT_EFFECT: Final = frozenset({"refused", "gone"})
 _NOT_SENT: Final = "already_so"
 
-KnownStates: TypeAlias = "Mapping[tuple[str, str, str], State]"
+
+class KnownValue(NamedTuple):
+    """A value, and the cause of its newest change; None if control has not seen it change."""
+
+    state: State
+    cause: KnownCause | None
+
+
+KnownStates: TypeAlias = "Mapping[tuple[str, str, str], KnownValue]"
 """Values by device, part and capability."""
 
 
-def known_states(devices: Iterable[Device]) -> KnownStates:
+def plain_states(devices: Iterable[Device]) -> Mapping[tuple[str, str, str], State]:
     """Return the known values of *devices*."""
     return {(device.id, one.part, one.capability): one for device in devices for one in device.states}
+
+
+async def known_states(node: Node, devices: Iterable[Device]) -> KnownStates:
+    """Return the known values of *devices*, each with its cause."""
+    devices, client = list(devices), node.create_client(GetCauses, GET_CAUSES)
+    with closing(client):
+        try:
+            told = await client.call(GetCausesRequest(devices=tuple([one.id for one in devices])), timeout=10.0)
+        except ServiceError:
+            told = KnownCauses(success=False)
+    causes = {(one.device, one.part, one.capability): one for one in told.causes}
+    return {place: KnownValue(state, causes.get(place)) for place, state in plain_states(devices).items()}
 
 
 @final
@@ -46,44 +64,40 @@ class EarlierValues:
     """The values before some commands.
 
     Args:
-        entries: As JSON, for a store: by part and capability, the value before, when the command was given and ended,
-            in seconds since the Unix epoch, and the value that was reported as commanded; it is updated.
+        entries: As JSON, for a store: by part and capability, the value before, the ids of the commands, and the value
+            that was reported as commanded; it is updated.
     """
 
     def __init__(self, entries: dict[str, list[Any]] | None = None) -> None:
         self.entries = {} if entries is None else entries
 
-    def add(self, states: KnownStates, commanded: Iterable[CommandedPart], given_at: float, ended_at: float) -> None:
+    def add(self, states: KnownStates, commanded: Iterable[CommandedPart]) -> None:
         """Add the *states* before commands, or those before earlier ones that brought these about."""
         for one in commanded:
-            kind = one.result.outcome
-            if kind not in _WITHOUT_EFFECT:
+            if one.result.outcome not in _WITHOUT_EFFECT:
                 told = {each.capability: each.value.plain() for each in one.result.reported}
-                self._add(states, (one.device, one.part), given_at, ended_at, None if kind == _NOT_SENT else told)
+                commands = [] if one.result.outcome == _NOT_SENT else [one.result.command_id]
+                self._add(states, (one.device, one.part), commands, told)
 
     def add_parts(
-        self, states: KnownStates, parts: Iterable[tuple[str, str]], given_at: float, ended_at: float
-    ) -> None:
-        """Add the *states* before a command of which the outcome for each of *parts* is not known."""
-        for place in parts:
-            self._add(states, place, given_at, ended_at, {})
-
-    def _add(
         self,
         states: KnownStates,
-        place: tuple[str, str],
-        given_at: float,
-        ended_at: float,
-        told: Mapping[str, PlainValue] | None,
+        parts: Mapping[tuple[str, str], Mapping[str, PlainValue]],
+        commands: Iterable[str] = (),
     ) -> None:
-        """Add the states of a place; *told* is None if nothing was sent: no later change is its own."""
-        until = ended_at - _SETTLES if told is None else ended_at
+        """Add the *states* before *commands* whose outcomes for *parts*, each with its wanted values, are not known."""
+        for place, values in parts.items():
+            self._add(states, place, [*commands], values)
+
+    def _add(
+        self, states: KnownStates, place: tuple[str, str], commands: list[str], told: Mapping[str, PlainValue]
+    ) -> None:
         for capability in RESTORED:
-            if (state := states.get((*place, capability))) is not None:
+            if (known := states.get((*place, capability))) is not None:
                 key = f"{target_of(*place)} {capability}"
-                entry = [state.value.plain(), given_at, until, (told or {}).get(capability)]
-                if (earlier := self.entries.pop(key, None)) and _is_own(state, earlier):
-                    entry = earlier if told is None else [*earlier[:2], *entry[2:]]
+                entry = [known.state.value.plain(), commands, told.get(capability)]
+                if (earlier := self.entries.pop(key, None)) and _is_own(known, earlier):
+                    entry = [earlier[0], [*earlier[1], *commands], entry[2] if commands else earlier[2]]
                 self.entries[key] = entry
 
     def due(self, states: KnownStates) -> dict[tuple[str, str], tuple[Setting, ...]]:
@@ -94,11 +108,12 @@ class EarlierValues:
             device, _, part = target.partition("#")
             now, was = states.get((device, part, capability)), _plain(entry[0])
             is_known = was is not None and was not in CAPABILITIES[capability].only_reported
-            if now is not None and is_known and now.value.plain() != was and _is_own(now, entry):
+            if now is not None and is_known and now.state.value.plain() != was and _is_own(now, entry):
                 found.setdefault((device, part), {})[capability] = was
         self.entries.clear()
         for place, values in found.items():
-            _stay_off(values, states.get((*place, "on_off")))
+            power = states.get((*place, "on_off"))
+            _stay_off(values, None if power is None else power.state)
         return {place: _settings(values) for place, values in found.items() if values}
 
 
@@ -109,13 +124,14 @@ def _stay_off(values: dict[str, PlainValue], power: State | None) -> None:
             values.pop(capability, None)
 
 
-def _is_own(state: State, entry: list[Any]) -> bool:
-    """Return whether the command of *entry* brought about the value of *state*."""
-    given_at, ended_at, told = entry[1], entry[2], _plain(entry[3]) if len(entry) > _TOLD else None
-    at, is_as_told = state.since.to_seconds(), told is not None and fits(state.capability, told, state.value.plain())
-    if not given_at - _ROUNDING <= at <= ended_at + _SETTLES:
-        return state.is_first and is_as_told  # since a restart nobody knows how old it is
-    return at <= ended_at or told is None or is_as_told
+def _is_own(known: KnownValue, entry: list[Any]) -> bool:
+    """Return whether the commands of *entry* brought about the value."""
+    commands, told = entry[1], _plain(entry[2])
+    is_as_told = told is not None and fits(known.state.capability, told, known.state.value.plain())
+    if known.cause is None:  # since a restart nobody knows how old it is
+        return known.state.is_first and is_as_told
+    is_told = known.cause.command in commands if commands else is_as_told  # it ended before the outcomes were known
+    return is_told and not known.cause.may_be_person
 
 
 def _plain(value: Any) -> PlainValue:

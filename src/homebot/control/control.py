@@ -19,6 +19,7 @@ from homebot.devices import lease_messages as leases
 from homebot.devices import names
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.approval_messages import GetUnapproved, TrustDevice
+from homebot.devices.cause_messages import GetCauses
 from homebot.devices.command_messages import CommandDevices, PerformCommand, SendText
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
@@ -132,6 +133,7 @@ class Control:
         create(leases.RenewLease, names.RENEW_LEASE, lambda request: self._layer.leases.renew(request))
         create(leases.ReleaseLease, names.RELEASE_LEASE, lambda request: self._layer.leases.release(request))
         create(leases.GetLeases, names.GET_LEASES, lambda request: self._layer.leases.held_parts(request))
+        create(GetCauses, names.GET_CAUSES, lambda request: self._layer.timelines.causes(request))
         create(leases.EndLeases, names.END_LEASES, lambda request: self._layer.leases.end(request))
         create(GetUnapproved, names.GET_UNAPPROVED, lambda request: self._layer.policies.unapproved(request))
         create(TrustDevice, names.TRUST_DEVICE, lambda request: self._layer.executor.witnesses.trust(request))

@@ -80,11 +80,8 @@ A Danfoss valve with Z-Wave wakes every five minutes (OpenZWave/Zwave2Mqtt#228).
 HASTY: Final = 15.0
 """People undo a command within this time so often that two of them coincide by chance."""
 
-TIMED: Final = 900.0
-"""A timer in a device ends a value within this time: most staircase lights are on for 1 to 12 minutes.
-
-Shelly relays have one: ``auto_off_delay`` (Shelly API, Gen2+, Switch).
-"""
+CLOCK_DRIFT: Final = 0.001
+"""The fraction by which the times of a timer in a device may differ, beyond :data:`REGULAR`."""
 
 FRESH: Final = 60.0
 """For this long a live report counts as the present state: a command for the same value is not sent."""

@@ -27,8 +27,7 @@ from homebot.control.policy_engine import PolicyEngine
 from homebot.control.questions import Questions
 from homebot.control.sending import OpenCommand, Rehearsal, Sending, not_sent
 from homebot.control.settings import ControlSettings
-from homebot.control.timeline.cause import Cause
-from homebot.control.timeline.facts import Answered, Decided, Order, Reported
+from homebot.control.timeline.facts import Answered, Cause, Decided, Order, Reported
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.control.timelines import Timelines
@@ -296,7 +295,8 @@ class CommandExecutor:
             if rehearsal is not None and (assumed := self._sending.rehearse(command, opened.timeline)) is not None:
                 return await self._rehearsed(opened, assumed)
             if command.members:
-                self.timelines.command_members(opened.progress.order, command.members)
+                members = self.timelines.command_members(opened.progress.order, command.members)
+                opened.members, opened.progress.members = tuple(members), tuple(members.values())
             witnesses = await self.witnesses.begin(opened)
             outcome = await self._sending.run(opened)
             if witnesses:

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Final, NamedTuple, TypeAlias, final
 
 from homebot.devices.device import Route
-from homebot.devices.gateway_messages import CommandAnswer, GatewayState, Report
+from homebot.devices.gateway_messages import REACHABLE, CommandAnswer, GatewayState, Report
 from homebot.devices.names import GatewayNames, gateway_of
 from homebot.devices.value import PlainValue
 from homebot.errors import InvalidNameError
@@ -58,6 +58,7 @@ class GatewayFeed:
         self._states: set[str] = set()
         self._reports: set[str] = set()
         self._answering: BoundedMap[_Place, None] = BoundedMap(_MOST_ANSWERING)
+        self._absences: BoundedMap[_Place, float] = BoundedMap(_MOST_ANSWERING)
         self.losses: dict[str, LinkLoss] = {}
         self.on_gateway: Callable[[str], None] = lambda _: None
         self.on_answer: Callable[[str, str, str], None] = lambda *_: None
@@ -90,6 +91,13 @@ class GatewayFeed:
             return _NEVER
         return max([self.losses.get(route.gateway, _NEVER) for route in routes], default=_NEVER)
 
+    def last_absence(self, routes: Iterable[Route]) -> float:
+        """Return when a device or part on one of *routes* was last unreachable, on the monotonic clock."""
+        if not self._absences:
+            return -math.inf
+        places = [(one.gateway, one.key, part) for one in routes for part in ("", one.part)]
+        return max([self._absences.get(place, -math.inf) for place in places], default=-math.inf)
+
     def is_answering(self, routes: Iterable[Route]) -> bool:
         """Return whether a device ever answered a command by one of *routes*; the last 10,000 routes are remembered."""
         return bool(self._answering) and any((one.gateway, one.key, one.part) in self._answering for one in routes)
@@ -115,9 +123,12 @@ class GatewayFeed:
         self._follow_state(gateway)
 
     def _on_report(self, gateway: str, report: Report) -> None:
-        if report.retained or report.gateway != gateway:  # it may report only its own devices
+        if report.gateway != gateway:  # it may report only its own devices
             return
         for reading in report.readings:
+            if reading.capability == REACHABLE and reading.value.plain() is False:
+                self._absences[gateway, report.key, reading.part] = self._clock.monotonic()
+        for reading in () if report.retained else report.readings:
             for on_report in tuple(self._watches.get((gateway, report.key, reading.part), ())):
                 on_report(reading.capability, reading.value.plain(), report.received_at.to_seconds())
 

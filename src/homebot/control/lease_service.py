@@ -12,8 +12,8 @@ from homebot.control.executor import CommandExecutor
 from homebot.control.journal.given_codes import without_codes
 from homebot.control.journal.journal import CommandJournal, LeaseStep
 from homebot.control.leases import LEASE_POLICY, HolderKey, Lease, LeaseHolder
-from homebot.control.timeline.cause import Attribution, HeldValue
-from homebot.control.timeline.facts import ReportRole
+from homebot.control.timeline.cause import HeldValue
+from homebot.control.timeline.facts import Attribution, ReportRole
 from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.client_rights import is_client
@@ -220,7 +220,7 @@ class LeaseService:
             return
         if found is None:
             self._hand_back(lease)
-        elif found.cause.may_be_person:
+        elif found.is_hand:
             self._leases.outrank(lease, saw, now)
         else:  # the device itself, which may refuse if it went back at once, or a command to a group
             lease.again_at = now + _AGAIN if found.role is ReportRole.UNDONE else now

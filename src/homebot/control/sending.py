@@ -16,7 +16,7 @@ from homebot.control.policy_engine import PolicyEngine
 from homebot.control.settings import ControlSettings
 from homebot.control.shared_sending import SharedSending
 from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
-from homebot.control.timeline.facts import LinkLost, Reported, ReportRole, SendingEnded, Sent, Withheld
+from homebot.control.timeline.facts import Asked, LinkLost, Reported, ReportRole, SendingEnded, Sent, Withheld
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
 from homebot.devices.command_sender import CommandSender
@@ -62,6 +62,7 @@ class OpenCommand:
 
     Attributes:
         recorded: The last report of each capability in the journal, which does not record it twice.
+        members: The timelines of the members of a group.
     """
 
     command: IssuedCommand
@@ -69,12 +70,13 @@ class OpenCommand:
     progress: CommandProgress
     limits: TimeLimits
     recorded: dict[str, object] = field(default_factory=dict)
+    members: tuple[PartTimeline, ...] = ()
     _acknowledging: asyncio.Timeout | None = None
     _waiter: asyncio.Future[None] | None = None
 
     def is_news(self, fact: Reported) -> bool:
         """Return whether a report differs from the last recorded one, and remember it; all steps on the way are one."""
-        role = self.progress.roles[fact.number]
+        role = fact.attribution.role if fact.attribution.command == self.command.id else None
         news = (ReportRole.STEP, None) if role in _ON_THE_WAY else (role is ReportRole.ECHO, fact.value)
         if self.recorded.get(fact.capability) == news or len(self.recorded) >= _MOST_RECORDED:
             return False
@@ -147,6 +149,8 @@ class Sending:
         while (step := next_step(progress, plan, now := clock.monotonic())).kind != "done":
             if step.kind == "wait":
                 await sent.wait(step.until - now)
+            elif sendings.attempts > sendings.asked_after and (sent.members or command.shared):
+                await self._ask(sent, plan)
             elif sendings.attempts == 0 or self._policies.check(command) is None:
                 problem = await self._send(sent, plan)
                 is_acknowledged = problem is None and not sendings.is_unacknowledged
@@ -197,7 +201,8 @@ class Sending:
         shared = None if is_repeated else command.shared
         if shared is None:
             self._journal.record("sent", command, "again" if is_repeated else "")
-        sent.timeline.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
+        for timeline in (sent.timeline, *(sent.members if is_repeated else ())):
+            timeline.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
         if command.place in self._leases.parts:
             self._leases.record_stop(command, began)
         order_of, routes, is_unacknowledged = _orders(sent, plan, began), list[str](), False
@@ -225,6 +230,18 @@ class Sending:
             sent.timeline.append(ended)
         return None
 
+    async def _ask(self, sent: OpenCommand, plan: SendingPlan) -> None:
+        """Have the part, or the members of a group, asked for their values before a message that may be needless."""
+        command, clock, can_answer = sent.command, self._clock, await self._sender.refresh(sent.command.part)
+        for _, part in () if can_answer else command.members:
+            can_answer = await self._sender.refresh(part) or can_answer
+        sent.timeline.append(Asked(command.id, clock.monotonic(), can_answer))
+        until = clock.monotonic() + (min(plan.interval, durations.ANSWER_SPARE) if can_answer else 0.0)
+        while (
+            sent.progress.may_repeat and sent.progress.over_at == math.inf and (left := until - clock.monotonic()) > 0
+        ):
+            await sent.wait(left)
+
     async def _share(self, sent: OpenCommand, shared: SharedSending, order_of: Callable[..., Command]) -> bool | None:
         """Return whether *shared* was sent in place of a first sending; None if a newer command replaced this one.
 
@@ -236,6 +253,7 @@ class Sending:
         orders = [order_of(capability=one, value=Value.of(value)) for one, value in command.settings.items()]
         on_sent = partial(self._journal.record, "sent", command, shared.name)
         if await sent.acknowledged(shared.carry(orders, sent.progress, on_sent)) is not False:
+            sent.progress.fellows = shared.progress
             return True
         sendings.echoed = frozenset()
         if sent.progress.superseded_by:

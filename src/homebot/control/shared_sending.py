@@ -39,6 +39,7 @@ class SharedSending:
         device: The group, or the device that keeps the scene.
         part: Its part.
         name: Its name for the journal.
+        progress: That of each command that it is sent for.
         echoed: The capabilities that its bridge reports for the members without having heard from them.
     """
 
@@ -58,7 +59,7 @@ class SharedSending:
         self._node, self._sender, self._may_send = node, sender, may_send
         self._awaited = awaited
         self._orders: list[Sequence[Command]] = []
-        self._progress: list[CommandProgress] = []
+        self.progress: list[CommandProgress] = []
         self._on_sent: list[Callable[[], object]] = []
         self._decided, self._ended = anyio.Event(), anyio.Event()
         self._problem: HomebotError | None = LinkError("it was not sent")
@@ -75,7 +76,7 @@ class SharedSending:
             UnansweredError: It was sent, but its network has not acknowledged it.
         """
         self._orders.append(orders)
-        self._progress.append(progress)
+        self.progress.append(progress)
         self._on_sent.append(on_sent)
         self._send_if_complete()
         with anyio.move_on_after(_PATIENCE):
@@ -112,7 +113,7 @@ class SharedSending:
 
     async def _send(self) -> None:
         try:
-            if not await self._may_send() or any(one.superseded_by for one in self._progress):
+            if not await self._may_send() or any(one.superseded_by for one in self.progress):
                 return
             for on_sent in self._on_sent:
                 on_sent()

@@ -11,13 +11,14 @@ from typing import Final, final
 from homebot.control import durations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.learnt import Profiles
-from homebot.control.timeline.cause import MOST_NEARBY, NOWHERE, Attribution, Cause, Nearby, NearbyCommands
-from homebot.control.timeline.facts import Order, PartRef, Reported
+from homebot.control.timeline.cause import MOST_NEARBY, NOWHERE, Nearby, NearbyCommands
+from homebot.control.timeline.facts import Attribution, Cause, Order, PartRef, Reported
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.capabilities import SETTABLE
+from homebot.devices.cause_messages import GetCausesRequest, KnownCause, KnownCauses
 from homebot.devices.device import ChangedSetting, target_of
 from homebot.devices.obedience import related
 from homebot.devices.value import PlainValue
@@ -73,14 +74,20 @@ class Timelines:
             self._move(entry, device)
         return entry.timeline
 
-    def command_members(self, order: Order, members: Iterable[tuple[Device, DevicePart]]) -> None:
-        """Record a command to a group for each of its *members*."""
+    def command_members(
+        self, order: Order, members: Iterable[tuple[Device, DevicePart]]
+    ) -> dict[PartTimeline, CommandProgress]:
+        """Record a command to a group for each of its *members*; return its progress there by their timelines."""
+        found: dict[PartTimeline, CommandProgress] = {}
         for device, part in members:
             can = part.part.capabilities
             settings = {one.name: order.settings[one.name] for one in can if one.name in order.settings}
             wanted = {one.name: order.wanted[one.name] for one in can if one.name in order.wanted and one.readable}
             own = replace(order, settings=settings or order.settings, wanted=wanted, echoed=frozenset())
-            self.of(device, part).command(own, self._clock.monotonic(), is_raw=True)
+            timeline = self.of(device, part)
+            found[timeline] = progress = timeline.command(own, self._clock.monotonic(), is_raw=True)
+            progress.transmission.echoed = order.echoed
+        return found
 
     def ineffective_routes(self, device: Device) -> tuple[KeyValue, ...]:
         """Return, by part, the routes of a device that are tried last because their last commands had no effect."""
@@ -107,20 +114,36 @@ class Timelines:
             return
         stamp = change.told_at.to_seconds()
         timeline = self._create((device.id, part.id), device, part, {change.capability: change.before.plain()}).timeline
-        if timeline.dropped_change is not None and timeline.dropped_change.stamp == stamp:
-            timeline.dropped_change = None
+        if timeline.unexplained_change is not None and timeline.unexplained_change.stamp == stamp:
+            timeline.unexplained_change = None
         at = self._clock.monotonic() - max(0.0, self._clock.now() - stamp)
-        timeline.report(at, stamp, change.capability, change.value.plain())
+        absent_at = at if change.was_absent else -math.inf
+        timeline.report(at, stamp, change.capability, change.value.plain(), absent_at=absent_at)
 
     def cause(self, place: PartRef, capability: str, value: PlainValue, stamp: float) -> Attribution | None:
         """Return the cause of the report with that *stamp*; None if it is not known."""
         entry = self._entries.get(place)
         fact = None if entry is None else entry.timeline.find(capability, value, stamp)
-        return None if fact is None else self.cause_of(place, fact)
+        return None if fact is None else fact.attribution
 
-    def cause_of(self, place: PartRef, fact: Reported) -> Attribution:
-        """Return the cause of a report of a commanded part."""
-        return self._entries[place].timeline.cause_of(fact)
+    def causes(self, request: GetCausesRequest) -> KnownCauses:
+        """Return the causes of the newest changes of some devices."""
+        wanted = frozenset(request.devices)
+        return KnownCauses(
+            causes=tuple(
+                KnownCause(
+                    device=device,
+                    part=part,
+                    capability=capability,
+                    command=fact.attribution.command,
+                    issuer=entry.timeline.issuer_of(fact.attribution.command),
+                    may_be_person=fact.attribution.may_be_person,
+                )
+                for (device, part), entry in self._entries.items()
+                if device in wanted
+                for capability, fact in entry.timeline.newest.items()
+            )
+        )
 
     def _create(
         self, place: PartRef, device: Device, part: DevicePart, before: Mapping[str, PlainValue] = _NONE
@@ -166,8 +189,9 @@ class Timelines:
     def _on_value(self, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float) -> None:
         if capability not in entry.relevant:
             return
-        lost_at = self._feed.last_loss(entry.part.routes).monotonic
-        entry.timeline.report(self._clock.monotonic(), stamp, capability, value, lost_at)
+        routes = entry.part.routes
+        lost_at, absent_at = self._feed.last_loss(routes).monotonic, self._feed.last_absence(routes)
+        entry.timeline.report(self._clock.monotonic(), stamp, capability, value, lost_at, absent_at)
         self._update(entry)
 
     def _update(self, entry: _TrackedPart) -> None:
@@ -208,7 +232,7 @@ def _seed(timeline: PartTimeline, device: Device, part: DevicePart, now: float, 
     if newest is not None:
         since = newest.since.to_seconds()
         at = monotonic - max(0.0, now - since)
-        timeline.dropped_change = Reported(at, since, 0, newest.capability, newest.value.plain())
+        timeline.unexplained_change = Reported(at, since, 0, newest.capability, newest.value.plain())
 
 
 def _is_change(state: State, states: list[State]) -> bool:

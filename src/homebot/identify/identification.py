@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final, final
 
 import anyio
 
-from homebot.command_words.earlier_values import known_states
+from homebot.command_words.earlier_values import plain_states
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import target_of
 from homebot.devices.identify_messages import CandidateState, IdentifyDeviceFeedback, IdentifyDeviceGoal, LookRecord
@@ -176,7 +176,7 @@ class Identification:
         with anyio.move_on_after(_FADES + self._fades_on):
             while wait > 0:
                 await anyio.sleep(wait)
-                states, now = known_states(await self._lookup.devices()), self._clock.now()
+                states, now = plain_states(await self._lookup.devices()), self._clock.now()
                 ends = (
                     state.since.to_seconds() + parts[device, part]
                     for (device, part, name), state in states.items()
@@ -192,7 +192,7 @@ class Identification:
         return found
 
     async def _seen(self, value: float, variance: float, at: float) -> Seen:
-        states = known_states(await self._lookup.devices())
+        states = plain_states(await self._lookup.devices())
         known = ((one, states.get((*one.place, one.capability))) for one in self._candidates)
         levels = tuple(one.level_of(one.wanted if state is None else state.value.plain()) for one, state in known)
         seconds, self._last_at = at - self._last_at, at

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Final, final
 
 import anyio
 
-from homebot.command_words.earlier_values import KnownStates, known_states
+from homebot.command_words.earlier_values import KnownStates, KnownValue, known_states
 from homebot.devices.batch import perform_all
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
-from homebot.devices.device import State, target_of
+from homebot.devices.device import target_of
 from homebot.devices.names import PERFORM_COMMAND
 from homebot.devices.obedience import fits
 from homebot.devices.outcomes import NoAnswer, Outcome, Superseded
@@ -81,11 +81,11 @@ class KeptValues:
             LinkError: They cannot be written.
         """
         at, values = self._clock.now(), dict[str, list[Any]]()
-        states = known_states(await self._lookup.devices())
+        states = await known_states(self._node, await self._lookup.devices())
         for one in candidates:
             target = target_of(*one.place)
-            if (state := states.get((*one.place, one.capability))) is not None:
-                one.before = one.wanted = state.value.plain()
+            if (known := states.get((*one.place, one.capability))) is not None:
+                one.before = one.wanted = known.state.value.plain()
             values[target] = kept = [one.capability, one.before, one.wanted, one.set_at]
             for left in (each["values"] for each in self._store.values()):
                 if target in left and left[target][_CAPABILITY] == one.capability:
@@ -108,9 +108,11 @@ class KeptValues:
 
     async def leave_changed(self, run: str, candidate: CandidatePart) -> bool:
         """Forget a value if a person has changed it; return whether one has."""
-        states, target = known_states(await self._lookup.devices()), target_of(*candidate.place)
+        states, target = await known_states(self._node, await self._lookup.devices()), target_of(*candidate.place)
         kept = self._store[run]["values"].get(target)
-        if kept and not self._is_foreign(kept, states.get((*candidate.place, candidate.capability))):
+        if kept and not _is_foreign(
+            kept, states.get((*candidate.place, candidate.capability)), self._store[run]["issuer"]
+        ):
             return False
         await self.forget(run, target)
         return True
@@ -151,7 +153,7 @@ class KeptValues:
             message = f"{', '.join(values)} may still be as {kept['by']} left them: that was long ago"
             self._node.log.warning(LEFT, message=message)
             values.clear()
-        due = self._due(values, known_states(await self._lookup.devices()))
+        due = self._due(kept["issuer"], values, await known_states(self._node, await self._lookup.devices()))
         end = "was cut off by the end of homebot" if kept["at"] < self._began_at else "ended"
         requests = [
             CommandRequest(
@@ -176,12 +178,13 @@ class KeptValues:
         if not values:
             del self._store[run]
 
-    def _due(self, values: dict[str, list[Any]], states: KnownStates) -> list[str]:
+    def _due(self, issuer: str, values: dict[str, list[Any]], states: KnownStates) -> list[str]:
         """Return what has to be commanded now; forget what is back, and what a person changed."""
         due = []
         for target, kept in tuple(values.items()):
             device, _, part = target.partition("#")
-            state = states.get((device, part, kept[_CAPABILITY]))
+            known = states.get((device, part, kept[_CAPABILITY]))
+            state = None if known is None else known.state
             is_back = state is not None and fits(kept[_CAPABILITY], kept[_BEFORE], state.value.plain())
             if kept[_SET_AT] < self._began_at:  # of an earlier homebot, which may have known less than the device
                 has_told = state is not None and state.told_at.to_seconds() >= self._began_at
@@ -189,20 +192,25 @@ class KeptValues:
                     continue
                 is_done = has_told and is_back
             else:
-                is_done = (is_back and kept[_WANTED] == kept[_BEFORE]) or self._is_foreign(kept, state)
+                is_done = (is_back and kept[_WANTED] == kept[_BEFORE]) or _is_foreign(kept, known, issuer)
             if is_done:
                 del values[target]
             elif state is not None:
                 due.append(target)
         return due
 
-    def _is_foreign(self, kept: Sequence[Any], state: State | None) -> bool:
-        """Return whether something else has changed a value since it was commanded."""
-        is_other = state is not None and not fits(kept[_CAPABILITY], kept[_WANTED], state.value.plain())
-        return state is not None and is_other and state.since.to_seconds() > kept[_SET_AT]
-
     async def _outcome(self, request: CommandRequest) -> Outcome:
         try:
             return await self._perform.call(request, timeout=_LONGEST)
         except ServiceError as exc:
             return NoAnswer(0.0, str(exc))
+
+
+def _is_foreign(kept: Sequence[Any], known: KnownValue | None, issuer: str) -> bool:
+    """Return whether something else than *issuer* has changed a value since it was commanded."""
+    if known is None or fits(kept[_CAPABILITY], kept[_WANTED], known.state.value.plain()):
+        return False
+    is_later: bool = known.state.since.to_seconds() > kept[_SET_AT]
+    if known.cause is None or not is_later:
+        return is_later
+    return known.cause.may_be_person or known.cause.issuer not in {"", issuer}

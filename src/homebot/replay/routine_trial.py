@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from homebot.config import ROUTINE, Config, Table
-from homebot.control.timeline.cause import Cause
+from homebot.control.timeline.facts import Cause
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.wording.journal_words import settings_text
 from homebot.errors import ConfigError, UsageError

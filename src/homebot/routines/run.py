@@ -115,9 +115,8 @@ class RoutineRun:
 
     async def _do(self, step: Do) -> bool:
         states = await self._states() if self._is_undone else {}
-        given_at = self._clock.now()
         answer = await self._give(step)
-        self._before.add(states, answer.results, given_at, self._clock.now())
+        self._before.add(states, answer.results)
         return answer.success
 
     async def _dim(self, step: Dim) -> None:
@@ -194,7 +193,7 @@ class RoutineRun:
                 self._owner.log_failure(f"undo of {target_of(*place)}", outcome.text)
 
     async def _states(self) -> KnownStates:
-        return known_states(await self._owner.devices.find())
+        return await known_states(self._owner.node, await self._owner.devices.find())
 
 
 async def _outcome(client: Client[CommandRequest, Outcome], request: CommandRequest) -> Outcome:

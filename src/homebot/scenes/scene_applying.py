@@ -43,7 +43,7 @@ class SceneApplying:
     """Gives each part of a scene its command, by the control layer, as every other command."""
 
     def __init__(self, node: Node) -> None:
-        self._clock = node.graph.clock
+        self._node, self._clock = node, node.graph.clock
         self._perform = node.create_client(PerformCommand, PERFORM_COMMAND)
 
     async def apply(
@@ -55,22 +55,22 @@ class SceneApplying:
         keep: Callable[[], Awaitable[object]],
     ) -> CommandDevicesResponse:
         """Apply *scene*, and note the values before it, which *keep* stores."""
-        before, given_at = known_states(house.devices.values()), self._clock.now()
+        before, given_at = await known_states(self._node, house.devices.values()), self._clock.now()
         wanted: Mapping[Place, Mapping[str, PlainValue]] = scene.parts
         is_told = scene.recalled_by is None or (bool(wanted) and all(wanted.values()))
         if not is_told:
             wanted = {place_of(scene.id): {"scene": True}}
         earlier = book.begin(scene.id, given_at)
         known = dict(earlier.entries)
-        earlier.add_parts(before, scene.parts, given_at, given_at)
+        earlier.add_parts(before, scene.parts)
         await keep()  # in case homebot ends before the outcomes are known
         answer = await self._command(request, scene, house, wanted)
         earlier.entries.clear()
         earlier.entries.update(known)
         if is_told:
-            earlier.add(before, answer.results, given_at, self._clock.now())
+            earlier.add(before, answer.results)
         elif answer.outcome != Refused.kind:
-            earlier.add_parts(before, scene.parts, given_at, self._clock.now())
+            earlier.add_parts(before, scene.parts, [one.result.command_id for one in answer.results])
         return answer
 
     async def undo(
@@ -85,7 +85,7 @@ class SceneApplying:
             problem = f"there is nothing to undo: {scene.name} was not applied, or was undone since"
             return CommandDevicesResponse(success=False, message=problem)
         entries = dict(applied.before)
-        due = book.begin(scene.id, applied.at).due(known_states(house.devices.values()))
+        due = book.begin(scene.id, applied.at).due(await known_states(self._node, house.devices.values()))
         applied.is_undone = True
         if not due:
             return CommandDevicesResponse(

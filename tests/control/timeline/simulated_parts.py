@@ -205,7 +205,7 @@ class SimulatedPart:
             self._at(_ASKED_AFTER, partial(self._ask, fact, truth))
 
     def _ask(self, fact: Reported, truth: Truth) -> None:
-        finding = self.timeline.cause_of(fact)
+        finding = fact.attribution
         if truth == "person" and finding.role is ReportRole.EFFECT:
             self.result.agreeing += 1  # nobody can tell
         else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from random import Random
 from typing import Any
 
@@ -13,9 +14,17 @@ import pytest
 from anyio.abc import TaskGroup
 
 from homebot.config import parse_config
-from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, CommandDevicesResponse
+from homebot.devices.command_messages import (
+    CommandDevices,
+    CommandDevicesRequest,
+    CommandDevicesResponse,
+    CommandRequest,
+    PerformCommand,
+    Setting,
+)
+from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
-from homebot.devices.names import APPLY_SCENE, COMMAND_DEVICES, LIST_SCENES, READ_JOURNAL
+from homebot.devices.names import APPLY_SCENE, COMMAND_DEVICES, LIST_SCENES, PERFORM_COMMAND, READ_JOURNAL
 from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest, ListScenes, ScenesRequest
 from homebot.graph import Node
 from homebot.mqtt.client import MqttSubscription
@@ -171,6 +180,24 @@ async def test_with_a_tenth_of_the_frames_lost_all_twenty_prove_it_and_those_tha
         assert [one.result.outcome for one in answer.results] == ["confirmed"] * 20
         assert {one.result.evidence for one in answer.results} == {3}
         assert "person" not in {one.cause for one in await changes(client)}
+
+
+@pytest.mark.parametrize("delay", [0.3, 0.9, 1.5, 2.5, 5.0])
+async def test_a_person_who_turns_a_lamp_off_after_a_command_to_its_group_is_never_overridden(delay: float) -> None:
+    """The wall switch cuts in while a part of the lamps has still to be heard."""
+    async with house(0.3, seed=3) as (bridge, client):
+        perform = client.create_client(PerformCommand, PERFORM_COMMAND)
+        (group,) = await DeviceLookup(client).called(GROUP)
+        request = CommandRequest(device=group.id, settings=(Setting.of("on_off", True),), issuer="/app")
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(partial(perform.call, request, timeout=120))
+            await anyio.sleep(delay)
+            bridge.lit.discard(LAMPS[0])
+            await bridge.publish(LAMPS[0], "OFF")
+        (lamp,) = await DeviceLookup(client).called(LAMPS[0])
+        causes = [one.cause for one in await changes(client) if one.device == lamp.id]
+        assert LAMPS[0] not in bridge.lit
+        assert causes[-1] in {"person", "unknown"}
 
 
 async def test_a_scene_is_recalled_by_one_message_and_the_members_are_asked_for_their_values() -> None:

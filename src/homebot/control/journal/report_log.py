@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, final
 
-from homebot.control.timeline.cause import Attribution, Cause
-from homebot.control.timeline.facts import Reported, ReportRole
+from homebot.control.timeline.facts import Attribution, Cause, Reported, ReportRole
 from homebot.devices.command_messages import Setting
 from homebot.devices.outcomes import Contradicted
 
@@ -29,16 +28,12 @@ class ReportLog:
 
     def on_report(self, progress: CommandProgress, fact: Reported, opened: OpenCommand | None) -> None:
         """Record a report that answers a command, also after its outcome, when there is no *opened* command."""
-        order, is_effect = progress.order, progress.roles[fact.number] is ReportRole.EFFECT
+        order, found = progress.order, fact.attribution
         is_answer = fact.capability in progress.wanted and opened.is_news(fact) if opened else _is_late(progress, fact)
-        if not is_answer:
+        if not is_answer or (opened is None and found.command != order.id):
             return
-        found = self._timelines.cause_of(order.place, fact)
-        if opened is None and found.command != order.id:
-            return
-        cause = found.cause if is_effect or fact.is_change else None
-        cause = Cause.UNKNOWN if cause is Cause.PERSON else cause  # a person, or the device's own answer
-        setting, text = Setting.of(fact.capability, fact.value), cause.value if cause else ""
+        is_told = found.role is ReportRole.EFFECT or fact.is_change
+        setting, text = Setting.of(fact.capability, fact.value), found.cause.value if is_told else ""
         self._journal.reported(order.place, setting, fact.stamp, text, order.id, order.issuer)
 
     def on_change(self, change: ChangedSetting) -> None:
@@ -47,15 +42,11 @@ class ReportLog:
         found = self._timelines.cause(place, change.capability, change.value.plain(), at) or Attribution(Cause.PERSON)
         if found.role is not None:
             return
-        cause = found.cause
-        if found.command:
-            cause = Cause.COMMAND if cause.may_be_person else cause
-        elif change.was_absent and cause is Cause.PERSON:
-            cause = Cause.UNKNOWN
         setting = Setting(capability=change.capability, value=change.value)
-        self._journal.reported(place, setting, at, cause.value, found.command)
-        if not found.command:
-            self._journal.log.log_change(change, cause.value)
+        command = "" if found.cause in {Cause.PERSON, Cause.UNKNOWN} else found.command
+        self._journal.reported(place, setting, at, found.cause.value, command)
+        if not command:
+            self._journal.log.log_change(change, found.cause.value)
 
 
 def _is_late(progress: CommandProgress, fact: Reported) -> bool:
@@ -64,4 +55,5 @@ def _is_late(progress: CommandProgress, fact: Reported) -> bool:
     if outcome is None or not outcome.may_obey_later or (isinstance(outcome, Contradicted) and outcome.witness):
         return False
     is_change = fact.is_change or (fact.is_first and progress.last.get(fact.capability, fact.value) != fact.value)
-    return not progress.is_raw and is_change and progress.roles[fact.number] is ReportRole.EFFECT
+    is_effect = (fact.attribution.command, fact.attribution.role) == (progress.order.id, ReportRole.EFFECT)
+    return not progress.is_raw and is_change and is_effect

@@ -3,11 +3,10 @@
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from enum import Enum
 from typing import Final, NamedTuple, TypeAlias
 
 from homebot.control import durations
-from homebot.control.timeline.facts import Order, PartRef, Reported, ReportRole
+from homebot.control.timeline.facts import Attribution, Cause, Order, PartRef, Reported, ReportRole
 from homebot.control.timeline.goal import side_role
 from homebot.control.timeline.profile import ENOUGH, DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
@@ -23,70 +22,35 @@ __all__ = [
     "HeldValue",
     "Nearby",
     "NearbyCommands",
-    "cause_of",
-    "cause_of_undoing",
+    "Roles",
+    "explanation",
+    "judge",
+    "rests_where_sent",
 ]
-
-
-class Cause(Enum):
-    """Cause of a report.
-
-    ``COMMAND``: the effect of a command. ``TRANSITION``: a step on the way. ``ECHO``: a bridge repeated a command.
-    ``DEVICE``: the device by itself. ``PERSON``: a person, or a program past homebot. ``UNKNOWN``: a person or the
-    device.
-    """
-
-    COMMAND = "command"
-    TRANSITION = "transition"
-    ECHO = "echo"
-    DEVICE = "device"
-    PERSON = "person"
-    UNKNOWN = "unknown"
-
-    @property
-    def may_be_person(self) -> bool:
-        """True if it has to be treated as a person's action, to be safe."""
-        return self in {Cause.PERSON, Cause.UNKNOWN}
-
-
-class Attribution(NamedTuple):
-    """Cause of a report.
-
-    Attributes:
-        command: The id of the command that caused the report, or whose effect it ended; empty for none.
-        role: The role of the report for that command; None without one, and for a command to another part.
-    """
-
-    cause: Cause
-    command: str = ""
-    role: ReportRole | None = None
 
 
 _OF_ROLE: Final = {ReportRole.EFFECT: Cause.COMMAND, ReportRole.ECHO: Cause.ECHO, ReportRole.STEP: Cause.TRANSITION}
 _RESTS: Final = frozenset({"open", "closed", STOPPED})
 """States of a motor at rest."""
 
-_NO_COMMAND: Final = Attribution(Cause.PERSON)
-_NOT_KNOWN: Final = Attribution(Cause.UNKNOWN)
-_TIMED: Final = Attribution(Cause.DEVICE)
+Roles: TypeAlias = Iterable[tuple[CommandProgress, ReportRole]]
+"""The role of one report for each command that may have caused it, newest first."""
 
 
-def cause_of(fact: Reported, commands: Iterable[CommandProgress]) -> Attribution:
-    """Return the cause of a report.
-
-    Args:
-        commands: The commands to the part, newest first.
-    """
-    answered = _NO_COMMAND
-    for command in commands:
-        role = command.roles.get(fact.number)
-        cause = None if role is None else _cause(role, fact, command)
-        if cause is not None:
-            cause = Cause.PERSON if command.order.is_foreign else cause
-            return Attribution(cause, command.order.id, None if command.is_raw else role)
-        if role is ReportRole.OTHERWISE and fact.at <= command.ended_at:
-            answered = Attribution(Cause.PERSON, command.order.id, role)
-    return _cause_without_command(fact) or answered
+def judge(fact: Reported, roles: Roles) -> Attribution:
+    """Return the cause of a report: the only answer to this question; it is stored in the report."""
+    answered = ""
+    for command, role in roles:
+        cause = explanation(role, fact, command)
+        if cause is not None and not (answered and cause is Cause.TRANSITION):  # it leads away from what is newer
+            order, role_told = command.order, None if command.is_raw else role
+            return Attribution(cause, order.id, role_told, order.is_foreign, fact.was_absent)
+        if role is ReportRole.OTHERWISE and command.is_open:
+            answered = answered or command.order.id
+    cause, along = _cause_without_command(fact)
+    if answered and not along and cause is not Cause.DEVICE:  # a person, or the device's own answer
+        return Attribution(Cause.UNKNOWN, answered, ReportRole.OTHERWISE, was_absent=fact.was_absent)
+    return Attribution(cause, along, was_absent=fact.was_absent)
 
 
 @dataclass(slots=True, eq=False)
@@ -120,45 +84,41 @@ class HeldValue:
             self.on_report(value, found)
 
 
-def _cause_without_command(fact: Reported) -> Attribution | None:
-    """Return the cause of a report that no command to its part explains; None if it may be a person."""
-    if fact.value is None or fact.is_first or fact.is_after_loss:
-        return _NOT_KNOWN
+def _cause_without_command(fact: Reported) -> tuple[Cause, str]:
+    """Return the cause of a report that no command to its part explains, and the command to another part behind it."""
+    if fact.value is None or fact.is_first or fact.is_after_loss or fact.was_absent:
+        return Cause.UNKNOWN, ""
+    if fact.drifted_from:
+        return Cause.DEVICE, fact.drifted_from
     if fact.along:
-        return Attribution(Cause.COMMAND, fact.along) if fact.is_usual else _NOT_KNOWN
+        return Cause.COMMAND if fact.is_usual else Cause.UNKNOWN, fact.along if fact.is_usual else ""
     if fact.timed >= ENOUGH:
-        return _TIMED
-    return _NOT_KNOWN if fact.timed and fact.at - fact.since > durations.HASTY else None
+        return Cause.DEVICE, ""
+    return Cause.UNKNOWN if fact.timed and fact.at - fact.since > durations.HASTY else Cause.PERSON, ""
 
 
-def cause_of_undoing(command: CommandProgress, capability: str) -> Cause:
-    """Return the cause of the end of a wanted value: the device if it is known to go back, else unknown."""
-    undoing = command.settling.undoing if command.settling is not None else None
-    usual = command.usual_returns.get(capability)
-    if undoing is not None and usual is not None and abs(undoing.after - usual) <= durations.REGULAR:
-        return Cause.DEVICE
-    return Cause.DEVICE if capability in command.suspected else Cause.UNKNOWN
-
-
-def _cause(role: ReportRole, fact: Reported, command: CommandProgress) -> Cause | None:
+def explanation(role: ReportRole, fact: Reported, command: CommandProgress) -> Cause | None:
     """Return the cause of a report with *role* for *command*; None if the command does not explain it."""
+    if role is ReportRole.ECHO and command.is_raw:
+        return Cause.COMMAND
     if role in _OF_ROLE:
         return _OF_ROLE[role]
-    if fact.is_after_loss:
+    if fact.is_after_loss or fact.was_absent:
         return None
     if role is ReportRole.UNDONE:
-        return cause_of_undoing(command, fact.capability)
+        is_usual = fact.timed >= ENOUGH or fact.capability in command.suspected
+        return Cause.DEVICE if is_usual else Cause.UNKNOWN
     if role is ReportRole.ASTRAY:
         return Cause.UNKNOWN
     limit = durations.UNREAD if command.is_raw and not command.wanted else durations.CAME_ALONG
     if role is ReportRole.AGREES and (command.is_open or fact.at - _last_sign(command) <= limit):
         return Cause.COMMAND
-    if role is ReportRole.ASIDE and _rests_where_sent(fact, command):
+    if role is ReportRole.ASIDE and rests_where_sent(fact, command):
         return Cause.COMMAND
     return None
 
 
-def _rests_where_sent(fact: Reported, command: CommandProgress) -> bool:
+def rests_where_sent(fact: Reported, command: CommandProgress) -> bool:
     """Return whether a cover arrived: halfway it reports open, stopped, or closed until it reports its position."""
     return fact.value in _RESTS and any(abs(fact.at - met) <= durations.CAME_ALONG for met in command.met_times)
 

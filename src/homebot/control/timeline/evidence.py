@@ -60,6 +60,8 @@ def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
     over_at = progress.over_at
     if over_at < math.inf:
         return Step("wait", over_at) if now < over_at else _DONE
+    if progress.is_mute:
+        return _DONE
     echo_until = weakly_met_at(progress) + plan.echo_patience if progress.has_echo else math.inf
     until = _answer_until(progress, plan, echo_until)
     if now < min(until, echo_until):
@@ -90,7 +92,7 @@ def outcome_of(progress: CommandProgress, now: float) -> Outcome:
 def weakly_met_at(progress: CommandProgress) -> float:
     """Return when all values were reported or echoed, or sent if an echo is declared; inf if they were not."""
     order = progress.order
-    if not progress.wanted:
+    if not progress.wanted or any(one.others for one in progress.members):  # a member did not follow
         return math.inf
     latest = -math.inf
     for name, wanted in progress.wanted.items():
@@ -111,9 +113,11 @@ def _silent_outcome(progress: CommandProgress, waited: float) -> Outcome:
     at = max(sendings.accepted.values()) if progress.is_accepted else weakly_met_at(progress)
     if at < math.inf:
         return Confirmed(at - progress.given_at, Evidence.ACKNOWLEDGED, command_id=name)
-    if not progress.was_so:
+    if not (progress.was_so or progress.is_mute):
         return _no_answer(progress, waited)
-    if progress.has_echo or progress.order.is_always_sent:  # the previous report may be an echo, or of before
+    if (
+        progress.is_mute or progress.has_echo or progress.order.is_always_sent
+    ):  # the previous report may be an echo, or of before
         return Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
     return AlreadySo(command_id=name)
 
@@ -139,7 +143,7 @@ def _after_silence(progress: CommandProgress, plan: SendingPlan, now: float, *, 
     sendings, motion = progress.transmission, progress.motion
     is_late = now >= plan.end(sendings) and motion.moved_at is None
     is_awaited = motion.is_under_way or is_echoed or is_late
-    if not is_awaited and sendings.attempts < plan.tries and not progress.is_overruled:
+    if not is_awaited and sendings.attempts < plan.tries and progress.may_repeat:
         return _repetition(progress, plan, now)
     return _last_wait(progress, plan, now)
 

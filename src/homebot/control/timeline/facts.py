@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES, MOMENTARY, OWN
 from homebot.devices.outcomes import Outcome
@@ -12,6 +12,9 @@ from homebot.devices.value import PlainValue
 
 __all__ = [
     "Answered",
+    "Asked",
+    "Attribution",
+    "Cause",
     "CommandFact",
     "Decided",
     "LinkLost",
@@ -46,6 +49,52 @@ class ReportRole(Enum):
     OTHERWISE = "otherwise"
     AGREES = "agrees"
     ASIDE = "aside"
+
+
+class Cause(Enum):
+    """Cause of a report.
+
+    ``COMMAND``: the effect of a command. ``TRANSITION``: a step on the way. ``ECHO``: a bridge repeated a command.
+    ``DEVICE``: the device by itself. ``PERSON``: a person, or a program past homebot. ``UNKNOWN``: a person or the
+    device.
+    """
+
+    COMMAND = "command"
+    TRANSITION = "transition"
+    ECHO = "echo"
+    DEVICE = "device"
+    PERSON = "person"
+    UNKNOWN = "unknown"
+
+
+class Attribution(NamedTuple):
+    """Cause of a report.
+
+    Attributes:
+        command: The id of the command that caused the report, or whose effect it ended; empty for none.
+        role: The role of the report for that command; None without one, and for a command to another part.
+        is_foreign: Whether a command that was given past homebot caused it: it counts as a person's action.
+        was_absent: Whether the device was unreachable before: it is no hand for leases.
+    """
+
+    cause: Cause
+    command: str = ""
+    role: ReportRole | None = None
+    is_foreign: bool = False
+    was_absent: bool = False
+
+    @property
+    def may_be_person(self) -> bool:
+        """True if it has to be treated as a person's action, to be safe."""
+        return self.is_foreign or self.cause in {Cause.PERSON, Cause.UNKNOWN}
+
+    @property
+    def is_hand(self) -> bool:
+        """True if it outranks leases."""
+        return self.may_be_person and not self.was_absent
+
+
+NOT_JUDGED: Final = Attribution(Cause.UNKNOWN)
 
 
 @dataclass(slots=True, eq=False)
@@ -116,6 +165,18 @@ class Withheld(NamedTuple):
     at: float
 
 
+class Asked(NamedTuple):
+    """The part, or the members of a group, were asked for their values before a repetition.
+
+    Attributes:
+        can_answer: Whether one of them takes such a request.
+    """
+
+    command: str
+    at: float
+    can_answer: bool
+
+
 class LinkLost(NamedTuple):
     """The gateway lost its connection at that time, while the command waited for an answer."""
 
@@ -140,7 +201,7 @@ class Decided(NamedTuple):
     outcome: Outcome
 
 
-CommandFact: TypeAlias = Sent | SendingEnded | Withheld | LinkLost | Answered | Decided
+CommandFact: TypeAlias = Sent | SendingEnded | Withheld | Asked | LinkLost | Answered | Decided
 
 
 @dataclass(slots=True, eq=False)
@@ -156,6 +217,10 @@ class Reported:
         along: The id of the command to a part near this one that it may belong to; empty for none.
         is_usual: Whether the part usually changes along with such a command.
         timed: How often the previous value lasted as long the last four times; three times come from a timer.
+        was_absent: Whether the device was unreachable since the previous value.
+        is_news: Whether it repeats the value of a device that reports only changes: it changed twice in between.
+        drifted_from: The command whose confirmed number it still fits; empty for none.
+        attribution: Its cause and role, judged when it arrived; all else reads this column.
     """
 
     at: float
@@ -170,8 +235,17 @@ class Reported:
     along: str = ""
     is_usual: bool = False
     timed: int = 0
+    was_absent: bool = False
+    is_news: bool = False
+    drifted_from: str = ""
+    attribution: Attribution = NOT_JUDGED
 
     @property
     def is_change(self) -> bool:
         """True if the value is known to have been different before: a lamp that is off has no colour."""
         return None not in (self.value, self.previous) and self.value != self.previous
+
+    @property
+    def may_be_will(self) -> bool:
+        """True if a person may have wanted this value: commands are not repeated against it."""
+        return self.attribution.may_be_person and (self.is_change or self.is_news)

@@ -43,7 +43,6 @@ class WantedValue:
         returned_after: The seconds between a fast report and another value before the outcome; None if none followed.
         is_answered: Whether a report of the device itself followed an echo.
         is_step: Whether *seen* is an intermediate value.
-        is_overruled: Whether *seen* is a new value that is not the wanted one.
     """
 
     def __init__(
@@ -57,7 +56,7 @@ class WantedValue:
         self.fast_at: float | None = None
         self.returned_after: float | None = None
         self.seen_at = -math.inf
-        self.is_answered = self.is_step = self.is_overruled = False
+        self.is_answered = self.is_step = False
 
     @property
     def was_so(self) -> bool:
@@ -94,7 +93,7 @@ class WantedValue:
             self.met_at = fact.at
             if fact.at - sent_at <= durations.FAST:
                 self.fast_at = fact.at
-        self.is_step = self.is_overruled = False
+        self.is_step = False
 
     def depart(self, fact: Reported) -> None:
         """Record a report of another value."""

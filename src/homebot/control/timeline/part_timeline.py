@@ -4,19 +4,13 @@ import math
 from collections import deque
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Final, final
+from typing import Final, NamedTuple, final
 
 from homebot.control import durations
-from homebot.control.timeline.cause import (
-    NOWHERE,
+from homebot.control.timeline.cause import NOWHERE, HeldValue, Nearby, explanation, judge, rests_where_sent
+from homebot.control.timeline.facts import (
     Attribution,
     Cause,
-    HeldValue,
-    Nearby,
-    cause_of,
-    cause_of_undoing,
-)
-from homebot.control.timeline.facts import (
     CommandFact,
     Decided,
     Order,
@@ -31,14 +25,13 @@ from homebot.control.timeline.profile import ENOUGH, DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.devices.capabilities import CAPABILITIES, OWN
-from homebot.devices.obedience import changes, related
+from homebot.devices.obedience import changes, fits, related
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer
 from homebot.devices.value import PlainValue
 
 __all__ = ["MOST_REPORTS", "PartTimeline"]
 
 MOST_REPORTS: Final = 128
-_MOST_WHILE_OPEN: Final = 256
 _MOST_SENT: Final = 2000
 """As many as a rate limit needs, which counts up to 1,000 changes, and repetitions."""
 
@@ -48,11 +41,30 @@ _ROUNDING: Final = 0.001
 _NONE: Final[Mapping[str, PlainValue]] = MappingProxyType({})
 
 
+class _Brought(NamedTuple):
+    """Value that a command brought: it was reported as *seen* and lasts from *at* on."""
+
+    command: str
+    value: PlainValue
+    seen: PlainValue
+    at: float
+
+    def is_near(self, fact: Reported) -> bool:
+        """Return whether a number is the same but for rounding, so that nobody wanted another one.
+
+        The rounding that a profile has learnt is for wanted values only: what a person sets may be as near.
+        """
+        known = self.value, self.seen
+        return isinstance(fact.value, float) and any(fits(fact.capability, one, fact.value) for one in known)
+
+
 @final
 class PartTimeline:
-    """The commands and reports of one part in the last 15 minutes, at most 128 each; 256 reports during a command.
+    """The commands and reports of one part in the last 15 minutes, at most 128 each.
 
-    Reports are appended once, when they arrive. The progress of each command is a function of the later reports.
+    Reports are appended once, when they arrive, each with its cause and its role for a command; all else reads these.
+    They are amended in three cases: a raw text of another program becomes known later than its effect; what counted as
+    the step of a transition leads nowhere; a cover reports that it rests before it reports where.
 
     Args:
         first: Seconds that a device with unknown response times has to answer.
@@ -67,7 +79,8 @@ class PartTimeline:
         nearby: The commands to this part and those near it.
         unsure_since: The end of the last failed command for each capability, if none is confirmed since, in seconds.
         held: The values that leases hold.
-        dropped_change: The newest unexplained change that is no longer among the reports; None if there is none.
+        newest: The newest change of each capability, with its cause.
+        unexplained_change: The newest change that a person may have made; None if there is none.
         on_news: Called with each report for each command that may have caused it, and with None for a replaced command.
         on_undone: Called with a command whose confirmed value is undone, and the cause.
     """
@@ -82,12 +95,15 @@ class PartTimeline:
         self.nearby: Nearby = NOWHERE
         self.unsure_since: dict[str, float] = {}
         self.held: list[HeldValue] = []
-        self.dropped_change: Reported | None = None
+        self.newest: dict[str, Reported] = {}
+        self.unexplained_change: Reported | None = None
         self.on_news: Callable[[CommandProgress, Reported | None], None] = lambda *_: None
         self.on_undone: Callable[[CommandProgress, Undoing, Cause], None] = lambda *_: None
         self._first = first
         self._settle = settle
         self._latest: dict[str, tuple[PlainValue, float, float]] = {}  # value, last report, first report
+        self._before_echo: dict[str, tuple[CommandProgress, tuple[PlainValue, float, float]]] = {}
+        self._brought: dict[str, _Brought] = {}
         self._number = 0
 
     def seed(self, capability: str, value: PlainValue, at: float) -> None:
@@ -127,7 +143,8 @@ class PartTimeline:
             progress.apply(Decided(order.id, at, NoAnswer(0.0, command_id=order.id)), self._settle)
             for fact in self.reports:
                 if fact.at >= at:  # the text is known a little later than its effect
-                    self._report(progress, fact)
+                    self._judge(fact, [(progress, progress.report(fact))])
+                    self._learn(progress, fact.at)
         if len(self.commands) > MOST_REPORTS or self.commands[0].ended_at < at - durations.REMEMBERED:
             self.active = [one for one in self.active if one.covers(at)]  # no report may ever come that drops them
             self._drop_commands(at - durations.REMEMBERED)
@@ -137,12 +154,15 @@ class PartTimeline:
         """Append a fact about a command, and learn from its outcome."""
         if isinstance(fact, Sent):
             self.sent.append(fact)
+            self._bring_again(fact)
         for progress in reversed(self.commands):
             if progress.order.id == fact.command:
                 break
         else:
             return  # a rehearsed text, or a command that is forgotten
         progress.apply(fact, self._settle)
+        if progress.is_raw and progress not in self.active:
+            self.active.append(progress)
         if isinstance(fact, SendingEnded):
             if fact.at - progress.transmission.sent_at > durations.SENT_AT_ONCE:  # it arrives only now
                 self.sent.append(Sent(fact.command, progress.order.settings, fact.at))
@@ -150,36 +170,58 @@ class PartTimeline:
             self._end(progress, fact)
 
     def report(
-        self, at: float, stamp: float, capability: str, value: PlainValue, lost_at: float = -math.inf
+        self,
+        at: float,
+        stamp: float,
+        capability: str,
+        value: PlainValue,
+        lost_at: float = -math.inf,
+        absent_at: float = -math.inf,
     ) -> Reported | None:
-        """Append a live report and return it; None for a repetition that no command waits for.
+        """Append a live report with its cause, and return it; None for a repetition that no command waits for.
 
         Args:
             at: Seconds on the monotonic clock.
             stamp: The time of the message, in seconds since the Unix epoch.
         """
         is_first = capability not in self._latest
-        previous, before, since = self._latest.get(capability, (None, math.inf, at))
-        is_same = previous == value and not is_first
-        self._latest[capability] = value, at, since if is_same else at
+        latest = self._latest.get(capability, (None, math.inf, at))
+        is_same = latest[0] == value and not is_first
+        self._latest[capability] = value, at, latest[2] if is_same else at
         active = self.active = [one for one in self.active if one.covers(at)]
         if not active and is_same:
             self.profile.learn_repetition()
-            self._report_held(capability, value, Attribution(Cause.PERSON))
+            self._report_held(
+                capability, value, Attribution(Cause.PERSON, was_absent=-math.inf < absent_at >= latest[1])
+            )
             return None
+        echoed = self._before_echo.pop(capability, None)
+        if echoed is not None and (echoed[0].is_open or at - latest[1] <= durations.TAKEN_BACK):
+            latest = echoed[1]  # an echo is no report: what follows it is compared with the value before it
         self._number += 1
+        previous, before, since = latest
         fact = Reported(at, stamp, self._number, capability, value, previous, since, is_first, before < lost_at)
+        fact.was_absent = -math.inf < absent_at >= before
+        is_off_again = is_same and value is False and self._is_turned_on(capability)
+        fact.is_news = is_off_again or (is_same and echoed is None and self.profile.changes >= ENOUGH)
         self._append(fact)
+        roles = [(one, one.report(fact)) for one in reversed(active)]
+        self._relate(fact, roles)
+        self._judge(fact, roles)
+        for one, role in roles:
+            if role is ReportRole.ECHO:
+                self._before_echo[capability] = one, latest
+        self._bring(fact, roles)
         for one in active:
-            self._report(one, fact)
-        if is_same:
+            self._learn(one, at)
+        if is_same and not is_off_again:
             self.profile.learn_repetition()
-        else:
-            self._learn_change(fact)
+        elif not is_same:
+            self.profile.changes = min(self.profile.changes + 1, ENOUGH)
         for one in active:
             self.on_news(one, fact)
         if self.held:
-            self._report_held(capability, value, self.cause_of(fact))
+            self._report_held(capability, value, fact.attribution)
         return fact
 
     @property
@@ -203,9 +245,9 @@ class PartTimeline:
         known = self._latest.get(capability)
         return None if known is None else known[0]
 
-    def cause_of(self, fact: Reported) -> Attribution:
-        """Return the cause of a report."""
-        return cause_of(fact, reversed(self.commands))
+    def issuer_of(self, command: str) -> str:
+        """Return who gave a command; empty if that is not known."""
+        return next((one.order.issuer for one in self.commands if one.order.id == command), "")
 
     def find(self, capability: str, value: PlainValue, stamp: float) -> Reported | None:
         """Return the report of *value* with that *stamp*; None if it is not among the reports."""
@@ -216,13 +258,8 @@ class PartTimeline:
 
     def unexplained(self, since: float) -> Reported | None:
         """Return the newest change since then that a person may have made; None if there is none."""
-        for fact in reversed(self.reports):
-            if fact.at < since:
-                break
-            if self._is_unexplained(fact):
-                return fact
-        kept = self.dropped_change
-        return kept if kept is not None and kept.at >= since else None
+        found = self.unexplained_change
+        return found if found is not None and found.at >= since else None
 
     def certain(
         self, capability: str, value: PlainValue, told_at: float, now: float, except_id: str = ""
@@ -278,28 +315,91 @@ class PartTimeline:
             self.unsure_since.update((other, since) for one in settings for other in related(one))
         learn_failure(progress, self.profile)
 
-    def _learn_change(self, fact: Reported) -> None:
-        """Relate a change that no command explains to one nearby, or else to the time that the value before lasted."""
-        self.profile.changes = min(self.profile.changes + 1, ENOUGH)
-        is_effect = ReportRole.EFFECT in [one.roles.get(fact.number) for one in self.active]
-        if not fact.is_change or is_effect or self.cause_of(fact).cause is not Cause.PERSON:
+    def _is_turned_on(self, capability: str) -> bool:
+        """Return whether a command of several values turns the part on, so that "off" is a change of will."""
+        return any(
+            one.is_open and one.transmission.count and len(one.wanted) > 1 and one.wanted[capability].value is True
+            for one in self.active
+            if capability in one.wanted
+        )
+
+    def _relate(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:
+        """Relate a change that no command explains to what lasted as long, or drifted, or changed nearby."""
+        if not fact.is_change or fact.is_after_loss or fact.was_absent:
             return
-        self.nearby.explain(fact, self.place, self.profile)
-        if not fact.along and (began := self._timed_from(fact)) is not None:
-            fact.timed = self.profile.learn_stay(fact.capability, fact.previous, fact.at - began)
+        causes = [explanation(role, fact, one) for one, role in roles]
+        cause = next((one for one in causes if one is not None), None)
+        if cause not in {None, Cause.UNKNOWN}:
+            return
+        brought = self._brought.get(fact.capability)
+        if cause is None and brought is not None and brought.is_near(fact):
+            fact.drifted_from = brought.command
+            return
+        if cause is None and ReportRole.OTHERWISE not in [role for one, role in roles if one.is_open]:
+            self.nearby.explain(fact, self.place, self.profile)
+        if not fact.along and brought is not None and self.profile.fits(fact.capability, brought.value, fact.previous):
+            fact.timed = self.profile.learn_stay(fact.capability, fact.previous, fact.at - brought.at)
 
-    def _timed_from(self, fact: Reported) -> float | None:
-        """Return when a command brought the previous value, or was sent for it again; None if none did."""
-        for one in reversed(self.commands):
-            wanted, sendings = one.wanted.get(fact.capability), one.transmission
-            if wanted is not None and sendings.count and wanted.fits(fact.previous):
-                is_effect = wanted.met_at is not None and fact.since <= wanted.met_at
-                return max(fact.since, sendings.sent_at) if is_effect or fact.since < sendings.sent_at else None
-        return None
+    def _judge(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:
+        """Store the cause of a report, the only time that it is asked for."""
+        fact.attribution = judge(fact, roles)
+        self._note(fact, [one for one, _ in roles])
 
-    def _report(self, progress: CommandProgress, fact: Reported) -> None:
-        progress.report(fact)
-        self._learn(progress, fact.at)
+    def _note(self, fact: Reported, commands: list[CommandProgress]) -> None:
+        """Keep the newest changes, and stop the repetitions of *commands* against what may be a person's will."""
+        if fact.is_change or fact.is_first:
+            self.newest[fact.capability] = fact
+        if fact.is_change and fact.attribution.may_be_person:
+            self.unexplained_change = fact
+        elif self.unexplained_change is fact:
+            self.unexplained_change = None
+        for one in commands:
+            is_new = fact.is_first and one.last.get(fact.capability, fact.value) != fact.value
+            if fact.may_be_will or (is_new and fact.attribution.may_be_person):
+                one.will_at = fact.at
+
+    def _bring(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:
+        """Remember the value that a command brought, from when on it lasts, until another value follows."""
+        capability = fact.capability
+        for one, role in roles:
+            wanted = one.wanted.get(capability)
+            if role is ReportRole.EFFECT and wanted is not None:
+                before = self._brought.get(capability)
+                if before is None or before.command != one.order.id:
+                    at = max(fact.at if fact.is_change else -math.inf, one.transmission.sent_at)
+                    self._brought[capability] = _Brought(one.order.id, wanted.value, fact.value, at)
+                    if one.order.moves:
+                        self._explain_rest(one, fact.at)
+                return
+        brought = self._brought.get(capability)
+        if brought is not None and fact.is_change and not brought.is_near(fact):
+            del self._brought[capability]
+
+    def _explain_rest(self, progress: CommandProgress, at: float) -> None:
+        """Correct the cause of a cover's rest that it reported before its position."""
+        for fact in reversed(self.reports):
+            if fact.at < at - durations.CAME_ALONG:
+                return
+            if fact.attribution.may_be_person and not fact.attribution.command and rests_where_sent(fact, progress):
+                self._amend(frozenset([fact.number]), progress, Cause.COMMAND, ReportRole.ASIDE)
+
+    def _bring_again(self, fact: Sent) -> None:
+        """Let the values that a command brought last from its repetition on: it starts timers anew."""
+        for capability, value in fact.settings.items():
+            brought = self._brought.get(capability)
+            if brought is not None and self.profile.fits(capability, value, brought.value):
+                self._brought[capability] = brought._replace(at=fact.at)
+
+    def _amend(self, numbers: frozenset[int], progress: CommandProgress, cause: Cause, role: ReportRole) -> None:
+        """Correct the cause of some reports."""
+        for fact in self.reports:
+            if fact.number in numbers and fact.attribution.command in {
+                "",
+                progress.order.id,
+            }:  # else another one explains it
+                own_role = None if progress.is_raw else role
+                fact.attribution = Attribution(cause, progress.order.id, own_role, progress.order.is_foreign)
+                self._note(fact, [progress])
 
     def _learn(self, progress: CommandProgress, now: float) -> None:
         settling = progress.settling
@@ -312,11 +412,22 @@ class PartTimeline:
         elif not progress.is_learnt and (settling.has_held or settling.undoing is not None):
             progress.is_learnt, undoing = True, settling.undoing
             learn_settled(progress, undoing, self.profile)
-            if undoing is not None and not progress.is_raw:
-                capability, cause = undoing.capability, cause_of_undoing(progress, undoing.capability)
-                found = Attribution(cause, progress.order.id, ReportRole.UNDONE)
-                self._report_held(capability, self.value(capability), found)  # its report counted as a step
-                self.on_undone(progress, undoing, cause)
+            if undoing is not None:
+                self._undone(progress, settling.led_nowhere, undoing)
+
+    def _undone(self, progress: CommandProgress, steps: frozenset[int], undoing: Undoing) -> None:
+        newest = self.newest.get(undoing.capability)
+        is_usual = newest is not None and newest.attribution.role is ReportRole.UNDONE
+        cause = newest.attribution.cause if newest is not None and is_usual else Cause.UNKNOWN
+        if steps:
+            cause = Cause.DEVICE if undoing.capability in progress.suspected else Cause.UNKNOWN
+            self._amend(steps, progress, cause, ReportRole.UNDONE)
+        if progress.is_raw:
+            return
+        found = Attribution(cause, progress.order.id, ReportRole.UNDONE)
+        if steps:
+            self._report_held(undoing.capability, self.value(undoing.capability), found)  # it counted as a step
+        self.on_undone(progress, undoing, cause)
 
     def _report_held(self, capability: str, value: PlainValue, found: Attribution) -> None:
         for held in tuple(self.held):
@@ -329,20 +440,11 @@ class PartTimeline:
             if older is not progress and older.settling is not None:
                 older.settling.release(own, at)
 
-    def _is_unexplained(self, fact: Reported) -> bool:
-        return fact.is_change and self.cause_of(fact).cause.may_be_person
-
     def _append(self, fact: Reported) -> None:
         known, oldest = self.reports, fact.at - durations.REMEMBERED
         known.append(fact)
         while len(known) > MOST_REPORTS or known[0].at < oldest:
-            is_needed = len(known) <= _MOST_WHILE_OPEN and any(one.covers(fact.at) for one in self.active)
-            if is_needed and known[0].at >= oldest:
-                break
-            dropped = known.popleft()
-            if self._is_unexplained(dropped):
-                self.dropped_change = dropped
-            self._drop_commands(dropped.at)
+            self._drop_commands(known.popleft().at)
 
     def _drop_commands(self, before: float) -> None:
         """Drop the commands that ended *before* that time, and the oldest if there are too many."""

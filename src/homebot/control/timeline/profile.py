@@ -63,7 +63,7 @@ class DeviceProfile:
         returns: The ends of confirmed values; empty as long as no value was undone.
         echoes: For each expected echo, whether the device's own report followed it.
         answers: The reported values by commanded value.
-        stays: How long values other than numbers lasted that another followed within a quarter of an hour.
+        stays: How long commanded values lasted until another followed.
         pairs: How often in a row it changed along with commands to each part near it, at most three times.
         failures: By route, the number of consecutive commands without effect, at most two; see :attr:`Route.name`.
         changes: The number of live reports since one that repeated a value, at most three.
@@ -75,7 +75,7 @@ class DeviceProfile:
     returns: dict[str, _Newest[Return]] = field(default_factory=dict)
     echoes: dict[str, _Newest[bool]] = field(default_factory=dict)
     answers: dict[str, _Answers] = field(default_factory=dict)
-    stays: dict[str, _Newest[tuple[bool | str, _Seconds]]] = field(default_factory=dict)
+    stays: dict[str, _Newest[tuple[bool | float | str, _Seconds]]] = field(default_factory=dict)
     pairs: Annotated[dict[str, int], Field(max_length=KEPT)] = field(default_factory=dict)
     failures: Annotated[dict[str, int], Field(max_length=KEPT)] = field(default_factory=dict)
     changes: Annotated[int, Field(ge=0, le=ENOUGH)] = 0
@@ -156,14 +156,15 @@ class DeviceProfile:
             del self.failures[next(iter(self.failures))]
 
     def learn_stay(self, capability: str, value: PlainValue, seconds: float) -> int:
-        """Record that *value* lasted for *seconds*; return how often it did so the last four times."""
-        if not isinstance(value, bool | str) or seconds > durations.TIMED:
+        """Record that *value* lasted for *seconds*; return how often it did so the last five times."""
+        if isinstance(value, tuple) or value is None:
             return 0
+        slack = max(durations.REGULAR, durations.CLOCK_DRIFT * seconds)
         known = self.stays.get(capability, [])
-        times = [lasted for one, lasted in known if one == value][-ENOUGH - 1 :]
+        times = [lasted for one, lasted in known if one == value][-ENOUGH - 2 :]
         self.stays[capability], self.is_changed = [*known, (value, seconds)][-KEPT:], True
-        same = [seconds, *(one for one in times if abs(one - seconds) <= durations.REGULAR)]
-        is_regular = max(same) - min(same) <= durations.REGULAR
+        same = [seconds, *(one for one in times if abs(one - seconds) <= slack)]
+        is_regular = max(same) - min(same) <= slack
         return len(same) - 1 if len(same) <= ENOUGH or is_regular else ENOUGH - 1
 
     def learn_pair(self, other: str, *, is_missed: bool) -> bool:
@@ -236,15 +237,6 @@ class DeviceProfile:
         fast = [one.after for one in self.returns[capability] if one.is_fast][-ENOUGH:]
         taken_back = [after for after in fast if after is not None and after <= durations.TAKEN_BACK]
         return len(taken_back) == ENOUGH and max(taken_back) - min(taken_back) <= durations.REGULAR
-
-    def usual_return(self, capability: str) -> float | None:
-        """Return the seconds after which the device goes back by itself; None if it is not known to."""
-        if capability not in self.returns:
-            return None
-        known = [one.after for one in self.returns[capability][-ENOUGH:] if one.after is not None]
-        if len(known) < ENOUGH or max(known) - min(known) > durations.REGULAR:
-            return None
-        return sum(known) / len(known)
 
     def echo_patience(self, capability: str, limit: float) -> float:
         """Return how long to wait after an echo, at most *limit* seconds: not at all if nothing ever follows."""

@@ -4,7 +4,7 @@ Replaying the facts gives the same progress. The cost of a report does not depen
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from operator import attrgetter
 from typing import Final, final
 
@@ -17,19 +17,17 @@ from homebot.control.timeline.facts import (
     Reported,
     ReportRole,
     SendingEnded,
+    Sent,
 )
 from homebot.control.timeline.goal import NOTHING, Motion, WantedValue, side_role
-from homebot.control.timeline.profile import ENOUGH, DeviceProfile
+from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.settling import Settling
 from homebot.control.timeline.transmission import Transmission
-from homebot.devices.obedience import MODES, POWERS, STOPPED, changes, is_intermediate, is_same, related
+from homebot.devices.obedience import STOPPED, changes, is_intermediate, is_same, related
 from homebot.devices.outcomes import Confirmed, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 
 __all__ = ["CommandProgress"]
-
-_TURNED: Final = POWERS | MODES
-"""Capabilities by which a person may turn a part on or off against a command."""
 
 _POSITIONS: Final = frozenset({"position", "tilt"})
 _GIVEN_UP: Final = frozenset({"lock", "alarm"})
@@ -54,7 +52,9 @@ class CommandProgress:
         transmission: Its sendings, and the answers of the network.
         wanted: The values that the part should report, and its reports of them.
         motion: The way of the part to them.
-        roles: The role of each report, by its number.
+        will_at: When the last report came that may be a person's; -inf for none.
+        members: The same command for the members of a group.
+        fellows: The commands for which one message was sent, this one among them; empty if it was sent by itself.
         told_otherwise_at: When another value was last reported without movement; -inf for never.
         superseded_by: The id of the newer command that replaced it; empty if none did.
         must_answer: Whether the device answers commands but reports no values, so its answer is awaited.
@@ -65,7 +65,6 @@ class CommandProgress:
         followers: The other parts that changed along with it.
         has_echo: Whether a bridge may report the wanted values before the device obeyed.
         suspected: The capabilities whose fast reports were retracted before, as a bridge's echoes are.
-        usual_returns: The seconds after which the device is known to go back by itself, by capability.
     """
 
     def __init__(
@@ -89,7 +88,9 @@ class CommandProgress:
         }
         if order.turns_on:  # the wanted colour or level does not show that it is on
             self.wanted["on_off"] = WantedValue(order, "on_off", value=True, known=NOTHING, profile=profile)
-        self.roles: dict[int, ReportRole] = {}
+        self.will_at = -math.inf
+        self.members: tuple[CommandProgress, ...] = ()
+        self.fellows: Sequence[CommandProgress] = ()
         self.told_otherwise_at = -math.inf
         self.superseded_by = ""
         self.must_answer = answers and not self.wanted
@@ -99,16 +100,14 @@ class CommandProgress:
         self.outcome: Outcome | None = None
         self.settling: Settling | None = None
         self.followers: frozenset[PartRef] = frozenset()
-        self.suspected, self.usual_returns = _NONE, {}
+        self.suspected = _NONE
         if profile.returns:
             self.suspected = frozenset(
                 [one for one in order.settings if one not in order.echoed and profile.is_echo(one)]
             )
-            self.usual_returns = {one: end for one in self.wanted if (end := profile.usual_return(one)) is not None}
         self.has_echo = bool(order.echoed or self.suspected)
         self._profile = profile
         self._told_of_group: dict[str, float] = {}  # when a bridge repeated the message to a group, by capability
-        self._opposed = _NONE  # other capabilities whose new value contradicts the command
 
     @property
     def is_met(self) -> bool:
@@ -120,7 +119,14 @@ class CommandProgress:
     @property
     def met_times(self) -> list[float]:
         """The time of the first report of each wanted value that is still reported."""
-        return [one.met_at for one in self.wanted.values() if one.met_at is not None]
+        times = [one.met_at for one in self.wanted.values() if one.met_at is not None]
+        return times or [at for one in self.members for at in one.met_times]
+
+    @property
+    def is_met_by_members(self) -> bool:
+        """True if all members of a group that report its values reported the wanted ones."""
+        reporting = [one for one in self.members if one.wanted]
+        return bool(reporting) and all(one.is_met for one in reporting)
 
     @property
     def over_at(self) -> float:
@@ -133,6 +139,8 @@ class CommandProgress:
             return -math.inf
         if self.must_answer:
             return -math.inf if self.is_accepted else math.inf
+        if self.members and self.is_met_by_members:
+            return -math.inf
         times = [*map(_MET_AT, self.wanted.values())]
         if None not in times:
             return -math.inf
@@ -153,10 +161,18 @@ class CommandProgress:
         return were_so and not self.order.opens_further
 
     @property
-    def is_overruled(self) -> bool:
-        """True if the newest report is neither the wanted value nor the old one: a person's, or its own answer."""
+    def may_repeat(self) -> bool:
+        """True while no report since the first sending, also of a member, may be a person's, or an undeclared echo."""
         undeclared = [one for name, one in self.wanted.items() if name not in self.order.echoed]
-        return bool(self._opposed) or any(one.is_overruled or one.echoed_at is not None for one in undeclared)
+        is_stopped = any(one.will_at >= self.transmission.first_sent_at for one in (self, *self.members))
+        return not (is_stopped or any(one.echoed_at is not None for one in undeclared))
+
+    @property
+    def is_mute(self) -> bool:
+        """True if no part that the message was for has reported a wanted value since the first sending, or is asked."""
+        wanted = (value for command in (self, *self.members, *self.fellows) for value in command.wanted.values())
+        sendings = self.transmission
+        return not sendings.can_be_asked and all(one.seen_at < sendings.first_sent_at for one in wanted)
 
     @property
     def others(self) -> dict[str, PlainValue]:
@@ -191,6 +207,9 @@ class CommandProgress:
             self._decide(fact.outcome, fact.at, settle)
             return
         self.transmission.apply(fact)
+        if isinstance(fact, Sent) and self.is_raw and self.outcome is not None:  # it is told to the group again
+            self.settling, self.is_learnt, self.ended_at = None, False, fact.at
+            self.late_until = fact.at + durations.LATE
         if isinstance(fact, SendingEnded) and fact.is_unacknowledged and not self.wanted:
             self.must_answer = True  # a device without reports may still answer
 
@@ -213,16 +232,16 @@ class CommandProgress:
         elif self.is_open:
             self.superseded_by, self.is_open, self.ended_at = newer.id, False, now
 
-    def report(self, fact: Reported) -> None:
-        """Record a live report, and its role."""
-        self.roles[fact.number] = self._role_of(fact)
+    def report(self, fact: Reported) -> ReportRole:
+        """Record a live report, and return its role."""
+        return self._role_of(fact)
 
     def _decide(self, outcome: Outcome, now: float, settle: float) -> None:
         self.outcome, self.is_open, self.ended_at = outcome, False, min(self.ended_at, now)
         is_silent = isinstance(outcome, NoAnswer) and not (outcome.reason or self.is_raw)
         self.late_until = self.ended_at + (durations.ASLEEP if is_silent else durations.LATE)
         if isinstance(outcome, Confirmed):
-            self.settling = Settling(self.order, self.wanted, self.known, self.last, self.roles, now, settle)
+            self.settling = Settling(self.order, self.wanted, self.known, self.last, now, settle)
 
     def _settings_were_so(self) -> bool:
         """Return whether the settings were certain before, if the part reports none of them."""
@@ -251,11 +270,10 @@ class CommandProgress:
         self.learns_late = False
         if wanted is None:
             return ReportRole.ASIDE
-        is_open = wanted.met_at is None and not wanted.is_overruled
+        is_open = wanted.met_at is None and self.will_at == -math.inf
         if is_open and is_same(fact.capability, wanted.value, fact.value):
             wanted.met_at = fact.at
             return ReportRole.EFFECT
-        wanted.is_overruled = wanted.is_overruled or fact.is_change
         return ReportRole.ASIDE
 
     def _wanted_role(self, wanted: WantedValue, fact: Reported) -> ReportRole:
@@ -277,37 +295,28 @@ class CommandProgress:
         wanted.depart(fact)
         if is_nearer or is_intermediate(capability, wanted.value, value):
             self.motion.moved_at = fact.at
-            wanted.is_step, wanted.is_overruled = True, False
+            wanted.is_step = True
             return ReportRole.ASTRAY if self._is_astray(wanted, fact, before) else ReportRole.STEP
         self.told_otherwise_at = fact.at
         if wanted.is_step and capability in _GIVEN_UP:
             self.motion.stopped_at = fact.at
         if before == value:
             return ReportRole.UNDONE if was_met else ReportRole.REPEAT
-        is_new = self.last.get(capability, value) != value or self._is_news(fact)
-        wanted.is_overruled = wanted.is_step or is_new
         wanted.is_step = False
-        return ReportRole.UNDONE if was_met or self._was_echoed(wanted, capability) else ReportRole.OTHERWISE
+        return ReportRole.UNDONE if was_met or self._was_echoed(wanted, fact) else ReportRole.OTHERWISE
 
-    def _was_echoed(self, wanted: WantedValue, capability: str) -> bool:
+    def _was_echoed(self, wanted: WantedValue, fact: Reported) -> bool:
         """Return whether a bridge repeated the wanted value since the last sending, or the message to the group."""
         is_own = wanted.echoed_at is not None and wanted.echoed_at >= self.transmission.sent_at
-        return is_own or capability in self._told_of_group
-
-    def _is_news(self, fact: Reported) -> bool:
-        """Return whether a device that reports only changes repeats its old value: it changed twice in between."""
-        return fact.previous == fact.value and self._profile.changes >= ENOUGH
+        told_at = self._told_of_group.get(fact.capability, -math.inf)
+        return is_own or (told_at > -math.inf and (not self.is_raw or fact.at - told_at <= durations.UNREAD))
 
     def _other_role(self, fact: Reported) -> ReportRole:
         capability, value = fact.capability, fact.value
         if self.motion.approaches(capability, value):
             self.motion.moved_at = fact.at
             return ReportRole.STEP
-        role = side_role(self.order, capability, value)
-        is_against = role is ReportRole.ASIDE and capability in _TURNED and self.last.get(capability, value) != value
-        if is_against or self._opposed:
-            self._opposed = self._opposed | {capability} if is_against else self._opposed - {capability}
-        return role
+        return side_role(self.order, capability, value)
 
     def _is_astray(self, wanted: WantedValue, fact: Reported, before: object) -> bool:
         if not isinstance(before, float):

@@ -36,13 +36,13 @@ class Settling:
     Args:
         known: The values that were certain before the command.
         last: The values that the part last reported before, certain or not.
-        roles: The roles of the reports, by number; updated if a step leads nowhere.
         seconds: How long the values have to last.
 
     Attributes:
         until: When the watch ends, unless further steps come.
         undoing: The end of a value; None if all have lasted so far.
         has_held: Whether the values lasted until the end.
+        led_nowhere: The numbers of the reports that counted as steps, but were the end of the value.
     """
 
     def __init__(
@@ -51,11 +51,10 @@ class Settling:
         wanted: Mapping[str, WantedValue],
         known: Mapping[str, PlainValue],
         last: Mapping[str, PlainValue],
-        roles: dict[int, ReportRole],
         at: float,
         seconds: float,
     ) -> None:
-        self._order, self._wanted, self._known, self._roles = order, wanted, known, roles
+        self._order, self._wanted, self._known = order, wanted, known
         self._confirmed_at = at
         self._seconds = seconds
         self._steps_until = at + order.transition + durations.LAST_STEPS
@@ -66,6 +65,7 @@ class Settling:
         self._step_value: PlainValue = None
         self._level_until = math.inf
         self._steps: list[int] = []
+        self.led_nowhere: frozenset[int] = frozenset()
         self._released = _NONE  # capabilities that newer commands set
         self.until = at + seconds + order.transition
         self.undoing: Undoing | None = None
@@ -182,8 +182,7 @@ class Settling:
         self._steps.clear()
 
     def _undo(self, capability: str, at: float) -> None:
-        for number in self._steps:
-            self._roles[number] = ReportRole.UNDONE
+        self.led_nowhere = frozenset(self._steps)
         self._steps.clear()
         self.undoing = Undoing(capability, at - self._confirmed_at)
         self.until = at

@@ -3,7 +3,7 @@
 import math
 from typing import final
 
-from homebot.control.timeline.facts import Answered, CommandFact, LinkLost, SendingEnded, Sent, Withheld
+from homebot.control.timeline.facts import Answered, Asked, CommandFact, LinkLost, SendingEnded, Sent, Withheld
 
 __all__ = ["Transmission"]
 
@@ -20,6 +20,8 @@ class Transmission:
         told_at: When the first sending to this part alone began; None if the first of all was one.
         began: When the first sending ended, since a gateway may have had to connect first; -inf before.
         asked_at: When the last attempt ended; -inf before.
+        asked_after: The number of attempts after which the part was last asked for its values.
+        can_be_asked: Whether it takes such a request, as far as is known.
         lost_at: When the connection was last lost, or did not answer; -inf for never.
         is_unacknowledged: Whether the network did not acknowledge the last sending in time.
         accepted: When the device or its network first accepted each setting.
@@ -30,7 +32,8 @@ class Transmission:
     """
 
     def __init__(self, given_at: float) -> None:
-        self.attempts = self.count = 0
+        self.attempts = self.count = self.asked_after = 0
+        self.can_be_asked = True
         self.first_sent_at = self.sent_at = given_at
         self.told_at: float | None = None
         self.began = self.asked_at = self.lost_at = -math.inf
@@ -59,6 +62,8 @@ class Transmission:
                 self.lost_at = fact.at if fact.is_unacknowledged else self.lost_at
             if self.attempts == 1:
                 self.began = self.sent_at if self.is_unacknowledged else fact.at
+        elif isinstance(fact, Asked):
+            self.asked_after, self.can_be_asked = self.attempts, fact.can_answer
         elif isinstance(fact, LinkLost):
             self.lost_at = max(self.lost_at, fact.at)
         elif isinstance(fact, Answered):
