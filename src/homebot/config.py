@@ -115,6 +115,7 @@ class HomeSettings(BaseModel):
 
     Attributes:
         name: Name of the home in logs and on the web page.
+        id: The id by which its data are found, written by the first start.
         zone: The time zone, by its IANA name; empty for the computer's.
         latitude: Degrees north of the equator; this and *longitude* are for the times of the sun.
         longitude: Degrees east of Greenwich.
@@ -123,6 +124,7 @@ class HomeSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     name: str = Field(default=UNNAMED, min_length=1)
+    id: str = Field(default="", pattern=r"^([0-9a-f]{16})?$")
     zone: str = ""
     latitude: float | None = Field(default=None, ge=-90, le=90)
     longitude: float | None = Field(default=None, ge=-180, le=180)

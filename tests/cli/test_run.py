@@ -83,11 +83,11 @@ def test_devices_are_remembered_unless_they_are_simulated_or_nobody_wants_it(
 ) -> None:
     monkeypatch.setenv("HOMEBOT_DATA", str(tmp_path / "data"))
     Path("homebot.toml").write_text('[home]\nname = "villa"\n[gateways.mqtt]\n[door]\nport = 0\n')
-    file = tmp_path / "data" / "villa" / "embedded" / "index.sqlite"
     assert main(["run", "--for", "0.01", "--ephemeral"]) == 0
-    assert not file.exists()
+    assert not (tmp_path / "data" / "homes").exists()
     assert main(["run", "--for", "0.01"]) == 0
-    assert file.exists()
+    (file,) = tmp_path.glob("data/homes/*/index.sqlite")
+    assert f'id = "{file.parent.name}"' in Path("homebot.toml").read_text()
 
 
 def test_a_house_of_your_own_comes_in_the_place_of_the_thesis_house() -> None:

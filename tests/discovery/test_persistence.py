@@ -86,23 +86,6 @@ async def test_the_first_run_tells_of_no_last_one(path: Path) -> None:
     assert "devices known from the last run: 1" in [line.get("message") for line in lines]
 
 
-async def test_the_first_run_at_another_broker_says_where_the_statements_are(tmp_path: Path) -> None:
-    """Rooms and approvals were gone without a word when the broker had a new address."""
-    old, new, own = (tmp_path / "villa" / broker / "index.sqlite" for broker in ("old", "new", "embedded"))
-    async with directory_with(old) as directory:
-        directory.index.observe(announce("l", part_of(id="l"), ids=("id:lamp",)))
-    for told in (True, False):
-        with capture_logs() as lines:
-            async with directory_with(new) as directory:
-                directory.index.observe(announce("l", part_of(id="l"), ids=("id:lamp",)))
-        step = f"{old.parent}; if its broker has moved, stop homebot and move the files from there to {new.parent}"
-        assert any(step in line.get("message", "") for line in lines) is told
-    with capture_logs() as lines:
-        async with directory_with(own):
-            pass
-    assert not any("has moved" in line.get("message", "") for line in lines)
-
-
 async def test_without_persistence_no_file_is_made(path: Path) -> None:
     async with directory_with(path, persist=False) as directory:
         directory.index.observe(announce("l", part_of(id="l"), ids=("id:lamp",)))

@@ -1,4 +1,4 @@
-"""What the configuration makes of doors, tokens and the place of the index."""
+"""What the configuration makes of doors and tokens."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from homebot.cli.commands.run import with_environment
 from homebot.config import parse_config
 from homebot.devices.client_rights import LOCAL_RIGHTS
 from homebot.errors import ConfigError
-from homebot.runtime.plan import index_place, make_plan, plan_errors
+from homebot.runtime.plan import make_plan, plan_errors
 
 ROOMS: dict[str, object] = {"bath": {}, "hall": {"doors": ["bath", "outside"]}}
 
@@ -140,22 +140,3 @@ def test_a_mistake_is_found_at_the_start_and_names_its_key(
         make_plan(parse_config({"door": table}, "homebot.toml", tmp_path))
     assert str(caught.value).startswith(problem)
     assert "hunter2" not in str(caught.value)
-
-
-@pytest.fixture(autouse=True)
-def _data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("HOMEBOT_DATA", str(tmp_path))
-
-
-def place(url: str, home: str = "villa") -> tuple[str, ...]:
-    gateway = {"url": url} if url else {}
-    return index_place(parse_config({"home": {"name": home}, "gateways": {"mqtt": gateway}}, "test")).parts[-3:]
-
-
-def test_each_broker_of_a_home_has_its_own() -> None:
-    assert place("") == ("villa", "embedded", "index.sqlite")
-    assert len({place(url) for url in ("", "mqtt://a", "mqtt://b", "mqtt://a:1884", "mqtts://a")}) == 5
-
-
-def test_how_a_broker_is_spelt_makes_no_difference() -> None:
-    assert place("mqtt://Broker.example") == place("mqtt://broker.example:1883")

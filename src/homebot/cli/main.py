@@ -73,6 +73,7 @@ COMMANDS: Final = {
     "action": "list actions, and send goals to them",
     "param": "list, read, set and save the parameters of nodes",
     "node": "list and inspect nodes",
+    "home": "choose which data are those of the home",
     "backup": "write homebot's data and configuration to one file",
     "restore": "restore the data and configuration from a backup",
     "broker": "run only an MQTT broker",
@@ -109,8 +110,8 @@ examples:
   homebot service call /rosapi/get_time          call a service
   homebot broker                                 only an MQTT broker
 
-All commands except `run`, `replay`, `restore`, `broker`, `router`, `config`, `interface`, `join`, `new` and `token`
-connect to a running homebot, by default on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
+All commands except `run`, `replay`, `restore`, `broker`, `router`, `config`, `home`, `interface`, `join`, `new` and
+`token` connect to a running homebot, by default on 127.0.0.1:9090. See `homebot COMMAND --help` for their options.
 """
 
 

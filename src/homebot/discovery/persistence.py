@@ -39,7 +39,6 @@ T = TypeVar("T")
 
 LOADED = "discovery.index_file_loaded"
 BAD_RECORD = "discovery.index_record_rejected"
-OTHERS = "discovery.other_index_files"
 
 SAVE_EVERY = 2.0
 """Seconds for which changes are collected before they are written."""
@@ -51,9 +50,6 @@ DECISIONS = "merging"
 PLACES = "places"
 SCENES = "scenes"
 """The owner's records: which announcements are one device, statements about devices, and scenes."""
-
-_EMBEDDED = "embedded"
-"""The folder of homebot's own broker, which moves nowhere."""
 
 _BATCH = 200
 """Most devices written in one transaction."""
@@ -127,10 +123,6 @@ class IndexPersistence:
         except LinkError:
             return
         await self._restore_entries(known)
-        if not (known.entries or known.owner) and (others := await to_thread.run_sync(self._other_folders)):
-            told = f"what you stated at other addresses of this home is in {', '.join(others[:5])}"
-            step = f"if its broker has moved, stop homebot and move the files from there to {Path(self.file).parent}"
-            self._node.log.info(OTHERS, message=f"{told}; {step}")
 
     async def export(self) -> tuple[IndexRow, ...]:
         """Return the content that the file would have now, whether or not there is one."""
@@ -160,12 +152,6 @@ class IndexPersistence:
             self._node.log.info(
                 LOADED, message=f"devices known from the last run: {len(known.entries)}", file=self.file
             )
-
-    def _other_folders(self) -> list[str]:
-        """Return the folders with a file of the same home for another network: the broker may have moved."""
-        own = Path(self.file)
-        others = own.parent.parent.glob(f"*/{own.name}") if own.parent.name != _EMBEDDED else ()
-        return sorted(str(one.parent) for one in others if one != own)
 
     def _restore_owner(self, records: Mapping[str, str]) -> int:
         """Restore the owner's decisions; return how many records could not be read."""

@@ -1,6 +1,9 @@
 """``/homebot/health``: crashes, failed callbacks, a blocked event loop and lost messages of this process."""
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from anyio import to_thread
 
 from homebot.devices.app_messages import ChangeAppResponse
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
@@ -30,6 +33,7 @@ class RuntimeHealth:
         lost_lines: Callable[[], int],
         apps: AppHost,
         reloaded: Callable[[], ChangeAppResponse],
+        folder: Path | None,
     ) -> None:
         self._graph: Graph = node.graph
         self._home = home
@@ -38,6 +42,7 @@ class RuntimeHealth:
         self._lost_lines = lost_lines
         self._apps = apps
         self._reloaded = reloaded
+        self._folder = folder
         node.create_service(GetHealth, RUNTIME_HEALTH, self._answer)
 
     async def _answer(self, _request: HealthRequest) -> HealthResponse:
@@ -67,8 +72,14 @@ class RuntimeHealth:
             ),
             troubles=(*self._problems(), *[one async for one in self._apps.unknown_names()]),
             failures=tuple(self._failures()),
+            notes=await to_thread.run_sync(self._notes),
             home=self._home,
         )
+
+    def _notes(self) -> tuple[str, ...]:
+        from homebot.runtime.home_folder import unused_folders  # noqa: PLC0415 - few runs are asked
+
+        return () if self._folder is None else tuple(unused_folders(self._folder))
 
     def _problems(self) -> Iterator[str]:
         for name, crash in sorted(self._supervisor.crashes.items()):

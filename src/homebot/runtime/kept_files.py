@@ -1,6 +1,7 @@
 """The data files of a run, which are in one folder: their schemas, and copies of them."""
 
 import shutil
+import sqlite3
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,7 +13,7 @@ from anyio import to_thread
 from homebot.apps.stores import STORE_SCHEMA
 from homebot.devices.names import COPY_FILES
 from homebot.discovery.store import INDEX_FILE, INDEX_SCHEMA
-from homebot.errors import LinkError
+from homebot.errors import LinkError, UsageError
 from homebot.graph import Node
 from homebot.history.history import HISTORY_FILE
 from homebot.history.history_file import HISTORY_SCHEMA
@@ -23,7 +24,7 @@ from homebot.runtime.plan import JOURNAL_FILE
 from homebot.support.installation import INSTALLATION_FILE
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema, copy_database
 
-__all__ = ["KEPT_FILES", "copy_kept_files", "serve_copies"]
+__all__ = ["KEPT_FILES", "check_unused", "copy_kept_files", "serve_copies"]
 
 KEPT_FILES: Final[Mapping[str, SqliteSchema]] = {
     INDEX_FILE: INDEX_SCHEMA,
@@ -65,6 +66,27 @@ def copy_kept_files(folder: Path) -> Path:
             raise LinkError(f"{copies} cannot be written: {exc.strerror}") from exc
         raise
     return copies
+
+
+def check_unused(folder: Path) -> None:
+    """Check that no running homebot uses the files in *folder*.
+
+    Raises:
+        UsageError: One does.
+    """
+    for path in (folder / name for name in KEPT_FILES):
+        if not path.exists():
+            continue
+        connection = sqlite3.connect(path, timeout=0.1, isolation_level=None)
+        try:
+            connection.execute("BEGIN IMMEDIATE")
+        except sqlite3.OperationalError as exc:
+            if "locked" in str(exc):
+                raise UsageError(f"{path} is in use by a running homebot; stop it first") from exc
+        except sqlite3.DatabaseError:
+            pass  # a damaged file is why a backup is restored
+        finally:
+            connection.close()
 
 
 def serve_copies(node: Node, folder: Path | None) -> None:

@@ -39,7 +39,6 @@ if TYPE_CHECKING:
 __all__ = [
     "Plan",
     "PlannedComponent",
-    "index_place",
     "make_plan",
     "plan_errors",
     "planned_app",
@@ -241,23 +240,6 @@ def _is_routine(table: Table) -> bool:
 
 def _key_of(name: str, table: Table) -> str:
     return f"{'routines' if _is_routine(table) else 'apps'}.{name}"
-
-
-def index_place(config: Config) -> Path:
-    """Return the index file of *config*.
-
-    Its name contains the network of the first gateway: the broker's host and port without any credentials, ``embedded``
-    for homebot's own broker, else the gateway's name.
-
-    Raises:
-        ConfigError: As :func:`make_plan`.
-    """
-    from homebot.discovery.store import index_path  # noqa: PLC0415 - only where an index is kept
-
-    plan = make_plan(config)
-    for gateway in plan.gateways:
-        return index_path(plan.home, gateway.kind.network(gateway.settings) or gateway.name)
-    return index_path(plan.home, "none")
 
 
 def _gateways(config: Config) -> tuple[PlannedComponent[Gateway], ...]:

@@ -40,6 +40,7 @@ _LIVE: Final[Mapping[str, frozenset[str]]] = {
     "control": frozenset(PolicySettings.model_fields),
     "apps": frozenset({ACT}),
     "devices": frozenset({"limits"}),
+    "home": frozenset({"id"}),
     "ros": frozenset({"ca", "cert_file", "connect", "domain", "export", "import", "key_file", "listen", "user"}),
 }
 """The keys that take effect without a restart; so do those of ``[places]``, ``[devices]``, groups and scenes."""

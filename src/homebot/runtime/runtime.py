@@ -283,8 +283,8 @@ class Runtime:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         self.app_manager.offer_services(main)
-        home, reloaded = self._plan.home, lambda: self._reloaded
-        RuntimeHealth(main, home, self.supervisor, self.loop_watch, self.lost_lines, self.app_host, reloaded)
+        home, reloaded, folder = self._plan.home, lambda: self._reloaded, self._installation.folder
+        RuntimeHealth(main, home, self.supervisor, self.loop_watch, self.lost_lines, self.app_host, reloaded, folder)
         main.offer_service("std_srvs/srv/Trigger", START_RECORDER, lambda: self._recording.serve_clients(main))
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
         main.create_service(Reload, RELOAD, lambda asked: self.reload(self._read, may_lose=asked.allow_removal))

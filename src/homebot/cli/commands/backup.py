@@ -21,8 +21,8 @@ from homebot.config import load_config, load_tables
 from homebot.devices.names import COPY_FILES
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.log import configure_logging
-from homebot.runtime.kept_files import KEPT_FILES, copy_kept_files
-from homebot.runtime.plan import index_place
+from homebot.runtime.home_folder import index_place, take_folder
+from homebot.runtime.kept_files import KEPT_FILES, check_unused, copy_kept_files
 from homebot.support.data_folder import data_directory
 from homebot.support.sqlite_file import why_not_readable
 from homebot.version import __version__
@@ -66,7 +66,7 @@ def _back_up(options: argparse.Namespace) -> int:
     path = Path(options.config)
     tables = load_tables(path)
     config = with_environment(load_config(path))
-    folder = index_place(config).parent
+    folder = index_place(config, path).parent
     files, secrets = _config_files(path, tables, with_secrets=options.with_tokens)
     copies = _copies(folder, options)
     try:
@@ -175,7 +175,7 @@ def _restore(options: argparse.Namespace) -> int:
         manifest = extract_archive(Path(options.file), staged)
         _check_files(staged / "data")
         folder = root / manifest.folder
-        _check_stopped(folder)
+        check_unused(folder)
         aside = _move_in(staged, folder, options.into, manifest)
     finally:
         shutil.rmtree(staged, ignore_errors=True)
@@ -206,22 +206,6 @@ def _damage(path: Path) -> str:
     return "" if found == "ok" else f"is damaged: {found}"
 
 
-def _check_stopped(folder: Path) -> None:
-    for path in (folder / name for name in KEPT_FILES):
-        if not path.exists():
-            continue
-        connection = sqlite3.connect(path, timeout=0.1, isolation_level=None)
-        try:
-            connection.execute("BEGIN IMMEDIATE")
-        except sqlite3.OperationalError as exc:
-            if "locked" in str(exc):
-                raise UsageError(f"{path} is in use by a running homebot; stop it first") from exc
-        except sqlite3.DatabaseError:
-            pass  # a damaged file is why a backup is restored
-        finally:
-            connection.close()
-
-
 def _move_in(staged: Path, folder: Path, into: Path, manifest: Manifest) -> list[Path]:
     ending, aside = f".before-restore-{time.time():.3f}", []
     for one, file in manifest.files.items():
@@ -239,6 +223,8 @@ def _move_in(staged: Path, folder: Path, into: Path, manifest: Manifest) -> list
     (staged / "data").mkdir(exist_ok=True)
     folder.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     (staged / "data").rename(folder)
+    names = [one.removeprefix("config/") for one in manifest.files if one.startswith("config/")]
+    take_folder(folder, manifest.home, into / next((one for one in names if one.endswith(".toml")), DEFAULT_CONFIG))
     if os.name == "posix" and os.geteuid() == 0:  # the service's user must be able to write them
         owner = data_directory().stat()
         for path in (folder.parent, folder, *folder.iterdir()):

@@ -17,8 +17,9 @@ from homebot.errors import ConfigError, HomebotError
 from homebot.gateways import Gateway
 from homebot.log import configure_logging
 from homebot.plugins import INSTALL_EXTRA
+from homebot.runtime.home_folder import index_place, unused_folders
 from homebot.runtime.kept_files import KEPT_FILES
-from homebot.runtime.plan import Plan, PlannedComponent, index_place, make_plan
+from homebot.runtime.plan import Plan, PlannedComponent, make_plan
 from homebot.support.file_access import readable_by_others, why_not_trusted
 from homebot.support.sqlite_file import why_not_readable
 
@@ -95,16 +96,17 @@ def offline_findings(path: Path, *, reaches: bool) -> Iterator[Finding]:
     plan = make_plan(settings)
     yield from _finding(FindingKind.PORT, _taken_ports(plan))
     if plan.discovery.persist:
-        folder = index_place(settings).parent
+        folder = index_place(settings, path).parent
         yield from _finding(FindingKind.FOLDER, _folder_problem(folder))
         yield from _finding(FindingKind.FILE, _unreadable_files(folder))
+        yield from _finding(FindingKind.NOTE, (("", text) for text in unused_folders(folder)), "homebot")
     if reaches:
         yield from _finding(FindingKind.NETWORK, anyio.run(_unreachable, plan))
 
 
-def _finding(kind: FindingKind, rows: Iterable[Row]) -> Iterator[Finding]:
+def _finding(kind: FindingKind, rows: Iterable[Row], where: str = "") -> Iterator[Finding]:
     if found := tuple(rows):
-        yield kind.finding(found)
+        yield kind.finding(found, where)
 
 
 def _of_errors(errors: Iterable[ConfigError]) -> Iterator[Row]:

@@ -220,10 +220,15 @@ def run_configured(options: argparse.Namespace) -> int:
     ):
         atexit.register(gc.freeze)  # else the final garbage collection takes seconds
         with gc_paused():
-            from homebot.runtime import Runtime, index_place  # noqa: PLC0415 - most of the start, after the first line
-        index = index_place(config) if house is None or options.config else None
-        # A simulated house always starts as described, so there is nothing to remember.
-        index_file = None if house is not None or options.ephemeral else index
+            from homebot.runtime import Runtime  # noqa: PLC0415 - most of the start, after the first line
+        index_file, owner_file = None, None
+        if house is None or options.config:
+            from homebot.runtime.home_folder import settle_home  # noqa: PLC0415 - a simulated house keeps nothing
+            from homebot.support.data_folder import data_directory  # noqa: PLC0415 - as above
+
+            owner_file = data_directory() / OWNER_FILE
+            if house is None and not options.ephemeral:
+                index_file = settle_home(config, Path(options.config) if options.config else None)
         read = partial(_config, options)
         make_runtime = partial(
             Runtime,
@@ -231,7 +236,7 @@ def run_configured(options: argparse.Namespace) -> int:
             house=house,
             robot=ROBOT_OF_THE_SIMULATED_HOUSE,
             index_file=index_file,
-            owner_file=index and index.parents[2] / OWNER_FILE,
+            owner_file=owner_file,
             lost_lines=lost_lines,
             record_into=record_into,
             is_dry_run=options.dry_run,
