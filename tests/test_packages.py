@@ -1,4 +1,4 @@
-"""The picture of the packages in docs/packages.md, drawn from the imports.
+"""The picture of the packages in CONTRIBUTING.md, drawn from the imports.
 
 To draw it anew, run with ``HOMEBOT_WRITE_GOLDEN=1``.
 """
