@@ -194,4 +194,4 @@ async def test_an_echo_when_it_is_sent_again_takes_no_slow_answer_back(home: Hom
     outcome = await lamp.commands({"on_off": True, "level": 40.0})
     assert isinstance(outcome, Confirmed)
     assert outcome.evidence is Evidence.REPORTED
-    assert [one.capability for one in home.commands] == ["on_off", "level"] * 2
+    assert [one.capability for one in home.commands] == ["level", "on_off"] * 2

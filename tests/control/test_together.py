@@ -252,8 +252,8 @@ async def test_several_settings_and_a_transition_go_to_the_group_in_their_order(
     await put_lamps(home)
     await command(home, {"on_off": True, "level": 40.0}, transition=2.0)
     assert [(one.key, one.capability, one.transition) for one in home.commands] == [
-        ("group", "on_off", 2.0),
         ("group", "level", 2.0),
+        ("group", "on_off", 2.0),
     ]
 
 

@@ -87,7 +87,7 @@ async def test_a_part_that_did_not_follow_gets_a_command_of_its_own(home: Home, 
     await living(home, scene_part(FILM), deaf=("lamp",))
     answer = await scenes.apply("Film")
     assert answer.success, answer.message
-    assert sent(home) == [("bridge0", "scene"), ("lamp", "on_off"), ("lamp", "level")]
+    assert sent(home) == [("bridge0", "scene"), ("lamp", "level"), ("lamp", "on_off")]
 
 
 async def test_where_a_lease_holds_a_part_the_scene_is_not_recalled(home: Home, scenes: Scenes) -> None:

@@ -14,7 +14,7 @@ from homebot.control.journal.given_codes import MOST_NOTED, UNREAD, public_text,
 from homebot.control.timeline.facts import Order
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.always_ask import why_it_asks
-from homebot.devices.capabilities import EVENTS, MOMENTARY, is_told_once
+from homebot.devices.capabilities import EVENTS, LIGHTS_UP, MOMENTARY, is_told_once
 from homebot.devices.client_rights import CLIENT
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import is_commanded, target_of
@@ -138,11 +138,16 @@ class IssuedCommand:
 
 
 def _ordered(settings: Mapping[str, PlainValue], values: Mapping[str, PlainValue]) -> Mapping[str, PlainValue]:
-    """Return *settings* in an order in which no thermostat is to heat to more than it cools to."""
+    """Return *settings* in an order in which no thermostat is to heat to more than it cools to.
+
+    A lamp gets its level first, so that it never shines as brightly as before, and is turned on last.
+    """
     wanted, before = settings.get("heating_setpoint"), values.get("heating_setpoint")
     rises = isinstance(wanted, float) and isinstance(before, float) and wanted > before
     last = _SETPOINTS[::-1] if rises else _SETPOINTS
-    return dict(sorted(settings.items(), key=lambda one: last.index(one[0]) if one[0] in last else -1))
+    is_lit = settings.get("on_off") is True and not LIGHTS_UP.isdisjoint(settings)
+    order = ("level", "", *(("on_off",) if is_lit else ()), *last)
+    return dict(sorted(settings.items(), key=lambda one: order.index(one[0] if one[0] in order else "")))
 
 
 def is_by_hand(trigger: Trigger, now: float) -> bool:

@@ -2,7 +2,7 @@
 
 import asyncio
 import math
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import ClassVar, Final, Protocol, TypeVar, final
@@ -210,16 +210,20 @@ class Sending:
         try:
             if shared is not None and (is_shared := await self._share(sent, shared, order_of)) is not False:
                 return None
-            for capability, value in command.settings.items():
-                if command.place in self._leases.parts:  # a lease that began since the check or the previous setting
+            orders: Sequence[Command] = [
+                order_of(capability=one, value=Value.of(value)) for one, value in command.settings.items()
+            ]
+            while orders:
+                if command.place in self._leases.parts:  # a lease that began since the check or the previous message
                     refused = self._leases.refuse(command, clock.monotonic())
                     if refused is not None:
                         return refused
-                order = order_of(capability=capability, value=Value.of(value))
-                sending = self._sender.send(command.device, command.part, order, ineffective)
-                if (route := await sent.acknowledged(sending)) is None:
-                    is_unacknowledged = True
-                elif len(command.part.routes) > 1:
+                sending = self._sender.send(command.device, command.part, orders, ineffective)
+                if (accepted := await sent.acknowledged(sending)) is None:
+                    is_unacknowledged, orders = True, orders[1:]
+                    continue
+                route, orders = accepted
+                if len(command.part.routes) > 1:
                     routes.append(route.name)
         except UnansweredError:
             is_unacknowledged = True

@@ -120,8 +120,10 @@ class SharedSending:
             own: dict[str, object] = {"id": ""}
             if self._recall is not None:
                 own |= {"capability": self._recall.capability, "value": self._recall.value}
-            for one in self._orders[0] if self._recall is None else self._orders[0][:1]:
-                await self._sender.send(self.device, self.part, one.model_copy(update=own))
+            orders = self._orders[0] if self._recall is None else self._orders[0][:1]
+            left: Sequence[Command] = [one.model_copy(update=own) for one in orders]
+            while left:
+                _, left = await self._sender.send(self.device, self.part, left)
             self._problem = None
         except (LinkError, RefusedError, UnansweredError) as exc:
             self._problem = exc

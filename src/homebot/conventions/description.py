@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import partial
@@ -31,6 +31,7 @@ __all__ = [
     "Publications",
     "TakesCode",
     "TextEndpoint",
+    "WritesSeveral",
     "as_group",
     "begin_message",
     "work_left",
@@ -83,6 +84,16 @@ class TakesCode(Protocol):
         Raises:
             RefusedError: As there, or the code is wrong, or the capability takes none.
         """
+
+
+@runtime_checkable
+class WritesSeveral(Protocol):
+    """A codec of a part with one message for several settings, in addition to :class:`Codec`."""
+
+    def write_several(
+        self, values: Mapping[str, PlainValue], *, transition: float = 0.0
+    ) -> tuple[Publications, Collection[str]]:
+        """Return the command that sets the first of *values* as :meth:`Codec.write`, and the names that it sets."""
 
 
 @runtime_checkable

@@ -5,12 +5,13 @@ The names of colour modes, and the numbers of brightness and colours, are those 
 Source: Home Assistant core 2025.4, ``components/light/__init__.py``, the service ``light.turn_on``.
 """
 
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Collection, Container, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import NamedTuple, TypeAlias, TypeVar
 
 from homebot.conventions.command_values import (
+    Writer,
     require_bool,
     require_color,
     require_number,
@@ -137,6 +138,7 @@ class LightFeatures:
 
     def add_to(self, part: PartBuilder[MessageT], readable: Container[str], publish: Publish) -> None:
         """Add the capabilities to *part*; *readable* ones are reported, and *publish* encodes a command."""
+        part.joint = partial(self._write_several, publish)
         for name, fields in self.abilities().items():
             part.add_capability(name, readable=name in readable, writer=partial(self._write, publish, name), **fields)
 
@@ -158,6 +160,28 @@ class LightFeatures:
         }
         command = commands[capability](value)
         return command._replace(transition=require_transition(transition, self.most_seconds)) if transition else command
+
+    def joint_command(self, values: Mapping[str, PlainValue], transition: float = 0.0) -> LightCommand:
+        """Return the one command that sets all *values*; raise as :meth:`command`."""
+        found: LightCommand | None = None
+        for name, value in values.items():
+            command = self.command(name, value, transition)
+            if found is None or not command.on:
+                found = command
+            elif found.on:
+                set_here = {key: one for key, one in command._asdict().items() if one not in (None, "", ())}
+                found = found._replace(**set_here)
+        assert found is not None, "a command sets something"  # noqa: S101 - for the type checker
+        return found
+
+    def _write_several(
+        self, publish: Publish, writers: Mapping[str, Writer], values: Mapping[str, PlainValue], transition: float
+    ) -> tuple[Publications, Collection[str]]:
+        own = {name: value for name, value in values.items() if name in LIGHT_CAPABILITIES}
+        first, value = next(iter(values.items()))
+        if first not in own:
+            return writers[first](value, transition), (first,)
+        return publish(self.joint_command(own, transition)), own
 
     def _write(self, publish: Publish, capability: str, value: PlainValue, transition: float) -> Publications:
         return publish(self.command(capability, value, transition))

@@ -9,7 +9,7 @@ from typing import Generic, TypedDict, TypeVar, Unpack
 from homebot.conventions.command_values import Writer
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
 from homebot.conventions.payload import JsonMessage
-from homebot.conventions.table_codec import CodedWriter, PayloadParser, Reader, TableCodec, json_object
+from homebot.conventions.table_codec import CodedWriter, JointWriter, PayloadParser, Reader, TableCodec, json_object
 from homebot.devices.part import Capability, Category, Part, payload_digest
 
 __all__ = [
@@ -56,9 +56,11 @@ class PartBuilder(Generic[MessageT]):
 
     Attributes:
         parse_payload: Parses a payload into the message of the readers.
+        joint: Writes several of its values by one message; None if no message can have several.
     """
 
     parse_payload: PayloadParser[MessageT]
+    joint: JointWriter | None = None
 
     def __init__(self, part_id: str, service_type: str, *, commands: str = "", **fields: Unpack[PartFields]) -> None:
         self._id = part_id
@@ -143,7 +145,8 @@ class PartBuilder(Generic[MessageT]):
                 capabilities determine them.
             digest: The digest of these values if several parts share them.
         """
-        codec = TableCodec(self.parse_payload, self._readers, self._event_readers, self._writers, self._coded_writers)
+        tables = self._readers, self._event_readers, self._writers, self._coded_writers
+        codec = TableCodec(self.parse_payload, *tables, self.joint if len(self._writers) > 1 else None)
         part = Part(
             id=self._id,
             service_type=self._service_type,

@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from types import MappingProxyType
 from typing import Any, Generic, Never, TypeAlias, TypeVar
 
 from homebot.conventions.command_values import Writer, require_transition
 from homebot.conventions.description import Publications
-from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, shown, to_json, unreadable
+from homebot.conventions.joint_message import merged
+from homebot.conventions.payload import (
+    NO_READINGS,
+    JsonMessage,
+    Readings,
+    compact_json,
+    parse_object,
+    shown,
+    to_json,
+    unreadable,
+)
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.mqtt.topics import topic_matches
 
-__all__ = ["CodedWriter", "PayloadParser", "Reader", "TableCodec", "json_object"]
+__all__ = ["CodedWriter", "JointWriter", "PayloadParser", "Reader", "TableCodec", "json_object", "write_one_object"]
 
 MessageT = TypeVar("MessageT")
 
@@ -23,6 +33,14 @@ Reader: TypeAlias = Callable[[MessageT], Readings]
 
 CodedWriter: TypeAlias = Callable[[PlainValue, str], Publications]
 """Writes a value with a code, which may be empty; raises RefusedError."""
+
+JointWriter: TypeAlias = Callable[
+    [Mapping[str, Writer], Mapping[str, PlainValue], float], tuple[Publications, Collection[str]]
+]
+"""Writes the first of several values, with those that one message can have; returns also the names of those.
+
+It gets the writers of single values too, and a transition in seconds; raises RefusedError.
+"""
 
 PayloadParser: TypeAlias = Callable[[bytes], MessageT | None]
 """Parses a payload into the message of readers; returns None for an invalid one. Never raises."""
@@ -40,6 +58,22 @@ def json_object(payload: bytes) -> JsonMessage | None:
     return None
 
 
+def write_one_object(
+    writers: Mapping[str, Writer], values: Mapping[str, PlainValue], transition: float
+) -> tuple[Publications, Collection[str]]:
+    """Write values as :data:`JointWriter` by merging their messages, each a JSON object, if they do not differ."""
+    (name, value), *others = values.items()
+    written, names = writers[name](value, transition), [name]
+    for other, value in others:
+        further = writers[other](value, transition)
+        if len(written) == len(further) == 1 and written[0]._replace(payload=b"") == further[0]._replace(payload=b""):
+            both = merged(parse_object(written[0].payload), parse_object(further[0].payload))
+            if both is not None:
+                written = (written[0]._replace(payload=compact_json(both).encode()),)
+                names.append(other)
+    return written, names
+
+
 class TableCodec(Generic[MessageT]):
     """A codec made of tables; see :class:`homebot.conventions.description.Codec`.
 
@@ -48,9 +82,10 @@ class TableCodec(Generic[MessageT]):
         readers: Readers by topic, or by a filter that the device declared; has all topics.
         event_readers: Readers of live messages by topic.
         coded_writers: Writers with a code by capability, each of which is among *writers* without one.
+        joint: Writes several values by one message; None if no message can have several.
     """
 
-    __slots__ = ("_coded_writers", "_event_readers", "_parse_payload", "_readers", "_wild", "_writers")
+    __slots__ = ("_coded_writers", "_event_readers", "_joint", "_parse_payload", "_readers", "_wild", "_writers")
 
     def __init__(
         self,
@@ -59,7 +94,9 @@ class TableCodec(Generic[MessageT]):
         event_readers: Mapping[str, tuple[Reader[MessageT], ...]],
         writers: Mapping[str, Writer],
         coded_writers: Mapping[str, CodedWriter] | None = None,
+        joint: JointWriter | None = None,
     ) -> None:
+        self._joint = joint
         self._coded_writers: Mapping[str, CodedWriter] = coded_writers or _NONE
         self._parse_payload = parse_payload
         self._readers = readers
@@ -100,6 +137,16 @@ class TableCodec(Generic[MessageT]):
             raise RefusedError(shown(capability), f"this part takes {', '.join(self._writers) or 'nothing'}")
         return writer(value, require_transition(transition))
 
+    def write_several(
+        self, values: Mapping[str, PlainValue], *, transition: float = 0.0
+    ) -> tuple[Publications, Collection[str]]:
+        """Return the command that sets the first of *values*, and the names of those that it sets."""
+        name, value = next(iter(values.items()))
+        known = {one: value for one, value in values.items() if one in self._writers}
+        if self._joint is None or len(known) < 2 or name not in known:
+            return self.write(name, value, transition=transition), (name,)
+        return self._joint(self._writers, known, require_transition(transition))
+
     def write_with_code(self, capability: str, value: PlainValue, code: str) -> Publications:
         """Return the command that sets *capability* with a *code*."""
         if capability not in self._coded_writers:
@@ -115,7 +162,7 @@ class TableCodec(Generic[MessageT]):
         tables = self._parse_payload, _moved(self._readers, topics), _moved(self._event_readers, topics)
         if not self._writers:
             return TableCodec(*tables, _NONE)
-        return _MovedCodec(topics, *tables, self._writers, self._coded_writers)
+        return _MovedCodec(topics, *tables, self._writers, self._coded_writers, self._joint)
 
     def _readers_on_filters(self, topic: str, *, retained: bool) -> tuple[Reader[MessageT], ...]:
         matching = tuple(wild for wild in self._wild if topic_matches(wild, topic))
@@ -135,6 +182,19 @@ class _MovedCodec(TableCodec[MessageT]):
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
         """Return the command that sets *capability*."""
         return self._moved(partial(super().write, capability, value, transition=transition))
+
+    def write_several(
+        self, values: Mapping[str, PlainValue], *, transition: float = 0.0
+    ) -> tuple[Publications, Collection[str]]:
+        """Return the command that sets the first of *values*, and the names of those that it sets."""
+        names: Collection[str] = ()
+
+        def write() -> Publications:
+            nonlocal names
+            publications, names = super(_MovedCodec, self).write_several(values, transition=transition)
+            return publications
+
+        return self._moved(write), names
 
     def write_with_code(self, capability: str, value: PlainValue, code: str) -> Publications:
         """Return the command that sets *capability* with a *code*."""

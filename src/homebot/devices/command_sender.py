@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 
 from homebot.devices.always_ask import why_it_asks
 from homebot.devices.capabilities import is_told_once
+from homebot.devices.command_messages import Setting
 from homebot.devices.device import Device, DevicePart, Endpoint, Route, check_gateway
 from homebot.devices.gateway_messages import (
     Command,
@@ -36,6 +37,8 @@ from homebot.graph import Client, Node, Publisher, qos_profile_latched
 
 __all__ = ["CommandSender", "GatewayOutput", "TextSender", "TextTarget"]
 
+_HUES: Final = frozenset({"color", "color_temperature"})
+
 _ANSWERS_WITHIN: Final = 5.0
 """Seconds that a gateway has to answer, beyond the time that it may take to carry out the command."""
 
@@ -48,9 +51,11 @@ class CommandSender:
         self._clients: dict[str, Client[Command, SendCommandResponse]] = {}
 
     async def send(
-        self, device: Device, part: DevicePart, command: Command, ineffective: Collection[str] = ()
-    ) -> Route:
-        """Send *command*; return the route that accepted it, which fills in its key, part and approval.
+        self, device: Device, part: DevicePart, orders: Sequence[Command], ineffective: Collection[str] = ()
+    ) -> tuple[Route, Sequence[Command]]:
+        """Send the first of *orders*, with the others that its gateway can send in the same message.
+
+        Return the route that accepted it, which fills in its key, part and approval, and the orders that are left.
 
         The next route is tried if one is unable to send the command, or cannot reach the device; a command that a
         gateway refuses is not sent by another route, nor one that is told once, if the first route may have sent it.
@@ -64,10 +69,12 @@ class CommandSender:
             UnansweredError: A gateway sent it, but its network has not acknowledged it.
             LinkError: It was not sent, because no gateway of the part is running and connected; it may work later.
         """
-        capability, failures = command.capability, list[SendCommandResponse]()
-        routes = part.routes
+        command, failures = orders[0], list[SendCommandResponse]()
+        capability, routes = command.capability, part.routes
         if len(routes) != 1:
             routes = _routes(device, part, capability, ineffective, is_repeated=command.repeated)
+        if len(orders) > 1 and not command.code:
+            command = command.model_copy(update={"also": _along(orders, routes)})
         for route in routes:
             by_route = {"key": route.key, "part": route.part, "approved": route.approved, "topics": route.topics}
             try:
@@ -80,7 +87,7 @@ class CommandSender:
             except (InvalidNameError, ServiceError) as exc:
                 response = _failure(exc, route.gateway)
             if response.success:
-                return route
+                return route, [one for one in orders[1:] if one.capability not in response.along]
             failures.append(response)
             if not response.unable and (response.problem == "refused" or _is_told_once(device, part, command)):
                 break
@@ -101,8 +108,19 @@ class CommandSender:
         return client
 
 
+def _along(orders: Sequence[Command], routes: Iterable[Route]) -> tuple[Setting, ...]:
+    """Return the further settings that all *routes* take; a white and a colour are never sent at once."""
+    hues = [one.capability for one in orders if one.capability in _HUES]
+    return tuple(
+        Setting(capability=one.capability, value=one.value)
+        for one in orders[1:]
+        if one.capability not in hues[1:] and all(route.can(one.capability) for route in routes)
+    )
+
+
 def _is_told_once(device: Device, part: DevicePart, command: Command) -> bool:
-    is_undone = is_told_once(part.part.service_type, (command.capability,))
+    names = [command.capability, *(one.capability for one in command.also)]
+    is_undone = is_told_once(part.part.service_type, names)
     return is_undone or bool(command.code or why_it_asks(device, part))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, contextmanager
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
@@ -195,8 +195,8 @@ class Commander:
     async def _send(self, device: Device, part: DevicePart, request: CommandRequest) -> Outcome:
         began = self._clock.monotonic()
         try:
-            for one in request.settings:
-                command = Command(
+            left: Sequence[Command] = [
+                Command(
                     key="",
                     part="",
                     capability=one.capability,
@@ -204,7 +204,10 @@ class Commander:
                     transition=request.transition,
                     code=request.code,
                 )
-                await self._sender.send(device, part, command)
+                for one in request.settings
+            ]
+            while left:
+                _, left = await self._sender.send(device, part, left)
         except UnansweredError:
             return NoAnswer(self._clock.monotonic() - began, is_unacknowledged=True)
         except LinkError as exc:

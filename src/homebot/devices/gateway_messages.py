@@ -1,9 +1,11 @@
 """Messages of gateways: sightings, reports, commands, raw messages and gateway states."""
 
+from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import ConfigDict, Field
 
+from homebot.devices.command_messages import Setting
 from homebot.devices.device import KeyValue
 from homebot.devices.names import is_text_address
 from homebot.devices.part import Part
@@ -128,6 +130,7 @@ class Command(Message):
     """Command to set a capability to a value. Always absolute: sending it twice has the effect of sending it once.
 
     Attributes:
+        also: Further settings of the part, for a gateway that can send several in one message.
         transition: Seconds that the change takes, if the device supports that.
         code: The code that an alarm or a lock requires; a secret that no text about the command shows.
         expires_after: Seconds after which the network must no longer deliver it, if it supports that; 0 for never.
@@ -156,6 +159,13 @@ class Command(Message):
     repeated: bool = False
     approved: str = ""
     topics: tuple[str, ...] = ()
+    also: tuple[Setting, ...] = ()
+
+    def singly(self) -> Iterator["Command"]:
+        """Yield a command for each of its settings."""
+        yield self.model_copy(update={"also": ()}) if self.also else self
+        for one in self.also:
+            yield self.model_copy(update={"capability": one.capability, "value": one.value, "also": ()})
 
 
 class CommandAnswer(Message):
@@ -183,10 +193,12 @@ class SendCommandResponse(ServiceAnswer):
             network has not acknowledged it: it may still have an effect.
         unable: Whether it was refused because the part, as described there, cannot do that, or because the owner lets
             the gateway only observe. Nothing was sent, and another route to the part may work.
+        along: The capabilities of ``also`` that the same message set; the others are not sent yet.
     """
 
     problem: Literal["", "refused", "unreachable", "unanswered"] = ""
     unable: bool = False
+    along: tuple[str, ...] = ()
 
 
 SendCommand = ServiceType("homebot/srv/SendCommand", Command, SendCommandResponse)

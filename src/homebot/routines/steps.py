@@ -35,6 +35,9 @@ _DIM: Final = re.compile(
 _OVER: Final = re.compile(r"over\s+(?P<length>\d.*)", re.IGNORECASE)
 _NUMBER: Final = re.compile(r"[+-]?\d+(?:\.\d+)?\s*(?P<unit>%|k|°?[cf])?", re.IGNORECASE)
 _UNITS: Final = {"%": "level", "k": "color_temperature"}
+_HUE: Final = re.compile(r"color\s+(?P<value>\d+(?:\.\d+)?\s+\d+(?:\.\d+)?)", re.IGNORECASE)
+"""A colour by its hue in degrees and its saturation in per cent."""
+
 _NO_TARGET: Final = re.compile(
     r"turn\s.*|set\s.*\sto(?:\s.*)?|(?:.*\s)?(?:and|at|for|over|then|with)\s\S+", re.IGNORECASE
 )
@@ -264,7 +267,7 @@ def _listed(steps: Sequence[str]) -> str:
 
 def _is_command(text: str) -> bool:
     word = text.casefold()
-    if word in _WORDS or word.replace(" ", "_") in _WORDS or _NUMBER.fullmatch(word):
+    if word in _WORDS or word.replace(" ", "_") in _WORDS or _NUMBER.fullmatch(word) or _HUE.fullmatch(word):
         return True
     words = word.removeprefix("set ").split(" ")
     for place in range(1, len(words)):
@@ -284,6 +287,9 @@ def _combined(text: str, target: str, commands: list[str]) -> Do:
     transition = read_duration(over["length"], text, "s") if over is not None else 0.0
     others = others[:-1] if over is not None else others
     for one in others:
+        if (hue := _HUE.fullmatch(one)) is not None:
+            values.append(("color", hue["value"]))
+            continue
         number = _NUMBER.fullmatch(one)
         capability = _UNITS.get((number["unit"] or "").casefold(), "") if number else _color_of(one)
         if _OVER.fullmatch(one):

@@ -51,9 +51,9 @@ async def test_a_command_that_had_no_effect_is_repeated_by_the_next_route(house:
     first = Command(key="", part="", capability="on_off", value=Value.of(True))
     again = first.model_copy(update={"repeated": True})
     for command in (first, again):
-        await sender.send(house.device("a", lamp), lamp, command)
+        await sender.send(house.device("a", lamp), lamp, [command])
     house.answers["radio"] = SendCommandResponse(success=False, message="it left", problem="unreachable")
-    await sender.send(house.device("a", lamp), lamp, again)
+    await sender.send(house.device("a", lamp), lamp, [again])
     assert [one[0] for one in house.told] == ["hub", "radio", "hub"]
 
 
@@ -66,7 +66,7 @@ async def test_a_route_that_could_take_a_command_is_named_for_approval(house: Ho
     house.answers["mqtt"] = SendCommandResponse(success=False, message="it observes", problem="refused", unable=True)
     command = Command(key="", part="", capability="lock", value=Value.of("locked"))
     with pytest.raises(RefusedError, match="it observes; `homebot approve front` lets another route take it"):
-        await CommandSender(house.node).send(house.device("front", lock), lock, command)
+        await CommandSender(house.node).send(house.device("front", lock), lock, [command])
     assert not house.told
 
 
@@ -77,7 +77,7 @@ async def test_of_a_gateway_that_observes_and_one_that_is_down_the_latter_is_why
     house.answers["mqtt"] = SendCommandResponse(success=False, message="it observes", problem="refused", unable=True)
     command = Command(key="", part="", capability="on_off", value=Value.of(True))
     with pytest.raises(LinkError, match="its gateway hub is not running"):
-        await CommandSender(house.node).send(house.device("a", lamp), lamp, command)
+        await CommandSender(house.node).send(house.device("a", lamp), lamp, [command])
 
 
 async def test_a_button_that_may_have_been_pressed_is_not_pressed_by_another_route(house: House) -> None:

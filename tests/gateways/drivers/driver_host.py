@@ -9,6 +9,7 @@ from tests.gateways.served import served
 from tests.patience import PATIENCE
 
 from homebot.clock import Clock, LoopClock
+from homebot.devices.command_messages import Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways.announced.device_runner import DriverHost
@@ -92,6 +93,12 @@ def command(
     part: str, capability: str, value: PlainValue, transition: float = 0.0, key: str = "Hall._shelly._tcp.local."
 ) -> Command:
     return Command(key=key, part=part, capability=capability, value=Value.of(value), transition=transition)
+
+
+def night(part: str) -> Command:
+    """The command of a lamp that shall shine faintly and warmly."""
+    also = (Setting.of("color_temperature", 2700.0), Setting.of("on_off", True))
+    return command(part, "level", 3.0).model_copy(update={"also": also})
 
 
 @asynccontextmanager

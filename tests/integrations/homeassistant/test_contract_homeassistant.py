@@ -11,6 +11,7 @@ import pytest
 from anyio.abc import TaskGroup
 from tests.gateways.served import ServedLamp, with_server
 
+from homebot.conventions.lamp import LIGHT_CAPABILITIES
 from homebot.conventions.payload import compact_json
 from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
@@ -59,6 +60,7 @@ class HomeAssistantLamp(ServedLamp):
         "color_temperature": 2700.0,
         "effect": "rainbow",
     }
+    together = LIGHT_CAPABILITIES
 
     server: SimulatedHomeAssistant
     device: RecordingEntity

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 import anyio
 
+from homebot.conventions.lamp import LIGHT_CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
@@ -36,6 +37,7 @@ class AnnouncedLamp(MqttLamp):
         "color_temperature": 2700.0,
         "effect": "fire",
     }
+    together = LIGHT_CAPABILITIES
 
     def __init__(self, wire: MqttConnection, broker: MemoryBroker) -> None:
         super().__init__(wire, broker, "homeassistant:light/hall", "hall", address="hall/state")

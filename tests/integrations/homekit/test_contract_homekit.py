@@ -10,6 +10,7 @@ from typing import ClassVar
 import pytest
 from tests.integrations.homekit.gateway.fake_accessories import FakeMdns, FakePort, FakeServer, accessory, lamp_service
 
+from homebot.conventions.lamp import LIGHT_CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import Node
@@ -27,6 +28,7 @@ class HomekitLamp(Lamp):
     """A lamp that was paired before it comes into the house."""
 
     settings: ClassVar[Mapping[str, PlainValue]] = {"level": 40.0, "color": (120.0, 80.0), "color_temperature": 2700.0}
+    together = LIGHT_CAPABILITIES
 
     def __init__(self, pairings: Path) -> None:
         super().__init__(KEY, "8", address=f"homekit/{KEY}")

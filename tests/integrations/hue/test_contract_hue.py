@@ -12,6 +12,7 @@ from anyio.abc import TaskGroup
 from tests.gateways.served import ServedLamp, with_server
 from tests.integrations.hue.gateway.bridges import bridge_with_certificate, pairings_of
 
+from homebot.conventions.lamp import LIGHT_CAPABILITIES
 from homebot.conventions.light_color import to_hue_saturation
 from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
@@ -34,6 +35,7 @@ class HueLamp(ServedLamp):
         "effect": "candle",
         "locate": True,
     }
+    together = LIGHT_CAPABILITIES
 
     server: SimulatedHueBridge
     device: HueHouseDevice

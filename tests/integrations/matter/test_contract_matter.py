@@ -8,6 +8,7 @@ from typing import ClassVar
 from anyio.abc import TaskGroup
 from tests.gateways.served import ServedLamp, with_server
 
+from homebot.conventions.lamp import LIGHT_CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
 from homebot.graph import Node
@@ -59,6 +60,7 @@ class MatterLamp(ServedLamp):
         "color_temperature": 2700.0,
         "locate": True,
     }
+    together = LIGHT_CAPABILITIES
 
     server: SimulatedMatterServer
     device: RecordingNode

@@ -1,7 +1,7 @@
 """The commands, texts and raw messages of a gateway, over the ports of its protocol."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable, Collection, Coroutine
 from typing import Any, Literal, Protocol, TypeAlias
 
 import anyio.lowlevel
@@ -37,9 +37,10 @@ COMMAND_FAILED = "gateway.command_failed"
 _OUT_DEPTH = 1000
 _CARRIED_OUT = SendCommandResponse(success=True, message="", problem="", unable=False)
 
-Perform: TypeAlias = Callable[[Command], Coroutine[object, object, None]]
+Perform: TypeAlias = Callable[[Command], Coroutine[object, object, Collection[str] | None]]
 """The port of a protocol: sends a command, and returns when the network has it.
 
+It returns the capabilities of :attr:`Command.also` that went along in the same message; None or empty for none.
 It raises :class:`UnableError` if the part as described cannot do that and nothing was sent,
 :class:`LinkError` if the device or its network cannot be reached now, and :class:`RefusedError` if one of them
 refuses. It waits for an answer inside :func:`homebot.support.unanswered.awaiting_answer`.
@@ -133,7 +134,7 @@ class CommandServer:
                     await self._wait_for_raw()
                 if command.approved:
                     self._check_approved(command)
-                await self._perform(command)
+                along = await self._perform(command)
         except LinkError as exc:
             return self._failed(str(exc), requests)
         except HomebotError as exc:
@@ -148,7 +149,7 @@ class CommandServer:
         finally:
             SENT_REQUESTS.reset(token)
         self._counters.commands += 1
-        return _CARRIED_OUT
+        return _CARRIED_OUT.model_copy(update={"along": tuple(along)}) if along else _CARRIED_OUT
 
     async def refresh(self, request: RefreshRequest) -> RefreshResponse:
         """Ask a part for its values, and return whether it was asked."""

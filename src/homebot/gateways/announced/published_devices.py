@@ -4,7 +4,7 @@ Messages are published in the order of the calls. Commands to different parts ru
 a report briefly, see :class:`homebot.gateways.raw_delivery.RawDelivery`.
 """
 
-from collections.abc import Awaitable, Callable, Iterable, Mapping
+from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping
 from typing import TypeAlias
 
 import anyio.lowlevel
@@ -262,14 +262,16 @@ class PublishedDevices:
             self._last_raw.pop(device.raw, None)
             del self._by_address[device.raw]
 
-    async def _checked(self, command: Command) -> None:
-        """Carry out *command* if it fits the part."""
+    async def _checked(self, command: Command) -> Collection[str] | None:
+        """Carry out *command* if it fits the part; see :data:`Perform`."""
         part = self.engine.find_part(command.key, command.part, command.topics).described.part
         try:
             check_setting(command.key[:100], part, command.capability, command.value.plain())
+            for one in command.also:
+                check_setting(command.key[:100], part, one.capability, one.value.plain())
         except RefusedError as exc:
             raise UnableError(str(exc)) from exc
-        await self._perform(command)
+        return await self._perform(command)
 
     def _refuse(self, count: int, problem: str) -> None:
         self.counters.readings_refused += count

@@ -7,7 +7,7 @@ states and sends it commands. There is one driver object for each found service,
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Collection, Sequence
 from typing import TYPE_CHECKING, ClassVar, Final, TypeVar
 
 from pydantic import BaseModel, ConfigDict
@@ -94,8 +94,11 @@ class Driver(ABC):
         """
 
     @abstractmethod
-    async def perform(self, command: Command) -> None:
+    async def perform(self, command: Command) -> Collection[str] | None:
         """Carry out a command, already checked against its part; return when the device has accepted it.
+
+        Returns:
+            The capabilities of ``also`` that the same message set; None for none.
 
         Raises:
             LinkError: There is no connection.

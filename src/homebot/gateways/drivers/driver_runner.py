@@ -1,6 +1,6 @@
 """The drivers of an mDNS gateway: those that can be used, and the runner of the driver of one service."""
 
-from collections.abc import Callable, Mapping, MutableMapping
+from collections.abc import Callable, Collection, Mapping, MutableMapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -120,9 +120,9 @@ class DriverRunner(DeviceRunner):
         self._driver = self._kind.kind(self._service, self._kind.settings, self)
         await self._driver.run()
 
-    async def perform(self, command: Command) -> None:
+    async def perform(self, command: Command) -> Collection[str] | None:
         """Carry out *command*; wait a moment for a connection in progress."""
-        await (await self._connected_driver()).perform(command)
+        return await (await self._connected_driver()).perform(command)
 
     async def refresh(self, key: str, part: str) -> None:
         """Ask the device for the values of a part; wait as :meth:`perform`."""

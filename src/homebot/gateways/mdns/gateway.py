@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib import import_module
@@ -265,8 +265,8 @@ class MdnsGateway(Gateway):
             confirmed=confirmed,
         )
 
-    async def _perform(self, command: Command) -> None:
-        await self._runner_of(command.key).perform(command)
+    async def _perform(self, command: Command) -> Collection[str] | None:
+        return await self._runner_of(command.key).perform(command)
 
     async def _refresh(self, key: str, part: str) -> None:
         await self._runner_of(key).refresh(key, part)

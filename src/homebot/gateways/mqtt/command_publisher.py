@@ -1,13 +1,13 @@
 """Commands to devices: encoded by their convention, checked and published; and the devices' responses."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, replace
 from secrets import token_hex
 from typing import Final, final
 
 from homebot.clock import Clock
-from homebot.conventions.description import AsksMembers, DeviceRequest, Publication, TakesCode
+from homebot.conventions.description import AsksMembers, DeviceRequest, Publication, TakesCode, WritesSeveral
 from homebot.conventions.payload import clean_text, parse_object
 from homebot.devices.gateway_messages import Command, CommandAnswer
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError, WireError, WrongCodeError
@@ -144,8 +144,8 @@ class CommandPublisher:
         self._census = census
         self._responses = responses
 
-    async def perform(self, command: Command) -> None:
-        """Publish *command*; return when the broker has it.
+    async def perform(self, command: Command) -> Collection[str]:
+        """Publish *command*; return the capabilities that it sets when the broker has it.
 
         An MQTT 5 broker drops the message when the command expires. Others keep a message of QoS 1 or 2 until an absent
         device is back, so repetitions have QoS 0, and the device obeys once.
@@ -158,21 +158,23 @@ class CommandPublisher:
         """
         try:
             announced_part = self._find_part(command.key, command.part, command.topics)
-            publications = self._written(announced_part, command)
+            publications, names = self._written(announced_part, command)
         except WrongCodeError:
             raise  # with a wrong code no other route is tried: it might not ask for one
         except HomebotError as exc:
             raise UnableError(str(exc)) from exc
         await self._connection.require_link()
-        if self._census.is_counting and not announced_part.reports(command.capability):
+        is_reported = any(map(announced_part.reports, names))
+        if self._census.is_counting and not is_reported:
             await self._census.end()
         if command.code:
             publications = tuple(one._replace(retain=False) for one in publications)  # no code stays on the broker
         is_heard = await self._publish(command, publications)
         if announced_part.described.part.members:
             self._ask_members(announced_part, publications)
-        if publications and not is_heard and not announced_part.reports(command.capability):
+        if publications and not is_heard and not is_reported:
             raise LinkError(f"no client subscribes to {publications[0].topic[:100]}")
+        return names
 
     async def refresh(self, key: str, part: str) -> None:
         """Ask a part for its values, or the members of a group, soon; see :data:`Refresh`."""
@@ -209,12 +211,19 @@ class CommandPublisher:
             is_heard = is_heard or reason != ReasonCode.NO_MATCHING_SUBSCRIBERS or one.retain
         return is_heard
 
-    def _written(self, announced_part: AnnouncedPart, command: Command) -> tuple[Publication, ...]:
+    def _written(
+        self, announced_part: AnnouncedPart, command: Command
+    ) -> tuple[tuple[Publication, ...], Collection[str]]:
+        """Return the messages of *command*, and the names of those of its settings that they set."""
         name, value, codec = command.capability, command.value.plain(), announced_part.described.codec
         if command.code and not isinstance(codec, TakesCode):
             raise RefusedError(f"{name} of {command.key[:100]}", "it takes no code")
+        names: Collection[str] = (name,)
         try:
-            if command.code and isinstance(codec, TakesCode):
+            if command.also and not command.code and isinstance(codec, WritesSeveral):
+                values = {one.capability: one.value.plain() for one in command.singly()}
+                publications, names = codec.write_several(values, transition=command.transition)
+            elif command.code and isinstance(codec, TakesCode):
                 publications = tuple(codec.write_with_code(name, value, command.code))
             else:
                 publications = tuple(codec.write(name, value, transition=command.transition))
@@ -231,4 +240,4 @@ class CommandPublisher:
                 raise RefusedError(
                     f"a command to {command.key[:100]}", f"it did not announce {one.topic} as a command topic"
                 )
-        return publications
+        return publications, names

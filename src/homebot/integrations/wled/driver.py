@@ -7,7 +7,7 @@ them.
 Source: WLED, https://kno.wled.ge/interfaces/websocket and /json-api.
 """
 
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Collection, Mapping
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import anyio
@@ -70,11 +70,12 @@ class WledDriver(Driver):
             finally:
                 self._strip = None
 
-    async def perform(self, command: Command) -> None:
+    async def perform(self, command: Command) -> Collection[str]:
         """Carry out a command; return when the controller has accepted it."""
         if self._strip is None:
             raise LinkError(f"{self.service.name} is not connected")
-        state = self._strip.write(command.part, command.capability, command.value.plain(), command.transition)
+        values = {one.capability: one.value.plain() for one in command.singly()}
+        state = self._strip.write(command.part, values, command.transition)
         answer = as_fields(await self._send({**state, "v": True}))
         if "error" in answer:
             raise RefusedError(
@@ -82,6 +83,7 @@ class WledDriver(Driver):
             )
         if "on" in answer:
             await self._publish(self._strip.with_state(answer))
+        return values
 
     async def _stay_connected(self) -> None:
         try:

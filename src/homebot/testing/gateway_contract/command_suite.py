@@ -5,6 +5,7 @@ import pytest
 
 from homebot.devices import RawCommand, RawMessage
 from homebot.devices.capabilities import LIGHTS_UP
+from homebot.devices.command_messages import Setting
 from homebot.devices.exposure import ExposedDevice
 from homebot.devices.names import SENDS_NOTHING, text_address
 from homebot.devices.value import Value
@@ -62,6 +63,24 @@ class CommandSuite(GatewayWorld):
             if "level" in lamp.settings:
                 await send(lamp, watcher, capability="level", value=Value.of(0.0))
                 await becomes_told(lamp, on=False)
+
+    async def test_one_message_sets_all_that_its_protocol_can_set_in_one(self) -> None:
+        async with self.house() as (lamp, watcher):
+            if "level" not in lamp.settings or lamp.service_type != "light":
+                pytest.skip("it has no level")
+            await announced(lamp, watcher)
+            hue = {"color"} if "color_temperature" in lamp.settings else set()
+            wanted = {name: lamp.settings[name] for name in ("level", *(lamp.settings.keys() & LIGHTS_UP - hue))}
+            wanted[lamp.capability] = True
+            await send(lamp, watcher, value=Value.of(False))
+            await becomes_told(lamp, on=False)
+            also = tuple([Setting.of(name, value) for name, value in wanted.items() if name != "level"])
+            response = await send(lamp, watcher, capability="level", value=Value.of(wanted["level"]), also=also)
+            assert (response.success, response.message) == (True, "")
+            assert {*response.along} - {"level"} == lamp.together & wanted.keys() - {"level"}
+            for name in wanted.keys() & {"level", *response.along} - {lamp.capability}:
+                await becomes_set(lamp, name, wanted[name])
+            await becomes_told(lamp, on=True)
 
     async def test_a_gateway_that_only_observes_refuses_and_sends_nothing(self) -> None:
         async with self.house(act=False) as (lamp, watcher):

@@ -17,6 +17,7 @@ class Lamp(ABC):
 
     Attributes:
         settings: All other capabilities that its part takes, each with a value to set.
+        together: The capabilities that its protocol sets in the message of a level.
         gone_within: Seconds after :meth:`withdraw` within which it must be removed, where silence is the only sign.
     """
 
@@ -25,6 +26,7 @@ class Lamp(ABC):
     service_type = "light"
     capability = "on_off"
     settings: ClassVar[Mapping[str, PlainValue]] = {}
+    together: ClassVar[frozenset[str]] = frozenset()
     gone_within = 20.0
 
     def __init__(self, key: str, part: str = "", *, address: str) -> None:

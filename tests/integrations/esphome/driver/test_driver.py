@@ -9,7 +9,7 @@ from pathlib import Path
 import anyio
 import pytest
 from pydantic import ValidationError
-from tests.gateways.drivers.driver_host import KeepingHost, command
+from tests.gateways.drivers.driver_host import KeepingHost, command, night
 from tests.integrations.esphome.driver.served import KEY, OTHER_KEY, driven, living, service_of, simulated
 from tests.patience import PATIENCE
 
@@ -113,6 +113,16 @@ async def test_commands_are_obeyed(kind: str, part: str, capability: str, value:
         await run.until_reported()
         await run.driver.perform(command(part, capability, value))
         await told_to(told, text)
+
+
+async def test_one_message_sets_all_that_a_lamp_shall_be() -> None:
+    told: list[str] = []
+    device = simulated("lamp", told)
+    async with living(device), driven(service_of(device)) as run:
+        await run.until_reported()
+        assert await run.driver.perform(night(LAMP)) == ("color_temperature", "on_off")
+        await told_to(told, "0.03")
+    assert told == ["2700 K", "0.03"]
 
 
 async def test_an_impossible_command_is_refused() -> None:

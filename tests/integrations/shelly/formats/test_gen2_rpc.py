@@ -54,7 +54,7 @@ def test_a_command_is_a_call() -> None:
     device = asked(MODELS["Dimmer Gen3"])
     device.describe()
     params = {"id": 0, "on": True, "brightness": 20, "transition_duration": 2.5}
-    assert device.calls((device.id, "light:0"), "level", 20.0, 2.5) == (("Light.Set", params),)
+    assert device.calls((device.id, "light:0"), {"level": 20.0}, 2.5)[0] == (("Light.Set", params),)
 
 
 @pytest.mark.parametrize(
@@ -66,14 +66,14 @@ def test_a_relay_is_a_light_by_its_configured_load(loads: object, expected: str)
     device.record_answer("status", {"sys": {"uptime": 1}, "switch:1": {"id": 1, "output": True}}, 100)
     (described,) = device.describe()
     assert [one.part.service_type for one in described.parts] == [expected]
-    assert device.calls((device.id, "switch:1"), "on_off", False, 0.0) == (("Switch.Set", {"id": 1, "on": False}),)
+    assert device.calls((device.id, "switch:1"), {"on_off": False}, 0.0)[0] == (("Switch.Set", {"id": 1, "on": False}),)
 
 
 def test_a_part_that_is_gone_is_refused() -> None:
     device = asked(MODELS["Plus 1"])
     device.describe()
     with pytest.raises(RefusedError, match="no such part any more"):
-        device.calls((device.id, "switch:7"), "on_off", True, 0.0)
+        device.calls((device.id, "switch:7"), {"on_off": True}, 0.0)
 
 
 def test_a_notification_reports_changes() -> None:

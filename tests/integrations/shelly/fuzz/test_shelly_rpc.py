@@ -46,7 +46,9 @@ def test_damaged_frames_are_refused_or_read(fuzz: Fuzz) -> None:
         is_setup_change(as_fields(mutate.value()))
         for part in [*names, (device.id, mutate.word())][:3]:
             try:
-                calls = device.calls(part, rng.choice(("on_off", "level", "position", "state")), mutate.plain(), 0.0)
+                calls, _ = device.calls(
+                    part, {rng.choice(("on_off", "level", "position", "state")): mutate.plain()}, 0.0
+                )
             except RefusedError:
                 continue
             assert all(method.isprintable() for method, _ in calls)

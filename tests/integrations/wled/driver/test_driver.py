@@ -1,7 +1,7 @@
 import json
 
 import pytest
-from tests.gateways.drivers.driver_host import KeepingHost, command, driven, found, running
+from tests.gateways.drivers.driver_host import KeepingHost, command, driven, found, night, running
 from tests.gateways.served import served
 
 from homebot.devices.value import PlainValue
@@ -84,6 +84,13 @@ async def test_the_strip_is_commanded(part: str, capability: str, value: PlainVa
     if capability == "color":
         assert strip.segment["col"] == [[0, 0, 255]]
     assert strip.sync == {"send": part == "sync_send", "recv": True}
+
+
+async def test_one_state_sets_all_that_the_strip_shall_be() -> None:
+    strip = Obeying()
+    async with driven(strip, driver, SIGNAL) as (_, wled):
+        assert set(await wled.perform(night(""))) == {"level", "color_temperature", "on_off"}
+    assert strip.told == ["2700 K", "0.0314"]
 
 
 async def test_presets_are_options_and_read_anew_when_they_change() -> None:

@@ -26,8 +26,8 @@ def test_a_playlist_that_runs_counts_before_its_preset(state: dict[str, object],
 
 def test_a_preset_is_chosen_by_its_number() -> None:
     strip = WledStrip(RGB_0_15, (), NAMES)
-    assert strip.write("preset", "option", "Warm (5)", 0.0) == {"ps": 5}
+    assert strip.write("preset", {"option": "Warm (5)"}, 0.0) == {"ps": 5}
     with pytest.raises(RefusedError):
-        strip.write("preset", "option", "Cold", 0.0)
+        strip.write("preset", {"option": "Cold"}, 0.0)
     with pytest.raises(RefusedError):
-        WledStrip(RGB_0_15, ()).write("preset", "option", "Warm", 0.0)
+        WledStrip(RGB_0_15, ()).write("preset", {"option": "Warm"}, 0.0)

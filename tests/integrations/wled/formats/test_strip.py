@@ -164,12 +164,12 @@ def test_the_declared_abilities_of_a_segment_count() -> None:
 def test_a_command_is_a_state(
     document: dict[str, Any], part: str, capability: str, value: PlainValue, state: dict[str, Any]
 ) -> None:
-    assert strip(document).write(part, capability, value, 0.0) == state
+    assert strip(document).write(part, {capability: value}, 0.0) == state
 
 
 @pytest.mark.parametrize(("seconds", "tenths"), [(0.5, 5), (65.0, 650), (1000.0, 655)])
 def test_a_transition_is_for_the_one_command(seconds: float, tenths: int) -> None:
-    assert strip(RGB_0_15).write("", "on_off", True, seconds)["tt"] == tenths
+    assert strip(RGB_0_15).write("", {"on_off": True}, seconds)["tt"] == tenths
 
 
 @pytest.mark.parametrize(
@@ -187,7 +187,7 @@ def test_a_transition_is_for_the_one_command(seconds: float, tenths: int) -> Non
 )
 def test_an_impossible_command_of_a_part_is_refused(part: str, capability: str, value: PlainValue) -> None:
     with pytest.raises(RefusedError):
-        strip(TWO_SEGMENTS_0_15).write(part, capability, value, 0.0)
+        strip(TWO_SEGMENTS_0_15).write(part, {capability: value}, 0.0)
 
 
 @pytest.mark.parametrize("document", [{}, {"state": {}}, {"state": [], "info": {}}, {"state": {}, "info": None}])

@@ -36,7 +36,7 @@ def test_damaged_documents_are_refused_or_read(fuzz: Fuzz) -> None:
             assert one.isprintable()
         for part_id in [*parts, mutate.word()][:5]:
             try:
-                state = strip.write(part_id, rng.choice(("on_off", "level", "color", "effect")), mutate.plain(), 1.0)
+                state = strip.write(part_id, {rng.choice(("on_off", "level", "color", "effect")): mutate.plain()}, 1.0)
             except RefusedError:
                 continue
             json.dumps(state, allow_nan=False).encode()

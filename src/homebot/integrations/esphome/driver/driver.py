@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Collection
 from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar
 
@@ -11,6 +12,7 @@ from anyio import to_thread
 from pydantic import SecretStr
 
 from homebot.conventions.entity_rows import Fields
+from homebot.conventions.joint_message import join
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.gateways.announced.device_runner import DriverHost
@@ -63,15 +65,17 @@ class EsphomeDriver(Driver):
                 self._connection = None
         raise LinkError(f"the connection to {service.name} was lost")
 
-    async def perform(self, command: Command) -> None:
+    async def perform(self, command: Command) -> Collection[str]:
         """Send a command, which the native API does not acknowledge."""
         connection, device = self._connection, self._device
         if connection is None or device is None:
             raise LinkError(f"{self.service.name} is not connected")
         entity = device.entity(command.part)
-        value = command.value.plain()
-        fields = entity.command(command.capability, value, command.transition, command.code)
+        fields, along = join(
+            command, lambda one: entity.command(one.capability, one.value.plain(), one.transition, one.code)
+        )
         connection.send(entity.component, entity.key, fields)
+        return along
 
     def _described(self, device: EsphomeDevice, *, authenticated: bool) -> GatewayDevice:
         return GatewayDevice(

@@ -2,7 +2,6 @@
 
 import colorsys
 from collections.abc import Iterator, Sequence
-from itertools import chain
 from typing import Final, NamedTuple
 
 from homebot.devices.capabilities import CAPABILITIES
@@ -104,7 +103,7 @@ def steps_of_service(entities: Entities, fields: UnreadFields, key: str) -> list
             raise NotCarriedError(f"{name}: by `area_id` or `all` only lights are switched, and only on and off")
         return _steps_of_lights(entities, target.areas, settings[0].words)
     known = _of_domain(domain, [*map(entities.find, target.entities)])
-    return [*chain.from_iterable(_steps(one, settings, over) for one in known)]
+    return [_step_of(one, settings, over) for one in known]
 
 
 def _of_domain(domain: str, known: list[KnownEntity]) -> list[KnownEntity]:
@@ -221,16 +220,11 @@ def _color(data: UnreadFields) -> tuple[float, float] | None:
     raise NotCarriedError("data: a colour has two numbers in `hs_color`, or three in `rgb_color`")
 
 
-def _steps(entity: KnownEntity, settings: Sequence[_Setting], over: str) -> Iterator[str]:
-    """Yield the steps that set *settings*: one for all, and one for a colour."""
+def _step_of(entity: KnownEntity, settings: Sequence[_Setting], over: str) -> str:
+    """Return the step that sets *settings*."""
     names = [_taken(entity, one) for one in settings]
     words = [_words(entity, *one) for one in zip(names, settings, strict=True)]
-    count = len(words) - names.count("color")
-    if over and count < len(words):
-        raise NotCarriedError("data: `transition` with a colour")
-    yield _step(_target(entity, names[:count]), [*words[:count], *([f"over {over}"] if over else [])])
-    for one in words[count:]:
-        yield _step(_target(entity, ["color"]), [one])
+    return _step(_target(entity, names), [*words, *([f"over {over}"] if over else [])])
 
 
 def _taken(entity: KnownEntity, setting: _Setting) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import AbstractContextManager, nullcontext, suppress
 from typing import ClassVar, Final
 
@@ -10,6 +10,8 @@ import anyio
 import anyio.lowlevel
 from pydantic import BaseModel
 
+from homebot.conventions.entity_rows import Fields
+from homebot.conventions.joint_message import join
 from homebot.conventions.payload import as_fields, compact_json, shown, text_of
 from homebot.devices.gateway_messages import Command
 from homebot.errors import RefusedError, UsageError, WireError
@@ -17,7 +19,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import GatewayContext
 from homebot.gateways.linked_gateway import LinkedGateway
 from homebot.graph import Node
-from homebot.integrations.homeassistant.formats.states.entity import HomeAssistantEntity
+from homebot.integrations.homeassistant.formats.states.entity import HomeAssistantEntity, ServiceCall
 from homebot.integrations.homeassistant.formats.states.registries import REGISTRIES
 from homebot.integrations.homeassistant.gateway.entities import HomeAssistantEntities
 from homebot.integrations.homeassistant.gateway.link import GREETS_WITHIN, HomeAssistantLink, connected
@@ -240,10 +242,17 @@ class HomeAssistantGateway(LinkedGateway):
         count = self._entities.left_out
         return (f"{count} entities of Home Assistant are left out, beyond max_entities",) if count else ()
 
-    async def _perform(self, command: Command) -> None:
+    async def _perform(self, command: Command) -> Collection[str]:
         self.check_link()
         entity = self._entities.entity(command.key, command.part)
-        call = entity.call(command.capability, command.value.plain(), command.transition, command.code)
+
+        def write(one: Command) -> Fields:
+            call = entity.call(one.capability, one.value.plain(), one.transition, one.code)
+            alone = {} if call.service == "turn_on" else {"alone": one.capability}
+            return {"service": call.service, "data": dict(call.data), **alone}
+
+        message, along = join(command, write)
+        call = ServiceCall(entity.domain, str(message["service"]), entity.entity_id, as_fields(message["data"]))
         args = {
             "domain": call.domain,
             "service": call.service,
@@ -258,6 +267,7 @@ class HomeAssistantGateway(LinkedGateway):
                 raise RefusedError(what, "Home Assistant refuses it, or the code is wrong") from None
             raise exc from None
         entity.expect(call)
+        return along
 
     async def _refresh(self, key: str, part: str) -> None:
         """Have an entity polled, and of a group its members; Home Assistant reports what has changed."""

@@ -14,6 +14,8 @@ import anyio
 from anyio.abc import TaskGroup
 
 from homebot.conventions.capability_row import writer_of
+from homebot.conventions.joint_message import join
+from homebot.conventions.lamp import LIGHT_CAPABILITIES
 from homebot.conventions.payload import as_fields, compact_json, shown
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError
@@ -126,13 +128,23 @@ class AccessoryRunner(DeviceRunner):
         for key in self.keys - {self.key}:
             self._devices.report_reachable(key, reachable=None if self.sleeps else False)
 
-    async def perform(self, command: Command) -> None:
+    async def perform(self, command: Command) -> Collection[str]:
         """Carry out *command*; without a connection, wait for one (for one attempt unless it is sleepy)."""
         link = await self._connected()
         accessory, part = self._find(command)
-        known, watched = part.service.characteristics, part.rows[command.capability].watched
-        written = writer_of(part.rows.values(), command.capability)(part.service, command).items()
-        wanted = {known[kind]: known[kind].encode(value) for kind, value in written if kind in known}
+        known = part.service.characteristics
+
+        def write(one: Command) -> Mapping[str, object]:
+            written = writer_of(part.rows.values(), one.capability)(part.service, one)
+            return written if one.capability in LIGHT_CAPABILITIES else {**written, "": one.capability}
+
+        message, along = join(command, write)
+        watched = {kind for one in (command.capability, *along) for kind in part.rows[one].watched}
+        wanted = {
+            known[kind]: known[kind].encode(value)
+            for kind, value in message.items()
+            if isinstance(value, int | float) and kind in known
+        }
         self._writes += 1
         statuses = await link.write(
             {(accessory.aid, one.iid): value for one, value in wanted.items()},
@@ -142,6 +154,7 @@ class AccessoryRunner(DeviceRunner):
         for one, value in wanted.items():
             one.value = value  # the next command, before it is read back, may depend on it: a temperature on a mode
         self._read_back(link, accessory.aid, (one for one in known.values() if one in wanted or one.type in watched))
+        return along
 
     def _read_back(self, link: HomekitLink, aid: int, written: Iterable[HapCharacteristic]) -> None:
         ids = {(aid, one.iid) for one in written if "pr" in one.perms}

@@ -4,7 +4,7 @@ The mDNS gateway finds the accessories; this one follows its sightings on the gr
 that are paired with homebot. The keys are kept in a file; the setup codes are forgotten.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
@@ -198,11 +198,11 @@ class HomekitGateway(Gateway):
         waiting = (one for key, one in self._found.items() if key not in self._pairings)
         return map(_next_step, islice(waiting, MAX_PROBLEMS))
 
-    async def _perform(self, command: Command) -> None:
+    async def _perform(self, command: Command) -> Collection[str]:
         runner = next((one for one in self._runners.values() if command.key in one.keys), None)
         if runner is None:
             raise LinkError(f"{command.key[:100]} is not paired with homebot")
-        await runner.perform(command)
+        return await runner.perform(command)
 
 
 def _next_step(found: FoundAccessory) -> str:

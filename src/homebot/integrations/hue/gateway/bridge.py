@@ -14,6 +14,7 @@ import anyio.lowlevel
 from pydantic import SecretStr
 
 from homebot.conventions.capability_row import writer_of
+from homebot.conventions.joint_message import join
 from homebot.conventions.payload import as_fields, compact_json, parse_json, shown, text_of
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
@@ -111,19 +112,26 @@ class BridgeRunner(DeviceRunner):
                 break  # it is tried again there, before its other addresses
         raise failed
 
-    async def perform(self, command: Command) -> None:
+    async def perform(self, command: Command) -> Collection[str]:
         """Carry out a command; return when the bridge has accepted it."""
         if self._link is None:
             raise self.not_connected()
         device = self._described[command.key]
         service = next(one for one in device.services if one.part.id == command.part)
-        body = writer_of(service.rows, command.capability)(self._resources.get(service.id), command)
-        is_of_device = command.capability == "locate"
-        kind, rid = ("device", device.id) if is_of_device else (service.part.advertised, service.id)
+        resource, of_device = self._resources.get(service.id), {"kind": "device", "rid": device.id}
+
+        def write(one: Command) -> Fields:
+            body = writer_of(service.rows, one.capability)(resource, one)
+            place = of_device if one.capability == "locate" else {"kind": service.part.advertised, "rid": service.id}
+            return {**place, "body": body}
+
+        message, along = join(command, write)
+        kind, rid, body = str(message["kind"]), str(message["rid"]), dict(as_fields(message["body"]))
         try:
             await self._link.change(f"{command.capability} for {device.name}", kind, rid, body)
         except RefusedError as exc:
             raise self._explained(exc) from None
+        return along
 
     async def refresh(self, key: str, part: str) -> None:
         """Read a service again; of a group or a scene, the lights in it."""

@@ -6,7 +6,7 @@ is listed before it is paired, so that ``homebot pair`` can name it.
 
 import re
 import socket
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Collection
 from functools import partial
 from typing import Annotated, ClassVar, Final
 
@@ -201,8 +201,8 @@ class HueGateway(Gateway):
             self.publish_state("unavailable", next(problems, problem or unknown))
         self._tried.set()
 
-    async def _perform(self, command: Command) -> None:
-        await self._bridge_of(command.key).perform(command)
+    async def _perform(self, command: Command) -> Collection[str]:
+        return await self._bridge_of(command.key).perform(command)
 
     async def _refresh(self, key: str, part: str) -> None:
         await self._bridge_of(key).refresh(key, part)

@@ -3,17 +3,20 @@
 Source: Matter 1.4 Application Clusters, 1.5 (On/Off), 1.6 (Level Control), 3.2 (Color Control).
 """
 
+from collections.abc import Iterable
 from typing import Final
 
+from homebot.conventions.capability_row import writer_of
 from homebot.conventions.command_values import require_transition
+from homebot.conventions.lamp import LIGHT_CAPABILITIES
 from homebot.conventions.light_color import MIRED, from_hue_saturation, nearest_mired_bounds, to_hue_saturation
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.integrations.matter.formats.cluster_row import cluster_row, flag
+from homebot.integrations.matter.formats.cluster_row import ClusterRow, cluster_row, flag
 from homebot.integrations.matter.formats.endpoint import ClusterInvocation, MatterEndpoint, MatterOrders
 
-__all__ = ["LIGHT_ROWS", "ON_OFF"]
+__all__ = ["LIGHT_ROWS", "ON_OFF", "joint_orders"]
 
 ON_OFF, LEVEL, LOCK, COLOR = 6, 8, 257, 768
 
@@ -32,6 +35,8 @@ _DIMMED: Final = frozenset({0x0101, 0x010B, 0x010C, 0x010D, 0x0110})
 
 _WHITES: Final = (2000, 6500)
 _MOST_COLOR: Final = 65_279
+_TURN_ON: Final = ClusterInvocation(ON_OFF, "On")
+
 _LONGEST: Final = 6553.0
 """Seconds of a transition: tenths of them in 16 bits."""
 
@@ -146,8 +151,25 @@ def _write_color(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
 def _move_color(endpoint: MatterEndpoint, name: str, command: Command, **fields: int) -> MatterOrders:
     """Return the order of a colour, which turns no lamp on, and that to turn a lamp with a switch on."""
     payload = {**fields, "transitionTime": _tenths(command), **_ALSO_WHEN_OFF}
-    switched = (ClusterInvocation(ON_OFF, "On"),) if endpoint.has(ON_OFF, _ON_OFF_VALUE) else ()
+    switched = (_TURN_ON,) if endpoint.has(ON_OFF, _ON_OFF_VALUE) else ()
     return (ClusterInvocation(COLOR, name, payload), *switched)
+
+
+def joint_orders(
+    rows: Iterable[ClusterRow], endpoint: MatterEndpoint, command: Command
+) -> tuple[MatterOrders, tuple[str, ...]]:
+    """Return the orders of *command*, and of its further settings if it is for a lamp, with the names of these.
+
+    Colours take effect while the lamp is off, and the level turns it on, so that it shines at once as it shall.
+    """
+    first, *others = command.singly()
+    further = [one for one in others if {one.capability, first.capability} <= LIGHT_CAPABILITIES]
+    rows = tuple(rows)
+    orders = [order for one in (first, *further) for order in writer_of(rows, one.capability)(endpoint, one)]
+    if further:
+        lit = sorted((one for one in orders if one != _TURN_ON), key=lambda one: one.cluster != COLOR)
+        orders = lit if any(one.cluster == LEVEL for one in lit) else [*lit, *(_TURN_ON,) * (len(lit) < len(orders))]
+    return tuple(orders), tuple([one.capability for one in further])
 
 
 def _tenths(command: Command) -> int:

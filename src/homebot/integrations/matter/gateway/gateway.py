@@ -1,12 +1,12 @@
 """The Matter gateway: the nodes of a Matter server, over its WebSocket."""
 
+from collections.abc import Collection
 from typing import Annotated, ClassVar, Final
 from urllib.parse import urlsplit
 
 import anyio.lowlevel
 from pydantic import BaseModel, Field, field_validator
 
-from homebot.conventions.capability_row import writer_of
 from homebot.conventions.payload import as_fields, shown
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
@@ -16,6 +16,7 @@ from homebot.gateways.base import GatewayContext, GatewaySettings
 from homebot.gateways.linked_gateway import LinkedGateway
 from homebot.graph import Node
 from homebot.integrations.matter.formats.endpoint import DESCRIPTOR, MatterEndpoint
+from homebot.integrations.matter.formats.light_clusters import joint_orders
 from homebot.integrations.matter.formats.parts import parts_of
 from homebot.integrations.matter.formats.scenes import SCENES
 from homebot.integrations.matter.formats.sensor_clusters import SWITCH, press_of
@@ -294,14 +295,15 @@ class MatterGateway(LinkedGateway):
         await self._link.call(f"removing {name}", "remove_node", {"node_id": node.id}, within=REMOVES_WITHIN)
         return key, name
 
-    async def _perform(self, command: Command) -> None:
+    async def _perform(self, command: Command) -> Collection[str]:
         node, device = self._reached(command.key)
         endpoint, rows = device.rows[command.part]
-        write = writer_of(rows, command.capability)
         what = f"{command.capability} for {device.device.name}"
-        for order in write(endpoint, command):
+        orders, along = joint_orders(rows, endpoint, command)
+        for order in orders:
             name, args = order.server_call(node.id, endpoint.id)
             check_result(what, await self._link.call(what, name, args, is_secret=order.is_secret))
+        return along
 
     async def _refresh(self, key: str, part: str) -> None:
         """Read the attributes behind the values of a part from its node."""

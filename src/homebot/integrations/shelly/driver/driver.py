@@ -5,7 +5,7 @@ Source: Shelly Gen2+ API, Overview, Common Device Traits (mDNS).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Final
 
@@ -113,17 +113,19 @@ class ShellyDriver(Driver):
                     self._rpc = None
                     self._components_known.set()
 
-    async def perform(self, command: Command) -> None:
+    async def perform(self, command: Command) -> Collection[str]:
         """Carry out a command; return when the device has accepted it."""
         rpc, device = self._rpc, self._device
         if rpc is None or device is None:
             raise LinkError(f"{self.service.name} is not connected")
-        value = command.value.plain()
+        values = {one.capability: one.value.plain() for one in command.singly()}
         key = device.id if command.key == self.service.key else command.key
         if key != device.id:
             await self._components_known.wait()
-        for method, params in device.calls((key, command.part), command.capability, value, command.transition):
+        calls, names = device.calls((key, command.part), values, command.transition)
+        for method, params in calls:
             await rpc.call(method, params)
+        return names
 
     async def refresh(self, key: str, part: str) -> None:
         """Read the status of all parts again."""

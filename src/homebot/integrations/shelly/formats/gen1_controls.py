@@ -218,13 +218,13 @@ class _Gen1Lamp:
 
     def _light_fields(self, command: LightCommand) -> dict[str, object]:
         is_color, percent = self.kind == "color", command.percent
+        fields: dict[str, object] = {}
         if command.color:
             channels = dict(zip(_CHANNELS, command.color, strict=True))
-            return {**({"mode": "color"} if self.has_white else {}), **channels, "white": 0}
-        if command.white is not None:
-            return {**({"mode": "white"} if is_color else {}), "temp": round(command.white)}
-        if percent is None:
-            return {}
-        if not is_color:
-            return {"brightness": percent}
-        return {"gain": percent, "brightness": percent} if self.has_white else {"gain": percent}
+            fields = {**({"mode": "color"} if self.has_white else {}), **channels, "white": 0}
+        elif command.white is not None:
+            fields = {**({"mode": "white"} if is_color else {}), "temp": round(command.white)}
+        if percent is not None:
+            fields |= {"gain": percent} if is_color else {}
+            fields |= {"brightness": percent} if self.has_white or not is_color else {}
+        return fields

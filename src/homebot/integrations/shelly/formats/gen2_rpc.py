@@ -12,12 +12,12 @@ section 3.4.1.
 
 import hashlib
 import secrets
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from typing import TypeAlias
 
 from pydantic import SecretStr
 
-from homebot.conventions.description import DescribedPart, DeviceAnnounced
+from homebot.conventions.description import DescribedPart, DeviceAnnounced, WritesSeveral
 from homebot.conventions.payload import Readings, as_fields, compact_json, parse_object
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
@@ -98,8 +98,10 @@ class Gen2RpcDevice:
         """Yield the readings of each part in the answer *frame* to ``Shelly.GetStatus``."""
         return self._read(self._answers, frame)
 
-    def calls(self, part: PartKey, capability: str, value: PlainValue, transition: float) -> tuple[RpcCall, ...]:
-        """Return the calls that set a capability of a *part*.
+    def calls(
+        self, part: PartKey, values: Mapping[str, PlainValue], transition: float
+    ) -> tuple[tuple[RpcCall, ...], Collection[str]]:
+        """Return the calls that set the first of the *values* of a *part*, and the names of those that they set.
 
         Raises:
             RefusedError: There is no such part, it cannot do that, or the value is out of its bounds.
@@ -107,11 +109,10 @@ class Gen2RpcDevice:
         described = self._parts.get(part)
         if described is None:
             raise RefusedError(f"a command to {part[1][:60]!r}", "the device has no such part any more")
-        return tuple(
-            (str(frame["method"]), as_fields(frame.get("params")))
-            for publication in described.codec.write(capability, value, transition=transition)
-            for frame in (parse_object(publication.payload),)
-        )
+        assert isinstance(described.codec, WritesSeveral), "a codec made of tables"  # noqa: S101 - for the type checker
+        publications, names = described.codec.write_several(values, transition=transition)
+        frames = [parse_object(one.payload) for one in publications]
+        return tuple([(str(one["method"]), as_fields(one.get("params"))) for one in frames]), names
 
     def _read(self, topic: str, frame: bytes) -> Iterator[tuple[PartKey, Readings]]:
         for part, described in self._parts.items():

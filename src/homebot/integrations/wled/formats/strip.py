@@ -121,14 +121,15 @@ class WledStrip:
         for extra, value in self._extras():
             yield extra.id, {extra.capabilities[0].name: value}
 
-    def write(self, part: str, capability: str, value: PlainValue, transition: float) -> dict[str, object]:
-        """Return the state to send so that *capability* of *part* becomes *value*.
+    def write(self, part: str, values: Mapping[str, PlainValue], transition: float) -> dict[str, object]:
+        """Return the state to send so that *part* gets all *values*, of which only a light has several.
 
         Raises:
             RefusedError: There is no such part, it cannot do that, or the value is out of its bounds.
         """
         seconds = min(require_transition(transition), _LONGEST_TRANSITION)
         given: dict[str, object] = {"tt": round(seconds * 10)} if seconds else {}
+        capability, value = next(iter(values.items()))
         if capability == "on_off" and part in _PATHS:
             owner, field = _PATHS[part]
             return {owner: {field: require_bool(capability, value)}}
@@ -136,10 +137,10 @@ class WledStrip:
             return given | {"ps": self._preset_number(require_option(capability, value, self._presets.values()))}
         if part in self._segments:
             segment = self._segments[part]
-            return given | segment.write(segment.features.command(capability, value))
+            return given | segment.write(segment.features.joint_command(values))
         if part != MASTER:
             raise RefusedError(f"a command to {part[:60]!r}", "the device has no such part any more")
-        command = MASTER_FEATURES.command(capability, value)
+        command = MASTER_FEATURES.joint_command(values)
         return given | {"on": command.on} | ({} if command.level is None else {"bri": command.brightness})
 
     def _extras(self) -> Iterator[tuple[Part, PlainValue]]:

@@ -14,6 +14,7 @@ from homebot.conventions.command_values import Writer, bool_writer, number_write
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import CapabilityFields, JsonPart, PartFields
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, compact_json, is_unknown
+from homebot.conventions.table_codec import write_one_object
 from homebot.conventions.units import number_grid
 from homebot.conventions.unreadable import unreadable
 from homebot.devices.capabilities import CAPABILITIES
@@ -108,6 +109,8 @@ _NO_BOUND = 1e12
 
 class Zigbee2MqttPart(JsonPart):
     """A part of a Zigbee device, with features as its capabilities."""
+
+    joint = staticmethod(write_one_object)
 
     def __init__(
         self, topics: Zigbee2MqttTopics, part_id: str, service_type: str, **fields: Unpack[PartFields]

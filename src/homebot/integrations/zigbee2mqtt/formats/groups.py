@@ -7,7 +7,7 @@ for each of its members without having heard from them.
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
-from homebot.conventions.description import Codec, DescribedPart, Publication, Publications
+from homebot.conventions.description import Codec, DescribedPart, Publication, Publications, WritesSeveral
 from homebot.conventions.payload import as_fields, compact_json, parse_object
 from homebot.integrations.zigbee2mqtt.formats.bridge_device import BridgeDevice, read_bridge_device
 from homebot.integrations.zigbee2mqtt.formats.expose import SPECIFIC_TYPES
@@ -104,7 +104,8 @@ class _GroupCodec:
     """The codec of a group, which asks the members for the result of a command."""
 
     def __init__(self, own: Codec, members: Iterable[GroupMember]) -> None:
-        self.topics, self.read, self.write = own.topics, own.read, own.write
+        assert isinstance(own, WritesSeveral), "the codec of a device"  # noqa: S101 - for the type checker
+        self.topics, self.read, self.write, self.write_several = own.topics, own.read, own.write, own.write_several
         self._members = tuple(members)
 
     def questions(self, sent: Publications) -> Publications:
