@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from homebot.devices.identity import HOST, identifiers, in_pairs
+from homebot.devices.identity import HOST, identifiers, in_pairs, may_be_unique
 from homebot.support.addresses import parse_address
 
 __all__ = [
@@ -192,7 +192,8 @@ def identifiers_of(service: FoundService, declared: Iterable[str] | None = None)
     named += [one for one in (service.name, service.name.partition("@")[0]) if _has_address(one, "mac:")]
     named += [match[1] for match in _ADDRESS_BEHIND.finditer(service.name)]
     if declared is None:
-        declared = [said[key] for key in _DECLARED if len(said.get(key, "")) >= _SHORTEST]
+        known = [said.get(key, "") for key in _DECLARED]
+        declared = [one for one in known if len(one) >= _SHORTEST and may_be_unique(one)]
     hardware = [in_pairs(one) for key in _HARDWARE for one in _SEPARATORS.split(said.get(key, ""))[:_MOST_ADDRESSES]]
     return identifiers([*hardware, *named, *declared])
 

@@ -9,7 +9,7 @@ bridge names its devices ``<bridge>_<address of the bridge>_<device>``. A servic
 import re
 from collections.abc import Iterable
 
-__all__ = ["ALIASING_BRIDGE", "HOST", "identifiers", "in_pairs"]
+__all__ = ["ALIASING_BRIDGE", "HOST", "identifiers", "in_pairs", "may_be_unique"]
 
 HOST = "id:host "
 """The beginning of the identifier of all services of one host: its name in the local network, case-folded.
@@ -33,6 +33,12 @@ _NO_ADDRESS = re.compile(
     r"(?:.*[^0-9a-f])?[0-9a-f]{8}-[0-9a-f]{4}-[3-578][0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}", re.DOTALL
 )
 """A UUID (RFC 9562) that is random or derived from a name, without an address; version 1 ends with one."""
+
+_SHORTEST = 6
+"""Characters, without leading zeros, from which a serial number counts as unique."""
+
+_FILLERS = "0123456789" * 4, "0123456789abcdef", "9876543210"
+"""Beginnings, ends and middles of these stand for a serial number, as do groups of them: ``12345678-1234-1234``."""
 
 _NOBODY = frozenset({"000000000000", "ffffffffffff", "0000000000000000", "ffffffffffffffff"})
 _MAC_DIGITS = 12
@@ -66,6 +72,14 @@ def in_pairs(address: str) -> str:
     """
     is_plain = _PLAIN.fullmatch(address) is not None
     return ":".join(address[at : at + 2] for at in range(0, len(address), 2)) if is_plain else address
+
+
+def may_be_unique(serial: str, model: str = "") -> bool:
+    """Return whether *serial* may be of one device alone: many are ``00000001``, ``1234567890`` or the *model*."""
+    groups = re.findall("[0-9a-z]+", serial.casefold())
+    plain = "".join(groups)
+    is_filler = len(set(plain)) <= 2 or all(any(group in row for row in _FILLERS) for group in groups)
+    return len(serial.lstrip("0")) >= _SHORTEST and any(map(str.isdigit, plain)) and serial != model and not is_filler
 
 
 def _address(text: str) -> str:

@@ -31,6 +31,7 @@ __all__ = [
     "describe_device",
     "position_of",
     "with_approvals",
+    "with_doubts",
     "with_panel",
     "with_preferred_routes",
     "with_stated_facts",
@@ -288,6 +289,11 @@ def with_panel(described: DeviceDescription, panel: str, said_at: Time) -> Devic
     """Return the description of a device that hangs on the alarm panel with the identifier *panel*."""
     fact = Fact(name=PANEL, value=panel, gateway="", convention="", key="", said_at=said_at)
     return replace(described, facts=(fact, *described.facts)[:MAX_FACTS])
+
+
+def with_doubts(described: DeviceDescription, doubts: tuple[str, ...]) -> DeviceDescription:
+    """Return the description of a device with identifiers that count for nothing, in words, as *doubts*."""
+    return replace(described, merged=described.merged._replace(conflicts=(*doubts, *described.merged.conflicts)))
 
 
 def with_preferred_routes(described: DeviceDescription, prefer: Sequence[str], said_at: float) -> DeviceDescription:

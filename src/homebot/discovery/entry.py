@@ -18,6 +18,7 @@ from homebot.discovery.description import (
     DeviceDescription,
     describe_device,
     with_approvals,
+    with_doubts,
     with_panel,
     with_preferred_routes,
     with_stated_facts,
@@ -62,6 +63,7 @@ class Entry:
         deadline: When it becomes stale unless it reports again, on the monotonic clock.
         expires: The same in seconds since the Unix epoch.
         evidence: Why its announcements describe one device, in words.
+        doubts: The identifiers that another device of its gateway claims as well, in words.
         topic_owner: The device that claims one of its topics, as last published; empty for none.
         silence_allowed: Seconds of silence that its gateways consider normal.
         saved_period: The period of the monotonic clock in which its last sighting was last queued for saving.
@@ -89,6 +91,7 @@ class Entry:
     saved_period: float = -math.inf
     silence_allowed: float = 0.0
     published_conflicts: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
     topic_owner: str = ""
     known_ids: PartIds = field(default_factory=lambda: NO_IDS)
     is_denied: bool = False
@@ -256,6 +259,8 @@ class Entry:
         if self._description is None:
             sources = tuple(self.sources.values())
             self._description = describe_device(sources, topics, self.known_ids, self.owner)
+            if self.doubts:
+                self._description = with_doubts(self._description, self.doubts)
             owner = self.owner
             if owner is not None and owner.prefer:
                 self._description = with_preferred_routes(self._description, owner.prefer, owner.read_at)

@@ -97,3 +97,9 @@ def test_hosts_of_two_networks_are_two_devices(find: Find) -> None:
     """Each has a ``raspberrypi.local``."""
     host = "raspberrypi.local."
     assert len(devices([find("pi", "_ssh._tcp", host), find("pi", "_ssh._tcp", host, gateway="mdns_2")])) == 2
+
+
+def test_two_hosts_with_one_serial_number_are_two_devices(find: Find) -> None:
+    lamp = part_of("light", "on_off", id="l", writes=("x",))
+    twins = [find(host, "_lamp._tcp", f"{host}.local.", lamp, serial="AB-4711-77") for host in ("desk", "hall")]
+    assert len(devices(twins)) == 2

@@ -6,6 +6,7 @@
 - Any other identifier is, unless it is a word that many devices share, or comes with different hardware addresses.
 - A topic is, if the device has it to itself, or if all its topics are below one that ends with its identifier: Home
   Assistant calls it ``BigSlowDog``, Homie ``valetudo/BigSlowDog``.
+- None is that two devices claim whose gateway knows them apart, nor one that a third has in common with several such.
 - A host on a local network (``id:host nas.local``) is, among the services that one gateway found there, unless several
   of them offer parts, as a computer may run the programs of many devices. So is a hardware address in its services.
 
@@ -67,6 +68,11 @@ class Identity(NamedTuple):
     offers_parts: bool | None
 
     @property
+    def is_told_apart(self) -> bool:
+        """True if it is a device for sure, as its gateway has a key for each."""
+        return bool(self.key) and not self.convention
+
+    @property
     def hardware(self) -> frozenset[str]:
         """Its identifiers that are hardware addresses."""
         return frozenset(one for one in self.identifiers if one.startswith(_HARDWARE))
@@ -93,6 +99,7 @@ class IdentityGraph:
         self._holders: dict[str, dict[Identity, None]] = {}
         self._links: dict[str, bool] = {}
         self._repeated: dict[SourceKey, str] = {}
+        self._told_apart = 0
 
     def put(self, key: SourceKey, sighting: Sighting) -> frozenset[SourceKey]:
         """Record the identity that the announcement *key* gives its device.
@@ -113,6 +120,7 @@ class IdentityGraph:
             sources[key] = None
             return affected | {key}
         self._sources[identity] = {key: None}
+        self._told_apart += identity.is_told_apart
         changed: set[str] = set()
         for identifier in identity.identifiers:
             holders = self._holders.setdefault(identifier, {})
@@ -120,7 +128,8 @@ class IdentityGraph:
             if len(holders) > 1:
                 changed.add(identifier)
         if changed:
-            return affected | self._affected({identity}, {one: self._links.pop(one, True) for one in changed})
+            touched = self._touched(changed)
+            return affected | self._affected({identity}, {one: self._links.pop(one, True) for one in touched})
         return affected | {key} if affected else frozenset((key,))
 
     def same_identity(self, key: SourceKey) -> SourceKey | None:
@@ -138,7 +147,8 @@ class IdentityGraph:
         if sources:
             return frozenset(sources)
         del self._sources[identity]
-        were_links = {one: self._links.pop(one, True) for one in identity.identifiers}
+        were_links = {one: self._links.pop(one, True) for one in self._touched(identity.identifiers)}
+        self._told_apart -= identity.is_told_apart
         for identifier in identity.identifiers:
             holders = self._holders[identifier]
             del holders[identity]
@@ -191,6 +201,15 @@ class IdentityGraph:
             if len(sharing) >= _PAIR and self._is_link(identifier):
                 yield identifier, tuple(next(iter(self._sources[identity])) for identity in sharing)
 
+    def claimed_twice(self, keys: Iterable[SourceKey]) -> Iterator[tuple[str, SourceKey, SourceKey]]:
+        """Yield each identifier that an announcement of *keys* shares with one that its gateway tells apart."""
+        for key in keys if self._told_apart else ():
+            identity = self._identities[key]
+            for identifier in identity.identifiers if identity.is_told_apart else ():
+                for other in self._holders[identifier]:
+                    if other is not identity and other.is_told_apart and other.gateway == identity.gateway:
+                        yield identifier, key, next(iter(self._sources[other]))
+
     def _identity_of(self, key: SourceKey, sighting: Sighting) -> Identity:
         found = sighting.identifiers
         if len(found) > MAX_IDENTIFIERS:
@@ -230,9 +249,43 @@ class IdentityGraph:
     def _is_link(self, identifier: str) -> bool:
         known = self._links.get(identifier)
         if known is None:
-            known = identifier not in self._decisions.ignored and _is_specific(identifier, self._holders[identifier])
+            known = (
+                identifier not in self._decisions.ignored
+                and _is_specific(identifier, self._holders[identifier])
+                and not (self._told_apart and self._joins_two(identifier))
+            )
             self._links[identifier] = known
         return known
+
+    def _touched(self, identifiers: Iterable[str]) -> Iterable[str]:
+        """Return *identifiers* and those beside them, on which it depends whether two become one by a third."""
+        if not self._told_apart:
+            return identifiers
+        near = dict.fromkeys(identifiers)
+        for holders in [self._holders[one] for one in near]:
+            for identity in holders if len(holders) <= MAX_HOLDERS else ():
+                near |= dict.fromkeys(identity.identifiers)
+        return near
+
+    def _joins_two(self, identifier: str) -> bool:
+        """Return whether *identifier* would make devices one that a gateway tells apart, by itself or by a third."""
+        if identifier.startswith((OWNER, REPEATED)):
+            return False
+        holders = self._holders[identifier]
+        apart = {one.gateway: one for one in holders if one.is_told_apart}
+        if sum(one.is_told_apart for one in holders) > len(apart):
+            return True
+        others = dict.fromkeys(
+            name for one in holders if apart and one not in apart.values() for name in one.identifiers
+        )
+        for name in others:
+            known = self._holders[name]
+            if _is_specific(name, known):
+                beside = [one for one in known if one.is_told_apart]
+                sole = {one.gateway: one for one in beside}
+                if len(sole) == len(beside) and any(apart.get(one.gateway, one) is not one for one in beside):
+                    return True
+        return False
 
 
 _PAIR = 2
@@ -269,7 +322,11 @@ def _is_of_one_hardware(identifier: str, holders: _Holders) -> bool:
     if not _is_specific_word(identifier) or len(identifier) < len("id:") + _SHORTEST:
         return False
     known = [hardware for identity in holders if (hardware := identity.hardware)]
-    return not any(one.isdisjoint(other) for one, other in combinations(known, 2))
+    if any(one.isdisjoint(other) for one, other in combinations(known, 2)):
+        return False
+    hosts: dict[str, str] = {}  # of each gateway: names in two networks say nothing
+    named = [(one.gateway, name) for one in holders if one.offers_parts for name in one.others if name.startswith(HOST)]
+    return all(hosts.setdefault(gateway, name) == name for gateway, name in named)
 
 
 _RULES: Final[tuple[tuple[str, float, Callable[[str, _Holders], bool]], ...]] = (

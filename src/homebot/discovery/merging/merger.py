@@ -268,6 +268,7 @@ class DeviceMerger:
             if entry.stale_gateways:
                 entry.stale_gateways &= entry.gateways()
             entry.evidence = tuple(self._evidence(entry)) if len(sources) > 1 else ()
+            entry.doubts = self._doubts(sources)
             entry.silence_allowed = 0.0
             entry.is_denied = bool(table.lost or any(map(_REACH, sources))) and is_denied(sources)
         else:
@@ -329,6 +330,9 @@ class DeviceMerger:
         sources = {key: table.sources[key] for key in group.keys}
         new = sources.keys() - entry.sources.keys()
         if not new and len(sources) == len(entry.sources):
+            if entry.doubts != self._doubts(sources.values()):
+                self.describe(entry)
+                table.record_change("changed", entry, "its disputes changed")
             return
         silent = silent_gateways((entry, *group.gone))
         for other in group.gone:
@@ -377,6 +381,16 @@ class DeviceMerger:
         for source in entry.sources.values():
             if source.is_claimed:
                 yield f"{source.label} on {source.key[0]} only claims to be it, and gets no commands yet; {CONFIRM}"
+
+    def _doubts(self, sources: Iterable[SourceRecord]) -> tuple[str, ...]:
+        """Return the identifiers that *sources* of a device share with another that their gateway tells apart."""
+        table, keys = self._table, [source.key for source in sources]
+        return tuple(
+            f"{table.sources[key].label} and {table.sources[other].label} on {key[0]} claim the same {identifier}, "
+            "which identifies neither"
+            for identifier, key, other in self.identities.claimed_twice(keys)
+            if other not in keys
+        )[:_MAX_EVIDENCE]
 
     def _refresh_conflicts(self, concerned: Iterable[str]) -> None:
         """Update devices that share a topic with one that was added or removed."""

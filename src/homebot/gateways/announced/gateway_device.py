@@ -24,6 +24,8 @@ class GatewayDevice:
         key: The gateway's key for it: unique there, and stable across restarts.
         parts: Its separately usable units; empty if they are unknown.
         identifiers: Identifiers that other gateways know too; see :func:`homebot.devices.identity.identifiers`.
+        whole_device: Whether its key is never that of a further device, nor one device's second key: what two such
+            devices of the gateway claim identifies neither.
         authenticated: Whether it proved that it belongs to the owner; see :class:`homebot.devices.Sighting`.
         area: Its room, as the protocol reports it; empty for none.
         service_type: Its type in the protocol's own terms; by default the type of its main part.
@@ -44,6 +46,7 @@ class GatewayDevice:
     parts: tuple[Part, ...] = ()
     metadata: Mapping[str, str] = field(default_factory=dict)
     identifiers: tuple[str, ...] = ()
+    whole_device: bool = False
     authenticated: bool = False
     area: str = ""
     service_type: str = ""
@@ -77,6 +80,7 @@ class GatewayDevice:
             self.area,
             self.metadata,
             native=self.native,
+            whole_device=self.whole_device,
             stale_after=self.stale_after,
         )
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, sensor_part
 from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.conventions.bluetooth.signal import DISTANCE_FACTOR, Presence, SignalFilter, distance_of
-from homebot.devices.identity import identifiers
+from homebot.devices.identity import identifiers, may_be_unique
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.gateways.announced.gateway_device import GatewayDevice
@@ -100,6 +100,7 @@ class KnownDevice:
     def _serial_number(self) -> tuple[str, ...]:
         """Return an identifier if maker and serial number are known: a number alone may not be unique."""
         facts = self.connected_facts
-        if "manufacturer" not in facts or "serial_number" not in facts:
+        serial, model = facts.get("serial_number", ""), facts.get("model", "")
+        if "manufacturer" not in facts or not may_be_unique(serial, model):
             return ()
-        return (f"{facts['manufacturer']} {facts.get('model', '')} {facts['serial_number']}",)
+        return (f"{facts['manufacturer']} {model} {serial}",)

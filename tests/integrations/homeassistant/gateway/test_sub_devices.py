@@ -189,10 +189,7 @@ def test_each_accessory_behind_a_bridge_is_one_device(pairing_id: str) -> None:
     """``homekit_controller/connection.py``: ``device_info_for_accessory``."""
     found = FoundAccessory(pairing_id, "Bridge", "127.0.0.1", 1)
     accessories = parse_accessories([{"aid": 1, "services": []}, lamp(2), lamp(3)])
-    own = [
-        sighting(describe(found, one, accessories.values()).device.described(), "homekit")
-        for one in accessories.values()
-    ]
+    own = [sighting(describe(found, one).device.described(), "homekit") for one in accessories.values()]
     shown = [
         SubDevice(
             ("homekit_controller:accessory-id", f"aa:bb:cc:00:11:22:aid:{aid}"),

@@ -202,7 +202,12 @@ async def test_recorded_frames_of_a_real_server_are_understood() -> None:
         assert recording.received[-1]["args"] == {"code": CODE, "network_only": True}
         (light, *_) = [one for one in iter(sightings.take, None) if one.kind == "appeared"]
         assert [part.service_type for part in light.parts] == ["light", "generic_switch"]
-        assert light.identifiers == ("mac:e20199215011", "id:peer-1", PLACE)
+        assert light.identifiers == (
+            "mac:e20199215011",
+            PLACE,
+            "id:matter:uniqueid_bXldtMr5HMmSNjHtoWX0hdmzwSotnzWX",
+            "id:peer-1",
+        )
         await reading(reports, "on_off", False)
         send = watcher.create_client(SendCommand, "/gateway/matter/send_command")
         order = Command(key="node-2", part="1", capability="on_off", value=Value.of(True))

@@ -44,7 +44,7 @@ THERMOSTAT = {
 
 
 def node(attributes: Mapping[str, object], **more: object) -> MatterNode:
-    root = {"0/29/0": [{"0": 22, "1": 1}], "0/40/1": "Acme", "0/40/3": "Thing 3000", "0/40/15": "SN-77"}
+    root = {"0/29/0": [{"0": 22, "1": 1}], "0/40/1": "Acme", "0/40/3": "Thing 3000", "0/40/15": "SN-7700"}
     return MatterNode.parse(
         {"node_id": 5, "available": True, "is_bridge": False, "attributes": {**root, **attributes}, **more}
     )
@@ -232,13 +232,14 @@ def test_a_lock_that_requires_a_code_gets_it_in_a_timed_command_and_no_text_show
 def test_a_device_is_known_by_its_serial_number_and_hardware_addresses() -> None:
     interfaces = [{"0": "eth0", "4": "/mQDt/2Q", "7": 2}, {"0": "lo", "4": "AAAAAAAA"}, {"4": "?"}, 7]
     device = only_device({**LAMP, "0/51/0": interfaces}).device
-    assert device.identifiers == ("mac:fe6403b7fd90", "id:SN-77")
+    assert device.identifiers == ("mac:fe6403b7fd90", "id:SN-7700")
     assert dict(device.metadata) == {"manufacturer": "Acme", "model": "Thing 3000"}
     assert device.name == "Thing 3000"
 
 
-def test_the_serial_number_of_example_programs_identifies_nothing() -> None:
-    assert only_device({**LAMP, "0/40/15": "TEST_SN"}).device.identifiers == ()
+@pytest.mark.parametrize("serial", ["TEST_SN", "1234567890", "00000001", "0123456789ABCDEF", "FFFFFFFF", "Thing 3000"])
+def test_a_serial_number_that_many_have_identifies_nothing(serial: str) -> None:
+    assert only_device({**LAMP, "0/40/15": serial}).device.identifiers == ()
 
 
 def test_bridged_endpoints_are_devices_of_their_own_with_the_endpoints_they_are_composed_of() -> None:
@@ -254,7 +255,7 @@ def test_bridged_endpoints_are_devices_of_their_own_with_the_endpoints_they_are_
             "41/29/0": [{"0": 770, "1": 2}],
             "41/1026/0": 2000,
             "43/29/0": [{"0": 19, "1": 2}, {"0": 256, "1": 2}],
-            "43/57/15": "L1",
+            "43/57/15": "L1-4711",
             "43/6/0": True,
         }
     )
@@ -266,7 +267,7 @@ def test_bridged_endpoints_are_devices_of_their_own_with_the_endpoints_they_are_
         ("41", "temperature_sensor"),
     ]
     assert plug.device.metadata["via_device"] == "node-5"
-    assert lamp.device.identifiers == ("id:L1",)
+    assert lamp.device.identifiers == ("id:L1-4711",)
     assert [bridge.is_reachable(one) for one in (itself, plug, lamp)] == [True, False, True]
 
 

@@ -64,7 +64,7 @@ def test_the_values_of_a_scene_are_known_if_all_of_them_are(
 ) -> None:
     part = scene_of(with_scene(attributes, fields))
     assert values(part) == found
-    assert part.members == ("id:SN-77#1",)
+    assert part.members == ("id:SN-7700#1",)
 
 
 def test_fields_are_found_by_number_and_in_the_spelling_of_matter_js() -> None:

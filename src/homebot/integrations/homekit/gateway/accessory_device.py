@@ -3,11 +3,11 @@
 Source: HomeKit Accessory Protocol Specification R2, 8.1 (Accessory Information), 2.5.3.2 (bridges).
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from homebot.devices.identity import identifiers
+from homebot.devices.identity import identifiers, may_be_unique
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.integrations.homekit.formats.accessory import Accessory, HapCharacteristic
 from homebot.integrations.homekit.formats.parts import HomekitPart, parts_of
@@ -19,10 +19,6 @@ _NAME, _SERIAL = "23", "30"
 _FACTS: Final = {"manufacturer": "20", "model": "21", "sw_version": "52", "hw_version": "53"}
 _FIRST: Final = 1
 """The accessory ID of a standalone accessory, and of a bridge."""
-
-_SHORTEST: Final = 6
-"""Characters, without leading zeros, from which a serial number counts as unique; many are ``00000001``, ``default`` or
-the model."""
 
 
 def key_of(server: str, aid: int) -> str:
@@ -44,21 +40,26 @@ class AccessoryDevice:
         return next((one for one in known if one.iid == iid), None)
 
 
-def describe(
-    found: FoundAccessory, accessory: Accessory | None = None, all_of: Iterable[Accessory] = ()
-) -> AccessoryDevice:
-    """Return an accessory as a device; without parts if it is not paired. *all_of* are those of its server."""
+def describe(found: FoundAccessory, accessory: Accessory | None = None) -> AccessoryDevice:
+    """Return an accessory as a device; without parts if it is not paired."""
     known = accessory or Accessory(_FIRST)
     key, information, is_first = key_of(found.id, known.aid), known.information, known.aid == _FIRST
     parts = {one.part.id: one for one in parts_of(known)}
     facts = _facts_of(found, known)
     own = "pairing" if is_first else f"aid {known.aid}"
+    serial = information.text(_SERIAL)
     device = GatewayDevice(
         key,
         information.text(_NAME) or found.name,
         tuple(one.part for one in parts.values()),
         facts,
-        identifiers([f"homekit {found.id.upper()} {own}", *_serial_number(known, facts.get("model", ""), all_of)]),
+        identifiers(
+            [
+                f"homekit {found.id.upper()} {own}",
+                *([serial] if may_be_unique(serial, facts.get("model", "")) else []),
+            ]
+        ),
+        whole_device=True,
         authenticated=accessory is not None,  # it has proved the key of its pairing
         service_type="" if parts else found.service_type,
         raw_address=f"homekit/{key}",
@@ -72,11 +73,3 @@ def _facts_of(found: FoundAccessory, accessory: Accessory) -> dict[str, str]:
     facts["model"] = facts["model"] or found.model
     facts["via_device"] = "" if accessory.aid == _FIRST else found.id
     return {fact: text for fact, text in facts.items() if text}
-
-
-def _serial_number(accessory: Accessory, model: str, all_of: Iterable[Accessory]) -> list[str]:
-    """Return its serial number, if no other accessory has it and it may be unique."""
-    serial = accessory.information.text(_SERIAL)
-    may_be_unique = len(serial.lstrip("0")) >= _SHORTEST and any(map(str.isdigit, serial)) and serial != model
-    serials = [one.information.text(_SERIAL) for one in all_of]
-    return [serial] if may_be_unique and serials.count(serial) == 1 else []

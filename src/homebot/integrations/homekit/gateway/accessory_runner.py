@@ -187,7 +187,7 @@ class AccessoryRunner(DeviceRunner):
         self.sleeps = any(one.sleeps for one in accessories.values())
         self._accessories.clear()
         for aid, accessory in accessories.items():
-            self._accessories[aid] = found = describe(self._found, accessory, accessories.values())
+            self._accessories[aid] = found = describe(self._found, accessory)
             self._devices.put(found.device, "it described itself")
         for key in before - self.keys:
             self._devices.remove(key, "its bridge no longer has it")

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Final, Self, TypeAlias
 
 from homebot.conventions.payload import shown
-from homebot.devices.identity import identifiers
+from homebot.devices.identity import identifiers, may_be_unique
 from homebot.devices.part import Part
 from homebot.errors import WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
@@ -32,10 +32,8 @@ MAX_PARTS: Final = 200
 """Of one node."""
 
 BASIC, BRIDGED, DIAGNOSTICS = 40, 57, 51
-_VENDOR, _PRODUCT, _LABEL, _HARDWARE, _SOFTWARE, _SERIAL, _REACHABLE = 1, 3, 5, 8, 10, 15, 17
+_VENDOR, _PRODUCT, _LABEL, _HARDWARE, _SOFTWARE, _SERIAL, _REACHABLE, _UNIQUE = 1, 3, 5, 8, 10, 15, 17, 18
 _FACTS: Final = {"manufacturer": _VENDOR, "model": _PRODUCT, "hw_version": _HARDWARE, "sw_version": _SOFTWARE}
-_DEFAULT_SERIALS: Final = frozenset({"", "TEST_SN", "0", "00000000", "**REDACTED**"})
-"""Serial numbers of example programs and test devices; a house may have several of these."""
 
 _BRIDGED_NODE: Final = 0x0013
 _PATH: Final = re.compile(r"([0-9]{1,5})/([0-9]{1,10})/([0-9]{1,10})")
@@ -146,6 +144,7 @@ class MatterNode:
             tuple(parts),
             {name: text for name, text in facts.items() if text},
             known_by,
+            whole_device=True,
             authenticated=True,  # the owner commissioned it: it has a certificate
             raw_address=f"matter/{key}",
         )
@@ -188,8 +187,11 @@ def node_id_of(value: object) -> int:
 
 
 def _identifiers(root: MatterEndpoint, cluster: int, place: str) -> tuple[str, ...]:
-    serial = root.text(cluster, _SERIAL)
-    return identifiers(["" if serial in _DEFAULT_SERIALS else serial, *_hardware_addresses(root), place])
+    """Return the identifiers of a device, the surest first."""
+    serial, unique = root.text(cluster, _SERIAL), root.text(cluster, _UNIQUE)
+    if not may_be_unique(serial, root.text(cluster, _PRODUCT)):
+        serial = ""
+    return identifiers([*_hardware_addresses(root), place, unique and f"matter:uniqueid_{unique}", serial])
 
 
 def _hardware_addresses(root: MatterEndpoint) -> Iterator[str]:

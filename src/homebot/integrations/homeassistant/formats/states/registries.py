@@ -4,9 +4,11 @@ Source: Home Assistant core 2024.3, ``components/config/*_registry.py``.
 """
 
 from collections.abc import Iterable, Mapping
+from itertools import starmap
 from typing import Final, NamedTuple
 
 from homebot.conventions.payload import as_fields, text_of
+from homebot.devices.identity import may_be_unique
 from homebot.devices.part import Category
 from homebot.errors import WireError
 from homebot.integrations.homeassistant.formats.device import DeviceInfo, read_device
@@ -87,10 +89,10 @@ class Registries:
             return None
         name = text_of(fields.get("name_by_user")) or text_of(fields.get("name"))
         known = {key: value for key, value in fields.items() if value is not None}
-        block = {**known, "name": name, "identifiers": [_identifier(*one) for one in _pairs(fields)]}
+        block = {**known, "name": name, "identifiers": _identifiers(fields)}
         via = _text(fields, "via_device_id") or _text(fields, "parent_device_id")
-        known_as = (_identifier(*one) for one in _pairs(self._listed["device"].get(via, {})))
-        block |= {"via_device": next(known_as, via)}
+        known_as = _identifiers(self._listed["device"].get(via, {}))
+        block |= {"via_device": next(iter(known_as), via)}
         try:
             return read_device(block, {})
         except WireError:
@@ -148,6 +150,10 @@ def _pairs(fields: _Fields) -> list[tuple[str, str]]:
     return [(one[0], ":".join(one[1:])) for one in texts if all(one)]
 
 
+def _identifiers(fields: _Fields) -> list[str]:
+    return list(filter(None, starmap(_identifier, _pairs(fields))))
+
+
 def _identifier(domain: str, identifier: str) -> str:
     """Return an identifier of a device as the gateway of its own protocol has it, if there is one.
 
@@ -157,7 +163,8 @@ def _identifier(domain: str, identifier: str) -> str:
         case "cast" | "mqtt":
             return identifier
         case "matter" if identifier.startswith("serial_"):
-            return identifier.removeprefix("serial_")
+            serial = identifier.removeprefix("serial_")
+            return serial if may_be_unique(serial) else ""
         case "homekit_controller:accessory-id":
             server, _, aid = identifier.upper().partition(":AID:")
             return f"homekit {server} pairing" if aid == "1" else f"homekit {server} aid {aid}"
