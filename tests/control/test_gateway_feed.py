@@ -46,7 +46,7 @@ async def test_a_gateway_reports_only_its_own_devices() -> None:
         feed = GatewayFeed(node)
         for gateway in ("liar", "mqtt"):
             feed.watch(
-                (Route(gateway=gateway, key="lamp", part=""),), lambda _capability, value, _stamp: values.append(value)
+                (Route(gateway=gateway, key="lamp", part=""),), lambda _capability, value, *_: values.append(value)
             )
         reports = liar.create_publisher(Report, GatewayNames("liar").readings)
         for gateway, level in (("mqtt", 10.0), ("liar", 20.0)):

@@ -167,10 +167,10 @@ async def test_a_change_against_a_command_near_by_is_unknown_and_not_learnt(home
     await home.report("left", "on_off", True)
     await anyio.sleep(30)
     home.behaviours["group"] = obey
-    for _ in range(5):
+    for number in range(5):
         await group.command("on_off", True)
         home.later(1.0, "left", "on_off", False)
-        await anyio.sleep(30)
+        await anyio.sleep(30 + 10 * number)  # what is regular is done by a program
         await home.report("left", "on_off", True)
         await group.command("on_off", False)
         await anyio.sleep(30)

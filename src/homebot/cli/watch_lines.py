@@ -33,7 +33,13 @@ _WHY: Final = 32
 _MOST: Final = 10_000
 """The limit of known values, and of commands; the oldest are dropped."""
 
-_CAUSES: Final = {"person": "by hand", "device": "by itself", "unknown": "by hand or by itself", "command": "raw text"}
+_CAUSES: Final = {
+    "person": "by hand",
+    "program": "by another program",
+    "device": "by itself",
+    "unknown": "by hand or by itself",
+    "command": "raw text",
+}
 _Place: TypeAlias = tuple[str, str, str]
 _Value: TypeAlias = tuple[str, str, str, str]
 """Device, part, capability, and the value as text."""
@@ -150,7 +156,11 @@ class HouseLines:
         if command is not None:
             command.is_seen = True
         issuer = issuer_text(entry.issuer) if entry.issuer else ""
-        why = "as commanded" if entry.kind == "reported" and entry.cause != "person" else _CAUSES.get(entry.cause, "")
+        why = (
+            "as commanded"
+            if entry.kind == "reported" and entry.cause not in {"person", "program"}
+            else _CAUSES.get(entry.cause, "")
+        )
         for one in entry.settings:
             key = (entry.device, entry.part, one.capability, str(plain_value(one.value)))
             waiting = next((each for each in self._waiting if key in each.keys and not each.line.why), None)

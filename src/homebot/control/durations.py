@@ -80,6 +80,15 @@ A Danfoss valve with Z-Wave wakes every five minutes (OpenZWave/Zwave2Mqtt#228).
 HASTY: Final = 15.0
 """People undo a command within this time so often that two of them coincide by chance."""
 
+CREEPS: Final = 20.0
+"""Adaptive lighting changes a lamp a little at intervals longer than this; steps of one change come sooner.
+
+Home Assistant's Adaptive Lighting does so each 90 s by default (basnijholt/adaptive-lighting, ``interval``).
+"""
+
+PUNCTUAL: Final = 2.0
+"""Times of a program's schedule differ by less, those of people by more."""
+
 CLOCK_DRIFT: Final = 0.001
 """The fraction by which the times of a timer in a device may differ, beyond :data:`REGULAR`."""
 

@@ -8,7 +8,7 @@ from typing import Final, NamedTuple, TypeAlias, final
 from homebot.devices.device import Route
 from homebot.devices.gateway_messages import REACHABLE, CommandAnswer, GatewayState, Report
 from homebot.devices.names import GatewayNames, gateway_of
-from homebot.devices.value import PlainValue
+from homebot.devices.value import PlainValue, SetBy
 from homebot.errors import InvalidNameError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.messages import Time
@@ -16,8 +16,8 @@ from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["GatewayFeed", "LinkLoss", "OnReport"]
 
-OnReport: TypeAlias = Callable[[str, PlainValue, float], None]
-"""Called with the capability and the value of a live report, and its time in seconds since the Unix epoch."""
+OnReport: TypeAlias = Callable[[str, PlainValue, float, SetBy], None]
+"""Called with capability and value of a live report, its time since the Unix epoch, and who set it, if known."""
 
 _Place: TypeAlias = tuple[str, str, str]
 """A gateway, and its names of a device and of a part."""
@@ -130,7 +130,7 @@ class GatewayFeed:
                 self._absences[gateway, report.key, reading.part] = self._clock.monotonic()
         for reading in () if report.retained else report.readings:
             for on_report in tuple(self._watches.get((gateway, report.key, reading.part), ())):
-                on_report(reading.capability, reading.value.plain(), report.received_at.to_seconds())
+                on_report(reading.capability, reading.value.plain(), report.received_at.to_seconds(), report.set_by)
 
     def _on_answer(self, gateway: str, answer: CommandAnswer) -> None:
         self._answering[gateway, answer.key, answer.part] = None

@@ -21,7 +21,7 @@ from homebot.devices.capabilities import SETTABLE
 from homebot.devices.cause_messages import GetCausesRequest, KnownCause, KnownCauses
 from homebot.devices.device import ChangedSetting, target_of
 from homebot.devices.obedience import related
-from homebot.devices.value import PlainValue
+from homebot.devices.value import PlainValue, SetBy
 from homebot.graph import Node
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.time_limits import TimeLimits
@@ -118,7 +118,7 @@ class Timelines:
             timeline.unexplained_change = None
         at = self._clock.monotonic() - max(0.0, self._clock.now() - stamp)
         absent_at = at if change.was_absent else -math.inf
-        timeline.report(at, stamp, change.capability, change.value.plain(), absent_at=absent_at)
+        timeline.report(at, stamp, change.capability, change.value.plain(), absent_at=absent_at, set_by=change.set_by)
 
     def cause(self, place: PartRef, capability: str, value: PlainValue, stamp: float) -> Attribution | None:
         """Return the cause of the report with that *stamp*; None if it is not known."""
@@ -186,12 +186,12 @@ class Timelines:
         entry.relevant = frozenset([other for one in settings for other in related(one)])
         entry.stop_watch = self._feed.watch(part.routes, partial(self._on_value, entry))
 
-    def _on_value(self, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float) -> None:
+    def _on_value(self, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float, set_by: SetBy) -> None:
         if capability not in entry.relevant:
             return
         routes = entry.part.routes
         lost_at, absent_at = self._feed.last_loss(routes).monotonic, self._feed.last_absence(routes)
-        entry.timeline.report(self._clock.monotonic(), stamp, capability, value, lost_at, absent_at)
+        entry.timeline.report(self._clock.monotonic(), stamp, capability, value, lost_at, absent_at, set_by)
         self._update(entry)
 
     def _update(self, entry: _TrackedPart) -> None:

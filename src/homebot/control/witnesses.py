@@ -138,7 +138,7 @@ class Witnesses:
         self.counts["contradictions_forgotten"] += 1
 
     def _on_report(
-        self, witness: Witness, wake: Callable[[], None], capability: str, value: PlainValue, _stamp: float
+        self, witness: Witness, wake: Callable[[], None], capability: str, value: PlainValue, *_: object
     ) -> None:
         if capability == witness.capability:
             witness.newest, witness.seen_at = value, self._clock.monotonic()

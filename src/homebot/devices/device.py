@@ -5,7 +5,7 @@ from typing import ClassVar, Literal, TypeAlias
 
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Part
-from homebot.devices.value import UNKNOWN, Reading, Value
+from homebot.devices.value import UNKNOWN, Reading, SetBy, Value
 from homebot.errors import InvalidNameError, RefusedError
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.key_value import KeyValue
@@ -250,6 +250,7 @@ class ChangedSetting(Message):
 
     Attributes:
         was_absent: Whether the device was unreachable since the value before, so that it may have changed by itself.
+        set_by: See :attr:`homebot.devices.gateway_messages.Report.set_by`.
         before: The last known value before it by any route of the part; unknown if there was none.
         before_since: When that was first reported.
     """
@@ -260,6 +261,7 @@ class ChangedSetting(Message):
     value: Value
     told_at: Time
     was_absent: bool = False
+    set_by: SetBy = ""
     before: Value = UNKNOWN
     before_since: Time = Time(sec=0, nanosec=0)
 

@@ -10,7 +10,7 @@ from homebot.devices.device import KeyValue
 from homebot.devices.names import is_text_address
 from homebot.devices.part import Part
 from homebot.devices.trigger import NO_TRIGGER, Trigger
-from homebot.devices.value import Reading, Value
+from homebot.devices.value import Reading, SetBy, Value
 from homebot.errors import WireError
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt8
@@ -110,6 +110,7 @@ class Report(Message):
             of its own, which is not kept, because it happened only once.
         retained: Whether it was a retained message, from the past.
         heard_at: The same time in seconds of the monotonic clock; 0 if the gateway does not state it.
+        set_by: Who set the values, if the gateway knows: a ``person`` or a ``program`` past homebot; else empty.
         unreadable: By part, how many payloads it could not read, and the last one with the reason, in words.
     """
 
@@ -123,6 +124,7 @@ class Report(Message):
     retained: bool
     received_at: Time
     heard_at: float = 0.0
+    set_by: SetBy = ""
     unreadable: tuple[KeyValue, ...] = ()
 
 

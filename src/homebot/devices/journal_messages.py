@@ -110,7 +110,7 @@ class JournalEntry(Message):
             missing ``right``, the client's ``address`` and the number of requests (``count``), or that of ``lease``.
         results: ``outcome`` and ``reverted``: the outcome.
         cause: ``reported`` and ``changed``: the cause of a change: ``command``, ``transition``, ``echo``, ``device``,
-            ``person``, or ``unknown``, which is the device or a person; empty if the value did not change.
+            ``program``, ``person``, or ``unknown``, which is the device or a person; empty if the value did not change.
         folded: The number of commands like the one that begins here (same issuer, part and outcome) that came in the
             minute before and are not kept.
     """

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Annotated, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, model_serializer, model_validator
 
 from homebot.messages.message import Message, UInt8
 
-__all__ = ["UNKNOWN", "PlainValue", "Reading", "ShortText", "Value", "plain_value"]
+__all__ = ["UNKNOWN", "PlainValue", "Reading", "SetBy", "ShortText", "Value", "plain_value"]
 
 ShortText: TypeAlias = Annotated[str, Field(max_length=1000)]
 """An id, or the name of a capability, in a request; limited because programs may send many."""
 
 PlainValue: TypeAlias = bool | float | str | tuple[float, ...] | None
 """A value in plain Python; None means *unknown*, which is also a value. Numbers are always ``float``."""
+
+SetBy: TypeAlias = Literal["", "person", "program"]
+"""Who set a value past homebot; empty if that is not known."""
 
 _DIGITS = 15
 """Decimal digits that a float always preserves: a level of 0.55 is 55 %, not 55.00000000000001 %."""

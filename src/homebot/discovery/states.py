@@ -12,7 +12,7 @@ from homebot.devices.capabilities import ALERTING, EVENTS, SETTABLE
 from homebot.devices.device import ChangedSetting
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.names import UNREADABLE
-from homebot.devices.value import Reading, Value
+from homebot.devices.value import Reading, SetBy, Value
 from homebot.discovery.changes import stream_of
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.echoes import Echoes
@@ -50,6 +50,7 @@ class _WaitingChange(NamedTuple):
     new: Reading
     since: Time
     was_absent: bool
+    set_by: SetBy
     before: Value
     before_since: Time
     stored: StoredValue
@@ -243,7 +244,7 @@ class StateRecorder:
             for place, _, stored in new:
                 self._post(entry, source, place, stored)
         if table.changes.collects_settings:
-            self._settings.record(entry, source, new, _REPORTED if live else ALERTING)
+            self._settings.record(entry, source, new, _REPORTED if live else ALERTING, report.set_by)
         if not table.changes.collects_states:
             return
         merged = entry.parts(table.topics)
@@ -350,7 +351,9 @@ class SettingChanges:
         self._table = table
         self.waiting: dict[int, _WaitingChange] = {}
 
-    def record(self, entry: Entry, source: SourceRecord, new: Iterable[_NewValue], wanted: Container[str]) -> None:
+    def record(
+        self, entry: Entry, source: SourceRecord, new: Iterable[_NewValue], wanted: Container[str], set_by: SetBy = ""
+    ) -> None:
         """Record the new values of *source* for the *wanted* capabilities."""
         waiting = self.waiting
         for place, reading, stored in new:
@@ -358,7 +361,9 @@ class SettingChanges:
                 continue
             if len(waiting) < _MOST_CHANGED:
                 before = self._before(entry, source, place, stored)
-                change = _WaitingChange(entry, source, reading, stored.since, stored.was_absent, *before, stored)
+                change = _WaitingChange(
+                    entry, source, reading, stored.since, stored.was_absent, set_by, *before, stored
+                )
                 waiting[id(stored)] = change
             else:
                 self._table.changes.states_lost += 1
@@ -397,6 +402,7 @@ class SettingChanges:
                 value=first,
                 told_at=one.since,
                 was_absent=one.was_absent,
+                set_by=one.set_by,
                 before=one.before,
                 before_since=one.before_since,
             )

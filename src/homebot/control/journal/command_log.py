@@ -29,7 +29,7 @@ _INTERVAL: Final = 60.0
 _LINES: Final = 60
 """Lines a minute for the commands of one issuer, or for changes; the next minute's line counts the others."""
 
-_CAUSES: Final = {"person": "by hand", "device": "by itself"}
+_CAUSES: Final = {"person": "by hand", "device": "by itself", "program": "by another program"}
 
 _DELAY: Final = 0.05
 """Seconds after which lines are written, so that commands do not wait for them."""

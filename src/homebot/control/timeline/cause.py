@@ -39,6 +39,8 @@ Roles: TypeAlias = Iterable[tuple[CommandProgress, ReportRole]]
 
 def judge(fact: Reported, roles: Roles) -> Attribution:
     """Return the cause of a report: the only answer to this question; it is stored in the report."""
+    if fact.set_by:
+        return Attribution(Cause.PERSON if fact.set_by == "person" else Cause.PROGRAM)
     answered = ""
     for command, role in roles:
         cause = explanation(role, fact, command)
@@ -94,6 +96,8 @@ def _cause_without_command(fact: Reported) -> tuple[Cause, str]:
         return Cause.COMMAND if fact.is_usual else Cause.UNKNOWN, fact.along if fact.is_usual else ""
     if fact.timed >= ENOUGH:
         return Cause.DEVICE, ""
+    if fact.is_programmed:
+        return Cause.PROGRAM, ""
     return Cause.UNKNOWN if fact.timed and fact.at - fact.since > durations.HASTY else Cause.PERSON, ""
 
 

@@ -8,7 +8,7 @@ from typing import Final, NamedTuple, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES, MOMENTARY, OWN
 from homebot.devices.outcomes import Outcome
-from homebot.devices.value import PlainValue
+from homebot.devices.value import PlainValue, SetBy
 
 __all__ = [
     "Answered",
@@ -55,14 +55,15 @@ class Cause(Enum):
     """Cause of a report.
 
     ``COMMAND``: the effect of a command. ``TRANSITION``: a step on the way. ``ECHO``: a bridge repeated a command.
-    ``DEVICE``: the device by itself. ``PERSON``: a person, or a program past homebot. ``UNKNOWN``: a person or the
-    device.
+    ``DEVICE``: the device by itself. ``PROGRAM``: another program, by its regular changes: it outranks apps as a person
+    does, but nobody is there. ``PERSON``: a person, or an unknown program. ``UNKNOWN``: a person or the device.
     """
 
     COMMAND = "command"
     TRANSITION = "transition"
     ECHO = "echo"
     DEVICE = "device"
+    PROGRAM = "program"
     PERSON = "person"
     UNKNOWN = "unknown"
 
@@ -90,8 +91,8 @@ class Attribution(NamedTuple):
 
     @property
     def is_hand(self) -> bool:
-        """True if it outranks leases."""
-        return self.may_be_person and not self.was_absent
+        """True if it outranks apps and leases: a person, or another program."""
+        return (self.may_be_person or self.cause is Cause.PROGRAM) and not self.was_absent
 
 
 NOT_JUDGED: Final = Attribution(Cause.UNKNOWN)
@@ -219,6 +220,8 @@ class Reported:
         timed: How often the previous value lasted as long the last four times; three times come from a timer.
         was_absent: Whether the device was unreachable since the previous value.
         is_news: Whether it repeats the value of a device that reports only changes: it changed twice in between.
+        set_by: Who set it past homebot, if the gateway knows that.
+        is_programmed: Whether it is a regular change of another program.
         drifted_from: The command whose confirmed number it still fits; empty for none.
         attribution: Its cause and role, judged when it arrived; all else reads this column.
     """
@@ -237,6 +240,8 @@ class Reported:
     timed: int = 0
     was_absent: bool = False
     is_news: bool = False
+    set_by: SetBy = ""
+    is_programmed: bool = False
     drifted_from: str = ""
     attribution: Attribution = NOT_JUDGED
 
@@ -247,5 +252,6 @@ class Reported:
 
     @property
     def may_be_will(self) -> bool:
-        """True if a person may have wanted this value: commands are not repeated against it."""
-        return self.attribution.may_be_person and (self.is_change or self.is_news)
+        """True if a person or a program may have wanted this value: commands are not repeated against it."""
+        is_wanted = self.attribution.may_be_person or self.attribution.cause is Cause.PROGRAM
+        return is_wanted and (self.is_change or self.is_news)

@@ -21,19 +21,22 @@ from homebot.control.timeline.facts import (
     Sent,
 )
 from homebot.control.timeline.learning import learn_failure, learn_late_answer, learn_outcome, learn_settled
-from homebot.control.timeline.profile import ENOUGH, DeviceProfile
+from homebot.control.timeline.profile import ENOUGH, KEPT, DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.obedience import changes, fits, related
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer
-from homebot.devices.value import PlainValue
+from homebot.devices.value import PlainValue, SetBy
 
 __all__ = ["MOST_REPORTS", "PartTimeline"]
 
 MOST_REPORTS: Final = 128
 _MOST_SENT: Final = 2000
 """As many as a rate limit needs, which counts up to 1,000 changes, and repetitions."""
+
+_LOOKS: Final = frozenset({"level", "color_temperature", "color"})
+_MAX_CREEP: Final = 0.05
 
 _ROUNDING: Final = 0.001
 """Seconds by which time stamps and the monotonic clock may differ: some devices answer at once."""
@@ -56,6 +59,29 @@ class _Brought(NamedTuple):
         """
         known = self.value, self.seen
         return isinstance(fact.value, float) and any(fits(fact.capability, one, fact.value) for one in known)
+
+
+class _Creep(NamedTuple):
+    """Change of the level or colour of a lit lamp that nothing explains, with its further steps.
+
+    Attributes:
+        at: When its newest step came, in seconds.
+        begin: The values before, by capability.
+        is_small: Whether nobody would see it.
+        is_usual: Whether another program makes such changes.
+    """
+
+    at: float
+    begin: dict[str, PlainValue]
+    is_small: bool
+    is_usual: bool
+
+
+def _is_small(capability: str, before: PlainValue, value: PlainValue) -> bool:
+    """Return whether a change is at most five percent, of the range of a level or of the colour temperature."""
+    if not (isinstance(before, float) and isinstance(value, float)):
+        return False
+    return abs(value - before) <= _MAX_CREEP * (100.0 if capability == "level" else before)
 
 
 @final
@@ -104,6 +130,8 @@ class PartTimeline:
         self._latest: dict[str, tuple[PlainValue, float, float]] = {}  # value, last report, first report
         self._before_echo: dict[str, tuple[CommandProgress, tuple[PlainValue, float, float]]] = {}
         self._brought: dict[str, _Brought] = {}
+        self._creep: _Creep | None = None
+        self._unexplained_at: dict[tuple[str, PlainValue], float] = {}
         self._number = 0
 
     def seed(self, capability: str, value: PlainValue, at: float) -> None:
@@ -177,6 +205,7 @@ class PartTimeline:
         value: PlainValue,
         lost_at: float = -math.inf,
         absent_at: float = -math.inf,
+        set_by: SetBy = "",
     ) -> Reported | None:
         """Append a live report with its cause, and return it; None for a repetition that no command waits for.
 
@@ -201,6 +230,7 @@ class PartTimeline:
         self._number += 1
         previous, before, since = latest
         fact = Reported(at, stamp, self._number, capability, value, previous, since, is_first, before < lost_at)
+        fact.set_by = set_by
         fact.was_absent = -math.inf < absent_at >= before
         is_off_again = is_same and value is False and self._is_turned_on(capability)
         fact.is_news = is_off_again or (is_same and echoed is None and self.profile.changes >= ENOUGH)
@@ -325,7 +355,7 @@ class PartTimeline:
 
     def _relate(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:
         """Relate a change that no command explains to what lasted as long, or drifted, or changed nearby."""
-        if not fact.is_change or fact.is_after_loss or fact.was_absent:
+        if not fact.is_change or fact.is_after_loss or fact.was_absent or fact.set_by:
             return
         causes = [explanation(role, fact, one) for one, role in roles]
         cause = next((one for one in causes if one is not None), None)
@@ -339,6 +369,35 @@ class PartTimeline:
             self.nearby.explain(fact, self.place, self.profile)
         if not fact.along and brought is not None and self.profile.fits(fact.capability, brought.value, fact.previous):
             fact.timed = self.profile.learn_stay(fact.capability, fact.previous, fact.at - brought.at)
+        if cause is None and not (fact.along or fact.timed >= ENOUGH):
+            fact.is_programmed = self._is_programmed(fact)
+
+    def _is_programmed(self, fact: Reported) -> bool:
+        """Return whether a change that nothing explains is one of another program; learn from it.
+
+        Such a program changes the part at regular times, or changes a lit lamp a little, again and again.
+        """
+        capability, creep = fact.capability, self._creep
+        is_look = capability in _LOOKS
+        value = "" if is_look else fact.value  # each value is another one
+        key = capability, value
+        last_at, self._unexplained_at[key] = self._unexplained_at.get(key), fact.at
+        if len(self._unexplained_at) > KEPT:
+            del self._unexplained_at[next(iter(self._unexplained_at))]
+        if is_look and creep is not None and fact.at - creep.at < durations.CREEPS:  # a further step, or the colour
+            begin = creep.begin.setdefault(capability, fact.previous)
+            is_small = creep.is_small and _is_small(capability, begin, fact.value)
+            if creep.is_small and not is_small:
+                self.profile.learn_creep(is_small=False)
+            self._creep = creep._replace(at=fact.at, is_small=is_small)
+            return creep.is_usual and is_small
+        is_regular = last_at is not None and self.profile.learn_gap(capability, value, fact.at - last_at)
+        is_usual = False
+        if is_look and self.value("on_off") is not False:
+            is_small = _is_small(capability, fact.previous, fact.value)
+            is_usual = self.profile.learn_creep(is_small=is_small) or is_regular
+            self._creep = _Creep(fact.at, {capability: fact.previous}, is_small, is_usual)
+        return is_regular or is_usual
 
     def _judge(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:
         """Store the cause of a report, the only time that it is asked for."""

@@ -64,6 +64,8 @@ class DeviceProfile:
         echoes: For each expected echo, whether the device's own report followed it.
         answers: The reported values by commanded value.
         stays: How long commanded values lasted until another followed.
+        gaps: The seconds between changes that nothing explains: between those of a level or colour, and to one value.
+        creeps: How many times in a row another program changed the level or colour a little, at most three.
         pairs: How often in a row it changed along with commands to each part near it, at most three times.
         failures: By route, the number of consecutive commands without effect, at most two; see :attr:`Route.name`.
         changes: The number of live reports since one that repeated a value, at most three.
@@ -76,6 +78,8 @@ class DeviceProfile:
     echoes: dict[str, _Newest[bool]] = field(default_factory=dict)
     answers: dict[str, _Answers] = field(default_factory=dict)
     stays: dict[str, _Newest[tuple[bool | float | str, _Seconds]]] = field(default_factory=dict)
+    gaps: dict[str, _Newest[tuple[bool | float | str, _Seconds]]] = field(default_factory=dict)
+    creeps: Annotated[int, Field(ge=0, le=ENOUGH)] = 0
     pairs: Annotated[dict[str, int], Field(max_length=KEPT)] = field(default_factory=dict)
     failures: Annotated[dict[str, int], Field(max_length=KEPT)] = field(default_factory=dict)
     changes: Annotated[int, Field(ge=0, le=ENOUGH)] = 0
@@ -89,6 +93,8 @@ class DeviceProfile:
         self.echoes = earlier.echoes | self.echoes
         self.answers = earlier.answers | self.answers
         self.stays = earlier.stays | self.stays
+        self.gaps = earlier.gaps | self.gaps
+        self.creeps = max(self.creeps, earlier.creeps)
         self.pairs = earlier.pairs | self.pairs
         self.failures = earlier.failures | self.failures
         self.changes = max(self.changes, earlier.changes)
@@ -157,12 +163,34 @@ class DeviceProfile:
 
     def learn_stay(self, capability: str, value: PlainValue, seconds: float) -> int:
         """Record that *value* lasted for *seconds*; return how often it did so the last five times."""
+        slack = max(durations.REGULAR, durations.CLOCK_DRIFT * seconds)
+        return self._learn_regular(self.stays, capability, value, seconds, slack)
+
+    def learn_gap(self, capability: str, value: PlainValue, seconds: float) -> bool:
+        """Record the time since the last change that nothing explains; return whether these come regularly."""
+        return self._learn_regular(self.gaps, capability, value, seconds, durations.PUNCTUAL) >= ENOUGH
+
+    def learn_creep(self, *, is_small: bool) -> bool:
+        """Record a change of the level or colour of a lit lamp; return whether it is usual: three were small before."""
+        before = self.creeps
+        self.creeps = min(before + 1, ENOUGH) if is_small else 0
+        self.is_changed = self.is_changed or self.creeps != before
+        return is_small and before >= ENOUGH
+
+    def _learn_regular(
+        self,
+        records: dict[str, list[tuple[bool | float | str, float]]],
+        capability: str,
+        value: PlainValue,
+        seconds: float,
+        slack: float,
+    ) -> int:
+        """Record *seconds*; return how many of the last five records of *value* are as long."""
         if isinstance(value, tuple) or value is None:
             return 0
-        slack = max(durations.REGULAR, durations.CLOCK_DRIFT * seconds)
-        known = self.stays.get(capability, [])
+        known = records.get(capability, [])
         times = [lasted for one, lasted in known if one == value][-ENOUGH - 2 :]
-        self.stays[capability], self.is_changed = [*known, (value, seconds)][-KEPT:], True
+        records[capability], self.is_changed = [*known, (value, seconds)][-KEPT:], True
         same = [seconds, *(one for one in times if abs(one - seconds) <= slack)]
         is_regular = max(same) - min(same) <= slack
         return len(same) - 1 if len(same) <= ENOUGH or is_regular else ENOUGH - 1

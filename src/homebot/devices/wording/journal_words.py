@@ -49,6 +49,11 @@ _UNEXPLAINED = "no command explains it: somebody did it by hand, or it did so by
 
 _BY_ITSELF = "it did so by itself, as usual"
 
+_BY_PROGRAM = "another program did it past homebot, as usual"
+
+_REASONS = {"device": _BY_ITSELF, "program": _BY_PROGRAM}
+"""Reasons of changes by their cause in the journal."""
+
 _FINDINGS = {
     "command": "It changed {ago}: {reason}.",
     "change": "It changed {ago}: {reason}.",
@@ -206,7 +211,7 @@ _TEXTS: Mapping[str, Callable[[JournalEntry, str], str]] = {
     "goal": lambda entry, _: printable(entry.text, 1000),
     "handed_back": lambda entry, name: f"{name} is held {_wanted(entry)} again",
     "changed": lambda entry, name: (
-        f"{name} reported {_wanted(entry)}; {_BY_ITSELF if entry.cause == 'device' else 'no command explains it'}"
+        f"{name} reported {_wanted(entry)}; {_REASONS.get(entry.cause, 'no command explains it')}"
     ),
 }
 """The clause for each kind of entry, with the name of the device; for other kinds it is that of the outcome."""
@@ -250,7 +255,7 @@ def reason_text(chain: Chain, names: Mapping[str, str]) -> str:
     """Return a clause that explains why the device changed."""
     last, first = chain[-1], chain[0]
     if first.kind == "changed":
-        return _BY_ITSELF if first.cause == "device" else _UNEXPLAINED
+        return _REASONS.get(first.cause, _UNEXPLAINED)
     if last.kind == "reverted":
         asked = f"{issuer_text(first.issuer)} had asked for {settings_text(first.settings)}"
         return f"it changed back, by a hand or by itself, after {asked}"

@@ -13,7 +13,7 @@ from homebot.devices import RawCommand, RawMessage
 from homebot.devices.gateway_messages import Command
 from homebot.devices.health import HealthResponse
 from homebot.devices.part import check_setting
-from homebot.devices.value import PlainValue
+from homebot.devices.value import PlainValue, SetBy
 from homebot.errors import RefusedError, UnableError, WireError
 from homebot.gateways.announced.announcement import SightingKind, StoredAnnouncement
 from homebot.gateways.announced.command_server import CommandServer, Perform, Refresh
@@ -170,13 +170,14 @@ class PublishedDevices:
         stored.detach()
 
     async def report(
-        self, key: str, values: Mapping[str, PlainValue], part: str = "", *, retained: bool = False
+        self, key: str, values: Mapping[str, PlainValue], part: str = "", *, retained: bool = False, set_by: SetBy = ""
     ) -> None:
         """Publish the reported values of a part; values that it cannot report are refused and counted.
 
         Args:
             values: Values by capability, in the unit of the vocabulary; None for unknown.
             retained: Whether the report is of an earlier state.
+            set_by: See :attr:`Report.set_by`.
         """
         stored = self._devices.get(key)
         described = None if stored is None else stored.parts.get(part)
@@ -189,7 +190,7 @@ class PublishedDevices:
             self._refuse(len(values) - len(known), f"{key[:100]} cannot have reported {refused[:200]}")
         if known:
             self._reporter.refresh_time()
-            await self.engine.states.publish(described, known, retained=retained)
+            await self.engine.states.publish(described, known, retained=retained, set_by=set_by)
 
     def report_reachable(self, key: str, part: str = "", *, reachable: bool | None) -> None:
         """Publish whether a device, or one of its parts, can be reached; None for unknown. The device stays listed."""

@@ -8,7 +8,7 @@ from homebot.devices import KeyValue
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.services import NEVER
-from homebot.devices.value import Reading, Value
+from homebot.devices.value import Reading, SetBy, Value
 from homebot.gateways.announced.announcement import SightingKind, StoredAnnouncement
 from homebot.gateways.base import Gateway
 from homebot.messages import Time
@@ -78,6 +78,7 @@ class DeviceReporter:
         retained: bool,
         stream: str = "",
         unreadable: tuple[KeyValue, ...] = (),
+        set_by: SetBy = "",
     ) -> None:
         """Publish a report of a device, by default in the stream for these values on *address*."""
         if not stream:
@@ -94,11 +95,18 @@ class DeviceReporter:
                 received_at=self.stamp,
                 heard_at=self.now,
                 unreadable=unreadable,
+                set_by=set_by,
             )
         )
 
     def publish_readings(
-        self, device: StoredAnnouncement, readings: Sequence[Reading], address: str, *, retained: bool
+        self,
+        device: StoredAnnouncement,
+        readings: Sequence[Reading],
+        address: str,
+        *,
+        retained: bool,
+        set_by: SetBy = "",
     ) -> None:
         """Publish states and events that a device reported; a *retained* event is over, and dropped.
 
@@ -108,7 +116,7 @@ class DeviceReporter:
         """
         states = tuple([one for one in readings if one.capability not in EVENTS])
         if states:
-            self.publish_report(device, states, address, retained=retained)
+            self.publish_report(device, states, address, retained=retained, set_by=set_by)
         if len(states) < len(readings) and not retained:
             events = tuple([one for one in readings if one.capability in EVENTS])
             self._events = (self._events + 1) % _EVENTS

@@ -14,7 +14,7 @@ from homebot.conventions.unreadable import FOUND
 from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.text.states import encode_state
-from homebot.devices.value import PlainValue, Reading, Value
+from homebot.devices.value import PlainValue, Reading, SetBy, Value
 from homebot.gateways.announced.announcement import (
     AnnouncedPart,
     AvailabilityReader,
@@ -183,14 +183,16 @@ class StateReader:
         part.record(raw, now, is_event=False)
         await self._listeners.deliver(raw, wait_if_full=wait_if_full)
 
-    async def publish(self, part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool) -> None:
+    async def publish(
+        self, part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool, set_by: SetBy = ""
+    ) -> None:
         """Publish *values* of a part, which its gateway has read itself and will not modify."""
         name = part.described.part.id
         readings = [_reading_of(part=name, capability=one, value=_value_of(value)) for one, value in values.items()]
         for expiry in part.described.expiries:
             self._schedule_expiry(part, expiry, values)
         is_brief = _is_brief(values)
-        self._report(part.stored, readings, "", retained=retained, has_events=not is_brief)
+        self._report(part.stored, readings, "", retained=retained, has_events=not is_brief, set_by=set_by)
         if is_brief and not self._listeners.by_address.get(part.address):
             self._record_lazy(part, values, retained)
             return
@@ -260,6 +262,7 @@ class StateReader:
         *,
         retained: bool,
         has_events: bool,
+        set_by: SetBy = "",
     ) -> None:
         if self._devices.get(stored.key) is not stored:
             return  # removed during a pause
@@ -272,9 +275,9 @@ class StateReader:
                 why = f"message on {address}" if address else "it reported"
                 reporter.publish_sighting(stored, "updated", why, confirmed=True)
         if has_events:
-            reporter.publish_readings(stored, readings, address, retained=retained)
+            reporter.publish_readings(stored, readings, address, retained=retained, set_by=set_by)
         else:
-            reporter.publish_report(stored, readings, address, retained=retained)
+            reporter.publish_report(stored, readings, address, retained=retained, set_by=set_by)
         if not retained and False in stored.reachable.values():
             self._doubt(stored, {"", *(one.part for one in readings)}, address)
 

@@ -219,6 +219,7 @@ const CAUSES = {
   transition: ", on its way",
   echo: ", an echo",
   device: ", by itself",
+  program: ", by another program",
   person: ", by a person",
   unknown: ", by the device or a person",
 };

@@ -11,7 +11,7 @@ from tests.gateways.watched_gateway import WatchedGateway, reading, receive, wat
 from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
-from homebot.devices.gateway_messages import SendCommandResponse
+from homebot.devices.gateway_messages import Report, SendCommandResponse
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
@@ -202,13 +202,35 @@ async def test_an_entity_is_polled_when_its_values_are_asked_for(tmp_path: Path)
     home = CrashingHomeAssistant()
     async with house(tmp_path, home) as seen:
         await seen.sighted(parts=1)
-        await seen.refresh("home-lock", "lock_home-lock")
+        assert (await seen.refresh("home-lock", "lock_home-lock")).success
         wanted = {
             "domain": "homeassistant",
             "service": "update_entity",
             "service_data": {"entity_id": ["lock.home_lock"]},
         }
         assert wanted.items() <= home.last_call.items()
+
+
+@pytest.mark.parametrize(
+    ("context", "set_by"),
+    [
+        ("id", ""),
+        ({"id": "id", "user_id": "anna"}, "person"),
+        ({"id": "id", "user_id": "robot"}, ""),
+        ({"id": "id", "parent_id": "trigger"}, "program"),
+        ({"id": "id", "parent_id": "trigger", "user_id": "anna"}, "person"),
+    ],
+)
+async def test_a_change_tells_whether_a_user_or_an_automation_made_it(
+    tmp_path: Path, context: object, set_by: str
+) -> None:
+    home = CrashingHomeAssistant()
+    async with house(tmp_path, home) as seen:
+        await seen.sighted(parts=1)
+        reports = seen.watcher.create_subscription(Report, seen.gateway.names.readings, qos_profile=100)
+        home.send_states({"c": {"lock.home_lock": {"+": {"s": "unlocked", "c": context}}}})
+        report = await receive(reports, lambda one: any(each.capability == "lock" for each in one.readings))
+        assert report.set_by == set_by
 
 
 async def test_a_command_is_sent_once_or_not_at_all_while_home_assistant_is_away(tmp_path: Path) -> None:

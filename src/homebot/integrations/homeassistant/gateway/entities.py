@@ -54,6 +54,7 @@ class HomeAssistantEntities:
 
     Attributes:
         celsius: Whether Home Assistant uses °C.
+        own_user: The id of homebot's own user there; empty if unknown.
         triggers: The parts for triggers, by device id.
         left_out: Entities beyond the limit.
     """
@@ -61,6 +62,7 @@ class HomeAssistantEntities:
     def __init__(self, max_entities: int) -> None:
         self.registries = Registries()
         self.celsius = True
+        self.own_user = ""
         self.triggers: Mapping[str, tuple[Part, ...]] = {}
         self.left_out = 0
         self._max_entities = max_entities

@@ -101,6 +101,8 @@ class HomeAssistantGateway(LinkedGateway):
             args = {"event_type": f"{registry}_registry_updated"}
             with _suppress_refusal(registry):
                 await link.call("the registries", "subscribe_events", args, self._on_registry)
+        with suppress(RefusedError):
+            self._entities.own_user = text_of(as_fields(await link.call("the user", "auth/current_user")).get("id"))
         await self._list(set(REGISTRIES))
         self._entities.lose_all()
         loaded = anyio.Event()
@@ -214,7 +216,8 @@ class HomeAssistantGateway(LinkedGateway):
         self.devices.report_reachable(key, reachable=self._entities.is_reached(key))
         values = entity.read(is_change=is_event)
         if values:
-            await self.devices.report(key, values, entity.entry.part_id)
+            set_by = entity.set_by(self._entities.own_user) if is_event else ""
+            await self.devices.report(key, values, entity.entry.part_id, set_by=set_by)
 
     async def _describe_all(self, why: str, *, forget: bool = False) -> None:
         """Regroup the entities, remove devices that are gone, and publish new or changed ones."""

@@ -15,7 +15,7 @@ from homebot.conventions.payload import Readings
 from homebot.conventions.secrets import names_secret
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.part import Part, payload_digest
-from homebot.devices.value import PlainValue
+from homebot.devices.value import PlainValue, SetBy
 from homebot.devices.words import ALL_THAT_ASK, matching_words
 from homebot.integrations.homeassistant.formats.states.domains import DOMAINS
 from homebot.integrations.homeassistant.formats.states.registries import EntityEntry, Registries
@@ -97,6 +97,7 @@ class HomeAssistantEntity:
         self.device_key: str | None = None
         self.info: dict[str, object] = {"is_fahrenheit": not celsius}
         self._changed_at = 0.0
+        self._context: dict[str, object] = {}
         self._taken: Fields = {}
         self._rows: dict[str, EntityRow] = {}
 
@@ -158,7 +159,8 @@ class HomeAssistantEntity:
         """Apply a compressed state, or the difference to the last one, and return whether its part may be another.
 
         Args:
-            change: ``s`` for the state, ``a`` for attributes, ``lc`` for the time of the last change.
+            change: ``s`` for the state, ``a`` for attributes, ``lc`` for the time of the last change, ``c`` for the
+                context: its id alone if it has neither user nor parent, or if only its id is another one.
             is_new: Whether it is a whole state.
         """
         state, attributes, self._taken = change.get("s"), change.get("a"), {}
@@ -172,9 +174,27 @@ class HomeAssistantEntity:
             self.info["state"] = state
             self.has_state = True
             self.is_available = state != _UNAVAILABLE
+        context = change.get("c")
+        if is_new:
+            self._context = {}
+        if isinstance(context, dict):
+            self._context |= context
         changed_at = change.get("lc")
         self._changed_at = float(changed_at) if isinstance(changed_at, (int, float)) else self._changed_at
         return is_new or any(self.info[key] != old for key, old in before.items())
+
+    def set_by(self, own_user: str) -> SetBy:
+        """Return who brought about the last state, by its context: a user, or an automation or script.
+
+        Args:
+            own_user: The id of homebot's own user in Home Assistant.
+
+        Source: Home Assistant 2026.11, ``homeassistant/core.py``, ``Context``.
+        """
+        user = self._context.get("user_id")
+        if user and user != own_user:
+            return "person"
+        return "program" if self._context.get("parent_id") and not user else ""
 
     def forget(self, attributes: Iterable[object]) -> None:
         """Apply that it no longer has these *attributes*."""
