@@ -189,9 +189,9 @@ async def test_two_that_never_meet_do_not_fight(one: dict[str, object], other: d
 
 
 async def test_a_state_that_begins_with_the_name_of_a_device_and_means_others_too_is_told() -> None:
-    """In a command the name would mean that device alone."""
+    """Without a room the name means that device alone, as in a command."""
     world = hall(lamp_1=lamp("study"), lamp_2=lamp("kitchen"), spot_2=lamp("kitchen"))
-    said = [{"name": "A", "when": ["lamp_1 on", "lamp 2 off"], "do": ["lamp_1 off"]}]
+    said = [{"name": "A", "when": ["lamp_1 on", "lamp 2 off", "lamp 2 off in kitchen"], "do": ["lamp_1 off"]}]
     async with (
         virtual_house_of(world=world, config={"routines": said}) as house,
         Node(house.runtime.graph, "o") as node,
@@ -199,5 +199,5 @@ async def test_a_state_that_begins_with_the_name_of_a_device_and_means_others_to
         await house.run_for("1m")
         answer = await node.create_client(ListRoutines, LIST_ROUTINES).call(RoutinesRequest(check=True))
     assert answer.routines[0].hints == (
-        "'lamp 2 off': this is about spot_2 as well; for lamp_2 alone begin with name=\"lamp_2\"",
+        "'lamp 2 off in kitchen': this is about spot_2 as well; for lamp_2 alone begin with name=\"lamp_2\"",
     )

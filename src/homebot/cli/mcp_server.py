@@ -312,9 +312,14 @@ def _trial(address: DoorAddress, text: str, days: float) -> list[str]:
 
 
 def _targets(details: list[Any], named: str | list[str]) -> list[str]:
-    """Return the ids of the devices of *details*, with the *named* parts: a person agrees to them even if renamed."""
-    parts = [one.partition("#")[1:] for one in ([named] if isinstance(named, str) else named)]
-    return [f"{one['id']}{mark}{part}" for one, (mark, part) in zip(details, parts, strict=True)]
+    """Return the ids of the devices of *details*, with the *named* parts: a person agrees to them even if renamed.
+
+    Words that are no id or name may mean only a part of the device, so these are sent as they are.
+    """
+    return [
+        text if one.get("by_words") and "always_asks" not in one else f"{one['id']}{''.join(text.partition('#')[1:])}"
+        for one, text in zip(details, [named] if isinstance(named, str) else named, strict=True)
+    ]
 
 
 def _question(targets: list[str], details: list[Any], do: str, context: Context) -> Sure | Elicit[Sure]:

@@ -13,11 +13,11 @@ from homebot.devices.device_lookup import DeviceLookup, ask_which
 from homebot.devices.names import GROUP
 from homebot.devices.outcomes import no_such_part
 from homebot.devices.query.facets import facets_of
-from homebot.devices.query.matching import PartFacets, fits
+from homebot.devices.query.matching import PartFacets, fits, is_spelled
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.readings import Readings, readings_of
-from homebot.devices.query.term_messages import query_terms
-from homebot.devices.query.terms import And, CanDo, FactIs, HasText, Or, Query, StateIs, TypeIs, leaves, split_near
+from homebot.devices.query.term_messages import query_words, read_terms
+from homebot.devices.query.terms import And, CanDo, FactIs, HasText, Query, StateIs, TypeIs, leaves, split_near
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import RefusedError
 from homebot.graph import Node
@@ -201,12 +201,13 @@ class CommandTargets:
 
     async def _nearest(self, phrase: _TargetPhrase) -> _Matches:
         """Find the nearest target that may be commanded; if none may, the error names the nearest and the reasons."""
-        near, rest = split_near(phrase.query)
+        near, _ = split_near(phrase.query)
         if near is None or not math.isinf(near.within):
             return _Matches([])
-        answer = await self._ask(And((rest, near)), _MOST_NEAR)
+        answer = await self._ask(phrase.text, _MOST_NEAR)
+        rest = split_near(read_terms(answer.query))[1]
         refused = [f"{one.key}: {one.value}" for one in answer.left_out]
-        for device in [one.device for one in answer.results if _is_spelled(rest, facets_of(one.device).words)]:
+        for device in [one.device for one in answer.results if is_spelled(rest, facets_of(one.device).words)]:
             target = device, _parts(device, rest)
             if not (problem := self._refusal(phrase.request, target)):
                 return _Matches([target])
@@ -217,18 +218,24 @@ class CommandTargets:
 
     async def _fitting(self, phrase: _TargetPhrase) -> _Matches:
         """Find the devices that fit the query, and their parts that do; words alone mean one device."""
-        query, text = phrase.query, phrase.text
-        answer = await self._ask(query, MOST_DEVICES)
+        text = phrase.text
+        answer = await self._ask(text, MOST_DEVICES)
         if answer.total > MOST_DEVICES:
             raise NoTargetError(f"{answer.total:,} devices fit {text!r}; at most {MOST_DEVICES:,} may be commanded")
-        devices = _spelled(text, query, [one.device for one in answer.results])
+        if not answer.total and (near := (await self._ask(text, _MOST_SIMILAR, is_spelled=False)).results):
+            similar = " or ".join(one.device.name or one.device.id for one in near)
+            raise NoTargetError(f"no device fits {text!r}; did you mean {similar}?")
+        query, devices = read_terms(answer.query), [one.device for one in answer.results]
+        numbers = {word for word in _texts(query) if word.isdecimal()}  # a room may have a number too
+        devices = [one for one in devices if numbers <= _called(one)] or devices
         found = [(one, _parts(one, query)) for one in devices]
         is_one = _texts(query) and not any(isinstance(one, TypeIs | CanDo | StateIs) for one in leaves(query))
         question = f"{text!r} could be {_names(found)}; give the name of one, or a type"
         return _Matches(found, question if is_one and len(found) > 1 and not phrase.is_alternative else "")
 
-    async def _ask(self, query: Query, limit: int) -> QueryDevicesResponse:
-        answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=limit))
+    async def _ask(self, text: str, limit: int, *, is_spelled: bool = True) -> QueryDevicesResponse:
+        request = QueryDevicesRequest(query=query_words(text), limit=limit, is_spelled=is_spelled)
+        answer = await self._query.call(request)
         if not answer.success:
             raise NoTargetError(answer.message)
         return answer
@@ -240,6 +247,7 @@ _QUOTED = re.compile(r'"([^"]+)"')
 _EVERYTHING = re.compile(r"\s*(?:everything|all)\b", re.IGNORECASE)
 _ONE = re.compile(r"an?\s", re.IGNORECASE)
 _MOST_NAMES = 8
+_MOST_SIMILAR = 3
 
 _MOST_NEAR = 10
 """The number of nearest devices that are tried."""
@@ -285,34 +293,6 @@ def _names(targets: list[Target]) -> str:
 
 def _is_called(device: Device, part: DevicePart, name: str) -> bool:
     return name in {fold(part.part.name), fold(f"{device.name} {part.part.name}")}  # the second as homebot prints it
-
-
-def _is_spelled(query: Query, words: tuple[str, ...]) -> bool:
-    """Return whether a device with these *words* fits *query* without a typo: a search may guess, a command may not."""
-    match query:
-        case And(terms):
-            return all(_is_spelled(term, words) for term in terms)
-        case Or(terms):
-            return any(_is_spelled(term, words) for term in terms)
-        case HasText(word) if word.isdecimal():
-            return word in words
-        case HasText(word):
-            return any(one.startswith(word) for one in words)
-        case _:
-            return True
-
-
-def _spelled(text: str, query: Query, devices: list[Device]) -> list[Device]:
-    """Return the *devices* that fit the query *text* without a typo; if none does, the error names similar ones.
-
-    If possible, their names have the numbers of the query: a room may have a number too.
-    """
-    spelled = [device for device in devices if _is_spelled(query, facets_of(device).words)]
-    if devices and not spelled:
-        similar = " or ".join(device.name or device.id for device in devices[:3])
-        raise NoTargetError(f"no device fits {text!r}; did you mean {similar}?")
-    numbers = {word for word in _texts(query) if word.isdecimal()}
-    return [one for one in spelled if numbers <= _called(one)] or spelled
 
 
 def _called(device: Device) -> set[str]:

@@ -12,13 +12,14 @@ from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
-from homebot.devices.query.terms import And, Query, StateIs, TypeIs, leaves, split_near, type_is
+from homebot.devices.query.terms import And, IsNear, Query, StateIs, TypeIs, leaves, split_near, type_is
 from homebot.errors import ClosedError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 
 if TYPE_CHECKING:
     from homebot.devices.near_watch import NearWatch
+    from homebot.devices.query.words import WordsQuery
 
 __all__ = ["Follow", "LiveQuery"]
 
@@ -160,16 +161,33 @@ class Follow(LiveQuery[DeviceChange]):
     """
 
     def __init__(self, node: Node, service_type: str = "", query: str | Query = "", text: str = "") -> None:
-        terms: list[Query] = [type_is(service_type)] if service_type else []
-        if query:
-            terms.append(_parsed(query) if isinstance(query, str) else query)
-        self._query = terms[0] if len(terms) == 1 else And(tuple(terms))
-        near, self._query = split_near(self._query)
+        self._type: tuple[Query, ...] = (type_is(service_type),) if service_type else ()
+        self._words = _words(query) if query and isinstance(query, str) else None
+        asked = self._words.query if self._words is not None else query
+        near, self._query = self._split(() if isinstance(asked, str) else (asked,))
         is_known = isinstance(self._query, TypeIs) and self._query.types
         text = text or f"follow({query or service_type!r})"
         super().__init__(node, _ANY if is_known else self._query, text, near)
         self._asks_for_values = any(isinstance(one, StateIs) for one in leaves(self._query))
         self._matching: set[str] = set()
+
+    @property
+    def query(self) -> Query:
+        """The query, in which words that are exactly the name of a known device mean that device."""
+        return self._query
+
+    def on_device(self, change: DeviceChange) -> None:
+        """Store the newest change of a device; the first or last one with a name may change what the query means."""
+        super().on_device(change)
+        if self._words is not None and self._words.record(change.device, is_gone=change.kind == "removed"):
+            _, self._query = self._split((self._words.query,))
+            for device in () if self._view is None else self._view.devices:
+                if device.id not in self._changed:
+                    self._changed[device.id] = change.model_copy(update={"kind": "changed", "device": device})
+
+    def _split(self, queries: tuple[Query, ...]) -> tuple[IsNear | None, Query]:
+        terms = (*self._type, *queries)
+        return split_near(terms[0] if len(terms) == 1 else And(terms))
 
     def on_values(self, change: StateChange) -> None:
         """Record that the values of a device changed, if the query has conditions on values."""
@@ -215,7 +233,7 @@ def _of_values(change: StateChange, device: Device, *, does_match: bool) -> Devi
     return DeviceChange(kind=kind, device=device, sequence=change.sequence, why=why)
 
 
-def _parsed(query: str) -> Query:
-    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - most apps follow types
+def _words(query: str) -> "WordsQuery":
+    from homebot.devices.query.words import WordsQuery  # noqa: PLC0415 - most apps follow types
 
-    return parse_query(query)
+    return WordsQuery(query)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import suppress
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Final, final
@@ -130,6 +131,11 @@ class HouseView:
     def get(self, device_id: str) -> DeviceView | None:
         """Return a device of the watched house; None if there is no such device."""
         return self._house.get(device_id)
+
+    @property
+    def devices(self) -> Iterator[Device]:
+        """The devices of the watched house, with their values."""
+        return (view.current() for view in self._house.values())
 
     def store(self, device: Device, sequence: int) -> DeviceView:
         """Return the shared view of *device*, updated with this description."""

@@ -110,11 +110,13 @@ class QueryDevicesRequest(Message):
             ``light and dimmable in kitchen``; see :mod:`homebot.devices.query`.
         offset: The number of best matches to skip.
         limit: The largest number of matches; 0 for all.
+        is_spelled: Whether a typo matches nothing, as in a command.
     """
 
     query: tuple[QueryTerm, ...] = ()
     offset: UInt32 = 0
     limit: UInt32 = 0
+    is_spelled: bool = False
 
 
 class Found(Message):
@@ -139,6 +141,7 @@ class QueryDevicesResponse(ServiceAnswer):
         is_mistake: Whether it failed because of a mistake in the query, so that repeating it does not help.
         pose_age: Near a robot: seconds since its pose was received; the message states the position.
         left_out: Near a robot: the ids of some devices that fit otherwise but were left out, with the reason.
+        query: A query in words as it was read: words that are exactly a name mean what is called so.
     """
 
     results: tuple[Found, ...] = ()
@@ -147,6 +150,7 @@ class QueryDevicesResponse(ServiceAnswer):
     is_mistake: bool = False
     pose_age: float = 0.0
     left_out: tuple[KeyValue, ...] = ()
+    query: tuple[QueryTerm, ...] = ()
 
 
 class ListDevicesRequest(Message):
@@ -157,12 +161,14 @@ class ListDevicesRequest(Message):
         ids: Only the devices with these ids; empty for all.
         offset: The number of devices to skip.
         limit: The largest number of devices, at most 200; 0 for 200.
+        is_spelled: Whether a typo matches nothing, as in a command.
     """
 
     query: tuple[QueryTerm, ...] = ()
     ids: tuple[str, ...] = ()
     offset: UInt32 = 0
     limit: UInt32 = 0
+    is_spelled: bool = False
 
 
 class ListedDevice(Message):
@@ -194,6 +200,8 @@ class ListedDevice(Message):
 
 class ListDevicesResponse(ServiceAnswer):
     """The devices, by id; near a robot, nearest first. A query with a misspelt type, room or word fails.
+
+    Without devices, the message says why there are none.
 
     Attributes:
         total: Number of matches, before the limit.

@@ -15,7 +15,8 @@ from homebot.devices import services as messages
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.group_messages import ListGroups, ListGroupsRequest, ListGroupsResponse
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.query.term_messages import read_terms
+from homebot.devices.query.matching import is_spelled
+from homebot.devices.query.term_messages import QueryTerm, query_terms, read_terms
 from homebot.devices.query.terms import And, FactIs, Query, split_near, type_is
 from homebot.devices.value import Reading
 from homebot.discovery.description import position_of
@@ -103,7 +104,7 @@ class DirectoryServices:
 
     async def _near_robot(self, request: messages.FindDevicesRequest) -> list[str] | None:
         """Return the ids of the devices near a robot for *request*, best first; None if it does not ask for that."""
-        near, rest = split_near(read_terms(request.query))
+        near, rest = split_near(self._read(request.query))
         if near is None:
             return None
         return [one.device for one in (await (await self._nearness()).find(near, rest)).devices]
@@ -119,9 +120,13 @@ class DirectoryServices:
                 devices.append(device)
         return messages.FindDevicesResponse(devices=tuple(devices), sequence=self._index.changes.sequence)
 
+    def _read(self, terms: Sequence[QueryTerm]) -> Query:
+        """Return the query in *terms*, in which words that are exactly a name mean what is called so."""
+        return read_terms(terms, lambda query: bool(self._index.find(query)))
+
     def _matching(self, request: messages.FindDevicesRequest, near: Sequence[str] | None) -> list[str]:
         """Return the ids of the devices that match *request*, sorted, or in the order of *near* if given."""
-        query = read_terms(request.query)
+        query = self._read(request.query)
         if request.service_type:
             query = And((type_is(request.service_type), query))
         if request.is_checked:
@@ -135,12 +140,16 @@ class DirectoryServices:
         index, limit = self._index, request.offset + request.limit if request.limit else None
         ranked: list[tuple[float, str, tuple[str, ...]]]
         try:
-            query = read_terms(request.query)
+            query = self._read(request.query)
             self._check_words(query)
             near, rest = split_near(query)
             if near is None:
-                ranked = [(score, one, ()) for score, one in rank(query, index.find(query), index.postings)]
-                answer = messages.QueryDevicesResponse(success=True, total=len(ranked))
+                matches = index.find(query)
+                if request.is_spelled:
+                    matches = {one for one in matches if is_spelled(query, index.postings.facets(one).words)}
+                ranked = [(score, one, ()) for score, one in rank(query, matches, index.postings)]
+                why = "" if ranked else self._why_none(query)
+                answer = messages.QueryDevicesResponse(success=True, message=why, total=len(ranked))
             else:
                 found = await (await self._nearness()).find(near, rest, limit or 0)
                 ranked = [(-one.cost, one.device, (found.why(one),)) for one in found.devices]
@@ -155,19 +164,25 @@ class DirectoryServices:
             for score, one, why in ranked[request.offset : limit]
             if (device := index.get(one)) is not None
         ]
-        return answer.model_copy(update={"results": tuple(results), "sequence": index.sequence})
+        words = any(one.kind == "words" for one in request.query)
+        more = {"query": query_terms(query)} if words else {}
+        return answer.model_copy(update={"results": tuple(results), "sequence": index.sequence, **more})
 
     async def _list(self, request: messages.ListDevicesRequest) -> messages.ListDevicesResponse:
         await self._catch_up()
         wanted = messages.FindDevicesRequest(query=request.query, ids=request.ids, is_checked=True)
         try:
             found = self._matching(wanted, await self._near_robot(wanted))
+            if request.is_spelled:
+                query = self._read(request.query)
+                found = [one for one in found if is_spelled(query, self._index.postings.facets(one).words)]
         except (RefusedError, UsageError) as exc:
             return messages.ListDevicesResponse(success=False, message=_reason(exc), sequence=self._index.sequence)
         end = request.offset + min(request.limit or messages.MOST_LISTED, messages.MOST_LISTED)
         devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
         return messages.ListDevicesResponse(
             success=True,
+            message="" if found else self._why_none(self._read(request.query)),
             devices=tuple(_listed(one, needs_approval=self._index.postings.needs_approval) for one in devices),
             total=len(found),
             sequence=self._index.sequence,
@@ -187,6 +202,12 @@ class DirectoryServices:
 
         index = self._index
         check_words(query, index.postings, index.owner.plan, index.devices)
+
+    def _why_none(self, query: Query) -> str:
+        """Return why nothing matches *query*, as :func:`explain_none` does."""
+        from homebot.discovery.search.unknown_words import explain_none  # noqa: PLC0415 - for searches alone
+
+        return explain_none(query, self._index.postings, self._index.owner.plan)
 
     def _get_changes(self, request: messages.GetChangesRequest) -> messages.GetChangesResponse:
         self._publish_all()

@@ -15,7 +15,7 @@ from homebot.apps.run_modes import HandlerRuns
 from homebot.devices.command_messages import CommandDevices
 from homebot.devices.house_view import HouseView
 from homebot.devices.names import COMMAND_DEVICES, QUERY_DEVICES
-from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.term_messages import query_terms, query_words
 from homebot.devices.services import QueryDevices, QueryDevicesRequest
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -128,8 +128,9 @@ class RoutineBase(App[SettingsT_co]):
                 span = condition.on_day(self._sun_time)
                 return span is not None and span.contains(self.now())
             case Matches():
-                query = QueryDevicesRequest(query=query_terms(condition.state.query))
-                answer = await self._query.call(query)
+                state = condition.state
+                query = query_words(state.words) or query_terms(state.query)
+                answer = await self._query.call(QueryDevicesRequest(query=query, limit=1))
                 return bool(answer.results) is not condition.is_none
             case Press():
                 return is_press(HouseView.of(self.node), condition, CURRENT_CAUSE.get())

@@ -5,7 +5,8 @@ A device that is not there yet may still come, so these are hints for people and
 
 from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping
 from contextlib import closing, suppress
-from typing import Final, final
+from dataclasses import replace
+from typing import Final, TypeVar, final
 
 from homebot.command_words.suitable_parts import part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError, Target
@@ -16,20 +17,20 @@ from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.names import LIST_SCENES
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
-from homebot.devices.query.parse import parse_query
-from homebot.devices.query.term_messages import query_terms
-from homebot.devices.query.terms import And, CanDo, Not, Or, Query, StateIs, leaves
+from homebot.devices.query.parse import names_in, parse_query
+from homebot.devices.query.term_messages import query_terms, query_words, read_terms
+from homebot.devices.query.terms import Query, StateIs, lasting, leaves
 from homebot.devices.query.tokens import quoted
 from homebot.devices.scene_messages import ListScenes, ScenesRequest
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import HomebotError, RefusedError, ServiceError, UsageError
 from homebot.graph import Node
-from homebot.routines.conditions import Matches, read_condition
+from homebot.routines.conditions import Condition, Matches, read_condition
 from homebot.routines.effects import Effect, RoutineEffects, fights, loops
 from homebot.routines.program import program_of
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.steps import APPLY, Dim, Do, SendRobot, Wait, WaitUntil
-from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
+from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, Trigger, read_trigger
 from homebot.support.folding import fold
 
 __all__ = ["HouseChecks", "asked_about"]
@@ -38,6 +39,7 @@ _MOST: Final = 200
 """Devices with events that are compared with that of a trigger."""
 _MOST_NAMED: Final = 3
 _UNTIL: Final = "wait until "
+_AskedT = TypeVar("_AskedT", Trigger, Condition)
 
 
 @final
@@ -56,6 +58,7 @@ class HouseChecks:
         self._query = node.create_client(QueryDevices, QUERY_DEVICES)
         self._answers: dict[tuple[str, int], QueryDevicesResponse] = {}
         self._targeted: dict[Do, list[Target]] = {}
+        self._meanings: dict[str, Query] = {}
 
     async def problems(self, routines: Iterable[RoutineSettings]) -> Mapping[str, list[str]]:
         """Return the problems of each of *routines*, by its name; none if the directory does not answer."""
@@ -63,15 +66,15 @@ class HouseChecks:
         known: list[RoutineEffects] = []
         self._answers.clear()
         self._targeted.clear()
+        self._meanings.clear()
         try:
             for one in routines:
                 effects: list[Effect] = []
                 found[one.name] = [problem async for problem in self._of(one, effects)]
                 if one.enabled:
-                    conditions = tuple(map(read_condition, one.conditions))
-                    known.append(
-                        RoutineEffects(one.name, tuple(map(read_trigger, one.when)), conditions, tuple(effects))
-                    )
+                    conditions = tuple([await self._resolved(read_condition(text)) for text in one.conditions])
+                    triggers = tuple([await self._resolved(read_trigger(text)) for text in one.when])
+                    known.append(RoutineEffects(one.name, triggers, conditions, tuple(effects)))
         except ServiceError:
             return {}
         for name, problem in (*loops(known), *fights(known)):
@@ -83,6 +86,7 @@ class HouseChecks:
         found: set[str] = set()
         self._answers.clear()
         self._targeted.clear()
+        self._meanings.clear()
         for one in routines:
             effects: list[Effect] = []
             async for _ in self._of(one, effects):
@@ -93,10 +97,11 @@ class HouseChecks:
 
     async def _of(self, routine: RoutineSettings, effects: list[Effect]) -> AsyncIterator[str]:
         """Yield the problems of one routine, and add the effects of its steps to *effects*."""
-        for text, query, press in _states(routine):
+        for text, asked, press in _states(routine):
+            query = await self._meant("" if isinstance(asked, PersonMoves) else asked.words, asked.query)
             if problem := (
                 await self._problem_of(query)
-                or (press and await self._unknown_event(press))
+                or (press and await self._unknown_event(replace(press, query=query)))
                 or await self._others(text, query)
             ):
                 yield f"{text!r}: {problem}"
@@ -114,10 +119,26 @@ class HouseChecks:
                     for problem in await self._command(step, effects, is_prompt=is_prompt):
                         yield f"{step.text!r}: {problem}"
                 case Dim() as step:
-                    if problem := await self._problem_of(step.query):
+                    if problem := await self._problem_of(await self._meant(step.target, step.query)):
                         yield f"{step.text!r}: {problem}"
                 case Wait() | WaitUntil():
                     is_prompt = False
+
+    async def _meant(self, words: str, query: Query) -> Query:
+        """Return *query*, written as *words*, in which those that are exactly a name mean what is called so."""
+        if words and words not in self._meanings:
+            answer = await self._query.call(QueryDevicesRequest(query=query_words(words), limit=1))
+            self._meanings[words] = read_terms(answer.query) if answer.query else query
+        return self._meanings[words] if words else query
+
+    async def _resolved(self, asked: _AskedT) -> _AskedT:
+        match asked:
+            case Becomes() | Press():
+                return replace(asked, query=await self._meant(asked.words, asked.query))
+            case Matches(state=state):
+                return replace(asked, state=replace(state, query=await self._meant(state.words, state.query)))
+            case _:
+                return asked
 
     async def _problem_of(self, query: Query) -> str:
         """Return why no device of the house can match *query*, in any state; empty if one can."""
@@ -126,7 +147,7 @@ class HouseChecks:
             return answer.message
         if answer.total:
             return ""
-        answer = await self._ask(_stateless(query))
+        answer = await self._ask(lasting(query))
         return (
             "" if answer.total else answer.message or "nothing in the house fits this; `homebot find` shows what does"
         )
@@ -145,7 +166,7 @@ class HouseChecks:
 
     async def _others(self, text: str, query: Query) -> str:
         """Return that *query* means others as well, if *text* begins with the name of one device, as in a command."""
-        devices = [one.device for one in (await self._ask(_stateless(query), _MOST)).results]
+        devices = [one.device for one in (await self._ask(lasting(query), _MOST)).results]
         begin = f"{fold(text.removeprefix(_UNTIL))} "
         named = [one for one in devices if one.name and begin.startswith(f"{fold(one.name)} ")]
         if len(named) != 1 or len(devices) == 1:
@@ -219,14 +240,16 @@ class HouseChecks:
         return self._answers[key]
 
 
-def _states(routine: RoutineSettings) -> Iterator[tuple[str, Query, Press | None]]:
-    """Yield the text of each state and press, with its query."""
+def _states(routine: RoutineSettings) -> Iterator[tuple[str, Becomes | PersonMoves | Press, Press | None]]:
+    """Yield the text of each state and press, with what it asks for."""
     for text, one in routine.asked():
         match one:
-            case Becomes(query=query) | PersonMoves(query=query) | Matches(state=Becomes(query=query)):
-                yield text, query, None
+            case (Becomes() | PersonMoves()) as state:
+                yield text, state, None
+            case Matches(state=state):
+                yield text, state, None
             case Press() as press:
-                yield text, press.query, press
+                yield text, press, press
 
 
 def _moves(routine: RoutineSettings) -> Iterator[tuple[str, SendRobot | RobotArrival]]:
@@ -244,12 +267,14 @@ def asked_about(routines: Iterable[RoutineSettings]) -> Callable[[Device], bool]
     queries: list[Query] = []
     names: set[str] = set()
     for one in routines:
-        queries += [_stateless(query) for _, query, _ in _states(one)]
+        for _, asked, _ in _states(one):
+            queries.append(lasting(asked.query))
+            names.update(names_in(asked.words) if isinstance(asked, Becomes | Press) else ())
         for line in program_of(one.do):
             if isinstance(line.step, Do | Dim):
                 names.add(fold(line.step.target))
                 with suppress(UsageError):
-                    queries.append(_stateless(parse_query(line.step.target)))
+                    queries.append(lasting(parse_query(line.step.target)))
 
     def is_meant(device: Device) -> bool:
         is_named = not names.isdisjoint(map(fold, (device.id, *device.names)))
@@ -260,18 +285,3 @@ def asked_about(routines: Iterable[RoutineSettings]) -> Callable[[Device], bool]
 
 def _has_events(part: DevicePart) -> bool:
     return any(one.name in EVENTS for one in part.part.capabilities)
-
-
-def _stateless(query: Query) -> Query:
-    """Return *query* with its states as capabilities."""
-    match query:
-        case And(terms):
-            return And(tuple(map(_stateless, terms)))
-        case Or(terms):
-            return Or(tuple(map(_stateless, terms)))
-        case Not():
-            return And(())
-        case StateIs():
-            return CanDo(query.capability)
-        case _:
-            return query

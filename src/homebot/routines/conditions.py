@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, TypeAlias
 
 from homebot.devices.query.terms import Not
@@ -123,7 +123,8 @@ def _of_people(text: str) -> Matches | None:
     if (found := NOBODY.fullmatch(text)) is None:
         return None
     seen = _IN_BED if found["sleeps"] else _PRESENCE
-    return Matches(read_state(f"{seen} {found['room']}"), found["word"].casefold() == "nobody")
+    state = replace(read_state(f"{seen} {found['room']}"), words="")  # no device called Motion
+    return Matches(state, found["word"].casefold() == "nobody")
 
 
 def _of_state(text: str) -> Matches:

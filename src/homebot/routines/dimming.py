@@ -10,6 +10,7 @@ from homebot.devices.device import Device, StateChange
 from homebot.devices.house_view import HouseView
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
+from homebot.devices.query.words import WordsQuery
 from homebot.graph import Node
 from homebot.routines.steps import Dim
 from homebot.routines.watches import PressWatch
@@ -60,7 +61,8 @@ async def dim(node: Node, step: Dim, devices: Sequence[Device], set_level: Calla
 
 def _level_of(step: Dim, devices: Sequence[Device]) -> float:
     """Return the mean level of the lamps that are on; 0 if none is known to be."""
-    lamps = [one for one in devices if fits(step.query, facets_of(one))]
+    query = WordsQuery(step.target, devices).query
+    lamps = [one for one in devices if fits(query, facets_of(one))]
     values = [{state.capability: state.value.plain() for state in one.states} for one in lamps]
     lit = [one["level"] for one in values if one.get("on_off") is not False and "level" in one]
     levels = [one for one in lit if isinstance(one, float)]

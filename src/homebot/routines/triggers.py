@@ -74,11 +74,13 @@ class Becomes:
 
     Attributes:
         lasting: Seconds for which it must match first.
+        words: The query as text, in which names of devices count; empty if *query* is all that is meant.
     """
 
     text: str
     query: Query
     lasting: float = 0.0
+    words: str = ""
 
     @property
     def capabilities(self) -> frozenset[str]:
@@ -93,12 +95,14 @@ class Press:
     Attributes:
         value: The event, such as ``double``; empty for any.
         part: The id or name of the button, if the device has several: ``Remote#2``; empty for any.
+        words: The query as text, in which names of devices count.
     """
 
     text: str
     query: Query
     value: str = ""
     part: str = ""
+    words: str = ""
 
     def is_of(self, part: DevicePart) -> bool:
         """Return whether *part* of a device is the button."""
@@ -211,7 +215,7 @@ def read_press(text: str) -> Press | None:
     if (pressed := _PRESS.fullmatch(text)) is None:
         return None
     value = (pressed["value"] or "").strip("\"'").casefold()
-    return Press(text, parse_query(pressed["query"]), value, fold(pressed["part"] or ""))
+    return Press(text, parse_query(pressed["query"]), value, fold(pressed["part"] or ""), pressed["query"])
 
 
 def read_state(text: str, examples: Mapping[str, str] = _STATES) -> Becomes:
@@ -242,7 +246,7 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES) -> Becomes:
     check_known(text, query)
     if split_near(query)[0] is not None:
         raise UsageError(f"{text!r}: a distance to a robot starts nothing; write it like 'robot arrives in kitchen'")
-    found = Becomes(text, query, length)
+    found = Becomes(text, query, length, state)
     if not found.capabilities:
         raise UsageError(f"{text!r} names no state; {examples[time_kind(text)]}")
     return found

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import AsyncIterator, Callable, MutableMapping
+from dataclasses import replace
 from typing import Any, Final, NamedTuple, TypeAlias, final
 
 import anyio
@@ -12,6 +13,8 @@ from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.names import ROBOT_POSES
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
+from homebot.devices.query.terms import Query
+from homebot.devices.query.words import WordsQuery
 from homebot.devices.robot_messages import RobotPose
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -49,7 +52,7 @@ async def begun(
     kept = {} if store is None else store
     clock, due = node.graph.clock, TimerQueue[str, Begun]()
     began = clock.monotonic()
-    follow = Follow(node, query=state.query, text=state.text)
+    follow = Follow(node, query=state.words or state.query, text=state.text)
     while True:
         at = due.next()
         wait = math.inf if at is None else at - clock.monotonic()
@@ -65,7 +68,7 @@ async def begun(
             elif change.kind == "appeared":
                 now = clock.now()
                 since = now - (clock.monotonic() - began) if is_new else -math.inf  # by the clock as it is set now
-                matched_at = _matched_at(device, state, now, since)
+                matched_at = _matched_at(device, replace(state, query=follow.query), now, since)
                 matched_at = kept.get(key, matched_at) if matched_at == -math.inf else matched_at
                 if matched_at > -math.inf:
                     left = min(state.lasting, matched_at + state.lasting - now)  # the clock may have been set back
@@ -90,8 +93,12 @@ def _matched_at(device: Device, state: Becomes, now: float, since: float) -> flo
     return -math.inf if is_new and (newest.is_first or at + state.lasting < since) else at
 
 
-def is_press(view: HouseView, press: Press, change: object) -> bool:
-    """Return whether *change* is the event *press*."""
+def is_press(view: HouseView, press: Press, change: object, query: Query | None = None) -> bool:
+    """Return whether *change* is the event *press*.
+
+    Args:
+        query: The query for its device, if what its words mean in the house is known.
+    """
     if not isinstance(change, StateChange) or not change.is_event:
         return False
     known, value = view.get(change.device), str(change.readings[0].value.plain()).casefold()
@@ -99,7 +106,9 @@ def is_press(view: HouseView, press: Press, change: object) -> bool:
         return False
     device = known.current()
     is_button = not press.part or any(one.id == change.readings[0].part and press.is_of(one) for one in device.parts)
-    return is_button and fits(press.query, facets_of(device))
+    return is_button and fits(
+        WordsQuery(press.words, view.devices).query if query is None else query, facets_of(device)
+    )
 
 
 @final
@@ -108,14 +117,19 @@ class PressWatch(HouseWatcher):
 
     def __init__(self, node: Node, press: Press, on_start: OnStart) -> None:
         self._press = press
+        self._words = WordsQuery(press.words)
         self._on_start = on_start
         self._view = HouseView.of(node)
         self._view.add(self)
         self._view.names.add(press.query, press.text)
 
+    def on_device(self, change: DeviceChange) -> None:
+        """Record the names that the words of the trigger may be."""
+        self._words.record(change.device, is_gone=change.kind == "removed")
+
     def on_event(self, change: StateChange) -> None:
         """Start the routine if the device and the event are meant."""
-        if is_press(self._view, self._press, change):
+        if is_press(self._view, self._press, change, self._words.query):
             self._on_start(change)
 
 

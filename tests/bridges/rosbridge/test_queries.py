@@ -83,6 +83,7 @@ async def test_a_search_by_an_invalid_text_answers_the_problem(house: House, pee
         "is_mistake": True,
         "left_out": [],
         "pose_age": 0.0,
+        "query": [],
     }
 
 

@@ -98,7 +98,7 @@ async def find_devices(home: HomeCalls, asked: shapes.ListQuestion) -> shapes.De
 
 async def device_details(home: HomeCalls, asked: shapes.DeviceQuestion) -> shapes.DeviceDetails:
     """Return one device, with its commands."""
-    device, _ = await meant_device(home, asked.id)
+    device, target = await meant_device(home, asked.id)
     answer = await listed(home, ids=[device.id])
     asks: tuple[str, ...] = ()
     if home.offers(names.GET_UNAPPROVED):  # not where nothing is controlled
@@ -110,6 +110,7 @@ async def device_details(home: HomeCalls, asked: shapes.DeviceQuestion) -> shape
         takes=_takes(device),
         always_asks=asks[0] if asks else "",
         last_seen=iso(device.last_seen),
+        by_words=target.partition("#")[0] != device.id,
     )
 
 

@@ -25,6 +25,8 @@ __all__ = ["HomeCalls", "MeantDevice", "all_listed", "listed", "meant_device"]
 
 _MOST_PAGES = 10
 _MOST_NAMED = 10
+_MOST_SIMILAR = 3
+_TYPO = 0.8
 
 
 class HomeCalls(Protocol):
@@ -62,6 +64,8 @@ class MeantDevice(NamedTuple):
 async def meant_device(home: HomeCalls, text: str) -> MeantDevice:
     """Return the device with the id or name *text*, ``ID#PART`` for one with a part, or the only one that fits it.
 
+    As in a command of ``homebot do``, a word with a typo, or part of a number, fits nothing.
+
     Raises:
         ProblemError: There is none, with similar ones named, or there are several, all named.
     """
@@ -87,14 +91,16 @@ async def _named(home: HomeCalls, text: str) -> Sequence[Device]:
 
 
 async def _fitting(home: HomeCalls, text: str) -> list[str]:
-    answer = await listed(home, query=text, limit=_MOST_NAMED)
+    answer = await listed(home, query=text, limit=_MOST_NAMED, is_spelled=True)
     if not answer.success:
         raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
-    if not answer.devices:
-        names = [name for one in await all_listed(home) for name in (one.id, one.name)]
-        hint = did_you_mean(text, names, "a list of all devices shows what there is")
-        raise ProblemError(HTTPStatus.NOT_FOUND, f"no device fits {text!r}; {hint}")
-    return [one.id for one in answer.devices]
+    if answer.devices:
+        return [one.id for one in answer.devices]
+    near = [one.id for one in (await listed(home, query=text, limit=_MOST_SIMILAR)).devices]
+    names = near or [name for one in await all_listed(home) for name in (one.id, one.name)]
+    reason = answer.message or "a list of all devices shows what there is"
+    hint = f"did you mean {' or '.join(near)}?" if near else did_you_mean(text, names, reason, _TYPO)
+    raise ProblemError(HTTPStatus.NOT_FOUND, f"no device fits {text!r}; {hint}")
 
 
 async def listed(home: HomeCalls, *, query: str = "", **request: object) -> ListDevicesResponse:

@@ -148,12 +148,13 @@ class DeviceList(_Answer):
 
 
 class DeviceDetails(DeviceLine):
-    """A device, with its commands, and why it always asks a person."""
+    """A device, with its commands, why it always asks a person, and whether it was found by words of no name."""
 
     state: _Told = ""
     takes: dict[str, _Told] = {}
     always_asks: _Told = ""
     last_seen: str = ""
+    by_words: bool = False
 
 
 class HomeAnswer(_Answer):

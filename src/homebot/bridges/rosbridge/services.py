@@ -21,7 +21,7 @@ from homebot.bridges.rosbridge.types import request_from_client, service_type_of
 from homebot.bridges.turns import ServerTurns
 from homebot.devices.names import ACHIEVE_WORDS, COMMAND_DEVICES, HOLD_PART, MACHINE_NODE, PERFORM_COMMAND, SEND_TEXT
 from homebot.devices.query.parse import parse_query
-from homebot.devices.query.term_messages import QueryTerm, query_terms
+from homebot.devices.query.term_messages import QueryTerm, query_terms, query_words
 from homebot.devices.query.terms import Or
 from homebot.devices.services import QueryDevicesResponse
 from homebot.errors import (
@@ -78,7 +78,8 @@ def parse_queries(
         text = values.get(field.name)
         if field.message is QueryTerm and isinstance(text, str):
             try:
-                parsed[field.name] = query_terms(parse_query(text))
+                parse_query(text)
+                parsed[field.name] = query_words(text)
             except UsageError as exc:
                 parsed[field.name], problem = query_terms(Or(())), exc
         if field.name == "is_checked" and field.name not in values:

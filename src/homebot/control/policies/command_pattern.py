@@ -12,7 +12,7 @@ from homebot.config import value_errors
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts
 from homebot.devices.obedience import POWERS
-from homebot.devices.query.exact import parse_exact_query
+from homebot.devices.query.exact import parse_cautious_query, parse_exact_query
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import Query, type_is
 from homebot.devices.value import PlainValue
@@ -75,7 +75,8 @@ def read_pattern(text: str) -> CommandPattern:
 
 def _query(pattern: str, text: str) -> Query:
     try:
-        return parse_exact_query(text)
+        parse_exact_query(text)
+        return parse_cautious_query(text)
     except UsageError as exc:
         raise UsageError(f"{pattern[:80]!r}: {exc}") from exc
 

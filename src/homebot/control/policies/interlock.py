@@ -10,7 +10,7 @@ from homebot.control.command import IssuedCommand
 from homebot.control.policies.command_pattern import Patterns, QueryText
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 from homebot.devices import Device, DevicePart
-from homebot.devices.query.exact import parse_lasting_query
+from homebot.devices.query.exact import parse_cautious_query
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import And, Not, Or, Query, StateIs, leaves
 
@@ -33,7 +33,7 @@ class Interlock(PolicyTable):
 
     @cached_property
     def _query(self) -> Query:
-        return parse_lasting_query(self.condition)
+        return parse_cautious_query(self.condition)
 
     @cached_property
     def _capabilities(self) -> frozenset[str]:

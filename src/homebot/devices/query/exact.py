@@ -1,12 +1,14 @@
 """Queries without guessing, for permissions and bans of the owner: a misspelt word would match nothing. Pure."""
 
-from homebot.devices.query.parse import parse_query
-from homebot.devices.query.terms import HasText, Query, leaves, split_near
+from functools import partial
+
+from homebot.devices.query.parse import names_in, parse_query
+from homebot.devices.query.terms import HasText, NameIs, Or, Query, leaves, split_near
 from homebot.devices.query.vocabulary import CAPABILITY_WORDS, TYPE_WORDS
 from homebot.errors import UsageError
 from homebot.support.folding import is_typo
 
-__all__ = ["parse_exact_query", "parse_lasting_query"]
+__all__ = ["parse_cautious_query", "parse_exact_query", "parse_lasting_query"]
 
 
 def parse_exact_query(text: str) -> Query:
@@ -25,6 +27,21 @@ def parse_exact_query(text: str) -> Query:
         )
         raise UsageError(f"{word!r} is neither a type nor a capability; {hint}")
     return query
+
+
+def parse_cautious_query(text: str) -> Query:
+    """Parse *text* as a query for a ban: words that may be a name mean what is called so as well.
+
+    Raises:
+        UsageError: As for :func:`parse_lasting_query`.
+    """
+    named = [parse_query(text, partial(_is_about, NameIs(name))) for name in sorted(names_in(text))]
+    first, *others = dict.fromkeys([parse_lasting_query(text), *named])
+    return Or((first, *others)) if others else first
+
+
+def _is_about(name: NameIs, query: Query) -> bool:
+    return name in leaves(query)
 
 
 def parse_lasting_query(text: str) -> Query:

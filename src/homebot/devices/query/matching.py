@@ -1,7 +1,7 @@
 """Matching of a query against a device or one of its parts. Pure."""
 
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from typing import Any, Final
 
@@ -34,7 +34,7 @@ from homebot.devices.query.terms import (
 from homebot.devices.value import PlainValue
 from homebot.support.folding import fold, is_typo
 
-__all__ = ["COMPARISONS", "PartFacets", "compares", "fits", "groups_of", "matches_kind"]
+__all__ = ["COMPARISONS", "PartFacets", "compares", "fits", "groups_of", "is_spelled", "matches_kind"]
 
 
 def groups_of(device: Device, part_id: str) -> list[str]:
@@ -170,6 +170,24 @@ class PartFacets:
 def fits(query: Query, device: Facets | PartFacets) -> bool:
     """Return whether *device*, or one part of it, matches *query*."""
     return _TESTS[type(query)](query, device)
+
+
+def is_spelled(query: Query, words: Collection[str]) -> bool:
+    """Return whether a match of *query* with these *words* has its words without a typo, and its numbers in full.
+
+    A search may guess, a command or an answer about one device may not.
+    """
+    match query:
+        case And(terms):
+            return all(is_spelled(term, words) for term in terms)
+        case Or(terms):
+            return any(is_spelled(term, words) for term in terms)
+        case HasText(word) if word.isdecimal():
+            return word in words
+        case HasText(word):
+            return any(one.startswith(word) for one in words)
+        case _:
+            return True
 
 
 def compares(term: StateIs, value: PlainValue) -> bool:

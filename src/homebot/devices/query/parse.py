@@ -14,11 +14,15 @@ Words in quotation marks are literal: ``"near the door"`` searches for words, ``
 ``type="coffee"`` for devices with that announced type. Without them, an unknown field or type is an error. An adjective
 of a state applies to parts of the types next to it: ``on lights`` does not match because of a plug in the same device.
 ``heating`` is an adjective next to a type, and otherwise a type: ``heating in living``.
+
+If the names of a house are known, words that are exactly the name of one of its devices, beside nothing but states,
+mean that device: ``tv on`` is about the plug called TV, and ``Treppe unten on`` not about the Treppe unter Dach.
 """
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
 from typing import TypeAlias
@@ -30,12 +34,21 @@ from homebot.devices.query.terms import (
     And,
     AreaIs,
     CanDo,
+    Exists,
+    FreshnessIs,
     HasText,
     InArea,
+    IsDisputed,
     IsNear,
+    IsUnapproved,
+    NameIs,
     Not,
     Or,
     Query,
+    ReachableIs,
+    StateIs,
+    lasting,
+    leaves,
     split_near,
 )
 from homebot.devices.query.tokens import Token, tokens_of
@@ -55,7 +68,7 @@ from homebot.errors import UsageError
 from homebot.support.folding import MAX_WORD, fold, words_of
 from homebot.support.similar import did_you_mean
 
-__all__ = ["Term", "parse_alternatives", "parse_query"]
+__all__ = ["Term", "names_in", "parse_alternatives", "parse_query"]
 
 Term: TypeAlias = tuple[Query, str, bool]
 """A term with its text, and whether ``and``, ``but`` or a comma precedes it."""
@@ -66,21 +79,37 @@ _Span: TypeAlias = tuple[Query, int, int, bool]
 _NOWHERE = AreaIs("")
 """Matches a device without a known room."""
 
+_OF_NAMED = CanDo | FreshnessIs | InArea | IsDisputed | IsUnapproved | ReachableIs | StateIs
+
 _AREA_WORDS = ("area", "room", "areas", "rooms")
 _METRES = ("m", "metres", "meters", "metre", "meter")
 _LENGTH = re.compile(rf"(?P<number>\d{{1,6}}(\.\d{{1,6}})?)(?P<unit>{'|'.join(_METRES)})?", re.ASCII)
 _MAX_DEPTH = 20
 _LONGEST_PHRASE = 5
+_MAX_NAME_WORDS = 12
 
 
-@lru_cache(maxsize=256)  # apps repeat their queries
-def parse_query(text: str) -> Query:
+def parse_query(text: str, exists: Exists | None = None) -> Query:
     """Parse *text* as a query; an empty text matches everything.
+
+    Args:
+        exists: For a known house: words that are exactly a name mean what is called so.
 
     Raises:
         UsageError: It is not a query; the message names the part that is not understood, and an alternative.
     """
-    return _Parser(tokens_of(text)).query()
+    return _parse(text) if exists is None else _Parser(text, exists).query()
+
+
+@lru_cache(maxsize=256)  # apps repeat their queries
+def _parse(text: str) -> Query:
+    return _Parser(text).query()
+
+
+def names_in(text: str) -> frozenset[str]:
+    """Return the words of the query *text* that may be the name of something, folded."""
+    parser = _Parser(text)
+    return frozenset(name for place in range(len(parser.ends) - 1) for _, name in parser.names_at(place))
 
 
 def parse_alternatives(text: str) -> tuple[tuple[Term, ...], ...]:
@@ -91,19 +120,30 @@ def parse_alternatives(text: str) -> tuple[tuple[Term, ...], ...]:
     """
     if parse_query(text) == And(()):
         return ((),)
-    tokens = tokens_of(text)
-    ends = [*(token.at - 1 for token in tokens), len(text)]
+    parser = _Parser(text)
     return tuple(
-        tuple((term, text[ends[first] : ends[last]].strip(), joined) for term, first, last, joined in terms)
-        for terms in _Parser(tokens).alternatives()
+        tuple((term, parser.text(first, last), joined) for term, first, last, joined in terms)
+        for terms in parser.alternatives()
     )
 
 
 class _Parser:
-    def __init__(self, tokens: tuple[Token, ...]) -> None:
-        self._tokens = tokens
+    def __init__(self, text: str, exists: Exists | None = None) -> None:
+        self._text = text.rstrip().removesuffix("?")
+        self._tokens = tokens_of(self._text)
+        self._exists = exists
+        self.ends = [*(token.at - 1 for token in self._tokens), len(self._text)]
         self._place = 0
         self._depth = 0
+
+    def text(self, first: int, last: int) -> str:
+        """Return the text of the tokens from *first* until before *last*."""
+        return self._text[self.ends[first] : self.ends[last]].strip()
+
+    def names_at(self, place: int) -> Iterator[tuple[int, str]]:
+        """Yield the words from *place* on that may be a name, the longest first, each with the place after them."""
+        for end in range(min(place + _MAX_NAME_WORDS, len(self._tokens)), place, -1):
+            yield end, fold(self.text(place, end))
 
     def query(self) -> Query:
         if not self._tokens:
@@ -121,8 +161,67 @@ class _Parser:
         return found
 
     def _any(self) -> Query:
-        alternatives = [all_of([term for term, *_ in terms]) for terms in self.alternatives()]
+        alternatives = [self._all()]
+        while self._takes("or"):
+            alternatives.append(self._all())
         return alternatives[0] if len(alternatives) == 1 else Or(tuple(alternatives))
+
+    def _all(self) -> Query:
+        first = self._place
+        named = None if self._exists is None else self._named(self._exists)
+        if named is not None and not named[1]:
+            return named[0]
+        end, self._place = self._place, first
+        plain = all_of([term for term, *_ in self._terms()])
+        return plain if named is None or self._place != end else Or((named[0], plain))
+
+    def _named(self, exists: Exists) -> tuple[Query, bool] | None:
+        """Parse a name and its states; return also whether others are meant too, as by a type and a room.
+
+        None if nothing has the name and may have such states.
+        """
+        states: list[Query] = []
+        while (token := self._peek()) is not None:
+            place = self._place
+            for end, name in self.names_at(place):
+                if exists(NameIs(name)):
+                    self._place = end
+                    found = And((NameIs(name), *states, *self._states()))
+                    following = self._peek()
+                    is_whole = following is None or following.kind == ")" or _is(following, "or")
+                    if is_whole and exists(lasting(found)):
+                        is_placed = any(isinstance(one, InArea) for one in leaves(found))
+                        return found, is_placed and any(map(is_meaningful, name.split()))
+                    self._place = place
+            if self._is_filler(token):
+                self._place += 1
+            elif (state := self._state()) is not None:
+                states.append(state)
+            else:
+                return None
+        return None
+
+    def _states(self) -> Iterator[Query]:
+        """Parse what may be said of a device with a name, as far as it goes."""
+        while (token := self._peek()) is not None:
+            if _joins(token) or self._is_filler(token):
+                self._place += 1
+            elif (state := self._state()) is not None:
+                yield state
+            else:
+                return
+
+    def _state(self) -> Query | None:
+        begun = self._place, self._depth, self._exists
+        self._exists = None
+        term: Query | None = None
+        with suppress(UsageError):  # the whole is parsed otherwise, and then it is raised
+            term = self._one()
+        if term is not None and all(isinstance(one, _OF_NAMED) for one in leaves(term)):
+            self._exists = begun[2]
+            return term
+        self._place, self._depth, self._exists = begun
+        return None
 
     def _terms(self) -> list[_Span]:
         terms: list[_Span] = []

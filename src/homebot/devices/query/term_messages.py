@@ -12,6 +12,7 @@ from homebot.devices.query.terms import (
     And,
     AreaIs,
     CanDo,
+    Exists,
     FactIs,
     FreshnessIs,
     GatewayIs,
@@ -34,7 +35,7 @@ from homebot.devices.value import UNKNOWN, Value
 from homebot.errors import UsageError
 from homebot.messages.message import Message, UInt32
 
-__all__ = ["MAX_DEPTH", "MAX_TERMS", "QueryTerm", "query_terms", "read_terms"]
+__all__ = ["MAX_DEPTH", "MAX_TERMS", "QueryTerm", "query_terms", "query_words", "read_terms"]
 
 MAX_TERMS = 1000
 """The limit of terms of one query."""
@@ -87,6 +88,11 @@ class QueryTerm(Message):
     flag: bool = False
 
 
+def query_words(text: str) -> tuple[QueryTerm, ...]:
+    """Return the query *text* as a term, for the directory, which knows what is called so; empty for all."""
+    return (QueryTerm(kind="words", text=text),) if text else ()
+
+
 def query_terms(query: Query) -> tuple[QueryTerm, ...]:
     """Return *query* as a list of terms."""
     found: list[QueryTerm] = []
@@ -109,8 +115,11 @@ def query_terms(query: Query) -> tuple[QueryTerm, ...]:
     return tuple(found)
 
 
-def read_terms(terms: Sequence[QueryTerm]) -> Query:
+def read_terms(terms: Sequence[QueryTerm], exists: Exists | None = None) -> Query:
     """Return the query in *terms*; without terms, everything matches.
+
+    Args:
+        exists: As for :func:`homebot.devices.query.parse.parse_query`.
 
     Raises:
         UsageError: They are not a query; the message names the term.
@@ -123,7 +132,8 @@ def read_terms(terms: Sequence[QueryTerm]) -> Query:
     for number in range(len(terms), 0, -1):
         term = terms[number - 1]
         if term.kind not in _JOINS:
-            read.append((_READERS[term.kind](term, number), 1, number))
+            is_text = term.kind == "words"
+            read.append((_parse(term.text, exists) if is_text else _READERS[term.kind](term, number), 1, number))
             continue
         count = 1 if term.kind == "not" else term.operands
         if count > len(read):
@@ -171,14 +181,14 @@ def _read_near(term: QueryTerm, number: int) -> IsNear:
     return IsNear(term.text, metres)
 
 
+def _parse(text: str, exists: Exists | None) -> Query:
+    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - only what people write is sent as text
+
+    return parse_query(text, exists)
+
+
 def _read_text(term: QueryTerm, _number: int) -> Query:
     return _TEXT_TERMS[term.kind](term.text)
-
-
-def _read_words(term: QueryTerm, _number: int) -> Query:
-    from homebot.devices.query.parse import parse_query  # noqa: PLC0415 - ROS 2 nodes alone send text to the graph
-
-    return parse_query(term.text)
 
 
 _JOINS: Mapping[str, Callable[[tuple[Query, ...]], Query]] = {
@@ -206,7 +216,6 @@ _READERS: Mapping[str, Callable[[QueryTerm, int], Query]] = {
     "near": _read_near,
     "disputed": lambda _term, _: IsDisputed(),
     "unapproved": lambda _term, _: IsUnapproved(),
-    "words": _read_words,
     **dict.fromkeys(_TEXT_TERMS, _read_text),
 }
 """Readers for each kind of message, given its number."""

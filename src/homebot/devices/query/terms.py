@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -17,6 +17,7 @@ __all__ = [
     "And",
     "AreaIs",
     "CanDo",
+    "Exists",
     "FactIs",
     "FreshnessIs",
     "GatewayIs",
@@ -34,6 +35,7 @@ __all__ = [
     "StateIs",
     "TextTerm",
     "TypeIs",
+    "lasting",
     "leaves",
     "split_near",
     "type_is",
@@ -211,6 +213,9 @@ Query: TypeAlias = (
     | Not
 )
 
+Exists: TypeAlias = Callable[[Query], bool]
+"""Returns whether a device of the house matches a query."""
+
 OPENING_TAGS = {
     "window": frozenset({"", "opening", "window", "skylight"}),
     "door": frozenset({"", "opening", "door", "garage_door", "garage", "gate"}),
@@ -246,6 +251,19 @@ def leaves(query: Query) -> Iterator[Query]:
             yield from leaves(term)
         case _:
             yield query
+
+
+def lasting(query: Query) -> Query:
+    """Return the query for the devices that may ever match *query*: those that have its states at all."""
+    match query:
+        case And(terms) | Or(terms):
+            return type(query)(tuple(map(lasting, terms)))
+        case StateIs():
+            return CanDo(query.capability)
+        case Not() | FreshnessIs() | ReachableIs() | IsDisputed() | IsUnapproved():
+            return And(())
+        case _:
+            return query
 
 
 def split_near(query: Query) -> tuple[IsNear | None, Query]:

@@ -15,6 +15,7 @@ from homebot.devices.query.terms import (
     FreshnessIs,
     IsDisputed,
     IsUnapproved,
+    NameIs,
     Not,
     Or,
     Query,
@@ -44,7 +45,7 @@ __all__ = [
 
 KEYWORDS = frozenset({"and", "or", "not", "in", "with", "without", "but"})
 
-_FILLERS = "the a an all any every everything each which device devices are is my of"
+_FILLERS = "the a an all any every everything each which what there device devices are is my of"
 FILLERS = frozenset(_FILLERS.split())
 """Words without meaning that turn a query into a sentence."""
 
@@ -261,7 +262,7 @@ def is_meaningful(word: str) -> bool:
 
 def all_of(terms: list[Query]) -> Query:
     """Return the conjunction of *terms*, with adjectives applied to the types next to them."""
-    if not any(isinstance(term, TypeIs) for term in terms):
+    if not any(isinstance(term, TypeIs | NameIs) for term in terms):
         terms = [_NOUNS.get(term, term) for term in terms]
     scoped = _with_scopes(terms)
     return scoped[0] if len(scoped) == 1 else And(tuple(scoped))

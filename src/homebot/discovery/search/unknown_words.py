@@ -7,7 +7,20 @@ from collections.abc import Callable, Collection, Iterable
 
 from homebot.devices import Device
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.query.terms import AreaIs, FactIs, GatewayIs, HasText, InArea, NameIs, Query, TypeIs, leaves
+from homebot.devices.query.terms import (
+    And,
+    AreaIs,
+    FactIs,
+    GatewayIs,
+    HasText,
+    InArea,
+    NameIs,
+    Or,
+    Query,
+    TypeIs,
+    lasting,
+    leaves,
+)
 from homebot.devices.query.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_WORDS, CONDITIONS, KEYWORDS, TYPE_WORDS
 from homebot.discovery.search.postings import Postings
 from homebot.errors import RefusedError, UsageError
@@ -15,7 +28,7 @@ from homebot.places import OUTSIDE, HousePlan
 from homebot.support.folding import fold, is_room_typo, is_typo
 from homebot.support.similar import did_you_mean
 
-__all__ = ["area_problem", "check_words"]
+__all__ = ["area_problem", "check_words", "explain_none"]
 
 _SHOWN = 12
 _WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CONDITIONS, *KEYWORDS, "near", "within"})
@@ -95,6 +108,33 @@ def area_problem(area: str, postings: Postings, plan: HousePlan) -> str:
         return ""  # its first device may still be announced
     hint = did_you_mean(area, known.values(), f"rooms are {', '.join(sorted(rooms)[:_SHOWN])}")
     return f"no device is in {area!r}, and [places] has no such room; {hint}"
+
+
+def explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
+    """Return why nothing in the house matches *query*, whose words are spelled right."""
+    may = lasting(query)
+    areas = [one.text for one in leaves(may) if isinstance(one, InArea)]
+    for area in areas:
+        if not postings.find(InArea(area)):
+            known = sorted(postings.values_of("area"))
+            hint = f"areas are {', '.join(known[:_SHOWN])}" if known else "no room of a device is known"
+            return area_problem(area, postings, plan) or f"no device is in {area!r}; {did_you_mean(area, known, hint)}"
+    if (able := postings.find(may)) and may != query:
+        names = sorted(postings.facets(one).name for one in able)
+        return f"none now; {len(able)} would fit in another state: {', '.join(names[:_SHOWN])}"
+    elsewhere = postings.find(_anywhere(may)) if areas else ()
+    rooms = sorted({area for one in elsewhere for area in postings.facets(one).areas[:1]})
+    return f"none is in {' or '.join(areas)}; there are some in {', '.join(rooms[:_SHOWN])}" if rooms else ""
+
+
+def _anywhere(query: Query) -> Query:
+    match query:
+        case And(terms) | Or(terms):
+            return type(query)(tuple(map(_anywhere, terms)))
+        case InArea():
+            return And(())
+        case _:
+            return query
 
 
 def _typo(problem: str, word: str, known: Collection[str]) -> str:

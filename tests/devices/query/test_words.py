@@ -1,0 +1,139 @@
+"""Words that are exactly the name of something mean that alone, wherever they are written."""
+
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from homebot.devices import Device, DevicePart
+from homebot.devices.device import State
+from homebot.devices.part import Capability, Part
+from homebot.devices.query.exact import parse_cautious_query
+from homebot.devices.query.facets import facets_of
+from homebot.devices.query.matching import fits
+from homebot.devices.query.parse import parse_query
+from homebot.devices.query.term_messages import query_words, read_terms
+from homebot.devices.query.terms import NameIs, Query
+from homebot.devices.query.words import WordsQuery
+from homebot.devices.value import Value
+from homebot.discovery.search.columns import StoredValue
+from homebot.discovery.search.postings import Postings
+from homebot.messages.builtin_interfaces import Time
+from homebot.routines.conditions import Matches, read_condition
+from homebot.routines.triggers import Becomes, read_trigger
+from homebot.support.folding import fold
+
+NOW = Time(sec=1, nanosec=0)
+WORDS = (
+    *(
+        "Treppe",
+        "unten",
+        "unter",
+        "unten",
+        "Dach",
+        "TV",
+        "lamp",
+        "Lamps",
+        "door",
+        "bell",
+        "Küche",
+        "kitchen",
+        "2",
+        "23",
+    ),
+    *("motion", "heating", "battery", "temperature", "Garage", "switch", "the", "Left", "Lift"),
+)
+NAMES = st.lists(st.sampled_from((*WORDS, "open", "low")), max_size=2).flatmap(
+    lambda before: st.sampled_from(WORDS).map(lambda last: " ".join([*before, last]))
+)
+
+
+def plug(number: int, name: str, *, is_on: bool, area: str = "") -> Device:
+    part = Part(id="", service_type="plug", capabilities=(Capability(name="on_off", settable=True),))
+    state = State(part="", capability="on_off", value=Value.of(is_on), since=NOW, told_at=NOW, live=True)
+    return Device(
+        id=f"id{number}",
+        name=name,
+        service_type="plug",
+        parts=(DevicePart(id="", part=part, routes=()),),
+        endpoints=(),
+        metadata=(),
+        states=(state,),
+        area=area,
+        first_seen=NOW,
+        last_seen=NOW,
+        expires=NOW,
+        freshness="fresh",
+    )
+
+
+def directory(devices: list[Device]) -> Postings:
+    postings = Postings()
+    for device in devices:
+        is_on = device.states[0].value.plain()
+        stored = StoredValue(device.states[0].value, is_on, NOW, NOW, live=True)
+        postings.put(facets_of(device), [("", "plug", "on_off", stored)])
+    return postings
+
+
+def found(postings: Postings, text: str) -> set[str]:
+    return set(postings.find(read_terms(query_words(text), lambda query: bool(postings.find(query)))))
+
+
+def followed(devices: list[Device], text: str) -> set[str]:
+    query = WordsQuery(text, devices).query
+    return matching(devices, query)
+
+
+def matching(devices: list[Device], query: Query) -> set[str]:
+    return {one.id for one in devices if fits(query, facets_of(one))}
+
+
+@given(st.lists(NAMES, min_size=1, max_size=4, unique_by=fold), st.integers(0, 15))
+def test_commands_searches_triggers_conditions_and_bans_mean_the_device_with_the_name(
+    names: list[str], on: int
+) -> None:
+    devices = [plug(number, name, is_on=bool(on >> number & 1)) for number, name in enumerate(names)]
+    postings = directory(devices)
+    for device in devices:
+        meant = {device.id} if device.states[0].value.plain() else set()
+        text = f"{device.name} on"
+        assume(fold(text) not in map(fold, names))
+        trigger, condition = read_trigger(text), read_condition(f"not {text}")
+        assert isinstance(trigger, Becomes)
+        assert isinstance(condition, Matches)
+        assert postings.find(NameIs(fold(device.name))) == {device.id}  # as a command does
+        assert found(postings, device.name) == {device.id}
+        for words in (text, f"is the {device.name} on?", trigger.words, condition.state.words):
+            assert found(postings, words) == followed(devices, words) == meant, words
+        assert meant <= matching(devices, parse_cautious_query(text))
+
+
+def test_a_name_of_a_type_means_its_device_and_in_a_room_the_type_as_well() -> None:
+    devices = [
+        plug(1, "TV", is_on=True, area="living"),
+        plug(2, "lamp", is_on=True, area="living"),
+        plug(3, "hall plug", is_on=True, area="hall"),
+    ]
+    postings = directory(devices)
+    for text, meant in {
+        "tv on": {"id1"},
+        "on tv": {"id1"},
+        "tv on or hall plug on": {"id1", "id3"},
+        "plugs": {"id1", "id2", "id3"},
+        "tv in living": {"id1"},
+        "tv in hall": set(),
+        "lamp level > 5": set(),  # it has none, so the type is meant
+        "hall plug in hall": {"id3"},
+        "what is on in the living?": {"id1", "id2"},
+        "which plugs are on in the hall?": {"id3"},
+    }.items():
+        assert found(postings, text) == followed(devices, text) == meant, text
+
+
+def test_what_words_mean_follows_the_names_of_the_house() -> None:
+    tv, lamp = plug(1, "TV", is_on=True), plug(2, "Lamp", is_on=True)
+    query = WordsQuery("tv on")
+    assert query.query == parse_query("tv on")
+    assert (query.record(lamp), query.record(tv), query.record(tv)) == (False, True, False)
+    assert matching([tv, lamp], query.query) == {"id1"}
+    assert query.record(tv.model_copy(update={"name": "Telly"}))
+    assert query.query == parse_query("tv on")
