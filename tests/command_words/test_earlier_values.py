@@ -21,7 +21,14 @@ def lamp(
         state = State(
             part="", capability=name, value=Value.of(value), since=AT, told_at=AT, live=True, is_first=is_first
         )
-        cause = KnownCause(device="lamp", part="", capability=name, command=command or "", may_be_person=may_be_person)
+        cause = KnownCause(
+            device="lamp",
+            part="",
+            capability=name,
+            value=Value.of(value),
+            command=command or "",
+            may_be_person=may_be_person,
+        )
         known["lamp", "", name] = KnownValue(state, None if command is None else cause)
     return known
 

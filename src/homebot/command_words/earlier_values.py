@@ -7,7 +7,7 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias, final
 
 from homebot.devices.capabilities import CAPABILITIES, LIGHTS_UP
-from homebot.devices.cause_messages import GetCauses, GetCausesRequest, KnownCause, KnownCauses
+from homebot.devices.cause_messages import GetCauses, GetCausesRequest, KnownCause
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import Device, State, target_of
 from homebot.devices.names import GET_CAUSES
@@ -47,16 +47,25 @@ def plain_states(devices: Iterable[Device]) -> Mapping[tuple[str, str, str], Sta
     return {(device.id, one.part, one.capability): one for device in devices for one in device.states}
 
 
-async def known_states(node: Node, devices: Iterable[Device]) -> KnownStates:
-    """Return the known values of *devices*, each with its cause."""
+async def known_states(node: Node, devices: Iterable[Device], *, from_journal: bool = False) -> KnownStates:
+    """Return the known values of *devices*, each with its cause.
+
+    Args:
+        from_journal: Whether to look in the journal for changes that came before this homebot started.
+    """
     devices, client = list(devices), node.create_client(GetCauses, GET_CAUSES)
+    request = GetCausesRequest(devices=tuple([device.id for device in devices]), from_journal=from_journal)
     with closing(client):
         try:
-            told = await client.call(GetCausesRequest(devices=tuple([one.id for one in devices])), timeout=10.0)
+            causes = (await client.call(request, timeout=10.0)).causes
         except ServiceError:
-            told = KnownCauses(success=False)
-    causes = {(one.device, one.part, one.capability): one for one in told.causes}
-    return {place: KnownValue(state, causes.get(place)) for place, state in plain_states(devices).items()}
+            causes = ()
+    by_place = {(cause.device, cause.part, cause.capability): cause for cause in causes}
+    known: dict[tuple[str, str, str], KnownValue] = {}
+    for place, state in plain_states(devices).items():
+        cause = by_place.get(place)
+        known[place] = KnownValue(state, cause if cause is not None and cause.value == state.value else None)
+    return known
 
 
 @final
@@ -99,6 +108,11 @@ class EarlierValues:
                 if (earlier := self.entries.pop(key, None)) and _is_own(known, earlier):
                     entry = [earlier[0], [*earlier[1], *commands], entry[2] if commands else earlier[2]]
                 self.entries[key] = entry
+
+    @property
+    def devices(self) -> frozenset[str]:
+        """The ids of the devices with values that may come back."""
+        return frozenset([key.rpartition(" ")[0].partition("#")[0] for key in self.entries])
 
     def due(self, states: KnownStates) -> dict[tuple[str, str], tuple[Setting, ...]]:
         """Return the settings by part that bring back the values that nothing else has changed since; forget all."""

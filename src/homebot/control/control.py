@@ -133,7 +133,9 @@ class Control:
         create(leases.RenewLease, names.RENEW_LEASE, lambda request: self._layer.leases.renew(request))
         create(leases.ReleaseLease, names.RELEASE_LEASE, lambda request: self._layer.leases.release(request))
         create(leases.GetLeases, names.GET_LEASES, lambda request: self._layer.leases.held_parts(request))
-        create(GetCauses, names.GET_CAUSES, lambda request: self._layer.timelines.causes(request))
+        create(
+            GetCauses, names.GET_CAUSES, lambda request: self._layer.executor.reports.causes(request), concurrent=True
+        )
         create(leases.EndLeases, names.END_LEASES, lambda request: self._layer.leases.end(request))
         create(GetUnapproved, names.GET_UNAPPROVED, lambda request: self._layer.policies.unapproved(request))
         create(TrustDevice, names.TRUST_DEVICE, lambda request: self._layer.executor.witnesses.trust(request))

@@ -2,7 +2,7 @@
 
 import math
 from collections import OrderedDict, deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from types import MappingProxyType
@@ -18,10 +18,10 @@ from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.capabilities import SETTABLE
-from homebot.devices.cause_messages import GetCausesRequest, KnownCause, KnownCauses
+from homebot.devices.cause_messages import KnownCause
 from homebot.devices.device import ChangedSetting, target_of
 from homebot.devices.obedience import related
-from homebot.devices.value import PlainValue, SetBy
+from homebot.devices.value import PlainValue, SetBy, Value
 from homebot.graph import Node
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.time_limits import TimeLimits
@@ -126,24 +126,19 @@ class Timelines:
         fact = None if entry is None else entry.timeline.find(capability, value, stamp)
         return None if fact is None else fact.attribution
 
-    def causes(self, request: GetCausesRequest) -> KnownCauses:
-        """Return the causes of the newest changes of some devices."""
-        wanted = frozenset(request.devices)
-        return KnownCauses(
-            causes=tuple(
-                KnownCause(
+    def causes(self, devices: Container[str]) -> Iterator[KnownCause]:
+        """Yield the causes of the newest changes of some devices."""
+        for (device, part), entry in self._entries.items():
+            for capability, fact in entry.timeline.newest.items() if device in devices else ():
+                yield KnownCause(
                     device=device,
                     part=part,
                     capability=capability,
+                    value=Value.of(fact.value),
                     command=fact.attribution.command,
                     issuer=entry.timeline.issuer_of(fact.attribution.command),
                     may_be_person=fact.attribution.may_be_person,
                 )
-                for (device, part), entry in self._entries.items()
-                if device in wanted
-                for capability, fact in entry.timeline.newest.items()
-            )
-        )
 
     def _create(
         self, place: PartRef, device: Device, part: DevicePart, before: Mapping[str, PlainValue] = _NONE

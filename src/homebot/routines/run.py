@@ -10,7 +10,7 @@ from typing import Any, Final, Protocol, final
 import anyio
 
 from homebot.apps import AppContext
-from homebot.command_words.earlier_values import EarlierValues, KnownStates, known_states
+from homebot.command_words.earlier_values import EarlierValues, known_states
 from homebot.command_words.settings import SET
 from homebot.devices import Devices, KeyValue
 from homebot.devices.batch import perform_all
@@ -114,7 +114,8 @@ class RoutineRun:
                 await self._undo()
 
     async def _do(self, step: Do) -> bool:
-        states = await self._states() if self._is_undone else {}
+        node, devices = self._owner.node, self._owner.devices
+        states = await known_states(node, await devices.find()) if self._is_undone else {}
         answer = await self._give(step)
         self._before.add(states, answer.results)
         return answer.success
@@ -175,7 +176,8 @@ class RoutineRun:
 
     async def _undo(self) -> None:
         """Bring back the values from before, of each part at once, where nothing else has changed them since."""
-        due = self._before.due(await self._states())
+        devices = [device for device in await self._owner.devices.find() if device.id in self._before.devices]
+        due = self._before.due(await known_states(self._owner.node, devices, from_journal=True))
         requests = [
             CommandRequest(
                 device=device,
@@ -191,9 +193,6 @@ class RoutineRun:
         for place, outcome in zip(due, outcomes, strict=True):
             if not outcome.succeeded:
                 self._owner.log_failure(f"undo of {target_of(*place)}", outcome.text)
-
-    async def _states(self) -> KnownStates:
-        return await known_states(self._owner.node, await self._owner.devices.find())
 
 
 async def _outcome(client: Client[CommandRequest, Outcome], request: CommandRequest) -> Outcome:

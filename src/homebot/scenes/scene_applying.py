@@ -85,7 +85,9 @@ class SceneApplying:
             problem = f"there is nothing to undo: {scene.name} was not applied, or was undone since"
             return CommandDevicesResponse(success=False, message=problem)
         entries = dict(applied.before)
-        due = book.begin(scene.id, applied.at).due(await known_states(self._node, house.devices.values()))
+        earlier = book.begin(scene.id, applied.at)
+        devices = [house.devices[device] for device in earlier.devices if device in house.devices]
+        due = earlier.due(await known_states(self._node, devices, from_journal=True))
         applied.is_undone = True
         if not due:
             return CommandDevicesResponse(

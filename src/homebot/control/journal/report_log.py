@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Final, final
 
 from homebot.control.timeline.facts import Attribution, Cause, Reported, ReportRole
+from homebot.devices.cause_messages import GetCausesRequest, KnownCause, KnownCauses
 from homebot.devices.command_messages import Setting
+from homebot.devices.journal_messages import ReadJournalRequest
 from homebot.devices.outcomes import Contradicted
 
 if TYPE_CHECKING:
@@ -17,6 +19,9 @@ if TYPE_CHECKING:
 
 __all__ = ["ReportLog"]
 
+_MAX_ENTRIES: Final = 200
+"""Entries of one device that are read: some twenty commands."""
+
 
 @final
 class ReportLog:
@@ -25,6 +30,31 @@ class ReportLog:
     def __init__(self, journal: CommandJournal, timelines: Timelines) -> None:
         self._journal = journal
         self._timelines = timelines
+
+    async def causes(self, request: GetCausesRequest) -> KnownCauses:
+        """Return the causes of the newest changes of some devices."""
+        known = list(self._timelines.causes(frozenset(request.devices)))
+        places = {(one.device, one.part, one.capability) for one in known}
+        for device in request.devices if request.from_journal else ():
+            entries = (await self._journal.read(ReadJournalRequest(device=device, limit=_MAX_ENTRIES))).entries
+            issuers = {one.command: one.issuer for one in entries if one.kind == "requested"}
+            for entry in reversed(entries):
+                place = device, entry.part, entry.settings[0].capability if entry.settings else ""
+                if entry.kind not in {"reported", "changed"} or not entry.cause or place in places:
+                    continue
+                places.add(place)
+                known.append(
+                    KnownCause(
+                        device=device,
+                        part=entry.part,
+                        capability=place[2],
+                        value=entry.settings[0].value,
+                        command=entry.command,
+                        issuer=issuers.get(entry.command, ""),
+                        may_be_person=entry.cause in {"person", "unknown"} or entry.command not in {"", *issuers},
+                    )
+                )
+        return KnownCauses(causes=tuple(known))
 
     def on_report(self, progress: CommandProgress, fact: Reported, opened: OpenCommand | None) -> None:
         """Record a report that answers a command, also after its outcome, when there is no *opened* command."""

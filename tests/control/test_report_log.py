@@ -1,0 +1,39 @@
+"""The causes of changes: all that ask are told the same, also after a restart; in virtual time."""
+
+import anyio
+import pytest
+from tests.control.conftest import Home, OpenHome
+from tests.control.kept_store import KeptStore
+
+from homebot.devices.cause_messages import GetCauses, GetCausesRequest
+from homebot.devices.handles import Light
+from homebot.devices.names import GET_CAUSES
+
+pytestmark = pytest.mark.virtual_time
+
+
+async def causes(home: Home) -> dict[str, tuple[object, str, bool]]:
+    """Return value, issuer and whether it may be a person's doing, of the newest change of each capability."""
+    client = home.app.create_client(GetCauses, GET_CAUSES)
+    answer = await client.call(GetCausesRequest(devices=("lamp",), from_journal=True))
+    return {one.capability: (one.value.plain(), one.issuer, one.may_be_person) for one in answer.causes}
+
+
+async def test_causes_are_known_after_a_restart(open_home: OpenHome) -> None:
+    store = KeptStore()
+    async with open_home(store=store) as home:
+        home.put("lamp", "light", "on_off", "level")
+        await home.report("lamp", "on_off", False)
+        await home.report("lamp", "level", 20.0)
+        await anyio.sleep(60)
+        lamp = await home.handle(Light, "lamp")
+        await lamp.turn_on()
+        await anyio.sleep(60)
+        await home.report("lamp", "level", 70.0)
+        await anyio.sleep(60)
+        known = await causes(home)
+        assert known == {"on_off": (True, "/app", False), "level": (70.0, "", True)}
+    async with open_home(store=store) as home:
+        home.put("lamp", "light", "on_off", "level")
+        await home.report("lamp", "on_off", True)
+        assert await causes(home) == known
