@@ -1,6 +1,9 @@
 """Window and heating in a simulated flat in virtual time: no heating out of the window, and warm again afterwards."""
 
 import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 
@@ -111,41 +114,80 @@ async def test_what_was_lowered_stays_so_when_its_run_ends() -> None:
 
 
 WINDOW = {"device_class": "window", "state_topic": "window"}
-HEAT = {"temperature_command_topic": "heat/set", "temperature_state_topic": "heat"}
+HEAT = {"temperature_command_topic": "heat/set", "temperature_state_topic": "heat", "modes": ["off", "heat"]}
+MODE = {"mode_command_topic": "mode/set", "mode_state_topic": "mode"}
 
 
-async def test_a_window_that_is_closed_while_homebot_is_off_gets_its_setpoint_back(tmp_path: Path) -> None:
+@dataclass
+class Study:
+    """A window and a thermostat on a broker, with all setpoints that this had."""
+
+    field: MqttConnection
+    broker: MemoryBroker
+    index: Path
+    setpoints: list[str]
+
+    async def tell(self, **values: str) -> None:
+        for topic, payload in values.items():
+            await self.field.publish(topic, payload.encode(), retain=True)
+
+    async def obey(self) -> None:
+        while True:
+            for message in await self.field.receive():
+                self.setpoints.append(message.payload.decode())
+                await self.field.publish("heat", message.payload, retain=True)
+
+    @asynccontextmanager
+    async def run(self) -> AsyncIterator[None]:
+        """Run homebot inside the block, and for two minutes before it ends."""
+        apps = {"window_heating": {"act": "thermostat"}}
+        config = parse_config({"gateways": {"mqtt": {"act": True}}, "apps": apps}, "test")
+        services, clock = [HostedBroker.in_memory(self.broker)], LoopClock()
+        async with Runtime(config, with_door=False, clock=clock, services=services, index_file=self.index):
+            yield
+            await anyio.sleep(120)
+
+
+@asynccontextmanager
+async def study(folder: Path) -> AsyncIterator[Study]:
     clock, random = LoopClock(), Random(0)  # noqa: S311 - a test has no secrets
     async with MemoryBroker(clock=clock, random=random) as broker, anyio.create_task_group() as tasks:
         options = MqttOptions(host=broker.host, port=broker.port, client_id="field")
         async with MqttConnection(options, broker.make_client, status_topic=None, clock=clock, random=random) as field:
-            setpoints = ["21.0"]
-
-            async def obey() -> None:
-                while True:
-                    for message in await field.receive():
-                        setpoints.append(message.payload.decode())
-                        await field.publish("heat", message.payload, retain=True)
-
-            async def run() -> None:
-                apps = {"window_heating": {"act": "thermostat"}}
-                config = parse_config({"gateways": {"mqtt": {"act": True}}, "apps": apps}, "test")
-                services, index = [HostedBroker.in_memory(broker)], tmp_path / "index.sqlite"
-                async with Runtime(config, with_door=False, clock=clock, services=services, index_file=index):
-                    await anyio.sleep(120)
-
+            room = Study(field, broker, folder / "index.sqlite", ["21.0"])
             await field.wait_connected()
             await field.subscribe(MqttSubscription("heat/set"))
-            tasks.start_soon(obey)
-            for kind, table in ("binary_sensor", WINDOW), ("climate", HEAT):
+            tasks.start_soon(room.obey)
+            for kind, table in ("binary_sensor", WINDOW), ("climate", {**HEAT, **MODE}):
                 device = {"identifiers": [kind], "name": kind, "suggested_area": "study"}
                 described = json.dumps({**table, "name": None, "unique_id": kind, "device": device})
                 await field.publish(f"homeassistant/{kind}/a/config", described.encode(), retain=True)
-            for topic, payload in ("heat", b"21.0"), ("window", b"ON"):
-                await field.publish(topic, payload, retain=True)
-            await run()
-            assert setpoints == ["21.0", "12.0"]
-            await field.publish("window", b"OFF", retain=True)
-            await run()
-            assert setpoints == ["21.0", "12.0", "21.0"]
+            yield room
             tasks.cancel_scope.cancel()
+
+
+async def test_a_window_that_is_closed_while_homebot_is_off_gets_its_setpoint_back(tmp_path: Path) -> None:
+    async with study(tmp_path) as room:
+        await room.tell(heat="21.0", mode="heat", window="ON")
+        async with room.run():
+            pass
+        assert room.setpoints == ["21.0", "12.0"]
+        await room.tell(window="OFF")
+        async with room.run():
+            pass
+        assert room.setpoints == ["21.0", "12.0", "21.0"]
+
+
+async def test_a_thermostat_that_is_off_gets_no_setpoint_until_it_is_on(tmp_path: Path) -> None:
+    """A setpoint would turn many of them on."""
+    async with study(tmp_path) as room, room.run():
+        for setpoints, told in (
+            (["21.0"], {"heat": "21.0", "mode": "off", "window": "ON"}),
+            (["21.0", "12.0"], {"mode": "heat"}),
+            (["21.0", "12.0"], {"mode": "off"}),
+            (["21.0", "12.0"], {"window": "OFF"}),
+            (["21.0", "12.0", "21.0"], {"mode": "heat"}),
+        ):
+            await room.tell(**told)
+            await anyio.sleep(120)
+            assert room.setpoints == setpoints

@@ -15,14 +15,14 @@ pytestmark = pytest.mark.virtual_time
 @pytest.mark.parametrize(
     ("heat", "cool", "order"),
     [
-        (25.0, 28.0, ["thermostat_mode", "cooling_setpoint", "heating_setpoint"]),
-        (16.0, 19.0, ["thermostat_mode", "heating_setpoint", "cooling_setpoint"]),
+        (25.0, 28.0, ["thermostat_mode", "cooling_setpoint", "heating_setpoint", "thermostat_mode"]),
+        (16.0, 19.0, ["thermostat_mode", "heating_setpoint", "cooling_setpoint", "thermostat_mode"]),
     ],
 )
 async def test_a_thermostat_is_set_after_its_mode_and_never_to_heat_to_more_than_it_cools_to(
     home: Home, heat: float, cool: float, order: list[str]
 ) -> None:
-    """As a thermostat of ecobee or Lennox refuses that in the mode auto."""
+    """As a thermostat of ecobee or Lennox refuses that in the mode auto, which many leave when they get a setpoint."""
     values: dict[str, PlainValue] = {"thermostat_mode": "auto", "heating_setpoint": heat, "cooling_setpoint": cool}
     for names in permutations(values):
         home.put("hall", "thermostat", *values)

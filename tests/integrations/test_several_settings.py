@@ -64,6 +64,12 @@ ROWS: dict[str, tuple[str, list[tuple[str, object]], dict[str, PlainValue], list
         {"thermostat_mode": "auto", "heating_setpoint": 21.0},
         [("zigbee2mqtt/a/set", {"system_mode": "auto", "occupied_heating_setpoint": 21})],
     ),
+    "a thermostat that its mode turns on": (
+        "homeassistant",
+        [("homeassistant/climate/t/config", {"uniq_id": "t", "modes": ["off", "heat", "auto"], "mode_cmd_t": "t/set"})],
+        {"on_off": True, "thermostat_mode": "auto"},
+        [("t/set", "auto")],
+    ),
     "json": (
         "homeassistant",
         [("homeassistant/light/l/config", {**LAMP, **MORE, "schema": "json"})],

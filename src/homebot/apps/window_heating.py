@@ -4,7 +4,7 @@ from functools import partial
 
 from homebot.apps.base import App, AppSettings
 from homebot.apps.rooms import in_room, per_room
-from homebot.devices.handles import Closure, ContactSensor, Handle, HandleChange, Thermostat
+from homebot.devices.handles import Closure, ContactSensor, HandleChange, Thermostat
 from homebot.support.folding import fold
 from homebot.units import Celsius, Seconds
 
@@ -21,6 +21,7 @@ class WindowHeatingSettings(AppSettings):
 class WindowHeating(App[WindowHeatingSettings]):
     """Lowers the heating while a window or contact in its room is open; keeps a setpoint that was changed meanwhile.
 
+    A thermostat that is off is left alone, as many turn on by a setpoint; it is lowered, or restored, once it is on.
     The setpoints to restore are kept across restarts.
     """
 
@@ -33,14 +34,21 @@ class WindowHeating(App[WindowHeatingSettings]):
             follow(Closure).became(closed=False, lasting=lasting),
         )
         closed = follow(ContactSensor, is_open=True).only("removed"), follow(Closure, closed=False).only("removed")
-        self.on(opened, self._lower, key=per_room, mode="queued")
+        self.on(opened, lambda change: self._lower(change.handle.area), key=per_room, mode="queued")
         self.on(closed, lambda change: self._restore(change.handle.area), key=per_room, mode="queued")
+        self.on(follow(Thermostat, mode="off").only("removed"), self._on_again, key=per_room, mode="queued")
         self.after(lasting, self._restore_all)  # windows may have been closed before the start
 
-    async def _lower(self, change: HandleChange[Handle]) -> None:
-        low, found = self.settings.lowered_to, in_room(await self.devices.find(Thermostat), change.handle.area)
+    async def _on_again(self, change: HandleChange[Thermostat]) -> None:
+        room = change.handle.area
+        await (self._lower(room) if await self._is_open(room) else self._restore(room))
+
+    async def _lower(self, room: str) -> None:
+        low, found = self.settings.lowered_to, in_room(await self.devices.find(Thermostat), room)
         new = {
-            one: now for one in found if (now := one.heating_setpoint or 0.0) > low and one.id not in self._setpoints
+            one: now
+            for one in found
+            if (now := one.heating_setpoint or 0.0) > low and one.id not in self._setpoints and not _is_off(one)
         }
         self._setpoints |= {one.id: now for one, now in new.items()}
         await self.each(lambda one: one.heat_to(low), new)
@@ -49,14 +57,21 @@ class WindowHeating(App[WindowHeatingSettings]):
         for room in {fold(one.area) for one in await self.devices.find(Thermostat) if one.id in self._setpoints}:
             await self._restore(room)
 
-    async def _restore(self, room: str) -> None:
+    async def _is_open(self, room: str) -> bool:
         windows = *await self.devices.find(ContactSensor, is_open=True), *await self.devices.find(Closure, closed=False)
-        if not in_room(windows, room):
+        return bool(in_room(windows, room))
+
+    async def _restore(self, room: str) -> None:
+        if not await self._is_open(room):
             for one in in_room(await self.devices.find(Thermostat), room):
-                if (before := self._setpoints.get(one.id)) is not None:
+                if (before := self._setpoints.get(one.id)) is not None and not _is_off(one):
                     self.start_task(partial(self._restore_one, one, before))
 
     async def _restore_one(self, one: Thermostat, before: float) -> None:
         is_changed = one.heating_setpoint not in {None, self.settings.lowered_to, before}
         if is_changed or (await self.each(lambda one: one.heat_to(before), [one]))[0].succeeded:
             self._setpoints.pop(one.id, None)
+
+
+def _is_off(one: Thermostat) -> bool:
+    return one.mode == "off" or one.value("on_off") is False

@@ -38,6 +38,7 @@ __all__ = [
     "certain_values",
     "commanded_part",
     "device_settings",
+    "in_order",
     "is_by_hand",
     "label_of",
     "order_of",
@@ -148,6 +149,13 @@ def _ordered(settings: Mapping[str, PlainValue], values: Mapping[str, PlainValue
     is_lit = settings.get("on_off") is True and not LIGHTS_UP.isdisjoint(settings)
     order = ("level", "", *(("on_off",) if is_lit else ()), *last)
     return dict(sorted(settings.items(), key=lambda one: order.index(one[0] if one[0] in order else "")))
+
+
+def in_order(settings: Mapping[str, PlainValue]) -> list[tuple[str, PlainValue]]:
+    """Return *settings* as they are sent: again a mode that many thermostats leave when they get a setpoint."""
+    mode = settings.get("thermostat_mode")
+    is_left = mode not in {None, "off", "heat", "cool"} and not settings.keys().isdisjoint(_SETPOINTS)
+    return [*settings.items(), *([("thermostat_mode", mode)] if is_left else [])]
 
 
 def is_by_hand(trigger: Trigger, now: float) -> bool:

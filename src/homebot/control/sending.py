@@ -8,7 +8,7 @@ from functools import partial
 from typing import ClassVar, Final, Protocol, TypeVar, final
 
 from homebot.control import durations
-from homebot.control.command import IssuedCommand
+from homebot.control.command import IssuedCommand, in_order
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.leases import Leases
@@ -211,7 +211,7 @@ class Sending:
             if shared is not None and (is_shared := await self._share(sent, shared, order_of)) is not False:
                 return None
             orders: Sequence[Command] = [
-                order_of(capability=one, value=Value.of(value)) for one, value in command.settings.items()
+                order_of(capability=one, value=Value.of(value)) for one, value in in_order(command.settings)
             ]
             while orders:
                 if command.place in self._leases.parts:  # a lease that began since the check or the previous message
@@ -254,7 +254,7 @@ class Sending:
         """
         command, sendings = sent.command, sent.progress.transmission
         sendings.echoed = shared.echoed
-        orders = [order_of(capability=one, value=Value.of(value)) for one, value in command.settings.items()]
+        orders = [order_of(capability=one, value=Value.of(value)) for one, value in in_order(command.settings)]
         on_sent = partial(self._journal.record, "sent", command, shared.name)
         if await sent.acknowledged(shared.carry(orders, sent.progress, on_sent)) is not False:
             sent.progress.fellows = shared.progress

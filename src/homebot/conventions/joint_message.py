@@ -3,8 +3,9 @@
 from collections.abc import Callable, Mapping
 
 from homebot.devices.gateway_messages import Command
+from homebot.devices.value import PlainValue
 
-__all__ = ["join", "merged"]
+__all__ = ["join", "merged", "without_switch"]
 
 
 def merged(first: Mapping[str, object], second: Mapping[str, object]) -> dict[str, object] | None:
@@ -27,10 +28,21 @@ def join(
     Args:
         write: Returns the message of a command with one setting; raises RefusedError.
     """
-    first, *others = command.singly()
-    message, along = write(first), list[str]()
+    values = {one.capability: one.value.plain() for one in command.singly()}
+    switch = values.keys() - without_switch(values).keys()
+    first, *others = sorted(command.singly(), key=lambda one: one.capability in switch)
+    message, along = write(first), [first.capability]
     for one in others:
-        if (both := merged(message, write(one))) is not None:
-            message = both
+        if (both := merged(message, write(one))) is not None or one.capability in switch:
+            message = message if both is None else both
             along.append(one.capability)
     return message, tuple(along)
+
+
+def without_switch(values: Mapping[str, PlainValue]) -> Mapping[str, PlainValue]:
+    """Return *values* without an "on" that the mode of a thermostat says as well, if that is its switch.
+
+    By itself it would choose a mode, such as ``heat``, before the wanted one.
+    """
+    is_told = values.get("on_off") is True and values.get("thermostat_mode") not in {None, "off"}
+    return {name: value for name, value in values.items() if name != "on_off"} if is_told else values

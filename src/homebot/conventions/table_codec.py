@@ -9,7 +9,7 @@ from typing import Any, Generic, Never, TypeAlias, TypeVar
 
 from homebot.conventions.command_values import Writer, require_transition
 from homebot.conventions.description import Publications
-from homebot.conventions.joint_message import merged
+from homebot.conventions.joint_message import merged, without_switch
 from homebot.conventions.payload import (
     NO_READINGS,
     JsonMessage,
@@ -24,7 +24,16 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.mqtt.topics import topic_matches
 
-__all__ = ["CodedWriter", "JointWriter", "PayloadParser", "Reader", "TableCodec", "json_object", "write_one_object"]
+__all__ = [
+    "CodedWriter",
+    "JointWriter",
+    "PayloadParser",
+    "Reader",
+    "TableCodec",
+    "json_object",
+    "write_mode_for_switch",
+    "write_one_object",
+]
 
 MessageT = TypeVar("MessageT")
 
@@ -62,7 +71,8 @@ def write_one_object(
     writers: Mapping[str, Writer], values: Mapping[str, PlainValue], transition: float
 ) -> tuple[Publications, Collection[str]]:
     """Write values as :data:`JointWriter` by merging their messages, each a JSON object, if they do not differ."""
-    (name, value), *others = values.items()
+    told = without_switch(values)
+    (name, value), *others = told.items()
     written, names = writers[name](value, transition), [name]
     for other, value in others:
         further = writers[other](value, transition)
@@ -71,7 +81,16 @@ def write_one_object(
             if both is not None:
                 written = (written[0]._replace(payload=compact_json(both).encode()),)
                 names.append(other)
-    return written, names
+    return written, [*names, *(values.keys() - told.keys())]
+
+
+def write_mode_for_switch(
+    writers: Mapping[str, Writer], values: Mapping[str, PlainValue], transition: float
+) -> tuple[Publications, Collection[str]]:
+    """Write one value as :data:`JointWriter`, the mode of a thermostat for its switch too, which it is."""
+    told = without_switch(values)
+    name, value = next(iter(told.items()))
+    return writers[name](value, transition), (name, *(values.keys() - told.keys()))
 
 
 class TableCodec(Generic[MessageT]):

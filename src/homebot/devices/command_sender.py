@@ -87,7 +87,7 @@ class CommandSender:
             except (InvalidNameError, ServiceError) as exc:
                 response = _failure(exc, route.gateway)
             if response.success:
-                return route, [one for one in orders[1:] if one.capability not in response.along]
+                return route, _left(orders, response.along) if len(orders) > 1 else ()
             failures.append(response)
             if not response.unable and (response.problem == "refused" or _is_told_once(device, part, command)):
                 break
@@ -116,6 +116,15 @@ def _along(orders: Sequence[Command], routes: Iterable[Route]) -> tuple[Setting,
         for one in orders[1:]
         if one.capability not in hues[1:] and all(route.can(one.capability) for route in routes)
     )
+
+
+def _left(orders: Sequence[Command], along: Collection[str]) -> Sequence[Command]:
+    """Return the orders without the first and those *along*; a repetition at their end follows any that is left."""
+    sent = {orders[0].capability, *along}
+    left = [one for one in orders if one.capability not in sent]
+    last = orders[-1]
+    is_repeated = last.capability in sent and [one.capability for one in orders].count(last.capability) > 1
+    return [*left, last] if left and is_repeated else left
 
 
 def _is_told_once(device: Device, part: DevicePart, command: Command) -> bool:

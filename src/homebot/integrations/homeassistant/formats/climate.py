@@ -14,6 +14,7 @@ from homebot.conventions.command_values import require_bool, require_number
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.entity_rows import climate_type, modes_of_switch, setpoints_of
 from homebot.conventions.payload import NO_READINGS, Readings, read_number, shown
+from homebot.conventions.table_codec import write_mode_for_switch
 from homebot.conventions.units import celsius_bounds, number_grid, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
@@ -101,6 +102,8 @@ def _add_switch(
     is_readable = entity.read_text_from(source, partial(_read_switch, modes))
     is_settable = power is not None or (mode is not None and "off" in modes)
     entity.add_capability("on_off", readable=is_readable, writer=write if is_settable else None)
+    if power is None:
+        entity.joint = write_mode_for_switch
     entity.add_commands(power)
 
 
