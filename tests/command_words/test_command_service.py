@@ -71,6 +71,31 @@ async def test_toggle_of_an_unknown_state_sends_nothing(home: Home) -> None:
     assert sent(home) == []
 
 
+@pytest.mark.parametrize(
+    ("word", "levels"),
+    [
+        ("+10 %", (50.0, 10.0)),
+        ("-10 %", (30.0, None)),
+        ("on, +10 %", (50.0, 10.0)),
+        ("level -100", (1.0, None)),
+        ("Brighter", (60.0, 20.0)),
+        ("darker by 5 %", (35.0, None)),
+    ],
+)
+async def test_a_change_is_by_so_much_of_each(home: Home, word: str, levels: tuple[float, float | None]) -> None:
+    """The second is off, which is 0 and gets no darker; the third has reported nothing."""
+    for key, (is_on, level) in {"one": (True, 40.0), "two": (False, 70.0), "three": (None, None)}.items():
+        home.put(key, "light", "on_off", "level", area="hall")
+        if is_on is not None:
+            await home.report(key, "on_off", is_on)
+            await home.report(key, "level", level)
+    answer = await command(home, "light in hall", word)
+    told = {(key, capability): value for key, capability, value in sent(home)}
+    assert {key: told.get((key, "level")) for key in ("one", "two")} == dict(zip(("one", "two"), levels, strict=True))
+    assert not any(key == "three" for key, _ in told)
+    assert [one.result.outcome for one in answer.results if one.device == "three"] == ["refused"]
+
+
 @pytest.mark.parametrize("target", ["lamp", "Lamp", "LAMP"])
 async def test_a_device_is_called_by_its_id_or_its_name(home: Home, target: str) -> None:
     home.put("lamp", "light", "on_off")
@@ -217,7 +242,12 @@ async def test_a_number_with_another_unit_is_refused(home: Home, word: str) -> N
         ("140", {}, "the word '140': this part takes on, off, a number from 0 to 1 (0.4 for 40 %)"),
         ("140 %", {}, "the word '140 %': this part takes on, off"),
         ("40", {}, "the word '40': this part takes on, off, a number from 0 to 1 (0.4 for 40 %); did you mean 40 %?"),
-        ("-5%", {}, "the word '-5%': this part takes on, off"),
+        ("-5%", {}, "-5% of Lamp: by 5%? Its level is unknown; give a value, such as 5%"),
+        ("level +10", {}, "level +10 of Lamp: by 10? Its level is unknown"),
+        ("set", {"level": "+10 %"}, "by 10 %? Its level is unknown"),
+        ("brighter", {}, "by 20 %? Its level is unknown"),
+        ("on, +10 %", {}, "by 10 %? Its level is unknown"),
+        ("on, off", {}, "on, off: these contradict each other"),
         ("on", {"level": "x"}, "'x' as level of Lamp: it takes a number in %"),
         ("on", {"level": "300"}, "300 as level of Lamp: it takes 0 to 100 %"),
         ("on", {"level": "40 lx"}, "'40 lx' as level of Lamp: "),

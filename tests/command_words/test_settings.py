@@ -95,3 +95,28 @@ def test_a_number_in_another_unit_may_be_below_one() -> None:
     setpoint = Capability(name="heating_setpoint", settable=True)
     freezer = Part(id="", service_type="thermostat", capabilities=(setpoint,))
     assert parse_command_words("heating_setpoint 0.5", (), freezer, "Freezer") == {"heating_setpoint": 0.5}
+
+
+def test_a_minus_is_part_of_a_number_that_may_be_below_zero_and_a_change_of_any_other() -> None:
+    setpoint = Capability(name="heating_setpoint", settable=True, bounds=(-30.0, 30.0))
+    freezer = Part(id="", service_type="thermostat", capabilities=(setpoint,))
+    room = Part(id="", service_type="thermostat", capabilities=(setpoint.model_copy(update={"bounds": (5.0, 30.0)}),))
+    known = {"heating_setpoint": 20.0}
+    assert parse_command_words("heating_setpoint -18", (), freezer, "Freezer", known) == {"heating_setpoint": -18.0}
+    assert parse_command_words("-1 °C", (), room, "Room", known) == {"heating_setpoint": 19.0}
+    assert parse_command_words("+0.5", (), room, "Room", known) == {"heating_setpoint": 20.5}
+    assert parse_command_words("+50", (), room, "Room", known) == {"heating_setpoint": 30.0}
+    plug = Part(id="", service_type="plug", capabilities=(Capability(name="on_off", settable=True),))
+    with pytest.raises(RefusedError, match="this part takes on, off"):
+        parse_command_words("+10 %", (), plug, "Plug", {"on_off": True})
+
+
+def test_words_joined_by_commas_are_one_command() -> None:
+    names = ("on_off", "level", "color", "color_temperature")
+    lamp = Part(id="", service_type="light", capabilities=tuple(Capability(name=one, settable=True) for one in names))
+    assert parse_command_words("on, 40 %", (), lamp, "Lamp") == {"level": 40.0}
+    assert parse_command_words("20 %, 2700 K", (), lamp, "Lamp") == {"level": 20.0, "color_temperature": 2700.0}
+    assert parse_command_words("on, color 240, 50", (), lamp, "Lamp") == {"color": (240.0, 50.0)}
+    own = Capability(name="option", settable=True, options=("Cotton, 40 %", "Off"))
+    washer = Part(id="", service_type="x_setting", capabilities=(own,))
+    assert parse_command_words("Cotton, 40 %", (), washer, "Washer") == {"option": "Cotton, 40 %"}

@@ -98,6 +98,8 @@ def test_wishes_are_joined_and_the_last_subject_counts_on() -> None:
         ("hall lamp not 40 %", "what should be so instead is unclear"),
         ("no film", "what should be so instead is unclear"),
         ("hall lamp toggle", "names no state that lasts"),
+        ("hall lamp +10 %", "names no state that lasts"),
+        ("hall lamp brighter", "names no state that lasts"),
         ("wait 5s", "names no state that lasts"),
         ("rosie in hall and rosie in kitchen", "rosie cannot be in Hall and in Kitchen at once"),
         ("on", "names no device or no state"),

@@ -12,6 +12,8 @@ from homebot.routines.steps import Do, Notify, Undo, Wait, WaitUntil, read_step
         ("hall lamp on, 20 %", "hall lamp", "on", (("level", "20 %"),)),
         ("hall lamp on, 20 %, 2700 K", "hall lamp", "on", (("level", "20 %"), ("color_temperature", "2700 K"))),
         ("lamp on, red", "lamp", "on", (("color", "red"),)),
+        ("hall lamp +10 %", "hall lamp", "+10 %", ()),
+        ("hall lamp darker by 5 %", "hall lamp", "darker by 5 %", ()),
         ("lights in hall off", "lights in hall", "off", ()),
         ("thermostat in nursery to 21 °C", "thermostat in nursery", "21 °C", ()),
         ("kitchen blind position 40", "kitchen blind", "position 40", ()),

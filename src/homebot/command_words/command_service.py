@@ -7,11 +7,12 @@ from typing import Final, Protocol, final
 
 import anyio
 
-from homebot.command_words.suitable_parts import part_name, settings_by_part
+from homebot.command_words.suitable_parts import certain_values, part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError, Target
 from homebot.devices import Device, DevicePart
 from homebot.devices.batch import as_batch
 from homebot.devices.command_messages import (
+    MAX_TRANSITION_S,
     CommandDevicesRequest,
     CommandDevicesResponse,
     CommandedPart,
@@ -25,6 +26,7 @@ from homebot.devices.outcomes import NoAnswer, Outcome, Refused
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
+from homebot.units import parse_duration
 
 __all__ = ["UNNAMED_CLIENT", "CommandService"]
 
@@ -32,6 +34,7 @@ UNNAMED_CLIENT: Final = "client"
 """The issuer of a command that names none."""
 
 _SCENE: Final = re.compile(r"scene\s+(?P<name>.+)", re.IGNORECASE | re.DOTALL)
+_OVER: Final = re.compile(r"(?P<command>.+), ?over (?P<length>\d.*)", re.IGNORECASE | re.DOTALL)
 _SCENE_WORDS: Final[Mapping[str, bool]] = {
     "apply": False,
     "activate": False,
@@ -76,6 +79,9 @@ class CommandService:
         try:
             if (applied := await self._scene(request)) is not None:
                 return applied
+            if (over := _OVER.fullmatch(request.command)) is not None:
+                transition = parse_duration(over["length"], "over", most=MAX_TRANSITION_S)
+                request = request.model_copy(update={"command": over["command"], "transition": transition})
             targets, request = await self._found(request)
         except (NoTargetError, ServiceError, UsageError) as exc:
             return CommandDevicesResponse(success=False, message=str(exc))
@@ -128,7 +134,7 @@ class CommandService:
         request = request.model_copy(update={"command": "on"})
         targets = await self._targets.find(request)
         parts = ((device, one) for device, own in targets for one, _ in settings_by_part(request, device, own))
-        states = {_is_on(*one) for one in parts}
+        states = {certain_values(*one).get("on_off") for one in parts}
         if states <= {None}:
             raise NoTargetError(f"whether {request.target} is on is unknown; say on or off")
         return targets, request.model_copy(update={"command": "off"}) if True in states else request
@@ -164,15 +170,6 @@ class CommandService:
         newest: Device | None = device
         newest = await self._lookup.known(device.id)
         return newest.reachable.why if newest is not None and newest.reachable.state == "no" else ""
-
-
-def _is_on(device: Device, part: DevicePart) -> bool | None:
-    """Return whether *part* is on; None if that is unknown, or long ago."""
-    if device.reachable.state == "no" or device.freshness == "stale":
-        return None
-    known = (one.value.plain() for one in device.states if (one.part, one.capability) == (part.id, "on_off"))
-    value = next(known, None)
-    return value if isinstance(value, bool) else None
 
 
 def _part_request(

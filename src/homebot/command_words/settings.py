@@ -1,5 +1,6 @@
 """Settings from the words of a command, such as ``on`` with ``level`` 40, for one part. Pure."""
 
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
@@ -17,7 +18,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.support.numbers import to_number
 
-__all__ = ["SET", "STATE_WORDS", "check_without_code", "parse_command_words"]
+__all__ = ["SET", "STATE_WORDS", "check_without_code", "is_relative", "parse_command_words"]
 
 SET: Final = "set"
 """The command that only sets values."""
@@ -44,29 +45,45 @@ _FLAGS: Final[Mapping[str, bool]] = MappingProxyType(
 )
 _NUMBER: Final = re.compile(r"([+-]?[\d.]+)\s*(\S*)")
 _KELVIN: Final = re.compile(r"([\d.]+)\s*k")
+_CHANGE: Final = re.compile(r"(?P<before>.* )?(?P<sign>[+-]) ?(?P<amount>[\d.]+ ?\S*)")
+_BRIGHTER: Final = re.compile(r"(?P<word>brighter|darker)(?: by)?(?: (?P<amount>\d.*))?", re.IGNORECASE)
+_USUAL_CHANGE: Final = "20 %"
+_COMMA: Final = re.compile(r",(?! ?[\d.]+ ?(?:,|$))")
+"""Not that between the hue and the saturation of a colour."""
 
 
-def parse_command_words(command: str, values: Sequence[KeyValue], part: Part, target: str) -> dict[str, PlainValue]:
+def parse_command_words(
+    command: str,
+    values: Sequence[KeyValue],
+    part: Part,
+    target: str,
+    known: Mapping[str, PlainValue] = MappingProxyType({}),
+) -> dict[str, PlainValue]:
     """Return the values by capability that a command sets on *part*.
 
     Args:
-        command: A word that the part takes, such as ``on``, ``close``, ``0.4``, ``40 %`` or ``2700 K``, or a capability
-            and its value, such as ``level 40``; :data:`SET` for none. Case does not matter.
+        command: A word that the part takes, such as ``on``, ``close``, ``0.4``, ``40 %``, ``+10 %`` or ``2700 K``, or a
+            capability and its value, such as ``level 40``; :data:`SET` for none. Case does not matter.
         values: Further values by capability, as text: ``level`` is ``40``.
+        known: The certain values of the part, which ``+10 %`` and ``darker`` change.
 
     Raises:
         RefusedError: The part does not take the word, capability or value, or there is none; the message names those
-            that it takes. Or they contradict each other, such as ``off`` with a level of 50.
+            that it takes. They contradict each other, such as ``off`` with a level of 50, or change an unknown value.
     """
-    word = command.strip()
-    word = _SAME_WORDS.get(word.casefold(), word)
+    words = _several(command.strip(), part)
     found: dict[str, PlainValue] = {}
-    is_light_on = word == "on" and bool(values) and part.service_type == "light"  # a level turns a lamp on
-    if word != SET and not is_light_on:
-        capability, value = _decoded(word, part, target)
-        found[capability] = value
+    is_more = len(words) + len(values) > 1 and "on" in words and "off" not in words
+    is_light_on = is_more and part.service_type == "light"  # a level turns a lamp on
+    for word in words:
+        if word == SET or (is_light_on and word == "on"):
+            continue
+        capability, value = _changed(word, part, target, known) or _decoded(word, part, target)
+        if found.setdefault(capability, value) != value:
+            raise RefusedError(_command_text(command, values), "these contradict each other; give one of them")
     for one in values:
-        longer = _named_value(f"{one.key} {one.value}", part, target, len(one.key.split()) + 1)  # heating | setpoint 21
+        text, count = f"{one.key} {one.value}", len(one.key.split()) + 1
+        longer = _changed(text, part, target, known) or _named_value(text, part, target, count)  # heating | setpoint 21
         name, value = longer or _setting(one.key, one.value, part, target)
         found[name] = value
     for name, value in found.items():
@@ -74,8 +91,39 @@ def parse_command_words(command: str, values: Sequence[KeyValue], part: Part, ta
     if not found:
         raise RefusedError(f"{SET} without values", "give one, such as level 40")
     if not _agree({"on_off": True, **found} if is_light_on else found, part):
-        raise RefusedError(_command_text(word, values), "these contradict each other; give one of them")
+        raise RefusedError(_command_text(command, values), "these contradict each other; give one of them")
     return found
+
+
+def is_relative(command: str) -> bool:
+    """Return whether *command* changes a value, so that it does more when it is given twice."""
+    return bool(_BRIGHTER.fullmatch(command) or _CHANGE.fullmatch(command))
+
+
+def _changed(given: str, part: Part, target: str, known: Mapping[str, PlainValue]) -> tuple[str, PlainValue] | None:
+    """Return the setting that a change such as ``+10 %``, ``level -5`` or ``darker`` leads to; None if it is none.
+
+    A minus is part of the number for what may be below zero. No lamp is turned off by getting darker.
+    """
+    if (word := _BRIGHTER.fullmatch(given)) is not None:
+        given = f"{'+' if word['word'].casefold() == 'brighter' else '-'}{word['amount'] or _USUAL_CHANGE}"
+    if (change := _CHANGE.fullmatch(given)) is None:
+        return None
+    name, amount = _decoded(f"{change['before'] or ''}{change['amount']}", part, target)
+    own = next((one.bounds for one in part.capabilities if one.name == name), ())
+    low, high = own or CAPABILITIES.get(name, OWN).bounds or (-math.inf, math.inf)
+    if change["sign"] == "-" and (low < 0 or not isinstance(amount, float)):
+        return None
+    if not isinstance(amount, float):
+        raise RefusedError(f"{given} of {target}", f"it takes {accepted_values(part, name) or name}, and no change")
+    is_off = name == "level" and known.get("on_off") is False
+    before = 0.0 if is_off else known.get(name)
+    if not isinstance(before, float):
+        problem = f"by {change['amount']}? Its {name} is unknown; give a value, such as {change['amount']}"
+        raise RefusedError(f"{given} of {target}", problem)
+    if change["sign"] == "-":
+        return name, 0.0 if is_off else max(1.0 if name == "level" else low, before - amount)
+    return name, min(high, before + amount)
 
 
 def check_without_code(words: str) -> None:
@@ -88,8 +136,16 @@ def check_without_code(words: str) -> None:
         raise UsageError("no code is kept, as everyone who may read this would see it; leave it out")
 
 
-def _command_text(word: str, values: Sequence[KeyValue]) -> str:
-    return f"{word} with {', '.join(f'{one.key} {one.value}' for one in values)}"
+def _several(command: str, part: Part) -> list[str]:
+    """Return the words of ``on, 40 %``; of a text of the part's own, with its commas, only that."""
+    if "," not in command or any(command in one.options for one in part.capabilities):
+        return [_SAME_WORDS.get(command.casefold(), command)]
+    words = [one.strip() for one in _COMMA.split(command)]
+    return [_SAME_WORDS.get(word.casefold(), word) for word in words]
+
+
+def _command_text(command: str, values: Sequence[KeyValue]) -> str:
+    return " with ".join(filter(None, (command, ", ".join(f"{one.key} {one.value}" for one in values))))
 
 
 def _agree(settings: Mapping[str, PlainValue], part: Part) -> bool:

@@ -10,7 +10,7 @@ from homebot.devices.device import is_commanded
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
-__all__ = ["ParsedSettings", "controls", "part_name", "settings_by_part", "takes"]
+__all__ = ["ParsedSettings", "certain_values", "controls", "part_name", "settings_by_part", "takes"]
 
 ParsedSettings: TypeAlias = dict[str, PlainValue] | RefusedError
 """The values by capability for a part, or the reason why it cannot take them."""
@@ -37,7 +37,16 @@ def settings_by_part(
     for part in parts:
         try:
             found.append(
-                (part, parse_command_words(request.command, request.values, part.part, part_name(device, part)))
+                (
+                    part,
+                    parse_command_words(
+                        request.command,
+                        request.values,
+                        part.part,
+                        part_name(device, part),
+                        certain_values(device, part),
+                    ),
+                )
             )
         except RefusedError as exc:
             found.append((part, exc))
@@ -46,6 +55,12 @@ def settings_by_part(
         able -= _FUNCTIONS
     able = able - _SETTINGS or able
     return [one for one in found if not able or (one[0].part.service_type in able and not _is_other_setting(*one))]
+
+
+def certain_values(device: Device, part: DevicePart) -> dict[str, PlainValue]:
+    """Return the values of *part* by capability; none if it is unreachable, or silent for long."""
+    is_there = device.reachable.state != "no" and device.freshness != "stale" and part.id not in device.offline_parts
+    return {one.capability: one.value.plain() for one in device.states if is_there and one.part == part.id}
 
 
 def takes(request: CommandDevicesRequest, target: tuple[Device, tuple[DevicePart, ...]]) -> bool:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
 
 __all__ = [
+    "MAX_TRANSITION_S",
     "MOST_SETTINGS",
     "CommandDevices",
     "CommandDevicesRequest",
@@ -62,6 +63,8 @@ _WorstKind: TypeAlias = Annotated[
 
 MOST_SETTINGS = 20
 """Settings of one command."""
+
+MAX_TRANSITION_S = 86_400.0
 
 _MOST_SCOPES = 100
 
@@ -222,7 +225,7 @@ class CommandDevicesRequest(Message):
     target: str
     command: str = "set"
     values: Annotated[tuple[KeyValue, ...], Field(max_length=MOST_SETTINGS)] = ()
-    transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
+    transition: Annotated[float, Field(ge=0.0, le=MAX_TRANSITION_S)] = 0.0
     code: Annotated[str, Field(repr=False, max_length=255)] = ""
     issuer: str = ""
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()

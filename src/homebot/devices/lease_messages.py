@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 from pydantic import Field
 
-from homebot.devices.command_messages import CommandResult, Setting
+from homebot.devices.command_messages import MAX_TRANSITION_S, CommandResult, Setting
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import ShortText
 from homebot.messages.builtin_interfaces import Time
@@ -80,7 +80,7 @@ class HoldRequest(Message):
     ttl: Annotated[float, Field(ge=SHORTEST_TTL, le=LONGEST_TTL)]
     is_open_ended: bool = False
     yields_to_persons: bool = False
-    transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
+    transition: Annotated[float, Field(ge=0.0, le=MAX_TRANSITION_S)] = 0.0
     issuer: str
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
     trigger: Trigger = NO_TRIGGER

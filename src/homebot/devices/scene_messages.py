@@ -4,7 +4,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
-from homebot.devices.command_messages import MOST_SETTINGS, CommandDevicesResponse, Setting
+from homebot.devices.command_messages import MAX_TRANSITION_S, MOST_SETTINGS, CommandDevicesResponse, Setting
 from homebot.devices.device import KeyValue
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import ShortText
@@ -148,7 +148,7 @@ class ApplySceneRequest(Message):
     """
 
     name: ShortText
-    transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
+    transition: Annotated[float, Field(ge=0.0, le=MAX_TRANSITION_S)] = 0.0
     undo: bool = False
     agreed: bool = False
     issuer: str = ""

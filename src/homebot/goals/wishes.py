@@ -5,6 +5,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from homebot.command_words.settings import is_relative
 from homebot.devices.query.terms import StateIs
 from homebot.devices.query.vocabulary import ADJECTIVES
 from homebot.errors import UsageError
@@ -175,7 +176,7 @@ def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> Wish:
     match step:
         case SendRobot(robot=robot, room=room):
             return RobotWish(text, robot, _area(room, known.rooms))
-        case Do(target=target, command=command, values=()) if fold(command) not in _ONCE:
+        case Do(target=target, command=command, values=()) if not (fold(command) in _ONCE or is_relative(command)):
             return _of_parts(text, target, command, known)
     raise UsageError(f"{text!r} names no state that lasts; {_EXAMPLES}")
 

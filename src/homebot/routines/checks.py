@@ -8,6 +8,7 @@ from contextlib import closing, suppress
 from dataclasses import replace
 from typing import Final, TypeVar, final
 
+from homebot.command_words.settings import is_relative
 from homebot.command_words.suitable_parts import part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError, Target
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, KeyValue, QueryDevices
@@ -200,7 +201,8 @@ class HouseChecks:
                     continue
                 taken += 1
                 results = (parsed, dict.fromkeys(parsed, False)) if is_toggled else (parsed,)
-                effects += [Effect(step.text, device, part.id, one, is_prompt, is_toggled) for one in results]
+                may_be = is_toggled or any(map(is_relative, (step.command, *(value for _, value in step.values))))
+                effects += [Effect(step.text, device, part.id, one, is_prompt, may_be) for one in results]
         return refused if len(targets) <= 1 or not taken else []
 
     async def _scene(self, step: Do, effects: list[Effect], *, is_prompt: bool) -> list[str]:

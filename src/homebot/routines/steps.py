@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Final, TypeAlias
 
-from homebot.command_words.settings import STATE_WORDS, check_without_code
+from homebot.command_words.settings import STATE_WORDS, check_without_code, is_relative
 from homebot.devices.capabilities import CAPABILITIES, SETTABLE
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query.parse import parse_query
@@ -267,7 +267,9 @@ def _listed(steps: Sequence[str]) -> str:
 
 def _is_command(text: str) -> bool:
     word = text.casefold()
-    if word in _WORDS or word.replace(" ", "_") in _WORDS or _NUMBER.fullmatch(word) or _HUE.fullmatch(word):
+    if word in _WORDS or word.replace(" ", "_") in _WORDS or _HUE.fullmatch(word):
+        return True
+    if _NUMBER.fullmatch(word) or (word.startswith(("brighter", "darker")) and is_relative(word)):
         return True
     words = word.removeprefix("set ").split(" ")
     for place in range(1, len(words)):

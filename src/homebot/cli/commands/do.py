@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import getpass
+import re
 import shlex
 from functools import partial
 from typing import TYPE_CHECKING, Final, cast
@@ -91,7 +92,7 @@ def _request(options: argparse.Namespace) -> dict[str, object]:
     given = {"level": options.level, "color_temperature": options.kelvin, "color": options.color}
     values = {name: value for name, value in given.items() if value is not None}
     command = options.word
-    if command[:1].isdigit() or command == "arm":  # a number, perhaps with a unit, or "arm home": no capability
+    if re.match(r"[+-]?\d|(?:arm|brighter|darker)$", command):  # a number, perhaps with a unit, or "arm home"
         command = " ".join([command, *options.values])
     elif options.values:
         values[command] = " ".join(options.values)
