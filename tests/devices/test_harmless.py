@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from tests.call_counts import calls
 from tests.devices.handles.conftest import device, part
 
 from homebot.devices.always_ask import always_asks, why_it_asks
@@ -13,6 +14,7 @@ from homebot.devices.device_types import spoken_type
 from homebot.devices.harmless import why_not_harmless
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
+from homebot.devices.words import ALL_THAT_ASK, matching_words
 from homebot.messages import Time
 
 LOADS: dict[str, dict[str, list[str]]] = json.loads(
@@ -199,3 +201,11 @@ def test_the_settings_of_a_radiator_or_a_gas_alarm_do_not_ask_by_their_model() -
     for model, kind in (("Radiator valve with thermostat", "thermostat"), ("Gas sensor", "smoke_co_alarm")):
         one = of_model(model, (kind, "heating_setpoint"), ("x_setting", "number"))
         assert not always_asks(one, one.parts[1]), model
+
+
+def test_a_name_of_words_seen_before_is_searched_with_few_calls() -> None:
+    """Each announcement of a house is: names repeat few words, and ``lamp`` alone is no heat lamp."""
+    matching_words("Lamp 1", ALL_THAT_ASK)
+
+    assert calls(lambda: [matching_words(f"Lamp {number}", ALL_THAT_ASK) for number in range(2, 102)]) < 2500
+    assert matching_words("Heat lamp 7", ALL_THAT_ASK) == "heat lamp"

@@ -23,8 +23,10 @@ languages that write no blanks. Besides the groups:
 
 import json
 import re
+from collections import Counter
 from collections.abc import Iterator
 from functools import lru_cache
+from itertools import chain
 from pathlib import Path
 from typing import Final, NamedTuple, TypeAlias
 
@@ -76,6 +78,8 @@ class _Phrase(NamedTuple):
     group: str
     content: frozenset[str]
     """Its words, without fillers."""
+    rarest: str
+    """The one of its words that fewest phrases of its language have: ``heat`` of ``heat lamp``."""
 
 
 class _Language(NamedTuple):
@@ -98,44 +102,55 @@ def matching_words(text: str, groups: Groups, *, anywhere: bool = False) -> str:
         anywhere: Whether the position of the words in *text* does not matter.
     """
     found = _matching_words(text, groups, anywhere=anywhere)
-    return found or _matching_words(_CAMEL_CASE.sub(" ", text), groups, anywhere=anywhere)
+    if found or (apart := _CAMEL_CASE.sub(" ", text)) == text:
+        return found
+    return _matching_words(apart, groups, anywhere=anywhere)
 
 
 def _matching_words(text: str, groups: Groups, *, anywhere: bool) -> str:
-    words = tuple(word.rstrip(_DIGITS) for word in words_of(text) if not word.isdigit())
-    if not _has_sign(words, groups):
-        return ""  # the usual case
-    for number, language in enumerate(_LANGUAGES):
-        if not _has_sign(words, groups, number):
-            continue
+    words = tuple([word.rstrip(_DIGITS) for word in words_of(text) if not word.isdigit()])
+    numbers = {number for word in words for number in _languages_of(word, groups)}
+    for language in [_LANGUAGES[number] for number in sorted(numbers)]:
         for clause in _clauses(words, language):
             if found := _match(clause, language, groups, at_end=language.at_end and not anywhere):
                 return found
     return ""
 
 
-def _has_sign(words: tuple[str, ...], groups: Groups, number: int | None = None) -> bool:
-    """Return whether *words* may contain something of *groups*, in the language with *number* or in any."""
+@lru_cache(maxsize=8192)
+def _languages_of(word: str, groups: Groups) -> tuple[int, ...]:
+    """Return the numbers of the languages in which a name with *word* may indicate something of *groups*.
+
+    Names of a house repeat few words, and most words are of none.
+    """
+    if not _is_sign(word, groups, None):
+        return ()
+    return tuple(number for number in range(len(_LANGUAGES)) if _is_sign(word, groups, number))
+
+
+def _is_sign(word: str, groups: Groups, number: int | None) -> bool:
     vocabulary, ends, pieces, ascii_pieces = _signs(groups, number)
-    if not vocabulary.isdisjoint(words):
-        return True
-    for word in words:
-        if word.endswith(ends) or any(piece in word for piece in (ascii_pieces if word.isascii() else pieces)):
-            return True
-    return False
+    return (
+        word in vocabulary
+        or word.endswith(ends)
+        or any(piece in word for piece in (ascii_pieces if word.isascii() else pieces))
+    )
 
 
 @lru_cache(maxsize=1024)
 def _signs(
     groups: Groups, number: int | None
 ) -> tuple[frozenset[str], tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
-    """Return the words of phrases, the ends, the pieces, and the pieces in ASCII, of words that belong to *groups*."""
+    """Return the rarest words of phrases, the ends, the pieces, and the pieces in ASCII, of words of *groups*.
+
+    Of the language with *number*, or of all.
+    """
     languages = _LANGUAGES if number is None else _LANGUAGES[number : number + 1]
-    words = (phrase.words for one in languages for phrase in one.phrases if phrase.group in groups)
+    words = frozenset(phrase.rarest for one in languages for phrase in one.phrases if phrase.group in groups)
     endings = [ending for one in languages for ending, group in one.endings if group in groups]
     pieces = tuple(one for one in endings if not one.endswith("$"))
     ends = tuple(one[:-1] for one in endings if one.endswith("$"))
-    return frozenset().union(*words), ends, pieces, tuple(filter(str.isascii, pieces))
+    return words, ends, pieces, tuple(filter(str.isascii, pieces))
 
 
 def _clauses(words: tuple[str, ...], language: _Language) -> Iterator[tuple[str, ...]]:
@@ -193,8 +208,10 @@ def _language(table: dict[str, list[str]], beside: tuple[str, ...]) -> _Language
     fillers = frozenset(table.get("fillers", ()))
     entries = [(entry, group) for group in sorted(_GROUPS) for entry in table.get(group, ())]
     words = [(frozenset(entry.split()), group) for entry, group in entries if not entry.startswith("-")]
+    counts = Counter(chain.from_iterable(phrase for phrase, _ in words))
+    rarest = [min(phrase, key=lambda word: (counts[word], word)) for phrase, _ in words]
     return _Language(
-        tuple(_Phrase(phrase, group, phrase - fillers) for phrase, group in words),
+        tuple(_Phrase(*row, row[0] - fillers, rare) for row, rare in zip(words, rarest, strict=True)),
         tuple((f"{entry[1:]}$".replace("-$", ""), group) for entry, group in entries if entry.startswith("-")),
         beside,
         frozenset(frozenset(entry.split()) for entry in table.get("never", ())),
