@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.announcements import sighting_of
+from tests.call_counts import calls
 
 from homebot.devices import KeyValue, Sighting
 from homebot.devices.part import Part
@@ -86,6 +87,23 @@ def test_below_the_base_of_a_bridge_with_a_lock_no_other_program_is_told_anythin
         gone.put(one)
     gone.discard(door.key)
     assert not gone.owner(stranger.key, topic)
+
+
+def test_a_further_lock_of_a_bridge_costs_no_look_at_all_its_topics() -> None:
+    """Each of hundreds of locks judged all topics of a bridge again, which took half of the time of a start."""
+    locks = [
+        use(f"lock{number}", f"z/{number}/set", owns=(f"z/{number}",), bridge=bridge, asks=True, base="z")
+        for number, bridge in enumerate(("b", "b", "other"))
+    ]
+    topics = TopicOwnership()
+    lamps = [use(f"lamp {number}", f"z/lamp {number}/set", bridge="b") for number in range(500)]
+    for one in (locks[0], *lamps):
+        topics.put(one)
+
+    assert calls(lambda: topics.put(locks[1])) < 200
+    assert topics.put(locks[2]) == frozenset(), "two bridges may use the topics below"
+    assert calls(lambda: topics.discard(locks[1].key)) < 200
+    assert topics.discard(locks[0].key) == {one.device for one in lamps}
 
 
 @pytest.mark.parametrize(

@@ -136,8 +136,9 @@ class TopicOwnership:
             touched.update(dict.fromkeys(_used_below(node)))
         if use.base:
             node = self._at(use, use.base)
-            node.bases = (*node.bases, use)
-            touched.update(dict.fromkeys(_used_below(node)))
+            before, node.bases = node.bases, (*node.bases, use)
+            if _rule_of(before) != _rule_of(node.bases):
+                touched.update(dict.fromkeys(_used_below(node)))
         self._enter_commands(use, touched)
         for topic in use.reads[:MAX_TOPICS]:
             if "+" in topic or "#" in topic or (use.owns and use.has(topic)):
@@ -169,9 +170,10 @@ class TopicOwnership:
             node = self._find(use.key[0], topic)
             if node is None:
                 continue
-            is_owner, is_user = use in node.owners or use in node.bases, use in node.users
+            is_owner, is_user, bases = use in node.owners, use in node.users, node.bases
             node.owners, node.users = _without(node.owners, use), _without(node.users, use)
-            node.bases = _without(node.bases, use)
+            node.bases = _without(bases, use)
+            is_owner = is_owner or _rule_of(bases) != _rule_of(node.bases)
             node.speakers = _without(node.speakers, use)
             touched[node] = None
             if node.children and (is_owner or (is_user and use.counts_below(topic))):
@@ -229,7 +231,7 @@ class TopicOwnership:
 
 
 _COMMON = 3
-_IS_NATIVE, _ASKS = attrgetter("is_native"), attrgetter("asks")
+_IS_NATIVE, _ASKS, _BRIDGE = attrgetter("is_native"), attrgetter("asks"), attrgetter("bridge")
 
 
 @dataclass(slots=True, eq=False)
@@ -267,6 +269,11 @@ class TopicNode:
 
 def _without(uses: tuple[TopicUse, ...], use: TopicUse) -> tuple[TopicUse, ...]:
     return tuple(one for one in uses if one.key != use.key)
+
+
+def _rule_of(bases: tuple[TopicUse, ...]) -> tuple[str, frozenset[str]]:
+    """Return what decides on the topics below a base: the second lock of a bridge leaves it as it is."""
+    return (bases[0].device if bases else "", frozenset(map(_BRIDGE, bases)))
 
 
 def _used_below(node: TopicNode, most: int | None = None) -> Iterator[TopicNode]:
