@@ -1,0 +1,257 @@
+"""Plays between commands, persons, devices and programs: each report has one cause, whoever asks; in virtual time.
+
+After each play the journal, ``why``, the presence guard, the service of causes and the number of messages are compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Sequence
+from typing import NamedTuple, TypeAlias
+
+import anyio
+import pytest
+from tests.control.conftest import Home, OpenHome, obey_after, report
+from tests.control.test_explanations import explain
+
+from homebot.devices.cause_messages import GetCauses, GetCausesRequest
+from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
+from homebot.devices.gateway_messages import Command
+from homebot.devices.handles import Handle, Light
+from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.names import GET_CAUSES, PERFORM_COMMAND
+from homebot.devices.outcomes import Outcome, Refused
+from homebot.devices.value import PlainValue
+
+pytestmark = pytest.mark.virtual_time
+
+Act: TypeAlias = Callable[[Home, Handle], Awaitable[object]]
+
+
+class Play(NamedTuple):
+    """A play at one device.
+
+    Attributes:
+        settable: Its capabilities.
+        before: Its values long before.
+        act: The play.
+        of: The capability whose last change is asked about.
+        cause: The true cause, as the journal may tell it.
+        messages: How many messages the device may get at most.
+    """
+
+    service_type: str
+    settable: tuple[str, ...]
+    before: dict[str, PlainValue]
+    act: Act
+    of: str
+    cause: frozenset[str]
+    messages: int = 1
+
+
+PERSON = frozenset({"person", "unknown"})
+COMMAND = frozenset({"command", "transition"})
+DEVICE = frozenset({"device"})
+LIGHT: dict[str, PlainValue] = {"on_off": False, "level": 10.0}
+BLIND: dict[str, PlainValue] = {"position": 100.0}
+
+
+async def _turn_on(home: Home, lamp: Handle) -> None:
+    await lamp.command("on_off", True)
+
+
+async def _at_the_switch(home: Home, lamp: Handle) -> None:
+    await home.report("lamp", "on_off", True)
+
+
+def _switch_after(seconds: float) -> Act:
+    """Turn the lamp on by a command, and off by hand so long after."""
+
+    async def act(home: Home, lamp: Handle) -> None:
+        home.begin(lambda: lamp.command("on_off", True))
+        await anyio.sleep(seconds)
+        await home.report("lamp", "on_off", False)
+
+    return act
+
+
+async def _set(home: Home, **settings: PlainValue) -> Outcome:
+    client = home.app.create_client(PerformCommand, PERFORM_COMMAND)
+    wanted = tuple(Setting.of(name, value) for name, value in settings.items())
+    return await client.call(CommandRequest(device="lamp", settings=wanted, issuer="/app"), timeout=900)
+
+
+def _cut_fade(seconds: float) -> Act:
+    """Command two values; the lamp fades, and a person turns it off before the level has come."""
+
+    async def fade(home: Home, command: Command) -> None:
+        if len(home.commands) == 1:
+            await home.report("lamp", "on_off", True)
+            for step in range(1, 5):
+                if step < seconds:
+                    home.later(float(step), "lamp", "level", 10.0 + 15.0 * step)
+
+    async def act(home: Home, lamp: Handle) -> None:
+        home.behaviours["lamp"] = fade
+        home.begin(lambda: _set(home, on_off=True, level=80.0))
+        await anyio.sleep(seconds)
+        await home.report("lamp", "on_off", False)
+
+    return act
+
+
+def _drift(wanted: float, seen: float, seconds: float) -> Act:
+    """Let the blind settle a little beside its goal, so long after the command."""
+
+    async def act(home: Home, blind: Handle) -> None:
+        await blind.command("position", wanted)
+        await anyio.sleep(seconds)
+        await home.report("lamp", "position", seen)
+
+    return act
+
+
+def _timer(seconds: float, times: int) -> Act:
+    async def act(home: Home, lamp: Handle) -> None:
+        for _ in range(times):
+            await lamp.command("on_off", True)
+            await anyio.sleep(seconds)
+            await home.report("lamp", "on_off", False)
+            await anyio.sleep(seconds / 7.0)
+
+    return act
+
+
+async def _power_cut(home: Home, lamp: Handle) -> None:
+    """After the cut the lamp is on, as many are."""
+    home.gateway.devices.report_reachable("lamp", reachable=True)
+    await lamp.command("on_off", False)
+    await anyio.sleep(120)
+    home.gateway.devices.report_reachable("lamp", reachable=False)
+    await anyio.sleep(60)
+    home.gateway.devices.report_reachable("lamp", reachable=True)
+    await home.report("lamp", "on_off", True)
+
+
+async def _move_by_hand(home: Home, blind: Handle) -> None:
+    await blind.command("position", 20.0)
+    await anyio.sleep(300)
+    await home.report("lamp", "position", 60.0)
+
+
+async def _slow(home: Home, lamp: Handle) -> None:
+    home.behaviours["lamp"] = obey_after(4.0)
+    await lamp.command("on_off", True)
+
+
+async def _echo_and_obey(home: Home, lamp: Handle) -> None:
+    home.behaviours["lamp"] = report((0.02, True), (1.0, True))
+    await lamp.command("on_off", True)
+
+
+PLAYS = {
+    "a command": Play("light", ("on_off", "level"), LIGHT, _turn_on, "on_off", COMMAND),
+    "a slow lamp": Play("light", ("on_off", "level"), LIGHT, _slow, "on_off", COMMAND, 3),
+    "an echo": Play("light", ("on_off", "level"), LIGHT, _echo_and_obey, "on_off", COMMAND),
+    "a switch": Play("light", ("on_off", "level"), LIGHT, _at_the_switch, "on_off", PERSON, 0),
+    **{
+        f"a switch {seconds} s after a command": Play(
+            "light", ("on_off", "level"), LIGHT, _switch_after(seconds), "on_off", PERSON
+        )
+        for seconds in (
+            0.1,
+            0.3,
+            0.6,
+            0.9,
+            1.2,
+            1.5,
+            2.0,
+            2.5,
+            3.5,
+            5.0,
+            7.0,
+            9.0,
+            12.0,
+            15.0,
+            30.0,
+            60.0,
+            120.0,
+            600.0,
+        )
+    },
+    **{
+        f"a fade cut after {seconds} s": Play(
+            "light", ("on_off", "level"), LIGHT, _cut_fade(seconds), "on_off", PERSON, 2
+        )
+        for seconds in (0.4, 0.9, 1.6, 2.4, 3.3, 4.2)
+    },
+    **{
+        f"a blind that settles by {abs(seen - wanted)} % after {seconds} s": Play(
+            "window_covering", ("position",), BLIND, _drift(wanted, seen, seconds), "position", DEVICE
+        )
+        for wanted, seen, seconds in ((0.0, 1.0, 20.0), (50.0, 48.0, 20.0), (50.0, 49.0, 45.0), (30.0, 31.0, 120.0))
+    },
+    **{
+        f"a timer of {seconds / 60.0:g} min": Play(
+            "light", ("on_off", "level"), LIGHT, _timer(seconds, 24), "on_off", DEVICE, 24
+        )
+        for seconds in (60.0, 300.0, 900.0, 1200.0, 1800.0, 3600.0)
+    },
+    "a blind moved by hand": Play("window_covering", ("position",), BLIND, _move_by_hand, "position", PERSON),
+    "a power cut": Play(
+        "light", ("on_off", "level"), {"on_off": True, "level": 10.0}, _power_cut, "on_off", frozenset({"unknown"})
+    ),
+}
+
+
+@pytest.mark.parametrize("play", PLAYS.values(), ids=PLAYS)
+async def test_all_readers_are_told_the_same_cause_and_no_person_is_overridden(open_home: OpenHome, play: Play) -> None:
+    async with open_home(presence_guard=True) as home:
+        home.put("motion", "occupancy_sensor", readable=("occupancy",), area="hall")
+        await (await home.new(Light, "other", "on_off", area="hall")).turn_off()  # the guard looks from now on
+        kind, settable = play.service_type, play.settable
+        part = await home.new(Handle, "lamp", *settable, before=play.before, service_type=kind, area="hall")
+        await anyio.sleep(1)
+        await home.report("motion", "occupancy", True)
+        await anyio.sleep(1)
+        await home.report("motion", "occupancy", False)
+        home.tasks.start_soon(_say_clear, home)
+        await anyio.sleep(1500)
+        before = len(home.commands)
+        await play.act(home, part)
+        await anyio.sleep(15)
+        assert len(home.commands) - before <= play.messages
+        told = [one for one in (await home.read()).entries if one.device == "lamp" and _cause(one, play.of)]
+        assert _cause(told[-1], play.of) in play.cause
+        client = home.app.create_client(GetCauses, GET_CAUSES)
+        causes = (await client.call(GetCausesRequest(devices=("lamp",)))).causes
+        (newest,) = [one for one in causes if one.capability == play.of]
+        assert newest.may_be_person == (play.cause <= PERSON)
+        why = await explain(home, "lamp")
+        has_obeyed = why.finding == "command" and _outcome(why.entries) in {"", "confirmed"}
+        assert has_obeyed if play.cause <= COMMAND else not (has_obeyed and play.cause <= PERSON)
+        guard = await (await home.handle(Handle, "lamp")).command(*_annoying(play))
+        assert isinstance(guard, Refused) == (play.cause <= PERSON)
+
+
+async def _say_clear(home: Home) -> None:
+    """Let the motion sensor say each ten minutes that it sees nobody."""
+    while True:
+        await home.report("motion", "occupancy", False)
+        await anyio.sleep(600)
+
+
+def _outcome(entries: Sequence[JournalEntry]) -> str:
+    return next((one.results[0].outcome for one in reversed(entries) if one.results), "")
+
+
+def _cause(entry: JournalEntry, capability: str) -> str:
+    """Return the cause that an entry tells of a change of *capability*; empty for none."""
+    if entry.kind == "reverted":
+        return entry.results[0].reason
+    of = entry.settings[0].capability if entry.settings else ""
+    return entry.cause if of == capability and entry.kind in {"changed", "reported"} else ""
+
+
+def _annoying(play: Play) -> tuple[str, PlainValue]:
+    """Return what an app may not do while somebody may be in the room."""
+    return ("on_off", False) if play.of == "on_off" else ("position", 0.0)
