@@ -7,9 +7,8 @@ import pytest
 from tests.control.conftest import Home, OpenHome
 from tests.control.test_explanations import explain
 
-from homebot.devices.handles import Light
+from homebot.devices.handles import Light, Thermostat
 from homebot.devices.outcomes import Refused
-from homebot.devices.value import PlainValue
 from homebot.devices.wording.journal_words import finding_text
 
 pytestmark = pytest.mark.virtual_time
@@ -91,18 +90,20 @@ async def test_a_person_at_the_lamp_stays_a_person(
         assert isinstance(await (await home.handle(Light, "lamp")).turn_off(), Refused)
 
 
-async def test_a_schedule_of_another_program_is_learnt_after_three_days(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=True) as home:
-        await put_lamp(home)
-        found: list[list[str]] = []
-        for _ in range(6):
-            values: tuple[tuple[float, PlainValue], ...] = ((8 * HOUR, False), (16 * HOUR, True))
-            for pause, value in values:
-                await anyio.sleep(pause)
-                await home.report("lamp", "on_off", value)
-        found.append(await causes(home))
-        assert found[0][-4:] == ["program"] * 4
-        assert "program" not in found[0][:6]
+async def test_the_schedule_of_a_thermostat_is_learnt_after_three_days_and_that_of_a_person_is_not(home: Home) -> None:
+    """A person gets up by the clock, too."""
+    await put_lamp(home)
+    await home.new(Thermostat, "heating", "heating_setpoint", before={"heating_setpoint": 18.0})
+    for _ in range(6):
+        for hours, on_off, setpoint in ((8, False, 17.0), (16, True, 21.0)):
+            await anyio.sleep(hours * HOUR)
+            await home.report("lamp", "on_off", on_off)
+            await home.report("heating", "heating_setpoint", setpoint)
+    await anyio.sleep(1.0)
+    entries = [one for one in (await home.read()).entries if one.kind == "changed"]
+    assert {one.cause for one in entries if one.device == "lamp"} == {"person"}
+    told = [one.cause for one in entries if one.device == "heating"]
+    assert (told[:6], told[-4:]) == (["person"] * 6, ["program"] * 4)
 
 
 async def test_another_program_outranks_a_lease_as_a_person_does(home: Home) -> None:

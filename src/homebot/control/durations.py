@@ -89,6 +89,12 @@ Home Assistant's Adaptive Lighting does so each 90 s by default (basnijholt/adap
 PUNCTUAL: Final = 2.0
 """Times of a program's schedule differ by less, those of people by more."""
 
+INTERVAL: Final = 3600.0
+"""Programs switch at shorter intervals than this; who does so at the same time each day may be a person.
+
+A setpoint that changes at the same second each day is the schedule of a thermostat.
+"""
+
 CLOCK_DRIFT: Final = 0.001
 """The fraction by which the times of a timer in a device may differ, beyond :data:`REGULAR`."""
 

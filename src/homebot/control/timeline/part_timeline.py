@@ -391,7 +391,9 @@ class PartTimeline:
                 self.profile.learn_creep(is_small=False)
             self._creep = creep._replace(at=fact.at, is_small=is_small)
             return creep.is_usual and is_small
-        is_regular = last_at is not None and self.profile.learn_gap(capability, value, fact.at - last_at)
+        gap = math.inf if last_at is None else fact.at - last_at
+        is_interval = gap <= durations.INTERVAL or (isinstance(value, float) and gap < math.inf)
+        is_regular = is_interval and self.profile.learn_gap(capability, value, gap)
         is_usual = False
         if is_look and self.value("on_off") is not False:
             is_small = _is_small(capability, fact.previous, fact.value)

@@ -20,8 +20,6 @@ from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import OFFLINE, ConnectionState, LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
 
-__all__ = ["ActingLease"]
-
 YIELDED = "gateway.another_acts"
 RESUMED = "gateway.acts_again"
 OTHER_OBSERVES = "gateway.another_observes"

@@ -21,8 +21,6 @@ from homebot.mqtt.topics import validate_topic
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.counters import fault
 
-__all__ = ["COMMAND_ID", "CommandPublisher", "ResponseCounters", "Responses", "problem_of"]
-
 COMMAND_ID: Final = "command"
 """The user property with the id of a command."""
 

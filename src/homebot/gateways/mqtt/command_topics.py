@@ -10,8 +10,6 @@ from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityR
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.mqtt.filter_tree import FilterIndex
 
-__all__ = ["CommandTopics"]
-
 _Reader: TypeAlias = AnnouncedPart | AvailabilityReader
 
 _MOST = 256

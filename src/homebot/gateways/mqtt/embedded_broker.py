@@ -14,8 +14,6 @@ from homebot.mqtt.broker import Broker, PortTakenError
 from homebot.mqtt.clients import HostedBroker
 from homebot.support.logger import get_logger
 
-__all__ = ["EMBEDDED_BROKER", "embedded_broker"]
-
 STARTED = "runtime.broker_started"
 
 USUAL_PORTS = range(1883, 1903)

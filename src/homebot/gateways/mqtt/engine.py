@@ -48,8 +48,6 @@ from homebot.mqtt.topics import validate_topic
 from homebot.support.counters import Severity
 from homebot.support.isolation import run_as
 
-__all__ = ["AnnouncedDevices"]
-
 T = TypeVar("T")
 
 

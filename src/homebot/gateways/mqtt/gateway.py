@@ -37,8 +37,6 @@ from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.support.isolation import isolated, run_as
 
-__all__ = ["MqttGateway"]
-
 OVERSIZE = "gateway.oversize"
 
 _TURN = 200

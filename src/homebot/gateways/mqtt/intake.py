@@ -25,8 +25,6 @@ from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.subscriber import Subscriber
 from homebot.mqtt.message import MqttMessage
 
-__all__ = ["AnnouncementHandler"]
-
 REJECTED = "gateway.announcement_rejected"
 TEXT_REJECTED = "gateway.message_rejected"
 RETAINED_ONLY = "gateway.retained_only"

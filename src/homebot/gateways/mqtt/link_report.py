@@ -8,8 +8,6 @@ from homebot.gateways.base import UNAVAILABLE, Gateway
 from homebot.log import LogLimit
 from homebot.mqtt.connection import ConnectionState, LinkPhase, MqttConnection
 
-__all__ = ["LinkReport"]
-
 CONNECTED = "gateway.connected"
 LOST = "gateway.link_lost"
 NOT_HEARD = "gateway.subscription_refused"

@@ -21,8 +21,6 @@ from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.support.isolation import run_as
 
-__all__ = ["Offers", "publishers_of"]
-
 NOT_PUBLISHED = "gateway.not_published"
 
 MAX_EVENTS = 1000

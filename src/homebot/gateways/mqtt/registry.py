@@ -20,8 +20,6 @@ from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.state_topics import StateTopics
 from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
 
-__all__ = ["AnnouncementRegistry", "TopicReaders"]
-
 _MAX_ROUTES = 50_000
 _MAX_GROUPS = 64
 """Distinct sets of conventions that share topics: few, however many topics there are."""

@@ -18,8 +18,6 @@ from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.errors import WireError
 from homebot.mqtt.filter_tree import FilterIndex
 
-__all__ = ["ReservedTopics"]
-
 _BRIDGE_REQUEST = "/bridge/request/"
 _MAX_CACHED = 5000
 """State topics: all announcements of a device have one, but do not come one after the other."""

@@ -21,8 +21,6 @@ from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.topics import validate_topic
 from homebot.units import DURATION, Seconds
 
-__all__ = ["EMBEDDED", "MqttGatewaySettings"]
-
 EMBEDDED = "embedded"
 
 RECEIVE_MAXIMUM = 2048

@@ -7,8 +7,6 @@ from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
 from homebot.mqtt.topics import validate_filter
 
-__all__ = ["StateTopics", "pop_filters", "prefix_of"]
-
 MAX_TOPICS = 100_000
 LONGEST = 1000
 LITERAL_LEVELS = 2

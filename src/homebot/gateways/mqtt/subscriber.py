@@ -19,8 +19,6 @@ from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.support.isolation import isolated, run_as
 
-__all__ = ["Subscriber"]
-
 NOT_HEARD = "gateway.state_not_heard"
 NOT_ASKED = "gateway.not_asked"
 

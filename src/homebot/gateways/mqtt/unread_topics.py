@@ -4,8 +4,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Final
 
-__all__ = ["unread_notes"]
-
 _BUSY, _MOST_SHOWN = 3, 5
 _OWN: Final = "homebot"
 
