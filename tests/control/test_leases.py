@@ -14,12 +14,18 @@ from tests.sizes import examples
 from homebot.control.durations import REMEMBERED
 from homebot.control.leases import MOST_HOLDERS, MOST_OF_ISSUER, Lease, LeaseHolder, Leases
 from homebot.devices import GatewayNames, RawCommand
-from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
+from homebot.devices.command_messages import (
+    CommandDevices,
+    CommandDevicesRequest,
+    CommandRequest,
+    PerformCommand,
+    Setting,
+)
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Closure, DoorLock, Thermostat
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.lease_messages import EndLeases, HeldPart, HolderRequest, HoldRequest, ReleaseLease, RenewLease
-from homebot.devices.names import END_LEASES, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE
+from homebot.devices.names import COMMAND_DEVICES, END_LEASES, PERFORM_COMMAND, RELEASE_LEASE, RENEW_LEASE
 from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Refused
 from homebot.devices.value import Value
 from homebot.errors import RefusedError, UsageError
@@ -262,6 +268,24 @@ async def test_a_hand_outranks_the_holder_and_is_then_handed_back(open_home: Ope
         assert [one.kind for one in await steps(home)] == ["held", "outranked", "handed_back"]
         assert [one.value.plain() for one in home.commands] == ["open", "open"]
         assert held.succeeded
+
+
+async def test_a_person_overrides_a_lease_by_saying_so_and_the_holder_is_told(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door), door.hold("open", by="robot", ttl=9) as held:
+        words = {"target": "door", "command": "close", "issuer": "client:phone", "scope": ("act: closure",)}
+        client = home.app.create_client(CommandDevices, COMMAND_DEVICES)
+        refused = await client.call(CommandDevicesRequest.model_validate(words), timeout=900)
+        assert "held open by robot" in refused.results[0].result.text
+        app = await door.command("movement", "closed")
+        assert isinstance(app, Refused)
+        obeyed = await client.call(CommandDevicesRequest.model_validate({**words, "override": True}), timeout=900)
+        assert obeyed.success, obeyed
+        await anyio.sleep(4)
+        assert isinstance(held.outcome, Contradicted)
+        assert held.outcome.saw.startswith("the client phone overrode it; it is commanded again in 29")
+        assert told(await steps(home))[-1:] == [("outranked", "", "the client phone overrode it")]
+        await anyio.sleep(300)
+        assert [one.value.plain() for one in home.commands] == ["open", "closed", "open"]
 
 
 @pytest.mark.parametrize("payload", ["closed", '{"state": "CLOSE"}'])

@@ -184,6 +184,7 @@ def _part_request(
         issuer=request.issuer or UNNAMED_CLIENT,
         scope=request.scope,
         ask_first=request.ask_first,
+        override=request.override,
         cause=request.cause,
         trigger=request.trigger,
     )

@@ -94,6 +94,7 @@ class IssuedCommand:
     scope: tuple[str, ...] = ()
     text: TextTarget | None = field(default=None, repr=False)
     transition: float = 0.0
+    override: bool = False
     code: str = field(default="", repr=False)
     nearest: str = ""
     is_client: bool = field(init=False)

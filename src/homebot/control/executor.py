@@ -252,7 +252,7 @@ class CommandExecutor:
         parts = device.parts if is_for_all else (command.part,)
         if self.leases.parts:
             for part in parts:
-                self.leases.yield_to(replace(command, part=part))
+                self.leases.yield_to(replace(command, part=part), at)
             self.leases.record_stop(command, at)
         for part in parts:
             self.timelines.of(device, part).command(order, at, is_raw=True)
@@ -273,6 +273,7 @@ class CommandExecutor:
             at,
             request.scope,
             transition=request.transition,
+            override=request.override,
             code=request.code,
             nearest="" if settings is asked else rounding_text(asked, settings),
         )
@@ -320,7 +321,7 @@ class CommandExecutor:
     def _begin(self, command: IssuedCommand) -> tuple[OpenCommand, bool]:
         """Append a command to its timeline; return it, and whether the part is already known to be as commanded."""
         if self.leases.parts:
-            self.leases.yield_to(command)
+            self.leases.yield_to(command, self._clock.monotonic())
         timeline, order = self.timelines.of(command.device, command.part), order_of(command)
         is_at_rest = True
         for other in timeline.active:

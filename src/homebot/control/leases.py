@@ -229,7 +229,13 @@ class Leases:
         return "" if lease is None else lease.outranked(now)
 
     def refusal(
-        self, part: PartRef, settings: Mapping[str, PlainValue], now: float, *, is_by_person: bool = False
+        self,
+        part: PartRef,
+        settings: Mapping[str, PlainValue],
+        now: float,
+        *,
+        is_by_person: bool = False,
+        overrides: bool = False,
     ) -> str:
         """Return why a command, perhaps by a person, is refused at *now*; empty if no lease forbids it."""
         leases = self.parts.get(part)
@@ -238,7 +244,7 @@ class Leases:
         for lease in leases.values():
             if all(one.deadline <= now for one in lease.holders.values()):
                 continue  # ended, but not removed yet
-            if is_by_person and lease.yields_to_persons:
+            if is_by_person and (overrides or lease.yields_to_persons):
                 continue
             for capability, value in settings.items():
                 if value != STOPPED and changes(lease.capability, lease.value, capability, value):
@@ -247,7 +253,8 @@ class Leases:
 
     def refuse(self, command: IssuedCommand, now: float) -> Refused | None:
         """Return the refusal of a command at *now*; None if no lease forbids it."""
-        reason = self.refusal(command.place, command.settings, now, is_by_person=_is_by_person(command))
+        by_person = _is_by_person(command)
+        reason = self.refusal(command.place, command.settings, now, is_by_person=by_person, overrides=command.override)
         return Refused(LEASE_POLICY, reason, command_id=command.id) if reason else None
 
     def record_stop(self, command: IssuedCommand, now: float) -> None:
@@ -257,12 +264,20 @@ class Leases:
             for lease in leases.values():
                 self.outrank(lease, "it was stopped", now)
 
-    def yield_to(self, command: IssuedCommand) -> None:
-        """Record that *command*, if a person gave it, outranks the leases of its parts that yield to persons."""
+    def yield_to(self, command: IssuedCommand, now: float) -> None:
+        """Record that *command*, if a person gave it, outranks leases of its parts: those that yield or are overridden.
+
+        One that is overridden counts again after a while, as after a hand.
+        """
         places = (command.place, *((device.id, part.id) for device, part in command.members))
         for place in places if _is_by_person(command) else ():
             for lease in self.parts.get(place, {}).values():
-                if lease.yields_to_persons:
+                is_against = any(
+                    changes(lease.capability, lease.value, name, value) for name, value in command.settings.items()
+                )
+                if command.override and is_against and not lease.yields_to_persons:
+                    self.outrank(lease, f"{issuer_text(command.issuer)} overrode it", now)
+                elif lease.yields_to_persons:
                     lease.yielded_to, lease.saw = command.issuer, f"a command by {issuer_text(command.issuer)}"
                     lease.again_at = lease.hand_until = max(one.deadline for one in lease.holders.values())
                     self.on_outranked(lease)

@@ -173,7 +173,7 @@ class Together:
         if not is_same or any(map(self._held, (*commands, whole))):
             return False
         if part.part.is_group:
-            self._leases.yield_to(whole)
+            self._leases.yield_to(whole, self._clock.monotonic())
             self._timelines.command_members(order_of(commands[0]), [(device, part)])
         return True
 

@@ -99,6 +99,7 @@ class CommandRequest(Message):
             if it has no token. The door sets it, overwriting the client's. It is ignored for a node: the rights of apps
             are in the configuration.
         ask_first: Whether a person must agree first, as to commands of clients with the right ``ask``.
+        override: Whether a person's command outranks leases of the part, as a hand does; it does not for a robot.
         batch: A name that the issuer gives to the commands that it gives at once, of which those to exactly the members
             of a group may share one message; empty for a command by itself. See :func:`homebot.devices.batch.as_batch`.
         batch_size: The number of commands in the batch.
@@ -116,6 +117,7 @@ class CommandRequest(Message):
     issuer: str
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
     ask_first: bool = False
+    override: bool = False
     batch: ShortText = ""
     batch_size: int = 0
     cause: ShortText = ""
@@ -216,6 +218,7 @@ class CommandDevicesRequest(Message):
         issuer: The issuer of the command; the door sets it for its clients.
         scope: As for :class:`CommandRequest`.
         ask_first: Whether a person must agree first.
+        override: As for :class:`CommandRequest`.
         cause: The id of its cause; may be empty.
         trigger: What led to it; only homebot's own nodes can say so.
     """
@@ -230,6 +233,7 @@ class CommandDevicesRequest(Message):
     issuer: str = ""
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
     ask_first: bool = False
+    override: bool = False
     cause: str = ""
     trigger: Trigger = NO_TRIGGER
 

@@ -19,8 +19,13 @@ from homebot.bridges.rosbridge import ClientToken, DoorSettings
 from homebot.bridges.rosbridge.access import ClientAccess, right_to_call, right_to_publish
 from homebot.devices import RawCommand
 from homebot.devices.access_messages import AccessRefused
-from homebot.devices.client_rights import LOCAL_RIGHTS, Right
-from homebot.devices.command_messages import CommandDevicesResponse, CommandRequest, PerformCommand
+from homebot.devices.client_rights import LOCAL_RIGHTS, Right, read_scope
+from homebot.devices.command_messages import (
+    CommandDevicesRequest,
+    CommandDevicesResponse,
+    CommandRequest,
+    PerformCommand,
+)
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.health import HealthRequest
 from homebot.devices.names import ACCESS_REFUSALS, APPLY_SCENE, PERFORM_COMMAND
@@ -103,6 +108,14 @@ def test_a_client_is_no_node_that_listens_to_what_no_device_says() -> None:
     client = ClientAccess("local", LOCAL_RIGHTS, RobotOwners())
     wanted = {"topic": "zigbee2mqtt/bridge/info", "listener": "/robots"}
     assert client.stamped(SubscribeToTopicRequest, wanted) == {"topic": "zigbee2mqtt/bridge/info", "listener": ""}
+
+
+def test_a_persons_client_may_override_leases_and_a_robots_may_not() -> None:
+    rights = read_scope(("act: all",))
+    phone, robot = (ClientAccess("x", one, RobotOwners()) for one in (rights, rights._replace(robots=("rosie",))))
+    wanted = {"target": "door", "command": "close", "override": True}
+    assert phone.stamped(CommandDevicesRequest, wanted)["override"] is True
+    assert robot.stamped(CommandDevicesRequest, wanted)["override"] is False
 
 
 @pytest.mark.parametrize("service", ["/control/perform", "/devices/command", "/gateway/mqtt/send_command", "/rosapi/x"])

@@ -164,6 +164,7 @@ class ClientAccess:
         fields = _stamped_fields(message_type)
         own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope), "listener": ""}
         own["rights"] = sorted(one.value for one in self.rights.kinds)
+        own["override"] = values.get("override") is True and not self.rights.robots
         own["trigger"] = {"kind": "program"} if self.is_program else {}  # only homebot's own nodes know more
         return {**values, **{name: own[name] for name in fields}} if fields else values
 
@@ -255,7 +256,7 @@ class ClientAccess:
 @lru_cache(maxsize=256)
 def _stamped_fields(message_type: type[Message]) -> tuple[str, ...]:
     fields = {field.name for field in fields_of(message_type)}
-    stamped = sorted(fields & {"issuer", "scope", "listener", "rights", "trigger"})
+    stamped = sorted(fields & {"issuer", "scope", "listener", "rights", "trigger", "override"})
     return tuple(stamped) if fields & {"issuer", "listener"} else ()
 
 

@@ -57,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--color", metavar="COLOR", help="a name such as red, or hue to 360 and saturation to 100: 0,100"
     )
+    parser.add_argument("--override", action="store_true", help="also if a robot or an app holds it, as by hand")
     parser.add_argument("--ask-code", action="store_true", help="ask for the code of a lock or an alarm")
     add_options_of_commands(parser)
 
@@ -103,6 +104,7 @@ def _request(options: argparse.Namespace) -> dict[str, object]:
         "command": command,
         "values": [{"key": name, "value": value} for name, value in values.items()],
         "transition": options.transition,
+        "override": options.override,
         "code": getpass.getpass("code: ") if options.ask_code else "",
     }
 
@@ -125,6 +127,8 @@ def _print_outcomes(answer: CommandDevicesResponse, home: str) -> None:
         text = one.result.text
         if one.result.outcome == Superseded.kind:
             text += f"; `homebot why {shlex.quote(one.name)}` names its issuer"
+        if one.result.policy == "lease":
+            text += "; `--override` commands it all the same, as by hand"
         print(f"{printable(one.name)}{place}: {printable(text, _WIDEST)}")
     if count > 1:
         done = sum(has_succeeded(one.result.outcome) for one in answer.results)

@@ -72,7 +72,7 @@ function Page() {
     <${Questions} />
     <main class=${state === "open" ? "" : "old"}>${View ? html`<${View} key=${title || id} id=${id} />` : html`<p class="empty">${say("There is no such view.")}</p>`}</main>
     <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>
-      ${outcome.value?.text} ${outcome.value && !outcome.value.isGood && html`<button type="button" onClick=${() => (outcome.value = null)}>${say("close|do")}</button>`}
+      ${outcome.value?.text} ${outcome.value?.override && html`<button type="button" onClick=${outcome.value.override}>${say("Command it all the same?")}</button>`} ${outcome.value && !outcome.value.isGood && html`<button type="button" onClick=${() => (outcome.value = null)}>${say("close|do")}</button>`}
     </p>
     <footer><label>${say("Language")} <select onChange=${(event) => choose(event.target.value)}>${Object.entries(LANGUAGES).map(([name, text]) => html`<option key=${name} value=${name} lang=${name} selected=${name === language.value}>${text}</option>`)}</select></label></footer>`;
 }
