@@ -25,11 +25,11 @@ class TextCodec:
         part: The part, with the state topic first in ``reads`` and the command topic first in ``writes``.
     """
 
-    __slots__ = ("_awaited", "_decode", "_is_asked", "_last", "_part", "_was_retained")
+    __slots__ = ("_awaited", "_decoder", "_is_asked", "_last", "_part", "_was_retained")
 
     def __init__(self, part: Part) -> None:
         self._part = part
-        self._decode = decoder_for(part.capabilities).decode
+        self._decoder = decoder_for(part.capabilities)
         self._last = self._awaited = b""
         self._was_retained = False
         self._is_asked = False
@@ -47,9 +47,9 @@ class TextCodec:
         if len(payload) > _LONGEST:
             return unreadable(payload, f"at most {_LONGEST} bytes")
         self._last, self._was_retained, self._is_asked = payload, retained, self._is_asked and retained
-        readings = self._decode(payload)
-        if not readings and (names := [one.name for one in self._part.capabilities]):
-            unreadable(payload, f"a state of {', '.join(names)}")
+        readings = self._decoder.decode(payload)
+        if not readings and self._decoder.expects:
+            unreadable(payload, self._decoder.expects)
         if payload != self._awaited or not readings:
             return readings
         answer = self._as_answer(readings)

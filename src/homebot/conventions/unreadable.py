@@ -1,5 +1,6 @@
 """Values that a reader cannot read, with its expectations. Pure."""
 
+import re
 from collections.abc import Collection, Mapping
 from itertools import islice
 from types import MappingProxyType
@@ -17,6 +18,8 @@ Readings: TypeAlias = Mapping[str, PlainValue]
 NO_READINGS: Readings = MappingProxyType({})
 
 _MAX_SHOWN = 60
+_DIGITS: Final = re.compile("[0-9]")
+_new = tuple.__new__
 _MOST_DIGITS = 10**20
 _MOST_WORDS = 6
 _MOST_FOUND = 3
@@ -26,15 +29,24 @@ _NO_VALUES: Final = frozenset({"", "-", "--", "n/a", "na", "nil", "undefined"})
 
 
 class Unreadable(NamedTuple):
-    """A value that could not be read, on one line, and what the reader expects; no value for a failing template."""
+    """A value that could not be read, and what the reader expects: words, or the texts that it knows."""
 
-    value: str
-    expects: str
+    value: object
+    expects: str | Collection[str | bytes]
+    is_template: bool
+    """Whether a template fails, so that only ``expects`` says why."""
 
-    @property
-    def why(self) -> str:
-        """The reason for people: ``'on': expects ON or OFF``."""
-        return f"{self.value}: expects {self.expects}" if self.value else self.expects
+    def why(self, *, without_digits: bool = False) -> str:
+        """Return the reason for people, on one line: ``'on': expects ON or OFF``.
+
+        Args:
+            without_digits: Whether the value has ``#`` for its digits, which may be a code.
+        """
+        expects = self.expects if isinstance(self.expects, str) else _choice(self.expects)
+        if self.is_template:
+            return expects
+        value = _shown_or_secret(self.value)
+        return f"{_DIGITS.sub('#', value) if without_digits else value}: expects {expects}"
 
 
 @final
@@ -57,8 +69,7 @@ def unreadable(value: object, expects: str | Collection[str | bytes], *, is_temp
     begin = value[:_MOST_CHECKED] if isinstance(value, (str, bytes)) else value
     text = begin.decode(errors="replace") if isinstance(begin, bytes) else begin
     if is_template or not _is_no_value(text):
-        words = expects if isinstance(expects, str) else _choice(expects)
-        FOUND.append(Unreadable("" if is_template else _shown_or_secret(text), words))
+        FOUND.append(_new(Unreadable, (text, expects, is_template)))
     return NO_READINGS
 
 

@@ -89,9 +89,14 @@ class TextDecoder:
     It is the inverse of :func:`encode_state`. Implied values are included: with ``0.4`` a lamp is on, with ``closed`` a
     cover is at 0 %. A bare number belongs to the first capability in the order of :func:`encode_state` whose bounds
     contain it. ``nan`` and the like in place of a measurement mean that it is unknown.
+
+    Attributes:
+        expects: The texts in words; empty for a part without capabilities.
     """
 
     def __init__(self, capabilities: tuple[Capability, ...]) -> None:
+        names = ", ".join([one.name for one in capabilities])
+        self.expects = names and f"a state of {names}"
         readable = {one.name: one for one in capabilities if one.readable}
         self._names = frozenset(readable)
         self._texts: dict[bytes, Decoded] = {}

@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any, Literal, TypeAlias
 
 from homebot.conventions.description import Availability, DescribedPart, DeviceAnnounced, TextEndpoint
+from homebot.conventions.unreadable import Unreadable
 from homebot.devices import KeyValue, Sighting
 from homebot.devices.capabilities import EVENTS, MOMENTARY
 from homebot.devices.names import text_address
@@ -51,6 +52,24 @@ _NO_ENDPOINT = TextEndpoint("", "", "")
 _ONLY_TEXTS = frozenset({str})
 
 
+@dataclass(slots=True)
+class UnreadableCount:
+    """The payloads that a part could not read.
+
+    Attributes:
+        found: The values of the last payload, which came on *address*.
+        reported: How many of them are reported.
+        report_at: When one more may be reported, by the monotonic clock.
+    """
+
+    count: int = 0
+    found: tuple[Unreadable, ...] = ()
+    address: str = ""
+    is_retained: bool = False
+    reported: int = 0
+    report_at: float = 0.0
+
+
 @dataclass(slots=True, eq=False)
 class AnnouncedPart(PartTexts):
     """One part of a described device, and its last reports.
@@ -61,7 +80,7 @@ class AnnouncedPart(PartTexts):
         known: The last value of each capability with its reading; None before the first report.
         names: The capabilities of its last short state; states with the same capabilities share the tuple.
         is_plain: Whether it has only ever reported numbers and flags, and no events.
-        unreadable: The number of payloads that it could not read, and why the last one.
+        unreadable: The payloads that it could not read; None for none.
     """
 
     stored: StoredAnnouncement
@@ -71,7 +90,7 @@ class AnnouncedPart(PartTexts):
     known: dict[str, tuple[PlainValue, Reading]] | None = field(default=None, init=False)
     names: tuple[str, ...] = field(default=(), init=False)
     is_plain: bool = field(default=True, init=False)
-    unreadable: tuple[int, str] = field(default=(0, ""), init=False)
+    unreadable: UnreadableCount | None = field(default=None, init=False)
 
     def reports(self, capability: str) -> bool:
         """Return whether it reports *capability* as a lasting value, which can confirm a command."""

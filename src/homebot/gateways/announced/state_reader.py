@@ -57,7 +57,7 @@ class StateReader:
         self._scheduler = scheduler
         self._counters = counters
         self._record_failure = quarantine.record_plugin_failure
-        self._unreadable = UnreadablePayloads(reporter, counters, quarantine.log_limited, clock)
+        self._unreadable = UnreadablePayloads(devices, reporter, scheduler, counters, quarantine.log_limited, clock)
 
     async def read(
         self,

@@ -232,3 +232,17 @@ async def test_other_conventions_say_so_too(
         await house.say(topic, payload)
         found = [one.value for report in iter(house.reports.take, None) for one in report.unreadable]
         assert [one.partition("the last ")[2] for one in found] == [why]
+
+
+async def test_of_a_flood_the_first_are_reported_and_then_the_last_once_a_second() -> None:
+    """A number that a lamp does not explain cost more than all else that is done for a message."""
+    async with simple_house(conventions=HA) as house:
+        await announce(house, "binary_sensor")
+        counts = [one.partition(",")[0] for one in await unreadable(house, *(f"{number}" for number in range(300)))]
+        assert counts == [f"{number}" for number in range(1, 11)]
+        await anyio.sleep(3)
+        (late,) = [one.value for report in iter(house.reports.take, None) for one in report.unreadable]
+        assert late.startswith(f"payloads of W on {TOPIC}: 300, the last '299'")
+        assert house.gateway.counters.payloads_unreadable == 300
+        (one,) = await unreadable(house, "x")
+        assert one.startswith("301, the last 'x'")

@@ -276,5 +276,5 @@ def test_only_the_known_errors_of_a_probe_are_no_readings(
     FOUND.clear()
     read = codec.read("tele/tasmota_000011/SENSOR", json.dumps(message).encode(), retained=False)
     assert read.get("temperature") == (None if expected is None else pytest.approx(expected))
-    assert [one.why.split(": ")[0] for one in FOUND] == (["85" if told > 0 else "-127"] if expected is None else [])
+    assert [one.why().split(": ")[0] for one in FOUND] == (["85" if told > 0 else "-127"] if expected is None else [])
     FOUND.clear()
