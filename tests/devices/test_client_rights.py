@@ -135,6 +135,61 @@ def test_a_relay_or_button_asks_whichever_one_its_name_says_it_is(name: str) -> 
         assert always_asks(one, one.parts[0]), service_type
 
 
+OPENING_NAMES = """
+en: Unlock, Command UnlockDoor, Open the gate, Remote start, Disarm alarm, Open trunk, Release strike, Door unlock
+de: Tür entriegeln, Entsperren, Tor öffnen, Alarm unscharf, Alarm deaktivieren, Kofferraum öffnen, Türsummer
+fr: Déverrouiller la porte, Ouvrir le portail, Désarmer, Désactiver l'alarme, Ouvrir le coffre, Ouverture gâche
+it: Sblocca porta, Apri cancello, Disarma, Disattiva allarme, Apri bagagliaio, Apri serratura
+es: Desbloquear puertas, Abrir portón, Desarmar, Desactivar alarma, Abrir maletero, Abrir cerradura
+nl: Ontgrendel deur, Open poort, Alarm uitschakelen, Kofferbak openen, Deur van slot
+pl: Odblokuj drzwi, Otwórz bramę, Rozbrój, Wyłącz alarm, Otwórz bagażnik, Otwórz zamek
+pt: Destrancar porta, Desbloquear, Abrir portão, Desarmar, Desativar alarme, Abrir mala, Abrir fechadura
+sv: Lås upp, Öppna grind, Avlarma, Frånkoppla larm, Öppna bakluckan, Öppna låset
+da: Lås døren op, Åbn port, Slå alarm fra, Åbn bagklap, Åbn lås
+no: Lås opp døren, Åpne porten, Deaktiver alarm, Åpne bagasjerom
+fi: Avaa ovi, Lukituksen avaus, Avaa portti, Poista hälytys, Avaa tavaratila, Avaa lukko
+cs: Odemknout, Otevřít bránu, Deaktivovat alarm, Odjistit, Otevřít kufr, Otevřít zámek
+sk: Odomknúť, Otvoriť bránu, Deaktivovať alarm, Otvoriť kufor, Otvoriť zámok
+hu: Ajtó nyitása, Zár feloldás, Kapu nyitás, Riasztó hatástalanítása, Csomagtartó nyitása
+ru: Разблокировать, Открыть ворота, Снять с охраны, Отключить охрану, Открыть багажник, Открыть замок
+uk: Розблокувати, Відчинити ворота, Вимкнути охорону, Зняти з охорони, Відкрити багажник, Відкрити замок
+zh: 解锁, 開鎖, 打开大门, 撤防, 警戒解除, 打开后备箱
+ro: Deblochează ușa, Deschide poarta, Dezarmează, Dezactivează alarma, Deschide portbagaj, Deschide yala
+tr: Kilidi aç, Bahçe kapısını aç, Alarmı devre dışı, Bagajı aç, Kapıyı aç
+el: Ξεκλείδωμα, Άνοιγμα πόρτας, Αφόπλιση, Απενεργοποίηση συναγερμού, Άνοιγμα πορτ μπαγκάζ, Άνοιξε κλειδαριά
+"""  # noqa: RUF001
+
+
+@pytest.mark.parametrize("line", OPENING_NAMES.strip().splitlines(), ids=lambda line: line[:2])
+def test_a_button_that_unlocks_opens_or_disarms_asks_in_each_language(line: str) -> None:
+    """Names made of the actions of locks, covers and alarm panels in Home Assistant core's translations."""
+    names = line[4:].split(", ")
+    buttons = [device("Wall 3", part("generic_switch", "push", name=name)) for name in names]
+    assert [one.parts[0].part.name for one in buttons if may(APP_RIGHTS, one)] == []
+
+
+@pytest.mark.parametrize(
+    ("beside", "name", "tag", "asks"),
+    [
+        (part("window_covering", "position", name="Garage door"), "Light switch", "", True),
+        (part("x_sensor", "measurement", name="Oven temperature"), "Power", "", True),
+        (part("x_sensor", "measurement", name="Odometer"), "Horn", "", True),
+        (part("x_sensor", "measurement", name="Odometer"), "Restart", "restart", False),
+        (part("x_sensor", "measurement", name="Temperature"), "Power", "", False),
+        (part("window_covering", "position", name="Bedroom blind"), "Power", "", False),
+    ],
+)
+@pytest.mark.parametrize(
+    ("kind", "capability"), [("generic_switch", "push"), ("switch", "on_off"), ("x_setting", "text")]
+)
+def test_what_stands_beside_a_garage_door_or_is_of_an_oven_or_a_car_asks(
+    beside: DevicePart, name: str, tag: str, kind: str, capability: str, *, asks: bool
+) -> None:
+    beside = beside.model_copy(update={"id": "beside"})
+    one = device("Box 7", part(kind, capability, name=name, part_id="own", tag=tag), beside)
+    assert bool(why_it_asks(one, one.parts[0])) == asks
+
+
 def choice(options: tuple[str, ...]) -> Capability:
     return Capability(name="option", settable=True, options=options)
 

@@ -5,7 +5,8 @@ The owner approves the programs that may drive them.
 A switch, plug or cover that drives such a device is recognised by its name in one of many languages, by its class or
 icon, by its model, or by the tag ``always_ask``, which the owner may give to any device. Buttons, scenes and choices
 are recognised by their names, texts and flags by names of things that open, temperatures by names of hot things; so are
-the choices of an oven, such as its program. See :mod:`homebot.devices.words`, and
+the choices of an oven, such as its program. Switches and settings beside a garage door, or parts of an oven or a car,
+ask unless their class is harmless. See :mod:`homebot.devices.words`, and
 :mod:`homebot.devices.harmless` for the issuers to which this is not enough.
 """
 
@@ -24,6 +25,7 @@ from homebot.devices.words import (
     FIRE,
     GARAGE,
     HEAT,
+    MACHINE,
     NO_LOCK,
     OPEN,
     OPENER,
@@ -97,6 +99,7 @@ MAKE: Final = frozenset({"manufacturer", "model"})
 
 _MODELS = MAKE | {CLAIMED_MODEL}
 _BUTTONS = frozenset({"generic_switch", "x_scene", "x_setting"})
+_IN_MACHINES = _BUTTONS | {"plug", "switch", "x_unknown"}
 _PRESSED = frozenset({"push", "scene"})
 _CHOSEN = frozenset({"option", "state"})
 _OPENING = frozenset({"number", "on_off", "push", "text"})
@@ -108,7 +111,7 @@ _DOSES = frozenset({"number", "option", "text"})
 _VOLUMES = frozenset({"L", "mL", "gal", "m³", "L/min", "L/h", "mL/min", "gal/min", "m³/h"})
 """Units of numbers that pour something."""
 
-_NO_DEED = frozenset({"identify", "restart", "update"})
+_NO_DEED = frozenset({"identify", "outlet", "restart", "update"})
 _TAG = fold("always_ask")
 
 
@@ -129,7 +132,7 @@ def why_it_asks(device: Device, part: DevicePart) -> str:
     for one in device.parts:
         if one is not part and (reason := _why_beside(device, part, one)):
             return reason
-    return ""
+    return _why_in_machine(device, part) if part.part.service_type in _IN_MACHINES else ""
 
 
 def why_it_drives(device: Device, part: DevicePart, groups: Groups = ALL_THAT_ASK) -> str:
@@ -207,6 +210,20 @@ def _why_beside(device: Device, part: DevicePart, other: DevicePart) -> str:
     if not reason and shares_topic and part.part.payloads and other.part.service_type in _RELAYS:
         reason = _why_by_itself(device, other)
     return f"beside another part: {reason}" if reason else ""
+
+
+def _why_in_machine(device: Device, part: DevicePart) -> str:
+    """Return why *part* always asks for the garage door, oven or car whose further parts its device has."""
+    if part.part.tag in _NO_DEED or not any(one.settable for one in part.part.capabilities):
+        return ""
+    for one in device.parts:
+        if one is part:
+            continue
+        if one.part.service_type == "window_covering" and (reason := why_it_drives(device, one, NO_LOCK)):
+            return f"beside another part: {reason}"
+        if words := matching_words(one.part.name or one.part.id, MACHINE, anywhere=True):
+            return f"beside another part: the name {one.part.name or one.part.id!r} says {words!r}"
+    return ""
 
 
 def _is_told_apart(part: DevicePart, other: DevicePart) -> bool:

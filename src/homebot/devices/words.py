@@ -7,7 +7,8 @@ The words of the table are in lower case without accents, see :mod:`homebot.supp
 - ``fire``: loads in which a fire burns.
 - ``water``: loads that flood, or keep water out, and valves of gas. ``entry``: gates, doors, bolts.
 - ``lock``: locks.
-- ``opener``: drives of a door or a gate. ``open``: commands that let in or disarm.
+- ``opener``: drives of a door or a gate. ``open``: commands that let in, disarm, or start an engine.
+- ``machine``: parts by which an oven or a car is known.
 - ``siren``: loads that sound. They do not always ask, but are not loads like others.
 - ``garage``: places whose cover is a door if this is its whole name.
 - ``window``: drives of a window.
@@ -19,6 +20,10 @@ languages that write no blanks. Besides the groups:
 - ``at_end``: a phrase counts only as the end of a name or of one of its ``clauses``, as in English: ``Gate motor 2``,
   ``Valve of the garden``. ``fillers`` after it are ignored. ``never``: phrases that do not count at the end of a name.
 - ``beside``: ends of words for things next to such a load. A name with one of them does not count.
+- ``opens`` and ``objects``: each of the first with each of the second is a phrase of ``open``.
+
+Source of the words for to lock, unlock, open and disarm: the actions and states of ``lock``, ``cover``, ``valve`` and
+``alarm_control_panel`` in Home Assistant core, ``components/NAME/translations/LANGUAGE.json``.
 """
 
 import json
@@ -26,7 +31,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from functools import lru_cache
-from itertools import chain
+from itertools import chain, product
 from pathlib import Path
 from typing import Final, NamedTuple, TypeAlias
 
@@ -40,6 +45,7 @@ __all__ = [
     "GARAGE",
     "HEAT",
     "LAMP",
+    "MACHINE",
     "NO_LOCK",
     "OPEN",
     "OPENER",
@@ -55,6 +61,7 @@ Groups: TypeAlias = frozenset[str]
 COVERING: Final = frozenset({"covering"})
 GARAGE: Final = frozenset({"garage"})
 LAMP: Final = frozenset({"lamp"})
+MACHINE: Final = frozenset({"machine"})
 FIRE: Final = frozenset({"fire"})
 HEAT: Final = frozenset({"heat", "fire"})
 OPEN: Final = frozenset({"open"})
@@ -68,7 +75,7 @@ NO_LOCK: Final = BURNS_OR_FLOODS | {"entry", "opener", "open"}
 
 ALL_THAT_ASK: Final = NO_LOCK | {"lock"}
 
-_GROUPS: Final = ALL_THAT_ASK | SIREN | GARAGE | WINDOW | COVERING | LAMP
+_GROUPS: Final = ALL_THAT_ASK | SIREN | GARAGE | WINDOW | COVERING | LAMP | MACHINE
 _DIGITS: Final = "0123456789"
 _CAMEL_CASE: Final = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
@@ -178,8 +185,9 @@ def _is_beside(words: tuple[str, ...], language: _Language) -> bool:
 
 def _phrase_in(words: tuple[str, ...], head_of: tuple[str, ...] | None, language: _Language, groups: Groups) -> str:
     """Return the words of the first phrase in *words*, which must be at the end of *head_of* if given."""
+    known = frozenset(words)
     for phrase in language.phrases:
-        if phrase.group in groups and phrase.words.issubset(words) and (head_of is None or _is_head(phrase, head_of)):
+        if phrase.words <= known and phrase.group in groups and (head_of is None or _is_head(phrase, head_of)):
             return " ".join(word for word in words if word in phrase.words)
     return ""
 
@@ -207,6 +215,8 @@ def _read_tables() -> tuple[_Language, ...]:
 def _language(table: dict[str, list[str]], beside: tuple[str, ...]) -> _Language:
     fillers = frozenset(table.get("fillers", ()))
     entries = [(entry, group) for group in sorted(_GROUPS) for entry in table.get(group, ())]
+    pairs = product(table.get("opens", ()), table.get("objects", ()))
+    entries += [(f"{verb} {thing}", "open") for verb, thing in pairs]
     words = [(frozenset(entry.split()), group) for entry, group in entries if not entry.startswith("-")]
     counts = Counter(chain.from_iterable(phrase for phrase, _ in words))
     rarest = [min(phrase, key=lambda word: (counts[word], word)) for phrase, _ in words]

@@ -86,11 +86,11 @@ def test_a_node_id_is_part_of_the_discovery_id() -> None:
     assert told.components[0].discovery_id == "device/node/object/c"
 
 
-def test_child_devices_lend_their_components() -> None:
-    told = announced(
-        {"dev": {"ids": "p"}, "cdevs": [{"identifiers": "c", "cmps": {"x": {"p": "light", "uniq_id": "a"}}}]}, WHOLE
-    )
-    assert [one.discovery_id for one in told.components] == ["device/0AFFD2/x"]
+def test_child_devices_lend_their_components_and_their_names() -> None:
+    components = {"x": {"p": "switch", "uniq_id": "a"}, "y": {"p": "button", "uniq_id": "b", "name": "Toggle"}}
+    told = announced({"dev": {"ids": "p"}, "cdevs": [{"identifiers": "c", "name": "Gate", "cmps": components}]}, WHOLE)
+    found = [(one.discovery_id, one.values["name"]) for one in told.components]
+    assert found == [("device/0AFFD2/x", "Gate"), ("device/0AFFD2/y", "Gate Toggle")]
 
 
 @pytest.mark.parametrize("key", ["migrate_discovery", "migr_discvry"])

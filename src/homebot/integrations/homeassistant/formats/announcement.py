@@ -7,7 +7,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py``; ``child_de
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple, TypeAlias
 
-from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_object, shown
+from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_object, shown, text_of
 from homebot.errors import WireError
 from homebot.integrations.homeassistant.formats.abbreviations import ABBREVIATIONS, full_keys
 from homebot.integrations.homeassistant.formats.components import BUILDERS
@@ -111,15 +111,15 @@ def _child_devices(fields: Fields) -> Iterator[Fields]:
 
 
 def _whole_device(topic: ConfigTopic, fields: Fields) -> Announced:
-    families = [one["components"] for one in (fields, *_child_devices(fields)) if one.get("components") is not None]
+    families = [one for one in (fields, *_child_devices(fields)) if one.get("components") is not None]
     if not families:
         raise WireError("a device's message has no components")
     common = {key: fields[key] for key in _SHARED if key in fields}
     found: list[DiscoveryConfig] = []
     problems: list[WireError] = []
-    for name, entry in _entries(families):
+    for name, entry, child in _entries(families):
         try:
-            component = _component(topic, name, entry, common)
+            component = _component(topic, name, entry, common, "" if child is fields else text_of(child.get("name")))
         except WireError as error:
             problems.append(WireError(f"component {shown(name)}: {error}"))
         else:
@@ -129,19 +129,20 @@ def _whole_device(topic: ConfigTopic, fields: Fields) -> Announced:
     return Announced(tuple(found), fields, tuple(problems))
 
 
-def _entries(families: Iterable[object]) -> list[tuple[str, object]]:
-    entries: list[tuple[str, object]] = []
+def _entries(families: Iterable[Fields]) -> list[tuple[str, object, Fields]]:
+    entries: list[tuple[str, object, Fields]] = []
     for family in families:
-        if not isinstance(family, dict):
-            raise WireError(f"components is {shown(family)}, not an object")
-        entries += family.items()
+        components = family["components"]
+        if not isinstance(components, dict):
+            raise WireError(f"components is {shown(components)}, not an object")
+        entries += ((name, entry, family) for name, entry in components.items())
     if len(entries) > MAX_COMPONENTS:
         raise WireError(f"a device has more than {MAX_COMPONENTS} components")
     return entries
 
 
-def _component(topic: ConfigTopic, name: str, entry: object, common: Fields) -> DiscoveryConfig | None:
-    """Return one component; None for a removed or an unknown one."""
+def _component(topic: ConfigTopic, name: str, entry: object, common: Fields, child: str) -> DiscoveryConfig | None:
+    """Return one component, with the name of its *child* device before its own; None if removed or unknown."""
     if not isinstance(entry, dict):
         raise WireError(f"it is {shown(entry)}, not an object")
     full = full_keys(entry, ABBREVIATIONS)
@@ -150,4 +151,6 @@ def _component(topic: ConfigTopic, name: str, entry: object, common: Fields) -> 
         raise WireError(f"platform is {shown(platform)}, not a text")
     if not full or platform not in BUILDERS:
         return None
+    if child:
+        full["name"] = f"{child} {text_of(full.get('name'))}".strip()
     return DiscoveryConfig(platform, f"{topic.key}/{name}", _with_base({**common, **full}))
