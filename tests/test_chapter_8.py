@@ -1,16 +1,18 @@
-"""The experiment of the thesis, chapter 8, on the embedded broker and on Mosquitto, in both ways of delivery."""
+"""The experiment of the thesis, chapter 8, with its numbers: the example's programs, and homebot's gateway."""
 
 import sys
 from collections import Counter
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
+from pathlib import Path
+from runpy import run_path
 from typing import Literal
 
 import anyio
 import pytest
+from tests.guide import guide
 from tests.patience import PATIENCE
-from tests.thesis_light_service import ThesisLightService
 
 from homebot.apps import NoSettings
 from homebot.config import parse_config
@@ -26,8 +28,15 @@ from homebot.runtime import Runtime
 LAMPS = ("home425/lights/philips165", "home425/lights/roomlights405")
 """Sorted, as the index is."""
 
-DEVICES = (*LAMPS, "home425/windows/firstlevel1")
-PAYLOADS = {"lights": b"on", "windows": b"open"}
+SAID = {
+    "home425/lights/philips165": ["off"] * 10,
+    "home425/lights/roomlights405": ["on"] * 9 + ["off"],
+    "home425/window/firstlevel1": ["open"] * 10,
+}
+EXAMPLES = Path(__file__).parents[1] / "examples"
+APPS = guide("apps")
+SERVICE = EXAMPLES / "07_thesis_light_service" / "thesis_light_service.py"
+THESIS = run_path(str(SERVICE))
 
 LISTING_8_4 = {
     "/gateway/mqtt/out",
@@ -57,11 +66,11 @@ class Experiment:
     received: Subscription[RawMessage]
     answers: Counter[str]
 
-    async def publish(self, times: int) -> None:
-        """Each device says its word *times* times."""
-        for _ in range(times):
-            for base in DEVICES:
-                await self.field.publish(f"{base}/out", PAYLOADS[base.split("/")[1]], qos=1)
+    async def publish(self, messages: range) -> None:
+        """Each device says its words with these numbers; they are its state, so the broker retains them."""
+        for number in messages:
+            for base, words in SAID.items():
+                await self.field.publish(f"{base}/out", words[number].encode(), qos=1, retain=True)
 
     async def count_received(self, expected: int) -> Counter[str]:
         """What the gateway handed on, by address; waits for *expected* messages."""
@@ -94,40 +103,81 @@ async def experiment(broker_url: str, delivery: Delivery) -> AsyncIterator[Exper
         await field.wait_connected()
         received = witness.create_subscription(RawMessage, "~/inbox", qos_profile=1000)
         ask = witness.create_client(SubscribeToTopic, "/subscribe_to_mqtt_topic")
-        for base in DEVICES:
+        for base in SAID:
             answer = await ask.call(SubscribeToTopic.Request(topic=f"{base}/out", listener="/witness"))
             if delivery == "mirror":
                 witness.create_subscription(RawMessage, answer.data_topic, received.mailbox.put, 1000)
         yield Experiment(runtime, witness, field, received, Counter())
 
 
+@pytest.mark.parametrize("is_there_first", [False, True])
 @pytest.mark.parametrize("delivery", ["inbox", "mirror"])
-async def test_chapter_8(broker_url: str, delivery: Delivery) -> None:
-    """15 of 15 before the light service, 30 in all; it answers each of the 10 that come after its start."""
-    async with experiment(broker_url, delivery) as run:
-        await run.publish(5)
-        before = await run.count_received(15)
-        assert before == {f"{base}/out": 5 for base in DEVICES}
+async def test_chapter_8(broker_url: str, delivery: Delivery, *, is_there_first: bool) -> None:
+    """Thirty messages are received; one lamp is told off: for each ``on``, and if it is on when the service comes."""
+    async with experiment(broker_url, delivery) as run, anyio.create_task_group() as tasks, AsyncExitStack() as stack:
 
-        async with Node(run.runtime.graph, "light_service") as node, anyio.create_task_group() as tasks:
-            tasks.start_soon(ThesisLightService(node, NoSettings()).run)
+        async def start_service() -> None:
+            node = await stack.enter_async_context(Node(run.runtime.graph, "light_service"))
+            tasks.start_soon(THESIS["ThesisLightService"](node, NoSettings()).run)
             await anyio.wait_all_tasks_blocked()
-            await run.publish(5)
-            after = await run.count_received(15)
-            assert before + after == {f"{base}/out": 10 for base in DEVICES}
-            await run.collect_answers(10)
-            assert run.answers == {f"{lamp}/in off": 5 for lamp in LAMPS}
-            topics = await listed_topics(run.runtime)
-            tasks.cancel_scope.cancel()
+
+        if is_there_first:
+            await start_service()
+        await run.publish(range(5))
+        before = await run.count_received(15)
+        assert before == {f"{base}/out": 5 for base in SAID}
+        await run.collect_answers(5 if is_there_first else 0)
+        answered = run.answers.copy()
+        if not is_there_first:
+            assert not answered
+            await start_service()
+        await run.publish(range(5, 10))
+        after = await run.count_received(15)
+        assert before + after == {f"{base}/out": 10 for base in SAID}  # and nothing that homebot sent itself
+        await run.collect_answers(answered.total() + (4 if is_there_first else 5))
+        run.answers.subtract(answered)
+        assert run.answers == {"home425/lights/roomlights405/in off": 4 if is_there_first else 5}
+        topics = await listed_topics(run.runtime)
+        tasks.cancel_scope.cancel()
 
         index = run.witness.create_client(GetIndexData, GET_INDEX_DATA)
         lights = await index.call(GetIndexData.Request(service_type="lights"))
-        assert lights.topics == tuple(f"{lamp}/out" for lamp in LAMPS)
-        assert [(one.gateway, one.topic) for one in lights.entries] == [("mqtt", f"{lamp}/out") for lamp in LAMPS]
-        everything = await index.call(GetIndexData.Request(service_type=""))
-        assert everything.topics == tuple(f"{base}/out" for base in DEVICES)
+        assert [(entry.gateway, entry.topic) for entry in lights.entries] == [("mqtt", f"{lamp}/out") for lamp in LAMPS]
+        window = await index.call(GetIndexData.Request(service_type="window"))
+        assert window.topics == ("home425/window/firstlevel1/out",)
         if delivery == "mirror":
             assert topics >= LISTING_8_4
+
+
+def test_the_guide_of_apps_shows_the_light_service_in_both_forms() -> None:
+    product = (EXAMPLES.parent / "src/homebot/apps/light_service.py").read_text("utf-8").splitlines()
+    shown = [line for line in product[product.index("class LightService(App):") :] if line and '"""' not in line]
+    assert [line for line in shown if line not in APPS] == []
+    assert SERVICE.read_text("utf-8").partition('"""\n\n')[2] in APPS
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", [(), ("--service-first",)])
+async def test_the_example_prints_the_numbers_of_the_thesis_beside_the_same(
+    broker_url: str, words: tuple[str, ...]
+) -> None:
+    done = await anyio.run_process(
+        [sys.executable, str(EXAMPLES / "12_thesis" / "chapter8.py"), "--mqtt", broker_url, *words], stderr=None
+    )
+    _, table = done.stdout.decode().split(f"{'thesis':26}here\n")
+    *rows, echoes, topics = (line[50:].split("  ") for line in table.splitlines()[:8])
+    assert [row[0] for row in rows] == [
+        "30",
+        "philips165 roomlights405",
+        "firstlevel1",
+        "4" if words else "5",
+        "0",
+        "0",
+    ]
+    assert [row[0] for row in rows] == [row[-1].strip() for row in rows]
+    assert (echoes[-1].strip(), topics[-1].strip()) == ("0", "6")
+    assert set(table.splitlines()[8:]) == LISTING_8_4
+    assert words or "\n".join(table.splitlines()[:8]) in guide("thesis")
 
 
 async def listed_topics(runtime: Runtime) -> set[str]:

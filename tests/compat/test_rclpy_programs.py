@@ -1,43 +1,21 @@
-"""Programs in rclpy's idioms, run unchanged: six of its tutorials, and the listings of the thesis."""
+"""Programs in rclpy's idioms, run unchanged: six of its tutorials; tests/test_chapter_8.py has the thesis's."""
 
 import os
 import re
 import signal
 import sys
-from collections import Counter
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
-from urllib.parse import urlsplit
 
 import anyio
 import pytest
 from anyio.streams.text import TextReceiveStream
 from tests.patience import PATIENCE
 
-from homebot.mqtt.client import MqttSubscription
-from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
-from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.options import MqttOptions
-
 pytestmark = pytest.mark.slow
 
 PROGRAMS = Path(__file__).parent / "programs"
-INTERFACES = PROGRAMS / "interfaces"
-
-PAYLOADS = {
-    "home425/lights/roomlights405": b"on",
-    "home425/lights/philips165": b"off",
-    "home425/window/firstlevel1": b"open",
-}
-LISTING_8_4 = {
-    "/gateway/mqtt/out",
-    "/gateway/mqtt/received_data/philips165",
-    "/gateway/mqtt/received_data/roomlights405",
-    "/gateway/mqtt/received_topics",
-    "/parameter_events",
-    "/rosout",
-}
 
 
 class Run:
@@ -68,7 +46,7 @@ class Run:
 
 @asynccontextmanager
 async def running(*programs: str, arguments: Sequence[str] = (), **environment: str) -> AsyncIterator[Run]:
-    command = [sys.executable, "-m", "homebot.compat", "--interfaces", str(INTERFACES)]
+    command = [sys.executable, "-m", "homebot.compat"]
     command += [*(str(PROGRAMS / f"{name}.py") for name in programs), "--", *arguments]
     process = await anyio.open_process(command, stderr=-2, env=os.environ | environment)
     async with process:
@@ -158,42 +136,3 @@ async def test_a_parameter_is_declared_read_and_set() -> None:
     """The tutorial sets it back after each greeting, and its own check refuses an empty name."""
     async with running("parameters") as run:
         await run.printed("Hello world!", "Hello moon!", "refused: an empty name")
-
-
-async def test_the_light_service_of_the_thesis_answers_as_in_its_chapter_8(embedded_broker_url: str) -> None:
-    """Thirty messages of three devices: each `on` of the one lamp is answered with `off`, and nothing else is sent.
-
-    The topics that exist are those of listing 8.4.
-    """
-    programs = ("mqtt_gateway", "discovery_manager", "light_service", "witness")
-    options = MqttOptions.from_url(embedded_broker_url)
-    port = str(urlsplit(embedded_broker_url).port)
-    async with MqttConnection(options, AiomqttClient, status_topic=None) as field:
-        await field.subscribe(MqttSubscription("home425/+/+/in", qos=1))
-        await field.wait_connected()
-        async with running(*programs, MQTT_PORT=port) as run:
-            await run.printed("mqtt_publisher is connected")
-            for device in PAYLOADS:
-                await field.publish(f"{device}/out", b"hello", qos=1)
-            await run.printed("light_service knows 2 lights")
-            for _ in range(10):
-                for device, payload in PAYLOADS.items():
-                    await field.publish(f"{device}/out", payload, qos=1)
-            answers = await heard(field, 10)
-            assert answers == {"home425/lights/roomlights405/in off": 10}
-            await run.printed(r"(?s)(philips165/out is off.*){10}", r"(?m)^/gateway.*\n")
-            topics = [line for line in run.text.splitlines() if line.startswith("/gateway")]
-            assert set(topics[-1].split()) == LISTING_8_4
-
-
-async def heard(field: MqttConnection, expected: int) -> Counter[str]:
-    """Return the commands to devices, at least *expected*, with as many more as come within a second."""
-    counts: Counter[str] = Counter()
-    with anyio.move_on_after(PATIENCE) as scope:
-        while True:
-            messages = await field.receive()
-            counts.update(f"{message.topic} {message.payload.decode()}" for message in messages)
-            field.ack(messages)
-            if counts.total() >= expected:
-                scope.deadline = anyio.current_time() + 1
-    return counts

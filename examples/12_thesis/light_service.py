@@ -1,9 +1,12 @@
-"""Listings 7.9 and 7.10: looks the lights up, listens to each, and answers `on` with `off`."""
+"""The light service (listings 7.9 and 7.10): looks the lights up, listens to each, and answers `on` with `off`."""
 
 import rclpy
 from more_interfaces.msg import MqttGatewayOut, SubscriptionData
 from more_interfaces.srv import DataRequest, SubscribeTopic
 from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+NEWEST = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class LightService(Node):
@@ -30,10 +33,11 @@ class LightService(Node):
                 subscribe = SubscribeTopic.Request()
                 subscribe.topic = topic
                 answer = self.ask(self.gateway, subscribe)
-                self.known[topic] = self.create_subscription(SubscriptionData, answer.data, self.on_data, 10)
+                self.known[topic] = self.create_subscription(SubscriptionData, answer.data, self.on_data, NEWEST)
 
     def on_data(self, msg):
         if msg.data == "b'on'":
+            self.get_logger().info(f"{msg.topic} is on, turning it off")
             out = MqttGatewayOut()
             out.topic = msg.topic.removesuffix("out") + "in"
             out.data = "off"
@@ -51,7 +55,6 @@ def main(args=None):
     light_service.get_logger().info(f"light_service knows {len(light_service.known)} lights")
     rclpy.spin(light_service)
     light_service.destroy_node()
-    rclpy.shutdown()
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Listings 7.6 to 7.8: the index of service types, filled from the topics that the gateway hears."""
+"""The index (listings 7.6 to 7.8): the addresses of each service type, by the topics that the gateway hears."""
 
 import rclpy
 from more_interfaces.msg import MqttGatewayIn, StringList
@@ -35,7 +35,6 @@ def main(args=None):
     discovery_manager = DiscoveryManager()
     rclpy.spin(discovery_manager)
     discovery_manager.destroy_node()
-    rclpy.shutdown()
 
 
 if __name__ == "__main__":
