@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from homebot.devices import Device
     from homebot.devices.approval_messages import UnapprovedResponse
     from homebot.devices.journal_messages import ExplainDeviceResponse
-    from homebot.devices.query.terms import Query
     from homebot.devices.services import QueryDevicesResponse
     from homebot.messages import Time
 
@@ -36,7 +35,7 @@ __all__ = [
     "limits_of",
     "matching_devices",
     "named_device",
-    "print_near_matches",
+    "print_note",
     "reasons_for",
     "unapproved",
     "why_none",
@@ -44,9 +43,8 @@ __all__ = [
 
 T = TypeVar("T")
 
-_SOME = 12
 _NEAR = 100
-_NEAR_MATCH = " is a near match"
+_WIDEST = 1000
 _TYPO = 0.8
 
 _PAGE = 200
@@ -91,14 +89,6 @@ def matching_devices(door: DoorClient, query: str) -> list[Device]:
         found += [one.device for one in page.results]
         total = page.total if page.results else 0
     return found
-
-
-def print_near_matches(found: QueryDevicesResponse) -> None:
-    """Print the words that no device found has, although some have similar ones."""
-    reasons = [{one for one in result.reasons if one.endswith(_NEAR_MATCH)} for result in found.results]
-    for reason in sorted(set.intersection(*reasons)):
-        word = reason.removesuffix(_NEAR_MATCH)
-        print(f"homebot: no device found has the word {word!r}; these have similar ones", file=sys.stderr)
 
 
 def named_device(door: DoorClient, name: str) -> Device:
@@ -150,31 +140,16 @@ def reasons_for(door: DoorClient, device: Device) -> Sequence[str]:
     return next((one.reasons for one in found.results if one.device.id == device.id), ())
 
 
-def why_none(door: DoorClient, query: str) -> str:
-    """Return why *query* finds nothing: the area without devices, if there is one."""
-    from homebot.devices.query import parse, terms  # noqa: PLC0415 - loads pydantic
+def print_note(found: QueryDevicesResponse) -> None:
+    """Print the note on the devices *found*, such as that they have only words similar to one of the query."""
+    if found.message:
+        print(f"homebot: {printable(found.message, _WIDEST)}", file=sys.stderr)
 
-    def areas_of(query: Query) -> Iterator[str]:
-        match query:
-            case terms.InArea(area):
-                yield area
-            case terms.And(parts) | terms.Or(parts):
-                for part in parts:
-                    yield from areas_of(part)
 
-    areas = tuple(areas_of(parse.parse_query(query)))
-    for area in areas:
-        if not find_devices(door, f"in {quoted(area)}", 1).total:
-            all_areas = all_devices(door, lambda device: (device.area, *device.outer_areas))
-            known = sorted({one for some in all_areas for one in some if one})
-            hint = (
-                f"areas are {', '.join(known[:_SOME])}"
-                if known
-                else "state the room of a device with `homebot place DEVICE ROOM`"
-            )
-            return f"no device is in {area!r}; {did_you_mean(area, known, hint)}"
-    others = "find 'without area'` lists those without a room" if areas else "devices` lists all"
-    return f"no device matches {query!r}; `homebot {others}"
+def why_none(found: QueryDevicesResponse, query: str) -> str:
+    """Return why *query* finds nothing."""
+    reason = "" if found.pose_age or found.left_out else found.message
+    return printable(reason or f"no device matches {query!r}; `homebot devices` lists all", _WIDEST)
 
 
 def unapproved(door: DoorClient, device: str = "") -> frozenset[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Collection, Sequence
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
@@ -148,8 +148,8 @@ class DirectoryServices:
                 if request.is_spelled:
                     matches = {one for one in matches if is_spelled(query, index.postings.facets(one).words)}
                 ranked = [(score, one, ()) for score, one in rank(query, matches, index.postings)]
-                why = "" if ranked else self._why_none(query)
-                answer = messages.QueryDevicesResponse(success=True, message=why, total=len(ranked))
+                note = self._note(query, matches)
+                answer = messages.QueryDevicesResponse(success=True, message=note, total=len(ranked))
             else:
                 found = await (await self._nearness()).find(near, rest, limit or 0)
                 ranked = [(-one.cost, one.device, (found.why(one),)) for one in found.devices]
@@ -182,7 +182,7 @@ class DirectoryServices:
         devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
         return messages.ListDevicesResponse(
             success=True,
-            message="" if found else self._why_none(self._read(request.query)),
+            message=self._note(self._read(request.query), found),
             devices=tuple(_listed(one, needs_approval=self._index.postings.needs_approval) for one in devices),
             total=len(found),
             sequence=self._index.sequence,
@@ -203,11 +203,11 @@ class DirectoryServices:
         index = self._index
         check_words(query, index.postings, index.owner.plan, index.devices)
 
-    def _why_none(self, query: Query) -> str:
-        """Return why nothing matches *query*, as :func:`explain_none` does."""
-        from homebot.discovery.search.unknown_words import explain_none  # noqa: PLC0415 - for searches alone
+    def _note(self, query: Query, found: Collection[str]) -> str:
+        """Return what is to be known about the devices *found*, as :func:`note_on` does."""
+        from homebot.discovery.search.unknown_words import note_on  # noqa: PLC0415 - for searches alone
 
-        return explain_none(query, self._index.postings, self._index.owner.plan)
+        return note_on(query, found, self._index.postings, self._index.owner.plan)
 
     def _get_changes(self, request: messages.GetChangesRequest) -> messages.GetChangesResponse:
         self._publish_all()

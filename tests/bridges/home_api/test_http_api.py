@@ -130,6 +130,19 @@ async def test_a_mistake_is_told_with_its_remedy(tmp_path: Path) -> None:
     assert "this part takes on, off" in refused.values["reason"]
 
 
+async def test_a_question_that_nothing_fits_has_the_reason(tmp_path: Path) -> None:
+    lamps = "door stop, lamp1, lamp2, lamp3"
+    async with running_api(tmp_path) as api:
+        for question, note in (
+            ("Which%20lights%20are%20on%3F", f"none now; in another state there would be {lamps}"),
+            ("kettle", "nothing matches; without a query all are listed"),
+        ):
+            assert (await api.get(f"/api/devices?q={question}")).values == {"devices": [], "note": note}
+        await api.command("lamp1", "on")
+        lit = (await api.get("/api/devices?q=what%20is%20on%3F")).values
+        assert ([one["id"] for one in lit["devices"]], "note" in lit) == (["lights/lamp1"], False)
+
+
 @pytest.mark.rooms("thesis")
 async def test_scenes_are_listed_applied_and_undone_with_the_outcome_of_each_part(tmp_path: Path) -> None:
     async with running_api(tmp_path) as api:

@@ -56,6 +56,7 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
 from homebot.devices.query.term_messages import read_terms
+from homebot.devices.query.terms import HasText
 from homebot.devices.services import (
     AnnouncedOn,
     FindDevicesRequest,
@@ -73,10 +74,13 @@ from homebot.devices.services import (
     SplitDeviceResponse,
 )
 from homebot.devices.value import PlainValue, Value
+from homebot.discovery.search.postings import Postings
+from homebot.discovery.search.unknown_words import note_on
 from homebot.errors import UsageError
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.journal.store import JournalNote, JournalStore
 from homebot.messages import Time
+from homebot.places import HousePlan
 from homebot.support.counters import Severity
 
 LAMP_KEY = "homeassistant:light/0x00158d0001abcdef/light"
@@ -321,16 +325,18 @@ class StillHouse:
         found = [one for one in self._devices() if fits(query, facets_of(one))]
         found = found[self.restless :] + found[: self.restless]
         self.restless = max(0, self.restless - 1)
-        near = ("lihgt is a near match",) if self.is_near else ()
+        postings = Postings()
+        for one in self._devices():
+            postings.put(facets_of(one), ())
+        near = HasText("lihgt") if self.is_near else query
+        note = note_on(near, [one.id for one in found], postings, HousePlan("villa"))
         results = tuple(
-            Found(
-                device=one, score=2.0 - number, reasons=(f"it is number {number + 1}", f"it is {one.freshness}", *near)
-            )
+            Found(device=one, score=2.0 - number, reasons=(f"it is number {number + 1}", f"it is {one.freshness}"))
             for number, one in enumerate(found)
         )
         shown = results[request.offset :][: request.limit or None]
         self.carried += len(shown)
-        return QueryDevicesResponse(success=True, results=shown, total=len(found))
+        return QueryDevicesResponse(success=True, message=note, results=shown, total=len(found))
 
     def _forget(self, request: ForgetDeviceRequest) -> ForgetDeviceResponse:
         self.forgotten.append(request.device)

@@ -1,5 +1,6 @@
 """Words that are exactly the name of something mean that alone, wherever they are written."""
 
+import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -13,10 +14,12 @@ from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import query_words, read_terms
 from homebot.devices.query.terms import NameIs, Query
 from homebot.devices.query.words import WordsQuery
-from homebot.devices.value import Value
+from homebot.devices.value import PlainValue, Value
 from homebot.discovery.search.columns import StoredValue
 from homebot.discovery.search.postings import Postings
+from homebot.discovery.search.unknown_words import note_on
 from homebot.messages.builtin_interfaces import Time
+from homebot.places import HousePlan
 from homebot.routines.conditions import Matches, read_condition
 from homebot.routines.triggers import Becomes, read_trigger
 from homebot.support.folding import fold
@@ -47,12 +50,16 @@ NAMES = st.lists(st.sampled_from((*WORDS, "open", "low")), max_size=2).flatmap(
 
 
 def plug(number: int, name: str, *, is_on: bool, area: str = "") -> Device:
-    part = Part(id="", service_type="plug", capabilities=(Capability(name="on_off", settable=True),))
-    state = State(part="", capability="on_off", value=Value.of(is_on), since=NOW, told_at=NOW, live=True)
+    return device(number, name, "plug", "on_off", is_on, area=area)
+
+
+def device(number: int, name: str, kind: str, capability: str, value: PlainValue, *, area: str = "") -> Device:
+    part = Part(id="", service_type=kind, capabilities=(Capability(name=capability, settable=True),))
+    state = State(part="", capability=capability, value=Value.of(value), since=NOW, told_at=NOW, live=True)
     return Device(
         id=f"id{number}",
         name=name,
-        service_type="plug",
+        service_type=kind,
         parts=(DevicePart(id="", part=part, routes=()),),
         endpoints=(),
         metadata=(),
@@ -67,10 +74,10 @@ def plug(number: int, name: str, *, is_on: bool, area: str = "") -> Device:
 
 def directory(devices: list[Device]) -> Postings:
     postings = Postings()
-    for device in devices:
-        is_on = device.states[0].value.plain()
-        stored = StoredValue(device.states[0].value, is_on, NOW, NOW, live=True)
-        postings.put(facets_of(device), [("", "plug", "on_off", stored)])
+    for one in devices:
+        (state,) = one.states
+        stored = StoredValue(state.value, state.value.plain(), NOW, NOW, live=True)
+        postings.put(facets_of(one), [("", one.service_type, state.capability, stored)])
     return postings
 
 
@@ -93,16 +100,16 @@ def test_commands_searches_triggers_conditions_and_bans_mean_the_device_with_the
 ) -> None:
     devices = [plug(number, name, is_on=bool(on >> number & 1)) for number, name in enumerate(names)]
     postings = directory(devices)
-    for device in devices:
-        meant = {device.id} if device.states[0].value.plain() else set()
-        text = f"{device.name} on"
+    for one in devices:
+        meant = {one.id} if one.states[0].value.plain() else set()
+        text = f"{one.name} on"
         assume(fold(text) not in map(fold, names))
         trigger, condition = read_trigger(text), read_condition(f"not {text}")
         assert isinstance(trigger, Becomes)
         assert isinstance(condition, Matches)
-        assert postings.find(NameIs(fold(device.name))) == {device.id}  # as a command does
-        assert found(postings, device.name) == {device.id}
-        for words in (text, f"is the {device.name} on?", trigger.words, condition.state.words):
+        assert postings.find(NameIs(fold(one.name))) == {one.id}  # as a command does
+        assert found(postings, one.name) == {one.id}
+        for words in (text, f"is the {one.name} on?", trigger.words, condition.state.words):
             assert found(postings, words) == followed(devices, words) == meant, words
         assert meant <= matching(devices, parse_cautious_query(text))
 
@@ -127,6 +134,41 @@ def test_a_name_of_a_type_means_its_device_and_in_a_room_the_type_as_well() -> N
         "which plugs are on in the hall?": {"id3"},
     }.items():
         assert found(postings, text) == followed(devices, text) == meant, text
+
+
+QUESTIONS = [
+    device(1, "hall lamp", "light", "on_off", True, area="hall"),
+    device(2, "desk lamp", "light", "on_off", False, area="study"),
+    device(3, "front door", "contact_sensor", "contact", False, area="hall"),
+    device(4, "front door lock", "door_lock", "lock", "locked", area="hall"),
+    device(5, "cooler", "room_air_conditioner", "local_temperature", 21.0, area="study"),
+    device(6, "hall eye", "occupancy_sensor", "occupancy", False, area="hall"),
+    device(7, "Gate", "closure", "position", 0.0, area="garden"),
+]
+
+
+@pytest.mark.parametrize(
+    ("text", "ids", "note"),
+    [
+        ("Which lights are on?", {"id1"}, ""),
+        ("what is on in the hall", {"id1"}, ""),
+        ("is the front door locked?", {"id4"}, ""),
+        ("is the front door open", set(), "none now; in another state there would be front door"),
+        ("are there lights in the hall", {"id1"}, ""),
+        ("temperature in study", {"id5"}, ""),
+        ("which lights are on in the study?", set(), "none now; in another state there would be desk lamp"),
+        ("motion sensor in study", set(), "none is in study; there is in hall"),
+        ("lights in kichen", set(), "no device is in 'kichen'; areas are garden, hall, study"),
+        ("hall lamp locked", set(), "what is called so has no such value: hall lamp"),
+        ("hall lanp", {"id1"}, "no device found has the word 'lanp'; these have similar ones"),
+        ("kettle", set(), ""),
+    ],
+)
+def test_a_question_is_answered_by_devices_or_by_the_reason_for_none(text: str, ids: set[str], note: str) -> None:
+    postings = directory(QUESTIONS)
+    query = read_terms(query_words(text), lambda query: bool(postings.find(query)))
+    assert postings.find(query) == ids
+    assert note_on(query, postings.find(query), postings, HousePlan("villa")) == note
 
 
 def test_what_words_mean_follows_the_names_of_the_house() -> None:

@@ -89,11 +89,13 @@ async def find_devices(home: HomeCalls, asked: shapes.ListQuestion) -> shapes.De
     """Return the devices that fit a query, by id, or else those called so, by words that may mean something else."""
     answer = await listed(home, query=asked.q, limit=asked.limit)
     if answer.success and not answer.devices and 0 < len(asked.q) <= _WIDEST:
-        answer = await listed(home, query=f"name={quoted(asked.q)}", limit=asked.limit)
+        named = await listed(home, query=f"name={quoted(asked.q)}", limit=asked.limit)
+        answer = named if named.devices else answer
     if not answer.success:
         raise ProblemError(HTTPStatus.BAD_REQUEST, answer.message)
     devices = tuple(map(_line, answer.devices))
-    return shapes.DeviceList(devices=devices, more=answer.total - len(devices))
+    note = answer.message or ("" if devices else "nothing matches; without a query all are listed")
+    return shapes.DeviceList(devices=devices, more=answer.total - len(devices), note=note)
 
 
 async def device_details(home: HomeCalls, asked: shapes.DeviceQuestion) -> shapes.DeviceDetails:

@@ -141,10 +141,11 @@ class DeviceLine(_Answer):
 
 
 class DeviceList(_Answer):
-    """Devices, and how many more fit."""
+    """Devices, how many more fit, and why there are none, or what they only nearly fit."""
 
     devices: tuple[DeviceLine, ...]
     more: int = 0
+    note: _Told = ""
 
 
 class DeviceDetails(DeviceLine):

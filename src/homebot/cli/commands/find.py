@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import whole
 from homebot.cli.device_json import device_json, json_text, list_text
-from homebot.cli.device_queries import find_devices, print_near_matches, unapproved, why_none
+from homebot.cli.device_queries import find_devices, print_note, unapproved, why_none
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import is_terminal, print_table, to_table, without_empty
 from homebot.devices.query.tokens import MAX_QUERY, quoted
@@ -59,11 +59,12 @@ def _find(door: DoorClient, options: argparse.Namespace) -> int:
         ]
         print(list_text([json_text(one) for one in results]))
         return 0 if results else 1
+    if not found.results:
+        print(why_none(found, query))
+    if found.results or found.pose_age:
+        print_note(found)
     if found.results:
-        print_near_matches(found)
         _show(found, why=options.why)
-    else:
-        print(why_none(door, query))
     _show_left_out(found)
     return 0 if found.results else 1
 
@@ -86,8 +87,6 @@ def _named(door: DoorClient, name: str, limit: int) -> QueryDevicesResponse | No
 
 
 def _show_left_out(found: QueryDevicesResponse) -> None:
-    if found.message:
-        print(f"homebot: {printable(found.message, _WIDEST)}", file=sys.stderr)
     for one in found.left_out:
         print(f"homebot: left out: {printable(one.key)}: {printable(one.value, _WIDEST)}", file=sys.stderr)
 

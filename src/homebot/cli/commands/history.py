@@ -14,7 +14,7 @@ from datetime import time as time_of_day
 from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import duration, whole
-from homebot.cli.device_queries import device_or_similar, find_devices, house_time, print_near_matches, why_none
+from homebot.cli.device_queries import device_or_similar, find_devices, house_time, print_note, why_none
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import entities
 from homebot.cli.terminal import print_table
@@ -182,8 +182,8 @@ def _devices(door: DoorClient, text: str) -> dict[str, object]:
         return {"device": device.id}
     found = find_devices(door, text, _MATCHES)
     if not found.results:
-        raise PeerError(why_none(door, text))
-    print_near_matches(found)
+        raise PeerError(why_none(found, text))
+    print_note(found)
     return {"query": text}
 
 

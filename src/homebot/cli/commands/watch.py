@@ -53,7 +53,7 @@ def _watch(door: DoorClient, options: argparse.Namespace) -> Never:
     query = " ".join(options.query)
     house = _WatchedHouse(door, query)
     if query and not house.names:
-        print(f"homebot: so far {why_none(door, query)}", file=sys.stderr)
+        print(f"homebot: so far {why_none(find_devices(door, query, 1), query)}", file=sys.stderr)
     printer = _LinePrinter(house.names, as_json=options.json)
     while True:
         for message in door.until(_TICK):

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import chain
 from types import MappingProxyType
 
 from homebot.devices.capabilities import CAPABILITIES
@@ -22,6 +23,7 @@ from homebot.devices.query.terms import (
     ReachableIs,
     StateIs,
     TypeIs,
+    leaves,
     type_is,
 )
 from homebot.support.folding import fold
@@ -251,7 +253,8 @@ def meaning_of(phrase: str) -> Query | None:
     capability = CAPABILITY_WORDS.get(phrase)
     if wanted_types(phrase) or phrase in {"sensor", "sensors"}:
         named = type_is(phrase)
-        return named if capability is None else Or((named, CanDo(capability)))
+        own = (CanDo("local_temperature"),) if capability == "temperature" else ()  # an air conditioner's sensor
+        return named if capability is None else Or((named, CanDo(capability), *own))
     return None if capability is None else CanDo(capability)
 
 
@@ -264,12 +267,17 @@ def all_of(terms: list[Query]) -> Query:
     """Return the conjunction of *terms*, with adjectives applied to the types next to them."""
     if not any(isinstance(term, TypeIs | NameIs) for term in terms):
         terms = [_NOUNS.get(term, term) for term in terms]
+    if any(term in _OF_LOCKS for term in terms):  # a locked door is one whose lock is
+        terms = [Or((one, _LOCK)) if isinstance(one, TypeIs) and one.tag else one for one in terms]
     scoped = _with_scopes(terms)
     return scoped[0] if len(scoped) == 1 else And(tuple(scoped))
 
 
 def _with_scopes(terms: list[Query]) -> list[Query]:
-    types = frozenset(one for term in terms if isinstance(term, TypeIs) for one in term.types)
+    whole = [
+        leaves(term) for term in terms if isinstance(term, TypeIs) or (isinstance(term, Or) and _LOCK in term.terms)
+    ]
+    types = frozenset(one for term in chain(*whole) if isinstance(term, TypeIs) for one in term.types)
     return [_scoped(term, types) for term in terms] if types else terms
 
 
@@ -284,6 +292,9 @@ def _scoped(term: Query, types: frozenset[str]) -> Query:
 
 
 _ADJECTIVE_TERMS = frozenset(states[0] if len(states) == 1 else Or(states) for states in ADJECTIVES.values())
+
+_OF_LOCKS = frozenset(meaning_of(word) for word in ("locked", "unlocked", "jammed"))
+_LOCK = type_is("lock")
 
 _NOUNS: dict[Query, Query] = {
     states[0]: type_is(word) for word, states in ADJECTIVES.items() if len(states) == 1 and wanted_types(word)

@@ -10,6 +10,7 @@ from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.query.terms import (
     And,
     AreaIs,
+    CanDo,
     FactIs,
     GatewayIs,
     HasText,
@@ -25,10 +26,10 @@ from homebot.devices.query.vocabulary import ABILITIES, ADJECTIVES, CAPABILITY_W
 from homebot.discovery.search.postings import Postings
 from homebot.errors import RefusedError, UsageError
 from homebot.places import OUTSIDE, HousePlan
-from homebot.support.folding import fold, is_room_typo, is_typo
+from homebot.support.folding import fold, is_room_typo, is_typo, may_be_typo
 from homebot.support.similar import did_you_mean
 
-__all__ = ["area_problem", "check_words", "explain_none"]
+__all__ = ["area_problem", "check_words", "note_on"]
 
 _SHOWN = 12
 _WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CONDITIONS, *KEYWORDS, "near", "within"})
@@ -110,31 +111,54 @@ def area_problem(area: str, postings: Postings, plan: HousePlan) -> str:
     return f"no device is in {area!r}, and [places] has no such room; {hint}"
 
 
-def explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
-    """Return why nothing in the house matches *query*, whose words are spelled right."""
+def note_on(query: Query, found: Collection[str], postings: Postings, plan: HousePlan) -> str:
+    """Return why nothing matches *query*, or the words that the devices *found* only have with a typo; else empty."""
+    if not found:
+        return _explain_none(query, postings, plan)
+    words = {one.text for one in leaves(query) if isinstance(one, HasText) and may_be_typo(one.text)}
+    near = sorted(word for word in words if not any(_begins(word, postings.facets(one).words) for one in found))
+    named = f"no device found has the word {' or '.join(map(repr, near))}; these have similar ones"
+    return named if near else ""
+
+
+def _begins(word: str, words: Iterable[str]) -> bool:
+    return any(one.startswith(word) for one in words)
+
+
+def _explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
     may = lasting(query)
     areas = [one.text for one in leaves(may) if isinstance(one, InArea)]
     for area in areas:
         if not postings.find(InArea(area)):
             known = sorted(postings.values_of("area"))
-            hint = f"areas are {', '.join(known[:_SHOWN])}" if known else "no room of a device is known"
+            hint = (
+                f"areas are {', '.join(known[:_SHOWN])}"
+                if known
+                else "state the room of a device with `homebot place DEVICE ROOM`"
+            )
             return area_problem(area, postings, plan) or f"no device is in {area!r}; {did_you_mean(area, known, hint)}"
     if (able := postings.find(may)) and may != query:
-        names = sorted(postings.facets(one).name for one in able)
-        return f"none now; {len(able)} would fit in another state: {', '.join(names[:_SHOWN])}"
-    elsewhere = postings.find(_anywhere(may)) if areas else ()
-    rooms = sorted({area for one in elsewhere for area in postings.facets(one).areas[:1]})
-    return f"none is in {' or '.join(areas)}; there are some in {', '.join(rooms[:_SHOWN])}" if rooms else ""
+        return f"none now; in another state there would be {_names(able, postings)}"
+    if areas and (elsewhere := postings.find(_without(InArea, may))):
+        rooms = sorted({area for one in elsewhere for area in postings.facets(one).areas[:1]})
+        return f"none is in {' or '.join(areas)}; there is in {', '.join(rooms[:_SHOWN]) or 'no room'}"
+    is_named = any(isinstance(one, HasText | NameIs) for one in leaves(may))
+    others = postings.find(_without(CanDo, may)) if is_named else ()
+    return f"what is called so has no such value: {_names(others, postings)}" if others else ""
 
 
-def _anywhere(query: Query) -> Query:
+def _names(found: Iterable[str], postings: Postings) -> str:
+    names = sorted(postings.facets(one).name or one for one in found)
+    return f"{', '.join(names[:_SHOWN])}{', …' if len(names) > _SHOWN else ''}"
+
+
+def _without(kind: type[Query], query: Query) -> Query:
+    """Return *query* without its terms of a *kind*."""
     match query:
         case And(terms) | Or(terms):
-            return type(query)(tuple(map(_anywhere, terms)))
-        case InArea():
-            return And(())
+            return type(query)(tuple([_without(kind, one) for one in terms]))
         case _:
-            return query
+            return And(()) if isinstance(query, kind) else query
 
 
 def _typo(problem: str, word: str, known: Collection[str]) -> str:
