@@ -236,7 +236,6 @@ class PartTimeline:
         fact.is_news = is_off_again or (is_same and echoed is None and self.profile.changes >= ENOUGH)
         self._append(fact)
         roles = [(one, one.report(fact)) for one in reversed(active)]
-        self._relate(fact, roles)
         self._judge(fact, roles)
         for one, role in roles:
             if role is ReportRole.ECHO:
@@ -355,7 +354,7 @@ class PartTimeline:
 
     def _relate(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:
         """Relate a change that no command explains to what lasted as long, or drifted, or changed nearby."""
-        if not fact.is_change or fact.is_after_loss or fact.was_absent or fact.set_by:
+        if fact.is_after_loss or fact.was_absent or fact.set_by:
             return
         causes = [explanation(role, fact, one) for one, role in roles]
         cause = next((one for one in causes if one is not None), None)
@@ -404,6 +403,9 @@ class PartTimeline:
     def _judge(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:
         """Store the cause of a report, the only time that it is asked for."""
         fact.attribution = judge(fact, roles)
+        if fact.is_change and fact.attribution.may_be_person:
+            self._relate(fact, roles)
+            fact.attribution = judge(fact, roles)
         self._note(fact, [one for one, _ in roles])
 
     def _note(self, fact: Reported, commands: list[CommandProgress]) -> None:
