@@ -43,6 +43,33 @@ async def test_a_query_reaches_all_that_fit_and_nothing_else(home: Home) -> None
     assert sent(home) == [("one", "on_off", True), ("two", "on_off", True)]
 
 
+@pytest.mark.parametrize(
+    ("target", "word", "asks"),
+    [
+        ("door", "unlock", {"Door": "it is a door lock"}),
+        ("all devices", "on", {"Garage_Door": "the name 'Garage_Door' says 'garage door'"}),
+        ("door", "lock", {}),  # safer
+        ("lamp", "on", {}),
+    ],
+)
+async def test_a_client_that_asks_its_person_sends_nothing_at_first_to_what_always_asks(
+    home: Home, target: str, word: str, asks: dict[str, str]
+) -> None:
+    home.put("door", "door_lock", "lock", area="hall")
+    for key, kind in ("lamp", "light"), ("garage_door", "switch"):
+        home.put(key, kind, "on_off", area="hall")
+    client = home.app.create_client(CommandDevices, COMMAND_DEVICES)
+    asked = CommandDevicesRequest(
+        target=target, command=word, issuer="client:anna", scope=("act: all",), unless_asks=True
+    )
+    await anyio.sleep(0.01)
+    answer = await client.call(asked, timeout=600)
+    assert {one.key: one.value for one in answer.asks} == asks
+    assert bool(sent(home)) is not bool(asks)
+    assert not (await client.call(asked.model_copy(update={"unless_asks": False}), timeout=600)).asks
+    assert sent(home)
+
+
 @pytest.mark.parametrize("target", ["everything", "Everything in hall", "all devices"])
 async def test_everything_is_what_takes_the_command(home: Home, target: str) -> None:
     home.put("lamp", "light", "on_off", area="hall")

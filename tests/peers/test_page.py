@@ -160,6 +160,39 @@ async def test_a_lamp_is_turned_on_and_the_page_says_how_that_is_known(page: Ope
         assert own.problems() == []
 
 
+async def test_what_always_asks_is_done_once_the_person_at_the_page_agrees(page: OpenPage) -> None:
+    """One tap unlocked the front door, and opened the garage."""
+    tables = {
+        "control": {"always_ask": False},
+        "places": {"devices": {"lights/lamp": {"tags": ["always_ask"]}}},
+    }
+    world = World.of(SimulatedDoorLock("front_door"), SimulatedLamp("lamp"))
+    roads = {
+        "#/house": ("button[role=switch]",),
+        "#/device/lights%2Flamp": ("button[role=switch]",),
+        "#/device/locks%2Ffront_door": ("div[aria-label=lock] button:nth-of-type(2)",),
+        "#/house/": ("button[aria-label='more of Front door']", "div[aria-label=lock] button:nth-of-type(2)"),
+    }
+    async with page(world, tables, token="hunter2") as own:
+        await own.open("#token=hunter2", shows="2 devices")
+        for view, road in roads.items():
+            await own.open(view, shows="amp" if "lamp" in view else "ront")
+            for one in road:
+                await own.click(one)
+            await own.shows("yes, do it", ".agreement")
+            await own.click(".agreement button:nth-of-type(2)")
+            await own.hides("yes, do it")
+        await own.open("#/journal", shows="Nothing has happened yet.")
+        await own.open("#/device/locks%2Ffront_door", shows="Commands")
+        await own.click("div[aria-label=lock] button:nth-of-type(2)")
+        await own.shows("lock", ".agreement")
+        await own.click(".agreement button")
+        await own.shows("confirmed after", "[role=alert].good")
+        await own.click("div[aria-label=lock] button")
+        await own.shows("confirmed after", "[role=alert].good")  # to lock asks nobody
+        assert own.problems() == []
+
+
 async def test_a_lamp_is_turned_on_with_the_keyboard_alone(page: OpenPage) -> None:
     def press(browser: Any) -> None:
         for _ in range(30):
@@ -433,6 +466,7 @@ async def test_a_kept_value_is_explained_once_and_a_panel_has_a_field_for_its_co
             await own.hides("arming", "select[name=value]")
             await own.write("input[name=code]", "4321")
             await own.click(".commands form button")
+            await own.click(".agreement button")
             await own.shows("panel: ", "[role=alert]")
             assert own.browser.find_element("css selector", "input[name=code]").get_attribute("value") == ""
 

@@ -142,8 +142,10 @@ async def test_a_row_opens_to_a_slider_and_a_code_without_leaving_the_house(brow
         await own.shows("code, if it needs one", ".devices")
         await own.write("input[name=code]", "4321")
         await own.click("div[aria-label=lock] button:nth-of-type(2)")
+        await own.click(".agreement button")
         await own.shows("Front lock: refused (gateway): 'lock' was refused: it takes no code", "[role=alert]")
         await own.click("div[aria-label=lock] button:nth-of-type(2)")
+        await own.click(".agreement button")
         await own.shows("unlocked", ".devices")
         assert own.browser.find_element("css selector", "input[name=code]").get_attribute("value") == ""
         await own.click("button[aria-label='more of Front lock']")

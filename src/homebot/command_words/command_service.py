@@ -1,7 +1,7 @@
 """The service ``/devices/command``: commands in words, with an id, name or query."""
 
 import re
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import closing
 from typing import Final, Protocol, final
 
@@ -9,7 +9,7 @@ import anyio
 
 from homebot.command_words.suitable_parts import certain_values, part_name, settings_by_part
 from homebot.command_words.targets import CommandTargets, NoTargetError, Target
-from homebot.devices import Device, DevicePart
+from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.batch import as_batch
 from homebot.devices.command_messages import (
     MAX_TRANSITION_S,
@@ -57,6 +57,9 @@ class CommandPort(Protocol):
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         """Return why the command would be refused now; None if it would not."""
 
+    def why_asked(self, request: CommandRequest, device: Device, part: DevicePart) -> Awaitable[str]:
+        """Return why a person must agree to the command; empty if none must, or it would be refused."""
+
 
 @final
 class CommandService:
@@ -87,15 +90,12 @@ class CommandService:
             return CommandDevicesResponse(success=False, message=str(exc))
         commanded: list[tuple[CommandedPart, Outcome]] = []
         parsed = [(device, *one) for device, parts in targets for one in settings_by_part(request, device, parts)]
-        batch = iter(
-            as_batch(
-                [
-                    _part_request(request, device, part, settings)
-                    for device, part, settings in parsed
-                    if not isinstance(settings, RefusedError)
-                ]
-            )
-        )
+        readable = [(device, part, one) for device, part, one in parsed if not isinstance(one, RefusedError)]
+        requests = [_part_request(request, *one) for one in readable]
+        if request.unless_asks and (asks := await self._asks(readable, requests)):
+            texts = ", ".join(f"{one.key} ({one.value})" for one in asks)
+            return CommandDevicesResponse(success=False, message=f"a person must agree: {texts}", asks=asks)
+        batch = iter(as_batch(requests))
 
         async def command(device: Device, part: DevicePart, wanted: CommandRequest | RefusedError) -> None:
             commanded.append(await self._command(device, part, wanted))
@@ -107,6 +107,16 @@ class CommandService:
                 wanted = settings if isinstance(settings, RefusedError) else next(batch)
                 tasks.start_soon(command, device, part, wanted)
         return CommandDevicesResponse.of(commanded)
+
+    async def _asks(
+        self, parts: Sequence[tuple[Device, DevicePart, object]], requests: Sequence[CommandRequest]
+    ) -> tuple[KeyValue, ...]:
+        """Return the parts for which a person must agree to the requests, each with the reason."""
+        reasons = [
+            (part_name(device, part), await self._commands.why_asked(request, device, part))
+            for (device, part, _), request in zip(parts, requests, strict=True)
+        ]
+        return tuple([KeyValue(key=name, value=reason) for name, reason in reasons if reason])
 
     async def _scene(self, request: CommandDevicesRequest) -> CommandDevicesResponse | None:
         """Apply, or undo, the scene that *request* names as ``scene NAME``; None if it names none, or a device."""

@@ -23,6 +23,7 @@ from homebot.control.journal.journal import CommandJournal
 from homebot.control.journal.report_log import ReportLog
 from homebot.control.learnt import LearntPersistence
 from homebot.control.leases import Leases
+from homebot.control.policies.rights import why_asked
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.questions import Questions
 from homebot.control.sending import OpenCommand, Rehearsal, Sending, not_sent
@@ -206,6 +207,16 @@ class CommandExecutor:
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
         """Return the refusal of *request* by the current rights and policies; nothing is recorded."""
         return self.check(self._issued("", request, device, part, self._clock.now()), is_preview=True)
+
+    async def why_asked(self, request: CommandRequest, device: Device, part: DevicePart) -> str:
+        """Return why a person must agree to *request*, by the part or one that it sets too; empty if none must."""
+        command = self._issued("", request, device, part, self._clock.now())
+        if self.check(command, is_preview=True) is not None or self.questions.must_ask(command):
+            return ""  # it is refused, or asked of all, anyway
+        values = {one.capability: one.value.plain() for one in request.settings}
+        members = await self._lookup.members(device, part) if part.part.members else ()
+        reasons = (why_asked(its_device, its_part, values) for its_device, its_part in ((device, part), *members))
+        return next(filter(None, reasons), "")
 
     def check(self, command: IssuedCommand, *, is_preview: bool = False) -> Refused | None:
         """Return the refusal of *command* by rights, leases or policies; None if it may be sent now.

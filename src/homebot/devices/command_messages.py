@@ -219,6 +219,8 @@ class CommandDevicesRequest(Message):
         scope: As for :class:`CommandRequest`.
         ask_first: Whether a person must agree first.
         override: As for :class:`CommandRequest`.
+        unless_asks: Whether to do nothing if a part always asks: ``asks`` of the answer says why, and the client asks
+            the person at it, and sends it again without.
         cause: The id of its cause; may be empty.
         trigger: What led to it; only homebot's own nodes can say so.
     """
@@ -234,6 +236,7 @@ class CommandDevicesRequest(Message):
     scope: Annotated[tuple[str, ...], Field(max_length=_MOST_SCOPES)] = ()
     ask_first: bool = False
     override: bool = False
+    unless_asks: bool = False
     cause: str = ""
     trigger: Trigger = NO_TRIGGER
 
@@ -259,10 +262,12 @@ class CommandDevicesResponse(ServiceAnswer):
     Attributes:
         outcome: The worst outcome; empty if nothing was commanded.
         results: Each commanded part, sorted by device.
+        asks: The parts for which a person must agree first, as ``unless_asks`` wanted, each with the reason.
     """
 
     outcome: _WorstKind = ""
     results: tuple[CommandedPart, ...] = ()
+    asks: tuple[KeyValue, ...] = ()
 
     @classmethod
     def of(cls, commanded: "Iterable[tuple[CommandedPart, Outcome]]") -> "CommandDevicesResponse":

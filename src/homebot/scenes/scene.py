@@ -9,9 +9,8 @@ from operator import attrgetter
 from typing import Final, TypeAlias, final
 
 from homebot.command_words.suitable_parts import part_name
-from homebot.control.policies.rights import is_safe
+from homebot.control.policies.rights import why_asked
 from homebot.devices import Device, DevicePart, KeyValue
-from homebot.devices.always_ask import why_it_asks
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import is_commanded, target_of
 from homebot.devices.scene_messages import SceneInfo, ScenePart
@@ -23,7 +22,7 @@ from homebot.scenes.scene_words import values_text
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["HouseScenes", "Place", "Scene", "place_of", "why_asked"]
+__all__ = ["HouseScenes", "Place", "Scene", "place_of"]
 
 Place: TypeAlias = tuple[str, str]
 """The ids of a device and of its part."""
@@ -231,10 +230,3 @@ def place_of(target: str) -> Place:
     """Return the ids of the device and the part of which *target* was made."""
     device, _, part = target.partition("#")
     return device, part
-
-
-def why_asked(device: Device, part: DevicePart, values: Mapping[str, PlainValue]) -> str:
-    """Return why a person must agree to *values*; empty if none must. To lock, or to shut off water, is safe."""
-    reason = why_it_asks(device, part)
-    is_harmless = bool(values) and "alarm" not in values and is_safe(device, part, values)
-    return "" if is_harmless else reason

@@ -7,6 +7,7 @@ from typing import Final, final
 
 from homebot.command_words.suitable_parts import part_name
 from homebot.command_words.targets import CommandTargets, NoTargetError
+from homebot.control.policies.rights import why_asked
 from homebot.devices import Device, DevicePart, KeyValue
 from homebot.devices.command_messages import CommandDevicesRequest
 from homebot.devices.device import target_of
@@ -15,7 +16,7 @@ from homebot.devices.scene_messages import MOST_PARTS, ChangeSceneRequest
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
-from homebot.scenes.scene import HouseScenes, Scene, place_of, why_asked
+from homebot.scenes.scene import HouseScenes, Scene, place_of
 from homebot.scenes.scene_book import KeptScene, SceneBook
 from homebot.scenes.scene_words import present_values, read_values
 from homebot.scenes.settings import SceneSettings

@@ -9,7 +9,15 @@ from typing import Final
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.command_pattern import VERBS
 from homebot.control.policies.facts import Facts, FactUsed, Verdict
-from homebot.devices.always_ask import APPROVED, CHANGED, is_approved, is_arming, is_of_known_load, is_opener
+from homebot.devices.always_ask import (
+    APPROVED,
+    CHANGED,
+    is_approved,
+    is_arming,
+    is_of_known_load,
+    is_opener,
+    why_it_asks,
+)
 from homebot.devices.client_rights import (
     HARMLESS,
     LOCAL_CLIENT,
@@ -161,6 +169,13 @@ def is_safe(device: Device, part: DevicePart, settings: Mapping[str, PlainValue]
         any(VERBS[verb](name, value, None) for verb in verbs) or _is_always_safe(name, value)
         for name, value in settings.items()
     )
+
+
+def why_asked(device: Device, part: DevicePart, values: Mapping[str, PlainValue]) -> str:
+    """Return why a person must agree to *values*; empty if none must. To lock, or to shut off water, is safe."""
+    reason = why_it_asks(device, part)
+    is_harmless = bool(values) and "alarm" not in values and is_safe(device, part, values)
+    return "" if is_harmless else reason
 
 
 def _is_always_safe(name: str, value: PlainValue) -> bool:

@@ -1,12 +1,12 @@
 // The page: its header, the view that the address names, the token, and the outcome of the last command.
 import { effect, signal } from "@preact/signals";
 import { render } from "preact";
-import { outcome } from "./acting.js";
+import { agreement, outcome } from "./acting.js";
 import { connect, connection, logIn, logOut, missing, token } from "./door.js";
 import { count, follow, isLoaded, nameOf } from "./house.js";
 import { html } from "./html.js";
 import { LANGUAGES, choose, language, say } from "./language.js";
-import { Questions } from "./questions.js";
+import { Agreement, Questions } from "./questions.js";
 import { Device } from "./views/device.js";
 import { Graph } from "./views/graph.js";
 import { House, Room } from "./views/house.js";
@@ -71,6 +71,7 @@ function Page() {
     ${(mustLogIn || isLoggingIn.value || missing.value) && html`<${LogIn} reason=${mustLogIn ? reason : missing.value} />`}
     <${Questions} />
     <main class=${state === "open" ? "" : "old"}>${View ? html`<${View} key=${title || id} id=${id} />` : html`<p class="empty">${say("There is no such view.")}</p>`}</main>
+    <${Agreement} />
     <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>
       ${outcome.value?.text} ${outcome.value?.override && html`<button type="button" onClick=${outcome.value.override}>${say("Command it all the same?")}</button>`} ${outcome.value && !outcome.value.isGood && html`<button type="button" onClick=${() => (outcome.value = null)}>${say("close|do")}</button>`}
     </p>
@@ -96,6 +97,7 @@ function LogIn({ reason }) {
 addEventListener("hashchange", () => {
   place.value = placeNow();
   outcome.value = null; // it is of the view before
+  agreement.value = null;
   document.querySelector("main")?.scrollTo?.(0, 0);
   scrollTo(0, 0);
 });

@@ -1,5 +1,6 @@
 // Questions of programs: what one wants to do is done once a person says yes.
 import { effect, signal } from "@preact/signals";
+import { agreement } from "./acting.js";
 import { ask, connection, may, missing, subscribe, token } from "./door.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
@@ -27,6 +28,16 @@ export const Question = ({ text, problem: reason, onAnswer }) => html`<section c
   ${may("act") && html`<p class="buttons"><button type="button" onClick=${() => onAnswer(true)}>${say("yes, do it")}</button> <button type="button" onClick=${() => onAnswer(false)}>${say("no")}</button></p>`}
   ${reason && html`<p class="bad">${reason}</p>`}
 </section>`;
+
+/** The question whether to do what the person at the page has begun and what always asks. */
+export function Agreement() {
+  const { text, act } = agreement.value ?? {};
+  const onAnswer = (yes) => {
+    agreement.value = null;
+    if (yes) act();
+  };
+  return agreement.value && html`<div class="agreement"><${Question} text=${text} onAnswer=${onAnswer} /></div>`;
+}
 
 /** A banner for each open question. */
 export const Questions = () => questions.value.map((one) => html`<${Question} key=${one.question} text=${one.text} problem=${problem.value} onAnswer=${(yes) => answer(one, yes)} />`);

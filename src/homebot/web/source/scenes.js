@@ -1,13 +1,12 @@
 // The scenes: applied and undone with a button; with the right to it they are saved, edited and removed.
 import { signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import { tell } from "./acting.js";
+import { agree, tell } from "./acting.js";
 import { ask, call, connection, may, missing } from "./door.js";
 import { deviceOf, rooms } from "./house.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
 import { Remove } from "./managing.js";
-import { Question } from "./questions.js";
 import { spoken, titled } from "./words.js";
 
 const LONGEST = 300; // seconds until the last part has obeyed
@@ -36,7 +35,6 @@ async function change(name, what, more) {
 /** The scenes of a room; without one, those of the owner. */
 export function Scenes({ room }) {
   const [opened, setOpened] = useState(null); // the scene whose box is open, "new", or null
-  const [asking, setAsking] = useState(null); // a scene that is applied once a person agrees
   const isOpen = connection.value.state === "open";
   useEffect(() => {
     if (isOpen) load();
@@ -45,10 +43,10 @@ export function Scenes({ room }) {
   const shown = scenes.value.filter((one) => (room === undefined ? !one.is_native : isIn(one)));
   const open = (what) => () => setOpened(what === opened ? null : what);
   const close = () => setOpened(null);
-  const start = (scene) => (scene.parts.some((one) => one.asks) ? setAsking(scene) : apply(scene, {}));
-  const answer = (yes) => {
-    setAsking(null);
-    if (yes) apply(asking, { agreed: true });
+  const start = (scene) => {
+    const asking = scene.parts.filter((one) => one.asks).map((one) => `${spoken(one.name)} ${one.text} (${one.asks})`);
+    if (asking.length) agree(`${scene.name}: ${asking.join(", ")}`, () => apply(scene, { agreed: true }));
+    else apply(scene, {});
   };
   const scene = shown.find((one) => one.id === opened);
   return html`
@@ -60,7 +58,6 @@ export function Scenes({ room }) {
       </span>`)}
       ${may("manage") && html`<button type="button" class="quiet" aria-expanded=${opened === "new"} onClick=${open("new")}>${say("new scene")}</button>`}
     </div>
-    ${asking && html`<${Question} text=${`${asking.name}: ${asking.parts.filter((one) => one.asks).map((one) => `${spoken(one.name)} ${one.text} (${one.asks})`).join(", ")}`} onAnswer=${answer} />`}
     ${opened === "new" && html`<${NewScene} room=${room} onClose=${close} />`}
     ${scene && html`<${OneScene} key=${scene.id} scene=${scene} onClose=${close} />`}`;
 }
