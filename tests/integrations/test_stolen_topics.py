@@ -39,7 +39,6 @@ RESERVED = (
     "homeassistant/status",
     "zigbee2mqtt/bridge/request/permit_join",
     "zigbee2mqtt/bridge/devices",
-    "other/bridge/request/restart",
     "tasmota/discovery/2462AB03B2A1/config",
     "cmnd/tasmotas/POWER",
     "home425/lights/lamp/out",

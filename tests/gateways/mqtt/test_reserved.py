@@ -17,6 +17,8 @@ def test_a_reserved_topic_is_reserved_whatever_its_length() -> None:
         assert topics.why(f"$SYS/{name}") == "it belongs to the broker"
         assert topics.why(f"lamps/{name}/set") == ""
         assert topics.why(f"zigbee2mqtt/{name}/set", "zigbee2mqtt") == ""
+        assert topics.why(f"zigbee2mqtt/bridge/request/{name}") == "it belongs to zigbee2mqtt"
+        assert topics.why(f"gates/bridge/request/{name}") == ""  # of another program
 
 
 def test_nothing_is_kept_of_long_topics() -> None:

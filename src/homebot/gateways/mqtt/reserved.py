@@ -66,8 +66,6 @@ class ReservedTopics:
         """Return why no device of *convention* may have a command topic *topic*; empty if it may."""
         if topic.startswith("$"):
             return "it belongs to the broker"
-        if _BRIDGE_REQUEST in topic:
-            return "it is reserved for requests to a bridge"
         why = ""
         for rule in self._rules.match(topic):
             if not isinstance(rule, _Reservation):
