@@ -67,16 +67,20 @@ def test_a_number_is_reported_in_the_unit_of_the_vocabulary(
 @pytest.mark.parametrize(
     ("device_class", "unit", "capability"),
     [
-        ("illuminance", "%", "illuminance"),
-        ("volatile_organic_compounds_parts", "ppb", "volatile_organic_compounds"),
-        ("temperature", "°De", "temperature"),
+        ("illuminance", "Level", "measurement"),
+        ("volatile_organic_compounds_parts", "ppb", "measurement"),
+        ("temperature", "°De", "measurement"),
+        ("battery", "x", "measurement"),
+        ("signal_strength", "dB", "measurement"),
         ("wind_speed", "km/h", "measurement"),
         ("", "lqi", "measurement"),
         ("", "mmHg", "measurement"),  # blood, as of Withings
         ("not_a_class", "furlong", "measurement"),
     ],
 )
-def test_a_unit_that_cannot_be_converted_stays(device_class: str, unit: str, capability: str) -> None:
+def test_a_unit_that_cannot_be_converted_stays_and_its_value_is_only_a_measurement(
+    device_class: str, unit: str, capability: str
+) -> None:
     quantity = quantity_of(device_class, unit)
     assert (quantity.capability, quantity.unit, quantity.value(7.0)) == (capability, unit, 7.0)
 

@@ -28,7 +28,7 @@ def quantity_of(device_class: str, unit: str) -> Quantity:
     Args:
         device_class: Its class; an unknown one is a ``measurement``, and an empty one what the unit alone measures.
         unit: Its unit; an empty one is the vocabulary's own, one of another class is trusted more than the class, as
-            Tasmota 8 called volts ``power``, and an inconvertible one stays.
+            Tasmota 8 called volts ``power``, and one that fits neither makes it a ``measurement``.
     """
     service_type, capability = _CLASSES.get(device_class or measured_in(unit), _OTHER)
     canonical = CAPABILITIES[capability].unit
@@ -36,7 +36,7 @@ def quantity_of(device_class: str, unit: str) -> Quantity:
         return Quantity(service_type, capability, canonical or unit)
     conversion = conversion_of(capability, unit)
     if conversion is None:
-        return quantity_of("", unit) if measured_in(unit) else Quantity(service_type, capability, unit)
+        return quantity_of("", unit) if measured_in(unit) else Quantity(*_OTHER, unit)
     return Quantity(service_type, capability, canonical, conversion)
 
 
@@ -95,6 +95,7 @@ _CONDITIONS: Mapping[str, tuple[str, str]] = {
     "cold": ("water_freeze_detector", "freeze"),
     "door": _CONTACT,
     "garage_door": _CONTACT,
+    "glass_break": (sensor_type("tamper"), "tamper"),
     "light": ("x_binary_sensor", "light_detected"),
     "lock": ("x_binary_sensor", "unlocked"),
     "moisture": ("water_leak_detector", "water_leak"),

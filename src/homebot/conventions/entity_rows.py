@@ -108,8 +108,8 @@ def read_flag(field: str) -> ReadField:
 
 
 def class_of(info: Fields) -> str:
-    """Return the device class; empty for none."""
-    return text_of(info, "device_class")
+    """Return the device class, in small letters; empty for none."""
+    return text_of(info, "device_class").lower()
 
 
 def tag_of(info: Fields, *, is_set: bool) -> str:

@@ -109,7 +109,7 @@ def _add_modes(entity: Entity, config: DiscoveryConfig, capability: str, name: s
 
 def build_humidifier(config: DiscoveryConfig) -> DescribedPart:
     """Describe a humidifier or, by its tag, a dehumidifier."""
-    entity = Entity(config, "x_humidifier", config.clean_text("device_class") or "humidifier")
+    entity = Entity(config, "x_humidifier", config.device_class or "humidifier")
     source = config.source("state_topic", "state_value_template")
     entity.add_flag("on_off", source, config.required_command(), config.on_off_payloads())
     least, most = config.number("min_humidity", 0.0), config.number("max_humidity", 100.0)

@@ -66,6 +66,11 @@ class DiscoveryConfig:
         return _names_secret(named) or _names_secret(self.text("value_template"))
 
     @property
+    def device_class(self) -> str:
+        """Its ``device_class``, in small letters as Home Assistant reads each; empty for none."""
+        return self.clean_text("device_class").lower()
+
+    @property
     def part_id(self) -> str:
         """The id of its part: its ``unique_id``, or else its id in the announcement."""
         return clean_text(self.text("unique_id") or self.discovery_id, _MAX_ID)

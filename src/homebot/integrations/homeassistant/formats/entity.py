@@ -44,7 +44,7 @@ class Entity(BytesPart):
         if category not in _CATEGORIES:
             raise WireError(f"{config.component}: entity_category is {shown(category)}, not config or diagnostic")
         if tag is None:
-            kind = config.clean_text("device_class")
+            kind = config.device_class
             tag = (config.clean_text("icon") if kind in PLAIN_CLASSES and config.has("command_topic") else "") or kind
         super().__init__(
             config.part_id,

@@ -78,6 +78,7 @@ class JsonLight:
         effects = config.options("effect_list")
         any_effect = config.flag("effect")
         whites = read_white_range(config)
+        self._fades = config.flag("transition", default=True)
         self.lamp = LightFeatures(_modes(config), whites, effects, any_effect=any_effect, steps=self._scale)
 
     def publish(self, light: LightCommand) -> Publications:
@@ -89,7 +90,7 @@ class JsonLight:
         message: dict[str, object] = {"state": "ON" if light.on else "OFF"}
         if light.color:
             message["color"] = dict(zip(CHANNELS[light.mode], light.color, strict=True))
-        if light.transition is not None:
+        if light.transition is not None and self._fades:
             message["transition"] = light.transition
         if (brightness := light.brightness) is not None:
             message["brightness"] = max(round(brightness * self._scale / 255), 1)

@@ -215,7 +215,7 @@ _MOST_STEPS = 200.0
 _STEPS = ((1.0, 0.01), (50.0, 0.1))
 """The step of a number entity, by the width of its range."""
 
-_USUAL_CLASSES: Mapping[str, str] = {"contact": "opening", "occupancy": "occupancy"}
+_USUAL_CLASSES: Mapping[str, str] = {"contact": "opening", "occupancy": "occupancy", "tamper": "tamper"}
 """The most general of several classes."""
 
 

@@ -52,7 +52,7 @@ def build_sensor(config: DiscoveryConfig) -> DescribedPart:
     A number is reported in the unit of the vocabulary, or in its own if that cannot be converted.
     """
     source = config.required_source("state_topic").without_payload()
-    device_class = config.clean_text("device_class")
+    device_class = config.device_class
     if device_class not in _TEXT_CLASSES and (is_quantity(device_class) or any(map(config.has, _NUMERIC_FIELDS))):
         quantity = quantity_of(device_class, config.clean_text("unit_of_measurement", _LONGEST_UNIT))
         entity = Entity(config, quantity.service_type)
@@ -105,7 +105,7 @@ def _read_moment(device_class: str, text: str) -> Readings:
 def build_binary_sensor(config: DiscoveryConfig) -> DescribedPart:
     """Describe a sensor of one condition, by its class; of an unknown class it is a ``state``."""
     source = config.required_source("state_topic")
-    service_type, capability = condition_of(config.clean_text("device_class"))
+    service_type, capability = condition_of(config.device_class)
     states = {"None": None, config.text("payload_off", "OFF"): False, config.text("payload_on", "ON"): True}
     meanings = {text: state for text, state in states.items() if text.strip()}
     delay = config.seconds("off_delay")
@@ -227,7 +227,7 @@ def build_image(config: DiscoveryConfig) -> DescribedPart:
 
 
 def _build_picture(config: DiscoveryConfig, topic: str) -> DescribedPart:
-    described = Entity(config, "camera", config.clean_text("device_class") or "image").build()
+    described = Entity(config, "camera", config.device_class or "image").build()
     return described._replace(part=described.part.model_copy(update={"capabilities": (_IMAGE,), "reads": (topic,)}))
 
 

@@ -38,7 +38,7 @@ def build_button(config: DiscoveryConfig) -> DescribedPart:
     payload = config.text("payload_press", "PRESS")
     entity = Entity(config, "x_setting")
     entity.add_push("push", command, payload)
-    if config.text("device_class") == "identify":
+    if config.device_class == "identify":
         entity.add_push("locate", command, payload)
     return entity.build()
 
@@ -60,7 +60,7 @@ def build_switch(config: DiscoveryConfig) -> DescribedPart:
         gate = Entity(config, "closure")
         gate.add_push("push", command, payloads[True])
         return gate.build()
-    entity = Entity(config, "plug" if config.text("device_class") == "outlet" else "switch")
+    entity = Entity(config, "plug" if config.device_class == "outlet" else "switch")
     entity.add_flag("on_off", config.source("state_topic"), command, payloads, config.on_off_states())
     return entity.build()
 
@@ -120,7 +120,7 @@ def build_text(config: DiscoveryConfig) -> DescribedPart:
             return unreadable(text, f"at most {_LONGEST_TEXT} characters")
         return {"text": clean_text(text, _LONGEST_TEXT)}
 
-    return _build_text(config, least, most, None if config.text("mode", "text") == "password" else read)
+    return _build_text(config, least, most, None if config.text("mode", "text").lower() == "password" else read)
 
 
 def build_notify(config: DiscoveryConfig) -> DescribedPart:
