@@ -139,6 +139,8 @@ def test_the_area_of_all_entities_outranks_that_of_their_device(
         ({"connections": [["mac", "AA:BB:CC:00:11:22"]]}, "mac:aabbcc001122"),
         ({"connections": [["zigbee", "00:15:8d:00:01:ab:cd:ef"]]}, "eui64:00158d0001abcdef"),
         ({"identifiers": [["matter", "serial_4711-A"]]}, "id:4711-A"),
+        ({"identifiers": [["zwave_js", "3245146787-12"]]}, "id:zwavejs2mqtt_0xc16d02a3_node12"),
+        ({"identifiers": [["zwave_js", "3245146787-12-134:2:90"]]}, "id:zwavejs2mqtt_0xc16d02a3_node12"),
         ({"identifiers": [["hue", "uuid-1"]]}, "id:hue:uuid-1"),
         ({"connections": [["upnp", "uuid:1-2"]]}, "id:upnp:uuid:1-2"),
     ],

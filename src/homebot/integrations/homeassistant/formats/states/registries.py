@@ -3,6 +3,7 @@
 Source: Home Assistant core 2024.3, ``components/config/*_registry.py``.
 """
 
+import re
 from collections.abc import Iterable, Mapping
 from itertools import starmap
 from typing import Final, NamedTuple
@@ -20,6 +21,9 @@ REGISTRIES: Final = {"device": "id", "entity": "entity_id", "area": "area_id", "
 
 _MAX_ID: Final = 120
 _CATEGORIES: Final[Mapping[object, Category]] = {"config": "config", "diagnostic": "diagnostic"}
+
+_ZWAVE_NODE: Final = re.compile(r"([0-9]{1,10})-([0-9]{1,4})(?:-.*)?", re.DOTALL)
+"""Home and node in decimal digits; the second identifier of a node adds what its maker says."""
 
 _Fields = Mapping[str, object]
 
@@ -157,7 +161,8 @@ def _identifiers(fields: _Fields) -> list[str]:
 def _identifier(domain: str, identifier: str) -> str:
     """Return an identifier of a device as the gateway of its own protocol has it, if there is one.
 
-    Source: Home Assistant core 2025.5, ``components``: cast, homekit_controller, matter and mqtt.
+    Source: Home Assistant core 2025.5, ``components``: cast, homekit_controller, matter, mqtt
+    and zwave_js; Z-Wave JS UI 11, ``api/hass/utils.ts``.
     """
     match domain:
         case "cast" | "mqtt":
@@ -165,6 +170,8 @@ def _identifier(domain: str, identifier: str) -> str:
         case "matter" if identifier.startswith("serial_"):
             serial = identifier.removeprefix("serial_")
             return serial if may_be_unique(serial) else ""
+        case "zwave_js" if node := _ZWAVE_NODE.fullmatch(identifier):
+            return f"zwavejs2mqtt_0x{int(node[1]):x}_node{node[2]}"
         case "homekit_controller:accessory-id":
             server, _, aid = identifier.upper().partition(":AID:")
             return f"homekit {server} pairing" if aid == "1" else f"homekit {server} aid {aid}"
