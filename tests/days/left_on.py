@@ -1,7 +1,8 @@
 """Prints how well apps turn off lamps that burn for nobody: ``python -m tests.days.left_on --days 3``.
 
 The family home, whose people leave every lamp on. They move all the time, or sit still: then they move for 20 s when
-they come in, and again after so many seconds. Only rooms with a sensor count, as no app knows of others.
+they come in, and again after so many seconds. Only rooms with a sensor count, as no app knows of others;
+with radars, only theirs.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, Literal, NamedTuple, TypeAlias
 
 from homebot.apps.lights_out import LightsOutSettings
 from homebot.control.policies.presence_guard import PresenceGuardSettings
@@ -24,7 +25,7 @@ from homebot.house.devices import SimulatedLamp
 from homebot.house.event_log import Event, WorldLog
 from homebot.house.faults import unwrap
 from homebot.house.rooms import DAY
-from homebot.house.sensors import MotionSensor
+from homebot.house.sensors import MotionSensor, PresenceSensor
 from homebot.log import configure_logging
 from homebot.testing import VirtualTimeLoop, virtual_house_of
 
@@ -35,7 +36,7 @@ STILL: Final = (0.0, 1200.0, 1500.0, 3000.0)
 """Seconds for which the people of each family sit still."""
 
 SEATS: Final = ("bath", "kitchen", "living")
-"""The rooms in which people sit; some families have radars there."""
+"""The rooms in which people sit; some families have radars there, in place of motion sensors or beside them."""
 
 LONG: Final = 1800.0
 """Seconds without anybody awake after which a lamp should have been turned off."""
@@ -106,7 +107,9 @@ class LampWatch(WorldLog):
     def __init__(self, world: World) -> None:
         super().__init__()
         self._world = world
-        seen = {one.room for one in world.devices.values() if isinstance(unwrap(one.device), MotionSensor)}
+        sensors = [one for one in world.devices.values() if isinstance(unwrap(one.device), MotionSensor)]
+        radars = [one for one in sensors if isinstance(unwrap(one.device), PresenceSensor)]
+        seen = {one.room for one in radars or sensors}
         self._lamps = {
             name: (placed.room, real)
             for name, placed in world.devices.items()
@@ -165,14 +168,18 @@ class Family(NamedTuple):
 
     Attributes:
         still: Seconds for which they sit still.
-        has_radars: Whether presence sensors are in the rooms where they sit, in place of motion sensors.
+        sensors: Those of the rooms where they sit. With presence sensors, only these rooms count.
     """
 
     still: float
-    has_radars: bool = False
+    sensors: Sensors = "motion"
 
     def __str__(self) -> str:
-        return f"still {self.still:,.0f} s{', radars' if self.has_radars else ''}"
+        return f"still {self.still:,.0f} s{_SENSORS[self.sensors]}"
+
+
+Sensors: TypeAlias = Literal["motion", "presence", "both"]
+_SENSORS: Final[dict[Sensors, str]] = {"motion": "", "presence": ", radars", "both": ", radars beside PIR"}
 
 
 def house_of(people: Family, seed: int) -> dict[str, Any]:
@@ -183,8 +190,9 @@ def house_of(people: Family, seed: int) -> dict[str, Any]:
     tables["errands"] = [errand for errand in tables["errands"] if errand["device"] != "robot"]
     for person in tables["people"].values():
         person["day"] = [habit | ({} if habit.get("asleep") else {"still": people.still}) for habit in person["day"]]
-    for room in SEATS if people.has_radars else ():
-        tables["devices"][f"{room}_motion"] = {"kind": "presence", "room": room}
+    for room in SEATS if people.sensors != "motion" else ():
+        name = f"{room}_radar" if people.sensors == "both" else f"{room}_motion"
+        tables["devices"][name] = {"kind": "presence", "room": room}
     return tables
 
 
@@ -236,7 +244,7 @@ TRIALS: Final = (
 """The app by itself, the guard by an app that would turn lamps off after a minute, and the defaults of both."""
 
 
-FAMILIES: Final = tuple(Family(still, has_radars) for has_radars in (False, True) for still in STILL)
+FAMILIES: Final = tuple(Family(still, sensors) for sensors in _SENSORS for still in STILL)
 
 
 def scored(

@@ -103,9 +103,9 @@ async def test_somebody_who_sits_still_is_there_for_a_while(home: Home, lamp: Li
     assert (await lamp.turn_off()).succeeded
 
 
-def put_radar(home: Home, tag: str) -> None:
+def put_radar(home: Home, tag: str, name: str = "motion") -> None:
     part = simple_part("occupancy_sensor", readable=("occupancy",)).model_copy(update={"tag": tag})
-    home.gateway.devices.put(GatewayDevice("motion", "Motion", (part,), area="Hall"), "the test says so")
+    home.gateway.devices.put(GatewayDevice(name, name.title(), (part,), area="Hall"), "the test says so")
 
 
 @pytest.mark.parametrize(("tag", "seconds"), [("presence", 60), ("occupancy", 1200), ("motion", 1200), ("", 1200)])
@@ -125,6 +125,27 @@ async def test_a_presence_sensor_sees_sooner_that_nobody_is_there(
         assert "somebody was in Hall" in await refusal(lamp.turn_off())
         await anyio.sleep(3)
         assert (await lamp.turn_off()).succeeded
+
+
+@pytest.mark.parametrize("said", [(True, False), (False,), (True,), ()])
+async def test_where_a_presence_sensor_sees_nobody_motion_sensors_are_not_waited_for(
+    open_home: OpenHome, said: tuple[bool, ...]
+) -> None:
+    """Unless it has never seen anybody, still does, or says nothing: then it may be broken."""
+    async with open_home(presence_guard=True) as home:
+        put_hall(home)
+        put_radar(home, "presence", "radar")
+        lamp = await home.handle(Light, "lamp")
+        await detect(home)
+        await home.report("motion", "occupancy", False)
+        await anyio.sleep(1500)
+        await detect(home)
+        for one in said:
+            await home.report("radar", "occupancy", one)
+            await anyio.sleep(0.01)
+        await home.report("motion", "occupancy", False)
+        await anyio.sleep(61)
+        assert (await lamp.turn_off()).succeeded is (said == (True, False))
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """Presence guard: apps do not annoy or hurt people in the room. Pure."""
 
+from operator import attrgetter
 from typing import Annotated, Final, Literal, TypeAlias
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
@@ -17,6 +18,8 @@ __all__ = ["AbsentAfter", "Presence", "PresenceGuardSettings", "presence_in", "r
 Presence: TypeAlias = Literal["present", "absent", "unknown"]
 
 NAME: Final = "presence_guard"
+
+_IS_PRESENCE: Final = attrgetter("is_presence")
 
 CONTACT: Final = "contact"
 """The capability of a door contact; true means open."""
@@ -102,7 +105,9 @@ class PresenceGuardSettings(PolicyTable):
 
     def _longest_in(self, room: str, facts: Facts) -> float:
         """Return for how long somebody in *room* may be seen by none of its sensors, in seconds."""
-        return max(map(self.absent_after.of, facts.house.readings(room, OCCUPANCY)), default=self.absent_after.motion)
+        readings = facts.house.readings(room, OCCUPANCY)
+        decisive = [*filter(_IS_PRESENCE, readings)] or readings
+        return max(map(self.absent_after.of, decisive), default=self.absent_after.motion)
 
     def contacts_of(self, room: str) -> tuple[str, ...]:
         """Return the contacts on all doors of *room*; none if unknown."""
@@ -116,12 +121,17 @@ def presence_in(room: str, facts: Facts, absent_after: AbsentAfter) -> tuple[Pre
 
     Present: a sensor detects somebody, or did within its seconds of *absent_after*. Unknown: there is no sensor, or one
     is silent, has never detected motion, or was heard for the first time, or again, within these seconds. Absent
-    otherwise.
+    otherwise. Where a presence sensor sees nobody, motion sensors are waited for no longer than it is.
     """
     found: dict[Presence, list[FactUsed]] = {"present": [], "unknown": [], "absent": []}
-    for one in facts.house.readings(room, OCCUPANCY):
+    longest = absent_after.motion
+    for one in sorted(facts.house.readings(room, OCCUPANCY), key=_IS_PRESENCE, reverse=True):
         used = FactUsed(f"{OCCUPANCY} of {one.sensor}", one.value, max(one.since, one.heard_since))
-        found[_presence_by(one, used.since, facts, absent_after.of(one))].append(used)
+        within = min(longest, absent_after.of(one))
+        presence_by_it = _presence_by(one, used.since, facts, within)
+        if one.is_presence and presence_by_it == "absent":
+            longest = within
+        found[presence_by_it].append(used)
     if found["present"]:
         return "present", (found["present"][0],)
     presence: Presence = "unknown" if found["unknown"] or not found["absent"] else "absent"
