@@ -95,8 +95,8 @@ wheel: $(VENV)/.dev
 	@$(BIN)/twine check --strict dist/*
 
 ## Measures speed and memory, compared with Home Assistant if it can be installed.
-bench: $(BENCH)/.ready $(BENCH)-ha/.tried $(BENCH)-zigbee/.tried
-	@$(BENCH)/bin/python benchmarks/run.py --home-assistant $(BENCH)-ha/bin/python $(ARGS)
+bench: $(BENCH)/.ready $(VENV)/.peers $(BENCH)-ha/.tried $(BENCH)-zigbee/.tried
+	@$(BENCH)/bin/python benchmarks/run.py --extras $(BIN)/python --home-assistant $(BENCH)-ha/bin/python $(ARGS)
 
 ## Updates the versions that CI installs to the newest.
 lock:

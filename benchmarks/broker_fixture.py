@@ -37,12 +37,12 @@ def run(plan: Plan) -> Report:
         samples = measure_interleaved(contenders, rounds)
         pairs = [(name, ECHO, Aim("at most", 3) if name == RAW else None) for name in CLIENTS]
         comparisons += compare("whole test", samples, pairs, milliseconds)
-        notes = [f"Each figure is the median of {rounds * tests} tests."]
+        notes, missing = [f"Each figure is the median of {rounds * tests} tests."], []
         if plan.mosquitto is None:
-            notes.append("The client's part is skipped: mosquitto is not installed.")
+            missing.append("the client's part, as Mosquitto is not installed")
         else:
             comparisons += beside_mosquitto(thread, plan.mosquitto, rounds, tests)
-    return Report(TITLE, comparisons, notes)
+    return Report(TITLE, comparisons, notes, missing=missing)
 
 
 def beside_mosquitto(thread: BrokerThread, program: str, rounds: int, tests: int) -> list[Comparison]:

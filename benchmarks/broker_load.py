@@ -14,7 +14,7 @@ from functools import partial
 
 from mosquitto import mosquitto
 from plan import Plan
-from report import Aim, Comparison, Report, compare, per_second
+from report import Aim, Comparison, MissingPeerError, Report, compare, per_second
 from rounds import Measure, measure_interleaved
 from worker import Worker, worker
 
@@ -30,7 +30,7 @@ CASES = ((1, 0, 60_000), (1, 1, 30_000), (50, 0, 4_000), (50, 1, 2_000))
 
 def run(plan: Plan) -> Report:
     if plan.mosquitto is None:
-        return Report(TITLE, (), ("Skipped: mosquitto is not installed.",))
+        raise MissingPeerError("Mosquitto is not installed")
     comparisons: list[Comparison] = []
     missing: dict[str, int] = {}
     with homebot_broker() as ours, mosquitto(plan.mosquitto) as peer, worker("broker_generator.py") as generator:

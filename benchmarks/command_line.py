@@ -23,7 +23,7 @@ from websockets.sync.client import ClientConnection, connect
 from bench_ingest import seed
 from mosquitto import mosquitto
 from plan import Plan
-from report import Aim, Report, compare, seconds
+from report import Aim, MissingPeerError, Report, compare, seconds, verdict
 from rounds import Measure, Samples, measure_interleaved
 
 __all__ = ["run"]
@@ -53,7 +53,7 @@ PEERS = {
 
 def run(plan: Plan) -> Report:
     if plan.mosquitto is None:
-        return Report(TITLE, (), ("Skipped: mosquitto is not installed.",))
+        raise MissingPeerError("Mosquitto is not installed")
     stalls: list[float] = []
     with tempfile.TemporaryDirectory() as compiled, mosquitto(plan.mosquitto) as port:
         environment = {**os.environ, "PYTHONPYCACHEPREFIX": compiled}
@@ -130,10 +130,9 @@ def _timed(command: list[str], environment: dict[str, str]) -> float:
 def _notes(samples: Samples) -> Iterator[str]:
     for name, wanted in WANTED.items():
         best = min(samples[name])
-        verdict = "met" if best <= wanted else "FALLS SHORT"
-        yield f"Aim: {name} within {seconds(wanted)}: {verdict} ({seconds(best)} at best)."
+        yield f"Aim: {name} within {seconds(wanted)}: {verdict(best <= wanted)} ({seconds(best)} at best)."
 
 
 def _stall(waits: list[float]) -> str:
-    verdict = "met" if max(waits) <= STALL else "FALLS SHORT"
-    return f"Aim: meanwhile no other client waits longer than {seconds(STALL)}: {verdict} ({seconds(max(waits))})."
+    met = verdict(max(waits) <= STALL)
+    return f"Aim: meanwhile no other client waits longer than {seconds(STALL)}: {met} ({seconds(max(waits))})."

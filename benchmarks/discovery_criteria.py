@@ -42,13 +42,13 @@ ALONE = "ip link set lo up && ip link set lo multicast on && ip route add 224.0.
 def run(plan: Plan) -> Report:
     count, patience = (10, 5.0) if plan.quick else (100, PATIENCE)
     alone = _has_own_network()
-    rows, notes = [], []
+    rows, notes, missing = [], [], []
     with TemporaryDirectory() as scratch, ThreadPoolExecutor() as waiters:
         measured = [(name, _start(name, count, patience, waiters, scratch, alone=alone)) for name in HOUSES]
     for name, (joined, later) in measured:
         noticed = later.result()
         if joined is None or noticed is None:
-            notes.append(f"{name}: not measured; its error is above.")
+            missing.append(f"{name}, whose error is above")
             continue
         rows.append(_row(name, count, joined, noticed["noticed"], alone=alone))
         notes.append(f"{name}: {_how(noticed['noticed'])}; by the rules: {HOUSES[name].rule}.")
@@ -58,8 +58,8 @@ def run(plan: Plan) -> Report:
     if plan.quick:
         notes.append(f"Deaths were waited for no longer than {patience:.0f} s.")
     if not alone:
-        notes.append("Traffic is not measured: that needs Linux, root, unshare and ip.")
-    return Report(TITLE, (), notes, [HEADINGS, *rows])
+        missing.append("traffic, which needs Linux, root, unshare and ip")
+    return Report(TITLE, (), notes, [HEADINGS, *rows], missing)
 
 
 def _start(

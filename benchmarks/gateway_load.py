@@ -19,7 +19,7 @@ from house import homebot_listening, lamp_topics
 from mosquitto import mosquitto
 from plan import Plan
 from raw_mqtt import connect, publish_packet, subscribe
-from report import Aim, Comparison, Report, compare, per_second
+from report import Aim, Comparison, MissingPeerError, Report, compare, per_second
 from rounds import Measure, measure_interleaved
 from worker import Worker, worker
 
@@ -38,7 +38,7 @@ THESIS = "thesis, 2 messages/s"
 
 def run(plan: Plan) -> Report:
     if plan.mosquitto is None:
-        return Report(TITLE, (), ("Skipped: mosquitto is not installed.",))
+        raise MissingPeerError("Mosquitto is not installed")
     count = plan.count(MESSAGES)
     comparisons: list[Comparison] = []
     losses: dict[str, int] = {}

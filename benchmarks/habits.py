@@ -39,7 +39,7 @@ from homebot.journal.journal_file import JournalFile
 from homebot.journal.store import JournalNote
 from homebot.runtime.habit_services import HabitServices
 from plan import Plan
-from report import Report, milliseconds, seconds
+from report import Report, milliseconds, seconds, verdict
 from rounds import median
 
 __all__ = ["run"]
@@ -90,7 +90,7 @@ def _row(name: str, found: list[tuple[float, float, float, float]]) -> tuple[str
     row = name, milliseconds(longest), milliseconds(p99)
     if name == "idle":
         return (*row, "", "", "", "")
-    held, whole = ("met" if one <= aim else "FALLS SHORT" for one, aim in ((longest, HELD), (took, AIM)))
+    held, whole = (verdict(one <= aim) for one, aim in ((longest, HELD), (took, AIM)))
     return (*row, f"<= 25 ms: {held}", seconds(took), seconds(spent), f"<= 10 s: {whole}")
 
 

@@ -8,7 +8,7 @@ from statistics import median, quantiles
 from typing import Final
 
 from plan import Plan
-from report import Report
+from report import Report, verdict
 
 sys.path.append(str(Path(__file__).parents[1]))
 from tests.identify.rooms import Rooms, identify
@@ -45,5 +45,5 @@ def run(plan: Plan) -> Report:
         figures = f"{right:.1%}", f"{wrong:.1%}", f"{median(spent):.0f} s", f"{quantiles(spent, n=20)[-1]:.0f} s"
         is_met = right >= least and wrong <= WRONG and median(spent) <= longest
         aim = f">= {least:.0%}, <= {WRONG:.1%}, <= {longest:g} s"
-        rows.append((name, *figures, aim, "met" if is_met else "FALLS SHORT"))
+        rows.append((name, *figures, aim, verdict(is_met)))
     return Report(f"Identify: {count} rooms each", (), (), rows)

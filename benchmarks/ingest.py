@@ -18,7 +18,7 @@ from typing import Any
 from bench_ingest import seed
 from mosquitto import mosquitto
 from plan import Plan
-from report import Aim, Comparison, Report, compare, megabytes, seconds
+from report import Aim, Comparison, MissingPeerError, Report, compare, megabytes, seconds
 from rounds import Samples
 
 __all__ = ["run"]
@@ -43,7 +43,7 @@ FIGURES: dict[str, tuple[Callable[[dict[str, Any]], float], Callable[[float], st
 
 def run(plan: Plan) -> Report:
     if plan.mosquitto is None:
-        return Report("ingest", [], ["Mosquitto is not installed: nothing was measured."])
+        raise MissingPeerError("Mosquitto is not installed")
     comparisons: list[Comparison] = []
     notes: list[str] = []
     with tempfile.TemporaryDirectory() as compiled:

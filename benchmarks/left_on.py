@@ -9,7 +9,7 @@ import subprocess
 from pathlib import Path
 
 from plan import Plan
-from report import Report
+from report import MissingPeerError, Report
 
 __all__ = ["run"]
 
@@ -21,7 +21,7 @@ DAYS = 3
 def run(plan: Plan) -> Report:
     title = "Lamps left on, by forgetful people and by people who sit still"
     if not PYTHON.exists():
-        return Report(title, (), (f"Not measured: no {PYTHON}; `make .venv/.dev` sets it up.",))
+        raise MissingPeerError(f"there is no {PYTHON}; `make .venv/.dev` sets it up")
     options = ["--days", "1", "--defaults"] if plan.quick else ["--days", str(DAYS)]
     command = [str(PYTHON), "-m", "tests.days.left_on", *options]
     done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True)

@@ -10,12 +10,13 @@ import socket
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from plan import Plan
-from report import Aim, Comparison, Report, megabytes, milliseconds
+from report import Aim, Comparison, MissingPeerError, Report, megabytes, milliseconds
 from rounds import Samples, median
 from worker import Worker, worker
 
@@ -30,6 +31,8 @@ LAMPS_CLASS = "machines_gateway:Lamps"
 
 
 def run(plan: Plan) -> Report:
+    if find_spec("zenoh") is None:
+        raise MissingPeerError("Zenoh is not installed: homebot[ros2]")
     seconds = SECONDS / (10 if plan.quick else 1)
     comparisons: list[Comparison] = []
     cpu: Samples = {ACROSS: [], ALONE: []}

@@ -32,7 +32,7 @@ from homebot.graph import Client, Graph, Node
 from homebot.messages import Time
 from homebot.places import HouseDoor, HouseRoom, OwnerFact, Places
 from plan import Plan
-from report import Report, milliseconds
+from report import Report, milliseconds, verdict
 from rounds import median
 
 __all__ = ["run"]
@@ -77,8 +77,7 @@ async def _rows(size: int, devices: int, questions: int) -> list[tuple[str, ...]
         for text in QUERIES:
             times = await _asked(house, client, text, questions)
             middle = median(times)
-            verdict = "met" if middle <= AIM else "FALLS SHORT"
-            figures = milliseconds(middle), f"<= {milliseconds(AIM)}", verdict, milliseconds(max(times))
+            figures = milliseconds(middle), f"<= {milliseconds(AIM)}", verdict(middle <= AIM), milliseconds(max(times))
             rows.append((str(size), str(len(places.doors)), text, *figures, milliseconds(longest)))
         return rows
 

@@ -18,7 +18,7 @@ from bench_ingest import RETAIN, light_config
 from mosquitto import mosquitto
 from plan import Plan
 from raw_mqtt import connect, publish_packet
-from report import Report
+from report import MissingPeerError, Report, verdict
 from worker import Worker, worker
 
 __all__ = ["run"]
@@ -53,7 +53,7 @@ PYTHON = HERE.parent / ".venv" / "bin" / "python"
 
 def run(plan: Plan) -> Report:
     if plan.mosquitto is None or shutil.which("chromedriver") is None or not _has_selenium():
-        return Report(TITLE, [], ["Mosquitto, Chromium, its driver or selenium is missing: nothing was measured."])
+        raise MissingPeerError("Mosquitto, Chromium, its driver or selenium is not installed")
     seconds = plan.count(SECONDS)
     with mosquitto(plan.mosquitto) as port:
         _announce(port)
@@ -137,4 +137,4 @@ def _loop(homebot: Worker) -> tuple[str, ...]:
 
 
 def _verdict(figure: float, aim: float) -> str:
-    return f"<= {aim:g} ms: {'met' if figure <= aim else 'FALLS SHORT'}"
+    return f"<= {aim:g} ms: {verdict(figure <= aim)}"

@@ -8,7 +8,7 @@ from random import Random
 
 from homebot.places import FloorPlan, HousePlan, HouseRoom
 from plan import Plan
-from report import Report
+from report import Report, verdict
 from rounds import median
 
 __all__ = ["run"]
@@ -33,8 +33,7 @@ def _row(size: int, rounds: int) -> tuple[str, ...]:
     right, top = min(size, COLUMNS) * SIDE, (size / COLUMNS + 1) * SIDE
     points = [(random.uniform(0, right), random.uniform(0, top)) for _ in range(POINTS)]
     one = _each(floor_plan.room_at, points, rounds)
-    verdict = "met" if one <= AIM else "FALLS SHORT"
-    return str(size), f"{one * 1e6:.1f} µs", f"<= {AIM * 1e6:.0f} µs", verdict
+    return str(size), f"{one * 1e6:.1f} µs", f"<= {AIM * 1e6:.0f} µs", verdict(one <= AIM)
 
 
 def _room(index: int) -> HouseRoom:

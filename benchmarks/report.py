@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Literal
 
 from rounds import Samples, median
@@ -11,6 +12,7 @@ from rounds import Samples, median
 __all__ = [
     "Aim",
     "Comparison",
+    "MissingPeerError",
     "Report",
     "compare",
     "megabytes",
@@ -18,7 +20,20 @@ __all__ = [
     "per_second",
     "print_report",
     "seconds",
+    "verdict",
 ]
+
+
+SHORT = "FALLS SHORT"
+
+
+class MissingPeerError(Exception):
+    """Nothing can be measured here, as a program or library is missing."""
+
+
+def verdict(is_met: bool) -> str:
+    """Return the words for an aim; a report with ``FALLS SHORT`` ends the program with an error."""
+    return "met" if is_met else SHORT
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +50,7 @@ class Aim:
 
     def verdict(self, ratio: float) -> str:
         met = ratio >= self.ratio if self.kind == "at least" else ratio <= self.ratio
-        return f"{'>=' if self.kind == 'at least' else '<='} {self.ratio:g}: {'met' if met else 'FALLS SHORT'}"
+        return f"{'>=' if self.kind == 'at least' else '<='} {self.ratio:g}: {verdict(met)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,12 +98,20 @@ class Report:
         comparisons: The table.
         notes: Lines below it: losses, what was skipped.
         table: A table of another form, its headings first; for what has no peer.
+        missing: What is missing for a part of it, which was not measured.
     """
 
     title: str
     comparisons: Sequence[Comparison]
     notes: Sequence[str] = ()
     table: Sequence[tuple[str, ...]] = ()
+    missing: Sequence[str] = ()
+
+    @property
+    def falls_short(self) -> bool:
+        """Whether an aim is missed."""
+        cells = chain(*(one.row() for one in self.comparisons), *self.table, self.notes)
+        return any(SHORT in cell for cell in cells)
 
 
 def compare(
@@ -111,7 +134,7 @@ def print_report(report: Report) -> None:
         _print_table([HEADINGS, *(comparison.row() for comparison in report.comparisons)])
     if report.table:
         _print_table(report.table)
-    for note in report.notes:
+    for note in (*report.notes, *(f"NOT MEASURED: {one}." for one in report.missing)):
         print(f"\n{note}")
 
 

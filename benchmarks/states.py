@@ -18,7 +18,7 @@ from bench_ingest import RETAIN, seed
 from mosquitto import mosquitto
 from plan import Plan
 from raw_mqtt import connect, publish_packet
-from report import Aim, Report, compare
+from report import Aim, MissingPeerError, Report, compare
 from rounds import Samples
 
 __all__ = ["run"]
@@ -37,7 +37,7 @@ HOME_ASSISTANT = "Home Assistant, MQTT integration"
 
 def run(plan: Plan) -> Report:
     if plan.mosquitto is None:
-        return Report(TITLE, (), ("Skipped: mosquitto is not installed.",))
+        raise MissingPeerError("Mosquitto is not installed")
     here = Path(__file__).parent
     ours = [sys.executable, str(here / "states_homebot.py")]
     contenders = {HOMEBOT: [*ours, "native"], AIOMQTT: [*ours, "aiomqtt"]}

@@ -28,7 +28,7 @@ from homebot.runtime import Runtime
 from homebot.testing import VirtualTimeLoop
 from plan import Plan
 from raw_mqtt import connect_packet, publish_packet, subscribe_packet
-from report import Report
+from report import Report, verdict
 
 __all__ = ["run"]
 
@@ -65,11 +65,7 @@ def run(_plan: Plan) -> Report:
 
 def _row(name: str, count: CallCount, aim: Aim) -> tuple[str, ...]:
     is_met = count.calls <= aim.calls and len(count.files) <= aim.files
-    return name, str(count.calls), f"<= {aim.calls}", str(len(count.files)), f"<= {aim.files}", _verdict(is_met)
-
-
-def _verdict(is_met: bool) -> str:
-    return "met" if is_met else "FALLS SHORT"
+    return name, str(count.calls), f"<= {aim.calls}", str(len(count.files)), f"<= {aim.files}", verdict(is_met)
 
 
 def _listed(count: CallCount) -> str:

@@ -44,12 +44,12 @@ KINDS = (
 
 def run(plan: Plan) -> Report:
     parts = [*_of_names()]
-    notes = []
+    missing = []
     if shutil.which("node") is None or not (PACKAGES / "node_modules").exists():
-        notes.append("Node.js or the npm package zigbee2mqtt is missing: no models.")
+        missing.append("the models, as Node.js or the npm package zigbee2mqtt is not installed")
     else:
         parts += _of_models(PACKAGES, EACH_QUICK if plan.quick else 1)
-    return Report(TITLE, [], notes, [HEADINGS, *_rows(parts)])
+    return Report(TITLE, [], [], [HEADINGS, *_rows(parts)], missing)
 
 
 def _rows(parts: Iterable[tuple[str, Device, DevicePart]]) -> Iterator[tuple[str, ...]]:

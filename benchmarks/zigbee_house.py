@@ -16,7 +16,7 @@ from typing import Any
 from mosquitto import mosquitto
 from plan import Plan
 from raw_mqtt import connect, publish_packet
-from report import Report
+from report import MissingPeerError, Report, verdict
 
 __all__ = ["run"]
 
@@ -39,9 +39,7 @@ CASES: tuple[tuple[str, tuple[str, ...], float], ...] = (
 def run(plan: Plan) -> Report:
     node = shutil.which("node")
     if plan.mosquitto is None or node is None or not (PACKAGES / "node_modules").exists():
-        return Report(
-            TITLE, [], ["Mosquitto, Node.js or the npm package zigbee2mqtt is missing: nothing was measured."]
-        )
+        raise MissingPeerError("Mosquitto, Node.js or the npm package zigbee2mqtt is not installed")
     each = EACH_QUICK if plan.quick else 1
     command = [node, str(HERE / "zigbee_house.js"), str(PACKAGES), str(each)]
     made = subprocess.run(command, stdout=subprocess.PIPE, check=True)
@@ -84,4 +82,4 @@ def _row(name: str, messages: int, found: dict[str, Any], aim: float) -> tuple[s
 
 
 def _verdict(figure: float, aim: float) -> str:
-    return f"<= {aim:g} s: {'met' if figure <= aim else 'FALLS SHORT'}"
+    return f"<= {aim:g} s: {verdict(figure <= aim)}"

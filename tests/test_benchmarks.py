@@ -24,7 +24,7 @@ def run(name: str, patience: float = 120) -> str:
     """What the benchmark prints where Home Assistant is not installed."""
     command = [sys.executable, str(PROGRAM), "--quick", "--home-assistant", "/no/such/python", name]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=patience)
-    assert done.returncode == 0, done.stderr
+    assert "failed, with the error above" not in done.stderr, done.stderr
     return done.stdout
 
 
@@ -34,6 +34,34 @@ def test_a_benchmark_runs_and_says_which_peer_is_missing() -> None:
 
     assert "Services: calls per second" in printed
     assert "Home Assistant is not measured: no /no/such/python" in printed
+
+
+@pytest.mark.parametrize(
+    ("body", "code", "said"),
+    [
+        ("return Report('T', (), (), [('goal', ''), ('Room 0 lit', verdict(True))])", 0, ""),
+        ("return Report('T', (), (), [('goal', ''), ('Room 0 lit', verdict(False))])", 1, "FALLS SHORT: places\n"),
+        ("return Report('T', (), [f'Aim: {verdict(False)}'])", 1, "FALLS SHORT: places\n"),
+        ("raise MissingPeerError('no planner')", 1, "not measured, at least in part: places\n"),
+        ("return Report('T', (), missing=['models'])", 1, "not measured, at least in part: places\n"),
+    ],
+)
+@pytest.mark.parametrize("extras", [[], ["--extras", sys.executable]])
+def test_a_benchmark_that_falls_short_or_lacks_a_peer_is_not_green(
+    body: str, code: int, said: str, extras: list[str], tmp_path: Path
+) -> None:
+    """Nor where another Python runs it."""
+    copied = shutil.copytree(PROGRAM.parent, tmp_path / "benchmarks")
+    head = "from report import MissingPeerError, Report, verdict\n\ndef run(plan):\n    "
+    name = "machines" if extras else "places"
+    (copied / f"{name}.py").write_text(head + body + "\n")
+    command = [sys.executable, str(copied / "run.py"), "--quick", "--home-assistant", "/no", *extras, name]
+
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+
+    assert done.returncode == code
+    assert done.stderr.endswith(said.replace("places", name))
+    assert ("NOT MEASURED" in done.stdout) is ("not measured" in said)
 
 
 def test_a_failing_benchmark_does_not_stop_the_next(tmp_path: Path) -> None:
