@@ -24,6 +24,7 @@ from hypothesis import HealthCheck, settings
 from tests.mqtt.client.mosquitto_broker import until_it_answers
 from tests.ports import reserve_port
 from tests.sizes import EXAMPLES, NIGHTLY
+from tests.skips import pytest_sessionfinish, pytest_terminal_summary  # noqa: F401 - hooks of pytest
 
 from homebot.cli.main import gc_paused
 from homebot.mqtt.broker import Broker
