@@ -12,7 +12,7 @@ CASES ?= 100000
 HOUSES ?= 100
 DAYS ?= 1000
 
-.PHONY: help run test coverage test-fast test-peers page fuzz houses days nightly check format docs wheel bench lock audit test-lowest clean
+.PHONY: help run test coverage test-fast test-peers page fuzz houses days nightly check format docs wheel bench lock audit test-lowest test-newest clean
 
 ## Prints this list.
 help:
@@ -67,8 +67,8 @@ days: $(VENV)/.dev
 	@$(BIN)/python -m tests.days.table --days $(DAYS) $(ARGS)
 
 # NIGHTLY: floods, kills and generated cases in full number, and other ones in each run; see tests/sizes.py.
-## Runs the long sets: generated cases, random days, all tests in full size, lowest versions. Takes hours.
-nightly: fuzz days test-lowest
+## Runs the long sets: generated cases, random days, all tests in full size, lowest and newest versions. Takes hours.
+nightly: fuzz days test-lowest test-newest
 	@NIGHTLY=1 $(MAKE) --keep-going coverage test-peers audit
 
 ## Checks format, lint, types, and which package may import which.
@@ -119,9 +119,15 @@ test-lowest:
 	.venv-lowest/bin/pip install --quiet --disable-pip-version-check -c constraints-lowest.txt -e ".[dev,all]"
 	.venv-lowest/bin/python -m pytest -n 3 -p no:cacheprovider -m "not peers" $(ARGS)
 
+## Runs the quick tests with the newest version of every package.
+test-newest:
+	rm -rf .venv-newest && $(PYTHON) -m venv .venv-newest
+	.venv-newest/bin/pip install --quiet --disable-pip-version-check --upgrade -e ".[dev,all]"
+	.venv-newest/bin/python -m pytest -n 3 -p no:cacheprovider -m "not slow and not system and not peers" $(ARGS)
+
 ## Removes everything that these targets created.
 clean:
-	rm -rf dist $(VENV) $(AUDIT) .venv-lowest .venv-lock $(BENCH) $(BENCH)-ha $(BENCH)-zigbee site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	rm -rf dist $(VENV) $(AUDIT) .venv-lowest .venv-newest .venv-lock $(BENCH) $(BENCH)-ha $(BENCH)-zigbee site .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

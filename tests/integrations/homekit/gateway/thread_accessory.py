@@ -44,6 +44,7 @@ class ThreadLamp:
         written: What was written, in order.
         refuses: Whether it refuses all writes.
         sleep: Milliseconds between two wake-ups.
+        pairing_locked_out: False, as it takes any number of wrong codes; HAP-python asks since 5.2.
         answers: Set while it answers.
     """
 
@@ -52,6 +53,7 @@ class ThreadLamp:
         self.written: list[tuple[int, bytes]] = []
         self.refuses = False
         self.sleep = 0
+        self.pairing_locked_out = False
         self.answers = anyio.Event()
         self.answers.set()
         self.values = {ON: b"\0", BRIGHTNESS: struct.pack("<L", 50)}
@@ -68,6 +70,9 @@ class ThreadLamp:
     def pair(self, username: bytes, key: bytes, permissions: bytes) -> bool:
         self.state.add_paired_client(username, key, permissions)
         return True
+
+    def register_failed_pairing_attempt(self) -> None:
+        """Count none."""
 
     @property
     def found(self) -> FoundAccessory:
