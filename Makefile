@@ -68,8 +68,8 @@ days: $(VENV)/.dev
 
 # NIGHTLY: floods, kills and generated cases in full number, and other ones in each run; see tests/sizes.py.
 ## Runs the long sets: generated cases, random days, all tests in full size, lowest and newest versions. Takes hours.
-nightly: fuzz days test-lowest test-newest
-	@NIGHTLY=1 $(MAKE) --keep-going coverage test-peers audit
+nightly: fuzz days test-lowest
+	@NIGHTLY=1 $(MAKE) --keep-going coverage test-peers audit test-newest
 
 ## Checks format, lint, types, and which package may import which.
 check: $(VENV)/.dev

@@ -1,8 +1,10 @@
 """rclpy's calls one by one, with the graph in the test's own process."""
 
+import re
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -48,6 +50,17 @@ def test_a_raw_subscription_receives_the_bytes_of_the_wire(node: rclpy.Node) -> 
     node.create_publisher(String, "chatter", 1).publish(String(data="ab"))
     rclpy.spin_once(node)
     assert heard == [bytes.fromhex("00010000 03000000 616200")] == [rclpy.serialize_message(String(data="ab"))]
+
+
+def test_the_names_that_the_guide_calls_missing_are_missing(node: rclpy.Node) -> None:
+    """What is added leaves the list."""
+    guide = (Path(__file__).parents[2] / "docs/robots.md").read_text("utf-8")
+    named = re.findall(r"`(\w+)`", guide.partition("Missing: lifecycle nodes; ")[2].partition("\n- ")[0])
+    publisher, subscription = node.create_publisher(String, "t", 1), node.create_subscription(String, "t", print, 1)
+    timer = node.create_timer(1.0, print)
+    places = (rclpy, node, publisher, subscription, timer, node.get_clock())
+    assert len(named) > 20
+    assert [name for name in named if any(hasattr(place, name) for place in places)] == []
 
 
 def test_the_names_of_bases_and_infos_are_those_of_rclpy() -> None:
