@@ -10,6 +10,7 @@ from pathlib import Path
 import anyio
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import SecretStr
+from tests.hanging_link import HangingLink
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
 from tests.robots_on_wire import house_rights, robot_rights
@@ -39,12 +40,13 @@ class FarMachine:
     Attributes:
         gateway: Its gateway, which goes on without the link.
         link: The link of the machine with the index, which is the router.
+        wire: What joins the two, which can hang.
     """
 
-    def __init__(self, gateway: MemoryGateway, link: MachinesOnWire, router: str, tasks: TaskGroup) -> None:
+    def __init__(self, gateway: MemoryGateway, link: MachinesOnWire, wire: HangingLink, tasks: TaskGroup) -> None:
         self.gateway = gateway
-        self.link, self._tasks = link, tasks
-        self._settings = RosSettings.model_validate({"connect": (router,)})
+        self.link, self.wire, self._tasks = link, wire, tasks
+        self._settings = RosSettings.model_validate({"connect": (wire.address,)})
         self._on_wire, self._lost = anyio.CancelScope(), anyio.Event()
 
     def near(
@@ -99,9 +101,10 @@ async def far_machine(epoch: float | None = None) -> AsyncIterator[FarMachine]:
     Args:
         epoch: The time of day there at the start, in seconds since 1970; by default the right one.
     """
-    router = f"tcp/127.0.0.1:{reserve_port()}"
-    settings = RosSettings.model_validate({"listen": router})
+    port = reserve_port()
+    settings = RosSettings.model_validate({"listen": f"tcp/127.0.0.1:{port}"})
     async with (
+        HangingLink(port).running() as wire,
         open_session(settings, house_rights(settings, "attic")) as session,
         Node(Graph(LoopClock(epoch)), "memory", namespace="/gateway") as node,
         anyio.create_task_group() as tasks,
@@ -110,7 +113,7 @@ async def far_machine(epoch: float | None = None) -> AsyncIterator[FarMachine]:
         await tasks.start(gateway.serve)
         tasks.start_soon(session.run)
         link.session = session
-        machine = FarMachine(gateway, link, router, tasks)
+        machine = FarMachine(gateway, link, wire, tasks)
         await machine.mend_link()
         await _reached(session)
         yield machine

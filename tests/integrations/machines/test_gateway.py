@@ -4,6 +4,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+import anyio
 import pytest
 from pydantic import SecretStr
 from tests.integrations.machines.far_machine import SECRET, FarMachine, far_machine
@@ -18,7 +19,7 @@ from homebot.bridges.machines.messages import (
     machine_name,
 )
 from homebot.bridges.machines.wire import MachineWire
-from homebot.devices import GatewayState, Sighting
+from homebot.devices import GatewayState, RawCommand, Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.names import PairingNames
@@ -136,11 +137,12 @@ def command(key: str, **change: object) -> Command:
     ("change", "why"),
     [
         ({"until": 1.0}, "too late, and was not carried out"),
+        ({"arrives_by": 1.0}, "too late, and was not carried out"),
         ({"session": "before"}, "its machine has started anew"),
         ({"follower": "somebody"}, "another homebot follows this gateway by now"),
         ({"id": 0}, "this call came before; it is carried out once"),
     ],
-    ids=["late", "restarted", "other", "again"],
+    ids=["late", "lost", "restarted", "other", "again"],
 )
 async def test_a_command_is_not_carried_out_late_for_another_start_or_twice(
     change: dict[str, object], why: str
@@ -166,6 +168,63 @@ async def test_a_command_is_not_carried_out_late_for_another_start_or_twice(
         assert len(far.gateway.commands) == 1
 
 
+@pytest.mark.parametrize("seconds", [5.0, 8.0, 9.5])
+async def test_what_was_sent_into_a_link_that_hung_is_never_carried_out_once_it_is_back(
+    tmp_path: Path, seconds: float
+) -> None:
+    """It is connected all the time, so what was sent arrives: after newer commands were told that they were not."""
+    outcomes: dict[str, str] = {}
+    locks = Locks()
+    async with (
+        far_machine() as far,
+        Node(Graph(), "attic", namespace="/gateway") as node,
+        anyio.create_task_group() as tasks,
+    ):
+        PairingServices(locks, far.gateway.node)
+        far.gateway.devices.put(lamp("window"), "new")
+        near = far.near(node, tmp_path)
+        await tasks.start(near.serve)
+        states = listen(near.node, GatewayState, near.names.state)
+        reports = listen(near.node, Report, near.names.readings)
+        await active(states)
+        pairing = near.node.create_client(Pair, PairingNames(near.node.name).pair)
+        assert await pairing.wait_for_service(PATIENCE)
+        commands = near.node.create_client(SendCommand, near.names.send_command)
+        texts = near.node.create_publisher(RawCommand, near.names.out)
+        wanted, lasts = {"expires_after": 20.0}, 25.0
+
+        async def send(name: str) -> None:
+            with anyio.fail_after(10.0):
+                outcomes[name] = (await commands.call(command("window", id=name, **wanted), lasts)).problem
+
+        async def pair() -> None:
+            with anyio.fail_after(10.0):
+                outcomes["pair"] = (await pairing.call(PairRequest(device="lock", code="1"), 120.0)).problem
+
+        far.wire.hang()
+        back_at = anyio.current_time() + seconds
+        for number in range(3):
+            texts.publish(RawCommand(address="memory/window", payload="open"))
+            tasks.start_soon(send, f"open {number}")
+            tasks.start_soon(pair)
+            await anyio.sleep(0.8)
+        await anyio.sleep_until(back_at - 0.8)
+        await send("close")
+        assert outcomes == {"open 0": "unanswered", "open 1": "unanswered", "open 2": "unanswered"} | {
+            "pair": "unreachable",
+            "close": "unreachable",
+        }
+        await anyio.sleep_until(back_at)
+        far.wire.go_on()
+        await active(states)
+        await send("last")
+        await until(reports, "the answer of the window", lambda one: one.key == "window")
+        assert [one.id for one in far.gateway.commands] == ["last"]
+        assert not far.gateway.raw_commands
+        assert not locks.paired
+        tasks.cancel_scope.cancel()
+
+
 async def test_pairing_and_health_go_to_the_other_machine(tmp_path: Path) -> None:
     async with house(tmp_path) as (far, near):
         states = listen(near.node, GatewayState, near.names.state)
@@ -176,24 +235,29 @@ async def test_pairing_and_health_go_to_the_other_machine(tmp_path: Path) -> Non
         await until(states, "the loss", lambda one: one.state == "unavailable")
         lost = await near.node.create_client(GetHealth, near.names.health).call(HealthRequest())
         assert not lost.troubles  # the state says it
-        PairingServices(Lock(), far.gateway.node)
+        locks = Locks()
+        PairingServices(locks, far.gateway.node)
         await far.mend_link()
         client = near.node.create_client(Pair, names.pair)
         assert await client.wait_for_service(PATIENCE)
         assert await client.call(PairRequest(device="lock", code="123")) == PairResponse(
             success=True, key="lock", name="the lock"
         )
+        assert locks.paired == [("lock", "123")]
         health = await near.node.create_client(GetHealth, near.names.health).call(HealthRequest())
         assert {"commands", "news_missed"} <= {one.name for one in health.counts}
 
 
-class Lock:
+class Locks:
     """A gateway that pairs with a lock."""
 
     acts, observes_because = True, ""
 
+    def __init__(self) -> None:
+        self.paired: list[tuple[str, str]] = []
+
     async def pair(self, key: str, code: str) -> str:
-        assert (key, code) == ("lock", "123")
+        self.paired.append((key, code))
         return "the lock"
 
     async def unpair(self, key: str) -> str:

@@ -12,6 +12,7 @@ from anyio.abc import TaskStatus
 
 from homebot.bridges.machines.messages import (
     LONGEST_QUIET,
+    MAX_SILENCE_S,
     CallGateway,
     CallGatewayRequest,
     CallGatewayResponse,
@@ -128,13 +129,12 @@ class _GatewayExport:
         if (asked.follower, asked.id) in self._calls:
             raise PeerError("this call came before; it is carried out once")
         self._calls[asked.follower, asked.id] = None
-        left = asked.until - self._now()
-        if left <= 0.0:
-            return CallGatewayResponse(
-                success=False, message=f"it came {-left:.2g} s too late, and was not carried out"
-            )
+        now = self._now()
+        late = now - min(asked.until, asked.arrives_by, self._asked_at + MAX_SILENCE_S)
+        if late >= 0.0:
+            return CallGatewayResponse(success=False, message=f"it came {late:.2g} s too late, and was not carried out")
         try:
-            response = await self._called(asked, left)
+            response = await self._called(asked, asked.until - now)
         except HomebotError as exc:
             is_unanswered = isinstance(exc, ServiceTimeoutError | ServiceGoneError)
             return CallGatewayResponse(success=False, message=str(exc), is_unanswered=is_unanswered)

@@ -6,6 +6,7 @@ that follows asks again and again: each answer has what is new since the one bef
 the newest of each device.
 """
 
+import math
 from typing import Annotated, Final
 
 from pydantic import Field
@@ -18,6 +19,7 @@ from homebot.names import escape_token
 
 __all__ = [
     "LONGEST_QUIET",
+    "MAX_SILENCE_S",
     "CallGateway",
     "CallGatewayRequest",
     "CallGatewayResponse",
@@ -32,6 +34,9 @@ __all__ = [
 
 LONGEST_QUIET: Final = 1.0
 """Seconds after which an answer comes although there is no news."""
+
+MAX_SILENCE_S: Final = 3.0
+"""Seconds without an answer after which the link is lost on both sides; of the five that are allowed."""
 
 
 class GetGatewaysRequest(Message):
@@ -91,6 +96,7 @@ class CallGatewayRequest(Message):
         follower: As in :class:`FollowGatewayRequest`; of an earlier one nothing is carried out.
         id: Its number; each is carried out once at most.
         until: The reading of the monotonic clock of the machine after which it is not carried out.
+        arrives_by: The same after which it is refused: by then the caller may have counted the link as lost.
         longest: Seconds after which no caller waits for the answer.
         service: The last part of the name.
         request: The message in CDR.
@@ -103,6 +109,7 @@ class CallGatewayRequest(Message):
     longest: Annotated[float, Field(gt=0.0, le=3600.0)]
     service: str
     request: Annotated[bytes, Field(repr=False)]
+    arrives_by: float = math.inf
 
 
 class CallGatewayResponse(ServiceAnswer):

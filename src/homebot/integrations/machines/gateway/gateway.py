@@ -108,6 +108,8 @@ class MachineGateway(Gateway):
                     await self._follow(task_status)
                 except HomebotError as exc:
                     self._problem, is_mistake = str(exc), isinstance(exc, UsageError)
+                if self._link is not None:
+                    self._link.on_loss()
                 self.publish_state("unavailable", self._problem)
                 self._mirror.on_link_loss()
                 self.mark_ready(task_status)

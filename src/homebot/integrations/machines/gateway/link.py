@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import secrets
+from contextlib import suppress
 from itertools import count
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
+
+import anyio
 
 from homebot.bridges.machines.messages import (
     LONGEST_QUIET,
+    MAX_SILENCE_S,
     CallGateway,
     CallGatewayRequest,
     FollowGateway,
@@ -27,9 +31,6 @@ if TYPE_CHECKING:
 
 __all__ = ["MachineLink"]
 
-_LATE: Final = 2.0
-"""Seconds by which an answer may be late before the link counts as lost: three in all, of the five that are allowed."""
-
 
 class MachineLink:
     """The link to *gateway* of *machine*; an empty name is that of its only one.
@@ -47,6 +48,8 @@ class MachineLink:
         self._follower, self._session, self._number = "", "", 0
         self._earlier: set[str] = set()  # sessions of machines that were started anew since
         self._ids = count()
+        self._lost_at = 0.0  # when the link counts as lost if no news come until then
+        self._calls: set[anyio.CancelScope] = set()
         self.later = 0.0
         self.gaps = 0
 
@@ -60,7 +63,7 @@ class MachineLink:
         """
         if not self._gateway:
             name = machine_name(self._home, self._machine, "gateways")
-            found = (await self._wire.ask(name, GetGateways, GetGatewaysRequest(), _LATE)).names
+            found = (await self._wire.ask(name, GetGateways, GetGatewaysRequest(), MAX_SILENCE_S - LONGEST_QUIET)).names
             if len(found) != 1:
                 has = (
                     f"its machine has the gateways {', '.join(found)}; name"
@@ -79,7 +82,8 @@ class MachineLink:
             UsageError: A second machine has the same name.
         """
         asked = FollowGatewayRequest(follower=self._follower, number=self._number)
-        news = await self._wire.ask(self._name("follow"), FollowGateway, asked, LONGEST_QUIET + _LATE)
+        self._lost_at = self._clock.monotonic() + MAX_SILENCE_S
+        news = await self._wire.ask(self._name("follow"), FollowGateway, asked, MAX_SILENCE_S)
         if self._number and news.is_whole:
             self.gaps += 1
         if news.session in self._earlier:
@@ -110,18 +114,29 @@ class MachineLink:
             id=next(self._ids),
             # The clock there is ahead of this by the time that the last news took: none is carried out late.
             until=self._clock.monotonic() - self.later + within,
+            arrives_by=self._lost_at - self.later,
             longest=longest,
             service=service,
             request=message_to_cdr(request),
         )
-        try:
-            answer = await self._wire.ask(self._name("call"), CallGateway, asked, longest)
-        except LinkError as exc:
-            raise UnansweredError(f"{self._machine} did not answer; it may have carried it out") from exc
+        answer = None
+        with anyio.CancelScope() as scope, suppress(LinkError):
+            self._calls.add(scope)
+            try:
+                answer = await self._wire.ask(self._name("call"), CallGateway, asked, longest)
+            finally:
+                self._calls.discard(scope)
+        if answer is None:
+            raise UnansweredError(f"{self._machine} did not answer; it may have carried it out")
         if not answer.success:
             why = f"{self._machine}: {answer.message}"
             raise UnansweredError(why) if answer.is_unanswered else LinkError(why)
         return answer.response
+
+    def on_loss(self) -> None:
+        """End all calls, whose answers nobody can expect any more."""
+        for scope in self._calls:
+            scope.cancel()
 
     def close(self) -> None:
         """Leave the wire."""
