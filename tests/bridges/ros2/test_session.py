@@ -3,10 +3,12 @@
 import anyio
 import anyio.lowlevel
 import pytest
+import zenoh
 from structlog.testing import capture_logs
+from tests.hanging_link import HangingLink
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
-from tests.robots_on_wire import house_rights, robot_rights
+from tests.robots_on_wire import house_rights, log_in, robot_rights
 
 from homebot.bridges.ros2.session import WireQuery, WireSample, open_session
 from homebot.graph.qos import HistoryPolicy, QoSProfile
@@ -19,12 +21,8 @@ ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL)
 async def test_more_messages_than_wait_for_the_loop_are_lost_counted_and_told(count: int, size: int, most: int) -> None:
     address = f"tcp/127.0.0.1:{reserve_port()}"
     listening = RosSettings.model_validate({"listen": address, "import": {"rosie": ("/rosie/*",)}})
-    connecting = RosSettings.model_validate({"connect": (address,), "export": ("/rosie/*",)})
     got: list[WireSample] = []
-    async with (
-        open_session(listening, house_rights(listening)) as router,
-        open_session(connecting, robot_rights(connecting, "rosie")) as robot,
-    ):
+    async with open_session(listening, house_rights(listening)) as router:
         there, done = anyio.Event(), anyio.Event()
 
         def took(sample: WireSample) -> None:
@@ -36,7 +34,8 @@ async def test_more_messages_than_wait_for_the_loop_are_lost_counted_and_told(co
                 done.set()
 
         reading = router.subscribe("0/rosie/words/T/H", ALL, took)
-        writer = robot.publish("0/rosie/words/T/H", ALL)
+        robot = log_in(address, "rosie", patience=PATIENCE)
+        writer = robot.declare_publisher("0/rosie/words/T/H", congestion_control=zenoh.CongestionControl.BLOCK)
         with anyio.fail_after(PATIENCE), capture_logs() as lines:
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(router.run)
@@ -55,6 +54,7 @@ async def test_more_messages_than_wait_for_the_loop_are_lost_counted_and_told(co
                 await anyio.lowlevel.checkpoint()  # what was lost is told after the last
                 tasks.cancel_scope.cancel()
         reading.undeclare()
+        robot.close()  # type: ignore[no-untyped-call]
     assert [int.from_bytes(one.payload) for one in got] == list(range(len(got)))
     assert [(line["event"], line["lost"]) for line in lines] == [("ros2.lost", count - len(got))]
 
@@ -76,3 +76,49 @@ async def test_a_server_that_does_not_answer_in_time_has_not_answered() -> None:
             while not asked:
                 assert await router.ask("0/rosie/dock/T/H", b"", b"", 0.3) is None
         tasks.cancel_scope.cancel()
+
+
+async def test_a_peer_that_reads_nothing_holds_up_neither_the_loop_nor_other_peers() -> None:
+    """Answers, refusals, questions and samples to it wait on a thread of its own, as many as are allowed."""
+    size, count, port = 1_000_000, 40, reserve_port()
+    listening = RosSettings.model_validate(
+        {"listen": f"tcp/127.0.0.1:{port}", "export": ("/house/*",), "import": {"rosie": ("/rosie/*",)}}
+    )
+    asked, turns = list[WireQuery](), list[float]()
+    async with HangingLink(port).running() as link, anyio.create_task_group() as tasks:
+        ways = {"export": ("/rosie/*",), "import": {"house": ("/house/*",)}}
+        connecting = RosSettings.model_validate({"connect": (link.address,), **ways})
+        direct = RosSettings.model_validate({"connect": (listening.listen,), **ways})
+        async with (
+            open_session(listening, house_rights(listening)) as house,
+            open_session(connecting, robot_rights(connecting, "rosie")) as robot,
+            open_session(direct, robot_rights(direct, "rosie")) as other,
+        ):
+            for session in (house, robot, other):
+                tasks.start_soon(session.run)
+            house.serve("0/house/slow/T/H", asked.append)
+            house.serve("0/house/fast/T/H", lambda query: query.reply(b"here", query.attachment))
+            robot.serve("0/rosie/dock/T/H", lambda query: query.reply(b"docked", query.attachment))
+            robot.subscribe("0/house/map/T/H", ALL, lambda _: None)
+            with anyio.fail_after(PATIENCE):
+                while await other.ask("0/house/fast/T/H", b"", b"o" * 33, 1.0) != b"here":
+                    pass
+                while await house.ask("0/rosie/dock/T/H", b"", b"h" * 33, 1.0) != b"docked":
+                    pass
+                for _ in range(count):
+                    tasks.start_soon(robot.ask, "0/house/slow/T/H", b"", b"r" * 33, PATIENCE)
+                while len(asked) < count:
+                    await anyio.lowlevel.checkpoint()
+            link.hang()
+            maps = house.publish("0/house/map/T/H", ALL)
+            began = anyio.current_time()
+            for query in asked:
+                query.reply(bytes(size), query.attachment)
+                maps.put(bytes(size), attachment=b"m" * 33)
+                assert await other.ask("0/house/fast/T/H", b"", b"o" * 33, PATIENCE) == b"here"
+                turns.append(anyio.current_time() - began)
+                began = anyio.current_time()
+            assert await house.ask("0/rosie/dock/T/H", b"", b"h" * 33, 1.0) is None
+            assert max(turns) < 1.0, "not the five seconds after which Zenoh gives up a peer"
+            assert house.lost > 0
+            tasks.cancel_scope.cancel()

@@ -12,8 +12,6 @@ from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import TYPE_CHECKING, Final, TypeVar
 
-import anyio
-
 from homebot.bridges.ros2.entities import OwnEntities
 from homebot.errors import HomebotError, LinkError, PeerError
 from homebot.graph.endpoint import EndpointInfo, EntityKind
@@ -77,9 +75,7 @@ class MachineWire:
         key, attachment = client.token.key, client.attachment()
         data = message_to_cdr(request)
         proof = self._proof(b"?", key.encode(), attachment, data)
-        answer = None
-        with anyio.move_on_after(longest + 1.0):  # a session that was closed meanwhile says nothing
-            answer = await self.session.ask(key, data + proof, attachment, longest)
+        answer = await self.session.ask(key, data + proof, attachment, longest)
         if answer is None:
             raise LinkError(
                 "its machine does not answer; is homebot running there, with this name and home, in the same version?"

@@ -169,7 +169,7 @@ class Imports:
 
         async def ask(request: Message) -> Message:
             asked = entity.attachment()
-            answer = await self._own.session.ask(token.key, message_to_cdr(request), asked, longest)
+            answer = await self._own.session.ask(token.key, message_to_cdr(request), asked, longest, token.session)
             if answer is None:
                 raise ServiceUnavailableError(info.name, f"of {info.node} did not answer; is it still there?")
             if isinstance(answer, str):

@@ -22,6 +22,7 @@ import zenoh
 import zenoh.ext
 from anyio import to_thread
 
+from homebot.bridges.ros2.lanes import Lanes
 from homebot.errors import UsageError
 from homebot.graph.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from homebot.mqtt.certificate import load_certificate
@@ -76,22 +77,47 @@ class WireSample(NamedTuple):
 class WireQuery:
     """A request as it arrives, which must be answered."""
 
-    def __init__(self, query: Any) -> None:
-        self._query = query
+    def __init__(self, query: Any, lanes: Lanes) -> None:
+        self._query, self._lanes = query, lanes
         self.payload = b"" if query.payload is None else bytes(query.payload)
         self.attachment = b"" if query.attachment is None else bytes(query.attachment)
 
     def reply(self, payload: bytes, attachment: bytes) -> None:
-        """Answer with a response."""
-        with suppress(zenoh.ZError):  # the caller has left
-            self._query.reply(self._query.key_expr, payload, encoding=_ENCODING, attachment=attachment)
-        self._query.drop()
+        """Answer with a response, away from the event loop."""
+        answer = partial(self._query.reply, self._query.key_expr, payload, encoding=_ENCODING, attachment=attachment)
+        self._end(answer, len(payload))
 
     def refuse(self, problem: str) -> None:
         """Answer with an error, which rmw_zenoh only logs."""
-        with suppress(zenoh.ZError):
-            self._query.reply_err(problem)
-        self._query.drop()
+        self._end(partial(self._query.reply_err, problem), len(problem))
+
+    def _end(self, answer: Callable[[], object], size: int) -> None:
+        query = self._query
+
+        def end() -> None:
+            with suppress(zenoh.ZError):  # the caller has left
+                answer()
+            query.drop()
+
+        # the attachment ends with the id of the client
+        self._lanes.make(self.attachment[-16:], end, size, instead=query.drop)
+
+
+class _KeepingPublisher:
+    """A writer of samples none of which Zenoh drops: it waits for a peer instead, on a thread."""
+
+    def __init__(self, publisher: WirePublisher, lanes: Lanes) -> None:
+        self._publisher, self._lanes = publisher, lanes
+
+    def put(self, payload: bytes, *, attachment: bytes) -> object:
+        def put() -> None:
+            with suppress(zenoh.ZError):  # it was taken back meanwhile
+                self._publisher.put(payload, attachment=attachment)
+
+        return self._lanes.make(self, put, len(payload))
+
+    def undeclare(self) -> object:
+        return self._lanes.make(self, self._publisher.undeclare, 0, instead=self._publisher.undeclare)
 
 
 class ZenohSession:
@@ -99,7 +125,6 @@ class ZenohSession:
 
     Attributes:
         domain: The ROS domain.
-        lost: Samples, queries and tokens that came faster than the event loop took them.
         nodes: Numbers for the nodes that use it.
     """
 
@@ -111,9 +136,15 @@ class ZenohSession:
         self._lock = threading.Lock()
         self._waiting = 0
         self._calls: asyncio.Queue[tuple[Callable[..., None], tuple[object, ...]]] = asyncio.Queue()
-        self.lost = 0
+        self._lost = 0
+        self._lanes = Lanes()
         self.nodes = count()
         self.id = str(session.zid())
+
+    @property
+    def lost(self) -> int:
+        """Samples, queries and tokens that came faster than they were taken, and messages for peers that hang."""
+        return self._lost + self._lanes.refused
 
     @property
     def is_alone(self) -> bool:
@@ -161,7 +192,7 @@ class ZenohSession:
             publisher_detection=is_latched,
             sample_miss_detection=miss if is_latched and is_reliable else None,
         )
-        return publisher
+        return _KeepingPublisher(publisher, self._lanes) if blocks else publisher
 
     def subscribe(self, key: str, qos: QoSProfile, on_sample: Callable[[WireSample], None]) -> Declared:
         """Call back with each sample of others, and those that are latched."""
@@ -189,7 +220,7 @@ class ZenohSession:
         """Call back with each request of others."""
 
         def arrived(query: Any) -> None:
-            asked = WireQuery(query)
+            asked = WireQuery(query, self._lanes)
             if not self._offer(on_query, asked, len(asked.payload)):
                 asked.refuse("homebot has too many requests at once; ask again later")
 
@@ -198,8 +229,14 @@ class ZenohSession:
         )
         return declared
 
-    async def ask(self, key: str, payload: bytes, attachment: bytes, longest: float) -> bytes | str | None:
-        """Return the first response, the text of an error, or None if no node serves or answers within *longest*."""
+    async def ask(
+        self, key: str, payload: bytes, attachment: bytes, longest: float, peer: str = ""
+    ) -> bytes | str | None:
+        """Return the first response, the text of an error, or None if no node serves or answers within *longest*.
+
+        Args:
+            peer: Who is asked; by default, as good as whoever serves *key*.
+        """
         answer: asyncio.Future[bytes | str | None] = self._loop.create_future()
         cancellation: Any = zenoh.CancellationToken()
 
@@ -213,28 +250,40 @@ class ZenohSession:
             elif (problem := bytes(reply.err.payload)) != _TIMEOUT:
                 self._to_loop(settle, problem.decode(errors="replace"))
 
-        self._session.get(
-            key,
-            zenoh.handlers.Callback(replied, lambda: self._to_loop(settle, None)),
-            target=zenoh.QueryTarget.ALL_COMPLETE,
-            consolidation=zenoh.ConsolidationMode.NONE,
-            timeout=longest,
-            payload=payload,
-            encoding=_ENCODING,
-            attachment=attachment,
-            cancellation_token=cancellation,
-        )
+        def get() -> None:
+            if answer.done():  # nobody waits any more: what was not sent is not sent late
+                return
+            try:
+                self._session.get(
+                    key,
+                    zenoh.handlers.Callback(replied, lambda: self._to_loop(settle, None)),
+                    target=zenoh.QueryTarget.ALL_COMPLETE,
+                    consolidation=zenoh.ConsolidationMode.NONE,
+                    timeout=longest,
+                    payload=payload,
+                    encoding=_ENCODING,
+                    attachment=attachment,
+                    cancellation_token=cancellation,
+                )
+            except zenoh.ZError:
+                self._to_loop(settle, None)
+
+        if not self._lanes.make(("ask", peer or key), get, len(payload)):
+            return None
         try:
-            return await answer
+            with anyio.move_on_after(longest):
+                return await answer
         finally:
+            answer.cancel()
             cancellation.cancel()
+        return None
 
     def _offer(self, call: Callable[[Any], None], value: object, size: int = 0, most: int = _MOST_WAITING) -> bool:
         """Let the event loop *call* with *value* of *size* bytes; return False if *most* wait already."""
         share = 1 + size // _LONG
         with self._lock:
             if self._waiting >= most:
-                self.lost += 1
+                self._lost += 1
                 return False
             self._waiting += share
         self._to_loop(self._deliver, call, value, share)

@@ -1,0 +1,72 @@
+"""Lanes to the peers of a session: calls that block while a peer does not read, away from the event loop.
+
+The calls of one peer are made in order; those of different peers side by side, so a peer that hangs holds up itself
+alone. Zenoh gives up a peer after five seconds.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Hashable
+from typing import Final
+
+MAX_LANES: Final = 64
+"""Peers for which calls wait at a time, each with a thread."""
+
+MAX_WAITING: Final = 200
+MAX_WAITING_BYTES: Final = 16_777_216
+"""Calls that wait for one peer, and bytes in them."""
+
+
+class Lanes:
+    """Threads that make calls, each for as long as a peer has some.
+
+    Attributes:
+        refused: Calls that were not made because too many waited.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._waiting: dict[Hashable, deque[tuple[Callable[[], object], int]]] = {}
+        self.refused = 0
+
+    def make(
+        self, peer: Hashable, call: Callable[[], object], size: int, instead: Callable[[], object] | None = None
+    ) -> bool:
+        """Make *call* with *size* bytes, which raises nothing, after the earlier ones of *peer*.
+
+        Args:
+            instead: What is called in its place if too many wait: what has to be, and holds no data.
+
+        Returns:
+            False if *call* is not made.
+        """
+        with self._lock:
+            waiting = self._waiting.get(peer)
+            is_new = waiting is None
+            if waiting is None:
+                is_full = len(self._waiting) >= MAX_LANES
+            else:
+                is_full = len(waiting) >= MAX_WAITING or sum(taken for _, taken in waiting) >= MAX_WAITING_BYTES
+            if is_full:
+                self.refused += 1
+                if instead is None:
+                    return False
+                call, size = instead, 0
+            if waiting is None:
+                waiting = self._waiting[peer] = deque()
+            waiting.append((call, size))
+        if is_new:
+            threading.Thread(target=self._run, args=(peer, waiting), daemon=True, name="zenoh lane").start()
+        return not is_full
+
+    def _run(self, peer: Hashable, waiting: deque[tuple[Callable[[], object], int]]) -> None:
+        while True:
+            with self._lock:
+                if not waiting:
+                    del self._waiting[peer]
+                    return
+                call, _ = waiting.popleft()
+            call()
+            del call  # with what it holds
