@@ -32,10 +32,10 @@ def words(count: int, size: int = 10) -> Iterator[BagMessage]:
 
 
 def whole(file: McapFile) -> list[BagMessage]:
-    """Return all messages before the place where *file* is cut off or damaged."""
+    """Return all messages of *file* that are whole."""
     found: list[BagMessage] = []
     with suppress(DamagedFileError):
-        found += file.messages(is_cut=True)
+        found += file.whole_messages()
     return found
 
 

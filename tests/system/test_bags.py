@@ -168,7 +168,7 @@ def test_a_bag_that_was_cut_off_is_recovered(tmp_path: Path) -> None:
         rescue = "`homebot bag recover day/day_0.mcap NEW` keeps what is whole"
         assert broken.stderr == f"homebot: day/day_0.mcap was cut off or is damaged; {rescue}\n"
         told = ok(shell, RECOVER)
-        assert (found := re.fullmatch(r"day/day_0.mcap: (\d+) messages, up to where it is cut off or damaged\n", told))
+        assert (found := re.fullmatch(r"day/day_0.mcap: (\d+) messages; others are cut off or damaged\n", told))
         assert re.search(rf"^Messages: +{found[1]}$", ok(shell, "homebot bag info whole"), re.MULTILINE)
 
 

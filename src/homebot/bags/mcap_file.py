@@ -4,18 +4,26 @@ Source: MCAP specification and its registries of profiles and encodings, https:/
 ``mcap_storage.cpp``.
 """
 
+import heapq
 import struct
+import zlib
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from io import BytesIO
+from itertools import count, islice
 from pathlib import Path
-from typing import IO, Final, NamedTuple, final
+from typing import IO, Final, NamedTuple, TypeAlias, final
 
+from lz4.frame import LZ4FrameDecompressor
+from mcap.data_stream import ReadDataStream
 from mcap.exceptions import EndOfFile, InvalidMagic, McapError
-from mcap.reader import FOOTER_SIZE, NonSeekingReader, SeekingReader
-from mcap.records import Channel, Schema
+from mcap.opcode import Opcode
+from mcap.reader import FOOTER_SIZE, SeekingReader
+from mcap.records import Channel, Chunk, ChunkIndex, Message, Schema
+from mcap.summary import Summary
 from mcap.writer import MCAP0_MAGIC, Writer
-from zstandard import ZstdDecompressor, ZstdError
+from zstandard import ZstdDecompressor, ZstdError, frame_content_size
 
 from homebot.bags.bag_topic import BagMessage, BagTopic
 from homebot.errors import UsageError
@@ -25,13 +33,19 @@ __all__ = ["CHUNK", "DamagedFileError", "McapContent", "McapFile", "McapWriter"]
 
 CHUNK: Final = 256 * 1024
 
-_LARGEST: Final = 1024**3
-"""Bytes of a record that a reader believes."""
+MAX_UNPACKED_BYTES: Final = 64 * 1024**2
+"""Bytes that a chunk, or a message that is compressed by itself, unpacks to: rosbag2 writes chunks of 4 MiB at most,
+or of one message. A ratio says nothing here, as an empty map of a robot is all zeros."""
+
+_MAX_WAITING_BYTES: Final = 8 * MAX_UNPACKED_BYTES
+"""The same for chunks whose times overlap."""
+
+_HEAD: Final = struct.Struct("<BQ")
 
 _COMPRESSED: Final = b"\x28\xb5\x2f\xfd"
 """The first bytes of a message that rosbag2 compressed by itself; CDR begins with 00."""
 
-_BROKEN: Final = (McapError, ZstdError, struct.error, ValueError, KeyError, OverflowError, MemoryError)
+_BROKEN: Final = (McapError, ZstdError, struct.error, ValueError, KeyError, OverflowError, MemoryError, RuntimeError)
 
 
 class DamagedFileError(UsageError):
@@ -44,6 +58,9 @@ class McapContent(NamedTuple):
     counts: dict[BagTopic, int]
     start: int
     end: int
+
+
+_Record: TypeAlias = Schema | Channel | Message | Chunk
 
 
 @final
@@ -121,8 +138,8 @@ class McapFile:
             UsageError: It cannot be read, or is no MCAP file.
         """
         with self._opened() as file:
-            summary = SeekingReader(file, record_size_limit=_LARGEST).get_summary()
-            if summary is None or summary.statistics is None:
+            summary = _summary(file)
+            if summary.statistics is None:
                 raise EndOfFile("it has no index")
             found = summary.statistics
             counts = {
@@ -131,19 +148,47 @@ class McapFile:
             }
             return McapContent(counts, found.message_start_time, found.message_end_time)
 
-    def messages(self, *, is_cut: bool = False) -> Iterator[BagMessage]:
-        """Yield its messages in order of time; errors as for :meth:`content`.
-
-        Args:
-            is_cut: Whether to yield them as they were written, all that are whole before the error.
-        """
+    def messages(self) -> Iterator[BagMessage]:
+        """Yield its messages in order of time; errors as for :meth:`content`."""
         with self._opened() as file:
-            reader = (NonSeekingReader if is_cut else SeekingReader)(file, True, (), _LARGEST)  # noqa: FBT003 - its CRCs
-            for schema, channel, message in reader.iter_messages(log_time_order=not is_cut):
-                data = message.data
-                if data.startswith(_COMPRESSED):
-                    data = ZstdDecompressor().decompress(data)
-                yield BagMessage(_topic(schema, channel), message.log_time, data)
+            summary, numbers = _summary(file), count()
+            waiting: list[tuple[int, int, BagMessage]] = []
+            for chunk in sorted(summary.chunk_indexes, key=lambda chunk: chunk.message_start_time):
+                while waiting and waiting[0][0] < chunk.message_start_time:
+                    yield heapq.heappop(waiting)[2]
+                for message in _messages(_chunk_records(file, chunk), summary):
+                    heapq.heappush(waiting, (message.at, next(numbers), message))
+                if sum(len(message.data) for *_, message in waiting) > _MAX_WAITING_BYTES:
+                    raise EndOfFile("too many of its chunks are of one time")
+            if not summary.chunk_indexes:
+                file.seek(len(MCAP0_MAGIC))
+                waiting = [(one.at, next(numbers), one) for one in _messages(_records(file, is_file=True), summary)]
+            for *_, message in sorted(waiting):
+                yield message
+
+    def whole_messages(self) -> Iterator[BagMessage]:
+        """Yield the messages of all chunks that are whole, as they were written; then errors as :meth:`content`."""
+        with self._opened() as file:
+            summary, problem = Summary(), None
+            with suppress(*_BROKEN):
+                summary = _summary(file)
+            in_file = sorted(summary.chunk_indexes, key=lambda chunk: chunk.chunk_start_offset)
+            chunks: Iterator[ChunkIndex | _Record] = iter(in_file)
+            if not summary.chunk_indexes:
+                file.seek(len(MCAP0_MAGIC))
+                chunks = _records(file, is_file=True)
+            while True:
+                try:
+                    if (chunk := next(chunks, None)) is None:
+                        break
+                    records = _chunk_records(file, chunk) if isinstance(chunk, ChunkIndex) else iter((chunk,))
+                    found = list(_messages(records, summary))
+                except _BROKEN as exc:  # the next one may be whole; after records that have no end nothing comes
+                    problem = exc
+                    continue
+                yield from found
+            if problem is not None:
+                raise problem
 
     @contextmanager
     def _opened(self) -> Iterator[IO[bytes]]:
@@ -158,6 +203,83 @@ class McapFile:
             raise DamagedFileError(f"{self.path} was cut off or is damaged; {rescue}") from exc
         except OSError as exc:
             raise UsageError(f"{self.path} cannot be read: {exc.strerror or exc}") from exc
+
+
+def _summary(file: IO[bytes]) -> Summary:
+    size = file.seek(0, 2)
+    file.seek(0)
+    if (summary := SeekingReader(file, record_size_limit=size).get_summary()) is None:
+        raise EndOfFile("it has no index")
+    return summary
+
+
+def _records(file: IO[bytes], *, is_file: bool) -> Iterator[_Record]:
+    """Yield the useful ones of the next records, up to the footer if that *is_file*."""
+    while head := file.read(_HEAD.size):
+        opcode, length = _HEAD.unpack(head)
+        at = file.tell()
+        if length > file.seek(0, 2) - at:  # before any memory is taken for it
+            raise EndOfFile("a record is cut off")
+        file.seek(at)
+        stream = ReadDataStream(BytesIO(file.read(length)))
+        match opcode:
+            case Opcode.FOOTER:
+                return
+            case Opcode.MESSAGE:
+                yield Message.read(stream, length)
+            case Opcode.SCHEMA:
+                yield Schema.read(stream)
+            case Opcode.CHANNEL:
+                yield Channel.read(stream)
+            case Opcode.CHUNK:
+                yield Chunk.read(stream)
+    if is_file:
+        raise EndOfFile("it has no footer")
+
+
+def _chunk_records(file: IO[bytes], chunk: ChunkIndex) -> Iterator[_Record]:
+    """Yield the chunk itself."""
+    file.seek(chunk.chunk_start_offset)
+    yield from islice(_records(file, is_file=True), 1)
+
+
+def _messages(records: Iterator[_Record], summary: Summary) -> Iterator[BagMessage]:
+    """Yield the messages among *records* and in their chunks; *summary* gets their topics.
+
+    Raises:
+        Exception: One of ``_BROKEN``.
+    """
+    for record in records:
+        match record:
+            case Schema():
+                summary.schemas[record.id] = record
+            case Channel():
+                summary.channels[record.id] = record
+            case Chunk():
+                data = _unpacked(record.data, record.compression)
+                if record.uncompressed_crc not in {0, zlib.crc32(data)}:
+                    raise EndOfFile("a chunk has another checksum")
+                yield from _messages(_records(BytesIO(data), is_file=False), summary)
+            case Message():
+                channel, data = summary.channels[record.channel_id], record.data
+                if data.startswith(_COMPRESSED):
+                    data = _unpacked(data, "zstd")
+                yield BagMessage(_topic(summary.schemas.get(channel.schema_id), channel), record.log_time, data)
+
+
+def _unpacked(data: bytes, compression: str) -> bytes:
+    match compression:
+        case "zstd":  # which believes the size in a frame, and takes as much memory
+            if frame_content_size(data) <= MAX_UNPACKED_BYTES:
+                return ZstdDecompressor().decompress(data, max_output_size=MAX_UNPACKED_BYTES)
+        case "lz4":
+            unpacker = LZ4FrameDecompressor()
+            unpacked: bytes = unpacker.decompress(data, MAX_UNPACKED_BYTES)
+            if unpacker.eof:
+                return unpacked
+        case _:
+            return data
+    raise EndOfFile(f"a chunk unpacks to more than {MAX_UNPACKED_BYTES:,} bytes")
 
 
 def _check_start(file: IO[bytes]) -> None:

@@ -37,17 +37,17 @@ def info(options: argparse.Namespace) -> int:
 
 
 def recover(options: argparse.Namespace) -> int:
-    """Copy the whole messages of a bag, and say where it is cut off."""
+    """Copy the whole messages of a bag, and say if there are others."""
     files = bag_files(Path(options.bag))
     with BagWriter(Path(options.new)) as writer:
         for file in files:
             before = writer.count
             what = "messages, all that it has"
             try:
-                for message in file.messages(is_cut=True):
+                for message in file.whole_messages():
                     writer.write(message)
             except DamagedFileError:
-                what = "messages, up to where it is cut off or damaged"
+                what = "messages; others are cut off or damaged"
             print(f"{file.path}: {writer.count - before:,} {what}")
     return 0
 

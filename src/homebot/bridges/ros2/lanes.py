@@ -37,7 +37,7 @@ class Lanes:
         """Make *call* with *size* bytes, which raises nothing, after the earlier ones of *peer*.
 
         Args:
-            instead: What is called in its place if too many wait: what has to be, and holds no data.
+            instead: A call without data that is made in its place if too many wait.
 
         Returns:
             False if *call* is not made.
@@ -69,4 +69,4 @@ class Lanes:
                     return
                 call, _ = waiting.popleft()
             call()
-            del call  # with what it holds
+            del call  # and its data

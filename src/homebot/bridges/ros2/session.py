@@ -235,7 +235,7 @@ class ZenohSession:
         """Return the first response, the text of an error, or None if no node serves or answers within *longest*.
 
         Args:
-            peer: Who is asked; by default, as good as whoever serves *key*.
+            peer: The session that is asked; by default *key* stands for it.
         """
         answer: asyncio.Future[bytes | str | None] = self._loop.create_future()
         cancellation: Any = zenoh.CancellationToken()
@@ -251,7 +251,7 @@ class ZenohSession:
                 self._to_loop(settle, problem.decode(errors="replace"))
 
         def get() -> None:
-            if answer.done():  # nobody waits any more: what was not sent is not sent late
+            if answer.done():  # the caller has given up: it is not sent late
                 return
             try:
                 self._session.get(

@@ -134,7 +134,7 @@ class MachineLink:
         return answer.response
 
     def on_loss(self) -> None:
-        """End all calls, whose answers nobody can expect any more."""
+        """End all calls: their answers are lost."""
         for scope in self._calls:
             scope.cancel()
 
