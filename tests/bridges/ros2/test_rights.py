@@ -115,7 +115,7 @@ async def test_nobody_connects_to_a_router_without_robots() -> None:
 
 async def test_a_robot_asks_what_is_exported_and_nothing_else() -> None:
     def answer(query: WireQuery) -> None:
-        query.reply(b"yes", b"")
+        query.reply(lambda: b"yes", b"")
 
     async with house() as villa:
         villa.kept += [villa.session.serve(f"0/{name}/T/H", answer) for name in ("house/lamp", "devices/command")]

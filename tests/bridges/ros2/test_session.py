@@ -1,5 +1,8 @@
 """The Zenoh session of the bridge, on this computer."""
 
+import threading
+from functools import partial
+
 import anyio
 import anyio.lowlevel
 import pytest
@@ -15,6 +18,10 @@ from homebot.graph.qos import HistoryPolicy, QoSProfile
 from homebot.messages.interfaces.settings import RosSettings
 
 ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL)
+
+
+def name_thread() -> bytes:
+    return threading.current_thread().name.encode()
 
 
 @pytest.mark.parametrize(("count", "size", "most"), [(1500, 4, 1000), (12, 6_553_600, 10)])
@@ -97,11 +104,11 @@ async def test_a_peer_that_reads_nothing_holds_up_neither_the_loop_nor_other_pee
             for session in (house, robot, other):
                 tasks.start_soon(session.run)
             house.serve("0/house/slow/T/H", asked.append)
-            house.serve("0/house/fast/T/H", lambda query: query.reply(b"here", query.attachment))
-            robot.serve("0/rosie/dock/T/H", lambda query: query.reply(b"docked", query.attachment))
+            house.serve("0/house/fast/T/H", lambda query: query.reply(name_thread, query.attachment))
+            robot.serve("0/rosie/dock/T/H", lambda query: query.reply(lambda: b"docked", query.attachment))
             robot.subscribe("0/house/map/T/H", ALL, lambda _: None)
             with anyio.fail_after(PATIENCE):
-                while await other.ask("0/house/fast/T/H", b"", b"o" * 33, 1.0) != b"here":
+                while await other.ask("0/house/fast/T/H", b"", b"o" * 33, 1.0) != b"zenoh lane":
                     pass
                 while await house.ask("0/rosie/dock/T/H", b"", b"h" * 33, 1.0) != b"docked":
                     pass
@@ -113,9 +120,9 @@ async def test_a_peer_that_reads_nothing_holds_up_neither_the_loop_nor_other_pee
             maps = house.publish("0/house/map/T/H", ALL)
             began = anyio.current_time()
             for query in asked:
-                query.reply(bytes(size), query.attachment)
+                query.reply(partial(bytes, size), query.attachment)
                 maps.put(bytes(size), attachment=b"m" * 33)
-                assert await other.ask("0/house/fast/T/H", b"", b"o" * 33, PATIENCE) == b"here"
+                assert await other.ask("0/house/fast/T/H", b"", b"o" * 33, PATIENCE) == b"zenoh lane"
                 turns.append(anyio.current_time() - began)
                 began = anyio.current_time()
             assert await house.ask("0/rosie/dock/T/H", b"", b"h" * 33, 1.0) is None

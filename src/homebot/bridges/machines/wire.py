@@ -106,7 +106,7 @@ class MachineWire:
         except HomebotError as exc:
             query.refuse(str(exc))
             return
-        query.reply(response + self._proof(b"!", proof, response), query.attachment)
+        query.reply(lambda: response + self._proof(b"!", proof, response), query.attachment)
 
     def _proof(self, *parts: bytes) -> bytes:
         return hmac.digest(self._secret, b"".join(parts), "sha256")

@@ -168,7 +168,7 @@ class Exports:
             response = failed
         finally:
             self._running -= 1
-        query.reply(message_to_cdr(response), query.attachment)
+        query.reply(partial(message_to_cdr, response), query.attachment)
 
     async def _response(self, name: str, payload: bytes, caller: str) -> Message:
         node = self._node
