@@ -76,6 +76,7 @@ class Control:
         rehearsal: Rehearsal | None = None,
         detected: Iterable[str] = (),
         scopes: Callable[[], Mapping[str, Iterable[str]]] = dict,
+        tables: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         self._node = node
         self._given_settings = settings
@@ -99,6 +100,7 @@ class Control:
             journal_file=journal_file,
             store=store,
             rehearsal=rehearsal,
+            tables=tables,
         )
         self._feed.on_gateway = self._house_watch.follow_gateway
         self._begun, self._has_names = anyio.Event(), anyio.Event()

@@ -55,6 +55,7 @@ class ControlLayer:
         journal_file: Path | None,
         store: JournalStore | None,
         rehearsal: Rehearsal | None,
+        tables: Mapping[str, str],
     ) -> None:
         settings = _with_approvals(settings, approves_all=approves_all)
         store = store or _store(node, settings, journal_file)
@@ -73,6 +74,7 @@ class ControlLayer:
             self.timelines,
             trusts_apps=trusts_apps,
             detected=detected,
+            tables=tables,
         )
         leases = Leases(settings.hand_time)
         self.executor = CommandExecutor(

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache, partial
+from types import MappingProxyType
 from typing import Final, TypeAlias, final
 from zoneinfo import ZoneInfo
 
@@ -44,6 +45,7 @@ class PolicyEngine(HouseWatcher):
 
     Args:
         grants: The scope of each node that may not command everything, by its full name.
+        tables: The table of the configuration that can give each node a scope, in words.
         trusts_apps: Whether nodes without a scope may command devices that always ask.
 
     Attributes:
@@ -63,12 +65,13 @@ class PolicyEngine(HouseWatcher):
         *,
         trusts_apps: bool,
         detected: Iterable[str] = (),
+        tables: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         self._node = node
         self._lookup = lookup
         self._clock = node.graph.clock
         self._settings = settings
-        self._grants = grants
+        self._grants, self._tables = grants, tables
         self._watches = self._guards_presence = False
         self._journal = journal
         self._trusts_apps = trusts_apps
@@ -181,10 +184,10 @@ class PolicyEngine(HouseWatcher):
         if is_client(issuer):
             return ALL_RIGHTS
         if scope := self._grants.get(issuer):
-            return read_scope(scope)
+            return read_scope(scope)._replace(table=self._tables.get(issuer, ""))
         if self._trusts_apps or not self._settings.always_ask:
             return ALL_RIGHTS
-        return APP_RIGHTS
+        return APP_RIGHTS._replace(table=self._tables.get(issuer, ""))
 
     def _watch(self) -> None:
         if not self._watches:

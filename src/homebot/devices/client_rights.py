@@ -110,6 +110,7 @@ class ClientRights(NamedTuple):
         asks_on_all: Whether a person must agree to each of its commands.
         act_scope: The six above as they were written, for commands; empty for the rights without a scope.
         robots: The names of the robots that it may act as; :data:`ALL_ROBOTS` for any.
+        table: The table of the configuration that may have the key ``act``, in words; empty if it has none.
     """
 
     kinds: frozenset[Right] = frozenset()
@@ -121,6 +122,7 @@ class ClientRights(NamedTuple):
     asks_on_all: bool = False
     act_scope: tuple[str, ...] = ()
     robots: tuple[str, ...] = ()
+    table: str = ""
 
     def has(self, right: Right) -> bool:
         """Return whether the client has *right*; for ``act``, on any device."""

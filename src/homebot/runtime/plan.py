@@ -102,6 +102,7 @@ class Plan:
         config: The configuration as it was read.
         control: The control layer's settings; None for the defaults.
         grants: The scope of each app that may not command everything, by the name of its node; a reload updates it.
+        tables: The table of each app or routine that may have the key ``act``, in words, likewise.
         interfaces: The ROS interfaces that clients may name; None for those built into homebot.
         link: The link to ROS 2 robots; None for none.
         places: The rooms and the owner's statements about devices.
@@ -125,6 +126,7 @@ class Plan:
     places: Places = NO_PLACES
     limits: LimitsOfDevices | None = None
     grants: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    tables: dict[str, str] = field(default_factory=dict)
     robots: Mapping[str, RobotSettings] = field(default_factory=dict)
     history: HistorySettings | None = None
     notify: NotifySettings | None = None
@@ -206,6 +208,7 @@ def make_plan(config: Config, given: Mapping[str, type[App]] = _NONE_GIVEN) -> P
         gateways=_gateways(config),
         apps=tuple(planned_app(name, table, config, given.get(name)) for name, table in config.apps.items()),
         grants=dict(grants_of(config)),
+        tables={f"/{name}": _in_words(name, table) for name, table in config.apps.items()},
         **{name: read(config) for name, read in _TABLES.items()},
     )
 
@@ -240,6 +243,10 @@ def _is_routine(table: Table) -> bool:
 
 def _key_of(name: str, table: Table) -> str:
     return f"{'routines' if _is_routine(table) else 'apps'}.{name}"
+
+
+def _in_words(name: str, table: Table) -> str:
+    return f"in [[routines]] {table['name']!r}:" if _is_routine(table) and "name" in table else f"[apps.{name}]"
 
 
 def _gateways(config: Config) -> tuple[PlannedComponent[Gateway], ...]:

@@ -165,6 +165,8 @@ async def _apply(new: Plan, plan: Plan, parts: RunningParts, rooms: HouseRooms |
         server.update_tokens(new.door)
     plan.grants.clear()  # in place: other components refer to it
     plan.grants.update(new.grants)
+    plan.tables.clear()
+    plan.tables.update(new.tables)
     needs_approval = parts.control is None or parts.control.update_policies(new.control)
     if parts.directory is not None and rooms is not None:
         parts.directory.index.postings.needs_approval = needs_approval

@@ -392,6 +392,7 @@ class Runtime:
                 rehearsal=self.rehearsal,
                 detected=self.detected,
                 scopes=lambda: self._plan.scopes,
+                tables=self._plan.tables,
             )
             await run_as(node.full_name, partial(self._controller.serve, task_status=task_status))
 

@@ -115,6 +115,7 @@ def test_a_thermostat_of_who_may_do_what_is_harmless_stays_within_its_range() ->
 def test_a_refusal_of_what_is_not_on_the_list_says_so_and_how_to_put_it_there() -> None:
     issuer, table = "/light_service", "apps.light_service"
     command = make_command(FREEZER, {"on_off": True}, scope=("act: harmless",), issuer=issuer)
+    command = replace(command, rights=command.rights._replace(table=f"[{table}]"))
     reason = Policies(ControlSettings()).check(command, make_facts())[-1].reason
     why = "it is not on the list of harmless devices (nothing but its name says what this plug turns on)"
     step = "if it can hurt nobody, `homebot tag add freezer harmless`, otherwise"
@@ -122,6 +123,19 @@ def test_a_refusal_of_what_is_not_on_the_list_says_so_and_how_to_put_it_there() 
     assert reason == f"freezer needs a right, because {why}, and {issuer} has none; {step} {line}"
 
 
+HOUSE = """
+[apps.light_service]
+[apps.hall]
+class = "homebot.apps.lights_out:LightsOut"
+[[routines]]
+name = "Good night"
+when = ["22:30"]
+do = ["all lights off"]
+"""
+PLACES = {one: f"[apps.{one}]" for one in ("light_service", "hall")} | {"good_night": 'name = "Good night"'}
+
+
+@pytest.mark.parametrize("issuer", ["light_service", "hall", "good_night", "a_program"])
 @pytest.mark.parametrize(
     ("scope", "act"),
     [
@@ -132,15 +146,27 @@ def test_a_refusal_of_what_is_not_on_the_list_says_so_and_how_to_put_it_there() 
         (("read",), """['id="front_door"']"""),
     ],
 )
-def test_a_refusal_has_the_line_that_allows_it(scope: tuple[str, ...], act: str) -> None:
-    issuer, table = "/light_service", "apps.light_service"
-    command = make_command(LOCK, {"lock": "unlocked"}, scope=scope, issuer=issuer)
+def test_a_refusal_has_the_line_that_allows_it_in_the_configuration(
+    scope: tuple[str, ...], act: str, issuer: str
+) -> None:
+    """As a table [apps.good_night] is of no app, nor of a routine, it made the configuration invalid."""
+    tables = make_plan(parse_config(tomllib.loads(HOUSE), "homebot.toml")).tables
+    command = make_command(LOCK, {"lock": "unlocked"}, scope=scope, issuer=f"/{issuer}")
+    command = replace(command, rights=command.rights._replace(table=tables.get(f"/{issuer}", "")))
     reason = Policies(ControlSettings(approvals=False)).check(command, make_facts())[-1].reason
-    line = f"[{table}] act = {act}"
     right = "front_door needs a right that names it (it is a door lock)"
-    assert reason == f"{right}, and {issuer} has none; {line} gives one"
-    config = parse_config(tomllib.loads(f"{table}.act = {act}"), "homebot.toml")
-    allowed = replace(command, rights=read_scope(make_plan(config).grants[issuer]))
+    lines = {
+        "light_service": f"[apps.light_service] act = {act} gives one",
+        "hall": f"[apps.hall] act = {act} gives one",
+        "good_night": f"in [[routines]] 'Good night': act = {act} gives one",
+        "a_program": "only an app or a routine in homebot.toml can have one, by its key `act`",
+    }
+    assert reason == f"{right}, and /{issuer} has none; {lines[issuer]}"
+    if issuer not in PLACES:
+        return
+    written = HOUSE.replace(PLACES[issuer], f"{PLACES[issuer]}\nact = {act}")
+    granted = make_plan(parse_config(tomllib.loads(written), "homebot.toml")).grants[f"/{issuer}"]
+    allowed = replace(command, rights=read_scope(granted))
     assert Policies(ControlSettings(approvals=False)).check(allowed, make_facts())[-1].allowed
 
 

@@ -33,6 +33,7 @@ from homebot.devices.harmless import why_not_harmless
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
+from homebot.support.toml_text import toml_value
 
 __all__ = ["check_approval", "check_grants", "client_refusal", "is_safe", "must_ask", "names_it"]
 
@@ -68,7 +69,7 @@ def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) ->
 def _not_granted(command: IssuedCommand, limit: str, *, needs_approval: bool) -> Verdict:
     """Return the refusal of *command*, which its rights do not cover because of *limit*, if that is not empty."""
     why, rights = command.why_it_asks, command.rights
-    advice = f"{_grant_advice(command)} gives one"
+    advice = _grant_advice(command)
     if why:
         step = _approval_step(command) if needs_approval else ""
         lacks = f"{command.label} needs a right that names it ({why}), and {command.issuer} has none"
@@ -225,13 +226,14 @@ def _place_advice(device: Device, scope: str) -> str:
 
 
 def _grant_advice(command: IssuedCommand) -> str:
-    """Return the line of the configuration that also lets the issuer command this device."""
-    key = f"apps.{command.issuer.removeprefix('/')}"
+    """Return the line of the configuration that also lets the issuer command this device, if it has a table there."""
     rights = command.rights
+    if not rights.table:
+        return "only an app or a routine in homebot.toml can have one, by its key `act`"
     scope = [one.removeprefix("act: ") for one in rights.act_scope]
     own = scope or [ORDINARY if rights.acts_on_ordinary else HARMLESS] * rights.acts_on_harmless
-    queries = ", ".join(f"'{one}'" for one in (*own, f'id="{command.device.id}"'))
-    return f"[{key}] act = [{queries}]"
+    queries = [f"'{one}'" if "'" not in one else toml_value(one) for one in (*own, f'id="{command.device.id}"')]
+    return f"{rights.table} act = [{', '.join(queries)}] gives one"
 
 
 def _client_advice(command: IssuedCommand, right: str) -> str:
