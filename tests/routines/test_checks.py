@@ -53,6 +53,11 @@ async def hints(*routines: Mapping[str, object]) -> Mapping[str, Sequence[str]]:
     return found
 
 
+async def test_a_step_for_which_the_routine_has_no_right_is_said_before_it_is_due() -> None:
+    found = await hints(DAILY | {"do": ["heater on", "hall lamp on"], "act": "light"})
+    assert found == {"A": ("'heater on' is refused: /a may not command heater, only: act: light",)}
+
+
 async def test_nothing_is_said_of_routines_that_work() -> None:
     assert not await hints(
         {"name": "Motion", "when": ["hall motion occupied"], "if": ["study lamp off"], "do": ["hall lamp on, 20 %"]},

@@ -26,6 +26,7 @@ from homebot.devices.scene_messages import ListScenes, ScenesRequest
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import HomebotError, RefusedError, ServiceError, UsageError
 from homebot.graph import Node
+from homebot.routine_tables import app_of_routine
 from homebot.routines.conditions import Condition, Matches, read_condition
 from homebot.routines.effects import Effect, RoutineEffects, fights, loops
 from homebot.routines.program import program_of
@@ -48,11 +49,13 @@ class HouseChecks:
     """Checks routines against the directory.
 
     Args:
+        refusal: Returns why an effect of the app of a routine is refused for lack of a right; empty if it is not.
         with_robots: Whether robots that are missing are problems.
     """
 
-    def __init__(self, node: Node, *, with_robots: bool = True) -> None:
+    def __init__(self, node: Node, refusal: Callable[[str, Effect], str], *, with_robots: bool = True) -> None:
         self._node = node
+        self._refusal = refusal
         self._with_robots = with_robots
         self._lookup = DeviceLookup(node)
         self._targets = CommandTargets(node, self._lookup, lambda *_: "")
@@ -72,6 +75,8 @@ class HouseChecks:
             for one in routines:
                 effects: list[Effect] = []
                 found[one.name] = [problem async for problem in self._of(one, effects)]
+                refusals = [(effect.text, self._refusal(app_of_routine(one.name), effect)) for effect in effects]
+                found[one.name] += [f"{text!r} is refused: {reason}" for text, reason in refusals if reason]
                 if one.enabled:
                     conditions = tuple([await self._resolved(read_condition(text)) for text in one.conditions])
                     triggers = tuple([await self._resolved(read_trigger(text)) for text in one.when])

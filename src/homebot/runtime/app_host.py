@@ -22,11 +22,13 @@ from homebot.support.counters import Severity
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator, Mapping, MutableMapping
+    from collections.abc import AsyncIterator, Callable, Iterator, Mapping, MutableMapping
 
     from homebot.apps.notifier import Notifier
     from homebot.apps.stores import AppStores
+    from homebot.control import Control
     from homebot.routines.checks import HouseChecks
+    from homebot.routines.effects import Effect
     from homebot.routines.routine import Routine
     from homebot.runtime.kept_routines import KeptRoutines
 
@@ -74,8 +76,18 @@ class AppHost:
         rehearsed: The newest acts of robots that were not sent.
     """
 
-    def __init__(self, graph: Graph, plan: Plan, file: Path | None, clock: Clock, *, rehearses: bool = False) -> None:
+    def __init__(
+        self,
+        graph: Graph,
+        plan: Plan,
+        file: Path | None,
+        clock: Clock,
+        control: Callable[[], Control | None],
+        *,
+        rehearses: bool = False,
+    ) -> None:
         self._graph = graph
+        self._control = control
         self._file = file
         self._clock = clock
         self.began_at = clock.now()
@@ -168,7 +180,20 @@ class AppHost:
     def _checks(self) -> HouseChecks:
         from homebot.routines.checks import HouseChecks  # noqa: PLC0415 - many homes have none
 
-        return HouseChecks(self._main, with_robots=self.context.rehearse is None)
+        return HouseChecks(self._main, self._refusal, with_robots=self.context.rehearse is None)
+
+    def _refusal(self, app: str, effect: Effect) -> str:
+        """Return why *effect* of *app* is refused for lack of a right; empty if it is not."""
+        from homebot.control.policies.rights import OF_RIGHTS  # noqa: PLC0415 - many homes have no routine
+        from homebot.devices.command_messages import CommandRequest, Setting  # noqa: PLC0415 - as above
+
+        control, part = self._control(), effect.device.part(effect.part)
+        if control is None or part is None or effect.may_be:
+            return ""
+        settings = tuple(map(Setting.of, effect.settings, effect.settings.values()))
+        request = CommandRequest(device=effect.device.id, part=effect.part, settings=settings, issuer=f"/{app}")
+        refused = control.preview(request, effect.device, part)
+        return refused.reason if refused is not None and refused.policy in OF_RIGHTS else ""
 
     async def read_stores(self, main: Node) -> None:
         """Read the stores of earlier runs; *main* runs the task that writes them."""

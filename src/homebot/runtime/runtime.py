@@ -177,6 +177,7 @@ class Runtime:
             self._plan,
             self._beside_index(STORE_FILE),
             self._clock,
+            lambda: self._controller,
             rehearses=self.rehearsal is not None,
         )
         if self._plan.interfaces is not None:

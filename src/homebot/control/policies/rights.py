@@ -41,6 +41,9 @@ GRANTS: Final = "grants"
 ALWAYS_ASK: Final = "always_ask"
 APPROVAL: Final = "approval"
 
+OF_RIGHTS: Final = frozenset({GRANTS, ALWAYS_ASK, HARMLESS})
+"""The policies by which a right is missing."""
+
 _GRANTED: Final = Verdict(GRANTS, allowed=True)
 _APPROVED: Final = Verdict(APPROVAL, allowed=True)
 
