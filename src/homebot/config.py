@@ -63,7 +63,9 @@ __all__ = [
     "Config",
     "FilePath",
     "HomeSettings",
+    "Language",
     "Table",
+    "Urgency",
     "folder_of",
     "in_folder",
     "load_config",
@@ -109,6 +111,8 @@ T = TypeVar("T")
 UNNAMED = "home"
 """The default name of a home."""
 
+Language: TypeAlias = Literal["en", "de", "fr", "es", "nl", "it"]
+
 
 class HomeSettings(BaseModel):
     """The table ``[home]``.
@@ -116,6 +120,7 @@ class HomeSettings(BaseModel):
     Attributes:
         name: Name of the home in logs and on the web page.
         id: The id by which its data are found, written by the first start.
+        language: The language of alerts.
         zone: The time zone, by its IANA name; empty for the computer's.
         latitude: Degrees north of the equator; this and *longitude* are for the times of the sun.
         longitude: Degrees east of Greenwich.
@@ -125,6 +130,7 @@ class HomeSettings(BaseModel):
 
     name: str = Field(default=UNNAMED, min_length=1)
     id: str = Field(default="", pattern=r"^([0-9a-f]{16})?$")
+    language: Language = "en"
     zone: str = ""
     latitude: float | None = Field(default=None, ge=-90, le=90)
     longitude: float | None = Field(default=None, ge=-180, le=180)
@@ -154,6 +160,9 @@ def _or_never(value: object) -> object:
 AlertKey: TypeAlias = Literal[
     "smoke", "co", "gas", "leak", "alarm", "gateway", "tamper", "problem", "door", "unreachable", "silent", "battery"
 ]
+Urgency: TypeAlias = Literal["high", "normal", "low"]
+"""How people are told: at once, alone and again until seen; when it is due; once a day, all together."""
+
 _Delay: TypeAlias = Annotated[float, DURATION, BeforeValidator(_or_never), Field(ge=0)]
 
 

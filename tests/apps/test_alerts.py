@@ -17,11 +17,11 @@ from tests.whole_house import WHOLE_HOUSE
 from homebot.apps.alerts import MOST_INCIDENTS, update_incidents
 from homebot.clock import LoopClock
 from homebot.config import AlertKey, parse_config
-from homebot.devices.alerts import ALERTS, GATEWAY, WATCHED, Alert
+from homebot.devices.alerts import ALERTS, GATEWAY, LANGUAGES, WATCHED, Alert, AlertKind
 from homebot.devices.capabilities import ALERTING, CAPABILITIES, SETTABLE
 from homebot.devices.findings import Finding, Findings
 from homebot.devices.gateway_messages import GatewayState
-from homebot.devices.names import ALERT_FINDINGS, OPEN_QUESTIONS, GatewayNames
+from homebot.devices.names import ALERT_FINDINGS, OPEN_QUESTIONS, SEE_ALERTS, GatewayNames
 from homebot.devices.question_messages import OpenQuestion, OpenQuestions
 from homebot.errors import ConfigError
 from homebot.graph import Node, qos_profile_latched
@@ -30,6 +30,7 @@ from homebot.house.description import load_world
 from homebot.house.event_log import Event
 from homebot.house.rooms import DAY
 from homebot.messages import Time
+from homebot.messages.std_srvs import Trigger, TriggerRequest
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
@@ -48,9 +49,19 @@ SINK = json.dumps(
     {
         "name": "Sink",
         "unique_id": "sink",
-        "device_class": "moisture",
+        "device_class": "tamper",
         "state_topic": "home/sink",
     }
+)
+
+
+DETAILS = (
+    (" ({charge} %)", "17"),
+    (", for {age}", "1 d"),
+    (", last seen {age} ago", "1 d"),
+    (", by an old report: it is unreachable now", ""),
+    (", by an old report: last seen {age} ago", "1 d"),
+    (", by a kept report: it has not reported itself yet", ""),
 )
 
 
@@ -77,6 +88,11 @@ def told(house: VirtualHouse) -> list[str]:
     return [one.text for one in house.notifications if one.app == "alerts"]
 
 
+def news(house: VirtualHouse) -> list[str]:
+    """Return what was told, without ages, and once what was told again."""
+    return [text for text, _ in groupby(one.partition(",")[0] for one in told(house))]
+
+
 async def shown(house: VirtualHouse) -> tuple[Finding, ...]:
     """Return what the page shows."""
     async with Node(house.runtime.graph, "page") as page:
@@ -87,7 +103,7 @@ async def shown(house: VirtualHouse) -> tuple[Finding, ...]:
 @pytest.mark.parametrize(
     ("kind", "begin", "end", "code"),
     [
-        ("moisture", "is wet", "no longer is wet", "HB424"),
+        ("moisture", "is wet", "is dry again", "HB424"),
         ("smoke", "reports smoke or heat", "no longer reports smoke or heat", "HB421"),
         ("heat", "reports smoke or heat", "no longer reports smoke or heat", "HB421"),
         ("gas", "reports gas", "no longer reports gas", "HB423"),
@@ -114,9 +130,9 @@ async def test_a_danger_is_told_within_two_seconds_and_once_and_so_is_its_end(
     await house.says("home/Sink", "OFF")
     await house.run_for("2s")
     assert await shown(house) == ()
-    assert len(told(house)) == 1
+    assert [one.partition(",")[0] for one in told(house)] == [f"Alert: Sink {begin}"] * 4  # and after 5, 15, 35 min
     await house.run_for("6m")
-    assert told(house) == [f"Alert: Sink {begin}", f"Over: Sink {end}"]
+    assert told(house)[4:] == [f"Over: Sink {end}"]
 
 
 @pytest.mark.rooms("homeassistant")
@@ -185,9 +201,9 @@ async def test_the_delay_of_each_kind_can_be_set(house: VirtualHouse) -> None:
     await house.run_for("5m")
     assert told(house) == []
     await house.run_for("10m")
-    assert told(house) == ["Alert: Sink is wet, for 10 min"]
+    assert told(house)[0] == "Alert: Sink is wet, for 10 min"
     await house.run_for("1h")
-    assert [one.partition(",")[0] for one in told(house)[1:]] == ["Alert: Hall is open"]
+    assert set(news(house)) == {"Alert: Sink is wet", "Alert: Hall is open"}
     assert {one.code for one in await shown(house)} == {"HB401", "HB421", "HB424", "HB428"}
 
 
@@ -203,13 +219,14 @@ async def test_a_sensor_that_flaps_is_told_twice_an_hour_at_most(house: VirtualH
     for number in range(720):  # for twelve hours, half a minute wet and half a minute dry, or ten and ten minutes
         await house.says("home/Sink", "ON" if number % 2 else "OFF")
         await house.run_for("30s" if number < 240 else "75s")
-    assert told(house) == ["Alert: Sink is wet"]
+    assert news(house) == ["Alert: Sink is wet"]
     for _ in range(12):
         await house.says("home/Sink", "OFF")
         await house.run_for("10m")
         await house.says("home/Sink", "ON")
         await house.run_for("10m")
-    assert told(house) == ["Alert: Sink is wet", "Over: Sink no longer is wet", "Alert: Sink is wet"]
+    assert news(house) == ["Alert: Sink is wet", "Over: Sink is dry again", "Alert: Sink is wet"]
+    assert len(told(house)) < 2 * 16
 
 
 @pytest.mark.rooms("homeassistant")
@@ -219,17 +236,17 @@ async def test_silence_does_not_end_an_alert(house: VirtualHouse) -> None:
     await house.says("home/Sink/status", "online")
     await house.says("home/Sink", "ON")
     await house.run_for("5s")
-    assert told(house) == ["Alert: Sink is wet"]
+    assert news(house) == ["Alert: Sink is wet"]
     await house.says("home/Sink", "None")
     await house.run_for("1h")
-    assert told(house) == ["Alert: Sink is wet"]
+    assert news(house) == ["Alert: Sink is wet"]
     await house.says("home/Sink/status", "offline")
     await house.run_for("1h")
-    assert told(house) == ["Alert: Sink is wet"]
+    assert news(house) == ["Alert: Sink is wet"]
     await house.says("home/Sink/status", "online")
     await house.says("home/Sink", "OFF")
     await house.run_for("6m")
-    assert told(house)[1:] == ["Over: Sink no longer is wet"]
+    assert news(house)[1:] == ["Over: Sink is dry again"]
 
 
 @pytest.mark.rooms("homeassistant")
@@ -266,23 +283,86 @@ async def test_each_part_of_a_panel_is_told(house: VirtualHouse) -> None:
     assert told(house) == ["Alert: Panel is wet", "Alert: Panel Cellar is wet"]
 
 
+async def announce_battery(house: VirtualHouse, name: str) -> dict[str, object]:
+    """Announce a sensor of a battery; return its device."""
+    device: dict[str, object] = {"identifiers": [name], "name": name}
+    config = {"name": None, "unique_id": f"{name} battery", "device": device, "state_topic": f"{name}/battery"}
+    config |= {"device_class": "battery", "unit_of_measurement": "%"}
+    await house.says(f"homeassistant/sensor/{name}_battery/config", json.dumps(config))
+    return device
+
+
 @pytest.mark.rooms("homeassistant")
 @pytest.mark.house(config=NOTIFY)
-async def test_a_weak_battery_is_told_after_a_day_but_not_that_of_a_vacuum_cleaner(house: VirtualHouse) -> None:
-    for name, more in (("Sink", {}), ("Robby", {"component": "vacuum"})):
-        device = {"identifiers": [name], "name": name}
-        config = {"name": None, "unique_id": f"{name} battery", "device": device, "state_topic": f"{name}/battery"}
-        config |= {"device_class": "battery", "unit_of_measurement": "%"}
-        await house.says(f"homeassistant/sensor/{name}_battery/config", json.dumps(config))
-        if more:
-            vacuum = {"name": None, "unique_id": name, "device": device, "command_topic": f"{name}/set"}
-            await house.says(f"homeassistant/vacuum/{name}/config", json.dumps(vacuum))
+async def test_weak_batteries_are_told_together_once_a_day_but_not_that_of_a_vacuum_cleaner(
+    house: VirtualHouse,
+) -> None:
+    """At ten, of those that have been weak for a day."""
+    for name in ("Sink", "Roof"):
+        await announce_battery(house, name)
+    device = await announce_battery(house, "Robby")
+    vacuum = {"name": None, "unique_id": "Robby", "device": device, "command_topic": "Robby/set"}
+    await house.says("homeassistant/vacuum/Robby/config", json.dumps(vacuum))
     await house.run_for("5s")
-    for hour in range(30):
-        for name in ("Sink", "Robby"):
-            await house.says(f"{name}/battery", str(19 - hour / 10))
+    for hour in range(60):
+        for name in ("Sink", "Robby", *(["Roof"] if hour > 5 else [])):
+            await house.says(f"{name}/battery", str(19 - hour // 10))
         await house.run_for("1h")
-    assert told(house) == ["Alert: Sink has a weak battery (17 %)"]
+    assert told(house) == ["Alert: Roof has a weak battery (16 %)\nSink has a weak battery (16 %)"]
+    assert house.notifications[0].urgency == "low"
+    assert house.notifications[0].time.hour == 10
+
+
+@pytest.mark.rooms("homeassistant")
+@pytest.mark.house(config=NOTIFY)
+async def test_a_battery_that_wavers_is_weak_until_it_has_thirty_percent(house: VirtualHouse) -> None:
+    await announce_battery(house, "Sink")
+    await house.run_for("5s")
+    for hour in range(15 * 24):
+        await house.says("Sink/battery", str((19, 22, 18, 26)[hour % 4]))
+        await house.run_for("1h")
+    assert [one.partition(" (")[0] for one in told(house)] == ["Alert: Sink has a weak battery"]
+    await house.says("Sink/battery", "30")
+    await house.run_for("1d")
+    assert told(house)[1:] == ["Over: Sink has a good battery again"]
+
+
+@pytest.mark.rooms("homeassistant")
+@pytest.mark.house(config={"notify": {}, "home": {"language": "de"}})
+async def test_a_fire_is_told_alone_first_and_again_until_it_is_seen(house: VirtualHouse) -> None:
+    await announce(house, "Flur", "smoke")
+    await announce(house, "0x00158d0001a2b3c4", "smoke", device={"identifiers": ["x"], "name": "0x00158d0001a2b3c4"})
+    await announce(house, "Haustür", "door")
+    for name in ("Flur", "0x00158d0001a2b3c4", "Haustür"):
+        await house.says(f"home/{name}", "ON")
+    await house.run_for("16m")
+    said = [(one.text.partition(",")[0], one.urgency, one.kind) for one in house.notifications]
+    smoke = [
+        ("Alarm: a smoke co alarm meldet Rauch oder Hitze", "high", "smoke"),
+        ("Alarm: Flur meldet Rauch oder Hitze", "high", "smoke"),
+    ]
+    assert said == [*smoke, *smoke, ("Alarm: Haustür ist offen", "normal", "door"), *smoke]
+    async with Node(house.runtime.graph, "page") as page:
+        await page.create_client(Trigger, SEE_ALERTS).call(TriggerRequest())
+    await house.run_for("3h")
+    assert len(house.notifications) == len(said)
+    await house.says("home/Flur", "OFF")
+    await house.run_for("10m")
+    assert [one.text for one in house.notifications][len(said) :] == [
+        "Vorbei: Flur meldet keinen Rauch und keine Hitze mehr"
+    ]
+
+
+@pytest.mark.rooms("homeassistant")
+@pytest.mark.house(config=NOTIFY | {"alerts": {"unreachable": "1m"}})
+async def test_people_read_of_no_id_of_what_cannot_be_reached(house: VirtualHouse) -> None:
+    await announce(house, "Sink", "moisture", availability_topic="home/Sink/status")
+    await house.says("home/Sink/status", "offline")
+    await house.run_for("2m")
+    await house.says("home/Sink/status", "online")
+    await house.says("home/Sink", "OFF")
+    await house.run_for("6m")
+    assert told(house) == ["Alert: Sink is unreachable", "Over: Sink is reachable again"]
 
 
 @pytest.mark.house
@@ -297,10 +377,10 @@ async def test_a_gateway_that_is_away_is_shown_at_once_and_told_after_two_minute
         text = "gateway hub is away: the connection was refused"
         assert (finding.code, finding.rows[0].why, told(house)) == ("HB302", text, [])
         await house.run_for("1m")
-        assert told(house) == [f"Alert: {text}"]
+        assert told(house) == ["Alert: gateway hub is away"]
         states.publish(GatewayState(state="active", reason="", acts=True))
         await house.run_for("10m")
-        assert told(house)[1:] == ["Over: gateway hub no longer is away"]
+        assert told(house)[1:] == ["Over: gateway hub is back"]
 
 
 @pytest.mark.rooms("homeassistant")
@@ -332,8 +412,10 @@ async def test_a_restart_tells_nothing_again_and_what_ended_meanwhile(tmp_path: 
             await field.publish("homeassistant/binary_sensor/sink/config", SINK.encode(), qos=1, retain=True)
             async with homebot(tmp_path, broker, clock) as runtime:
                 await field.publish("home/sink", b"ON", qos=1)
-                await anyio.sleep(10)
-                assert [one.text for one in runtime.app_host.notifier.recent] == ["Alert: Sink is wet"]
+                await anyio.sleep(70)
+                assert [one.text for one in runtime.app_host.notifier.recent] == [
+                    "Alert: Sink reports tampering, for 1 min"
+                ]
             async with homebot(tmp_path, broker, clock) as runtime:  # not a word of the sensor
                 await anyio.sleep(600)
                 assert [*runtime.app_host.notifier.recent] == []
@@ -343,7 +425,9 @@ async def test_a_restart_tells_nothing_again_and_what_ended_meanwhile(tmp_path: 
             await field.publish("home/sink", b"OFF", qos=1, retain=True)
             async with homebot(tmp_path, broker, clock) as runtime:
                 await anyio.sleep(600)
-                assert [one.text for one in runtime.app_host.notifier.recent] == ["Over: Sink no longer is wet"]
+                assert [one.text for one in runtime.app_host.notifier.recent] == [
+                    "Over: Sink no longer reports tampering"
+                ]
 
 
 @WHOLE_HOUSE
@@ -370,7 +454,7 @@ async def test_a_family_is_told_for_weeks_of_what_is_wrong_and_of_nothing_else(w
         news = [(one.text, one.time.timestamp() - midnight) for one in house.notifications]
         assert [text for text, _ in news if "Sink" in text] == [
             "Alert: Sink is wet",
-            "Over: Sink no longer is wet",
+            "Over: Sink is dry again",
         ] * days
         others = [one for one in news if "Sink" not in one[0]]
         begun = [at for text, at in others if text == "Alert: front_lock reports a problem, for 5 min"]
@@ -397,7 +481,7 @@ def jams_of(happened: Iterable[Event]) -> list[tuple[float, float]]:
 
 
 def incident(key: str, since: float = 100.0) -> Alert:
-    return Alert(ALERTS[0], key, key, since, "")
+    return Alert(ALERTS[0], key, key, since)
 
 
 def test_of_more_alerts_than_a_hundred_the_first_are_told() -> None:
@@ -415,6 +499,14 @@ def test_the_time_of_an_alert_that_nobody_knows_is_now() -> None:
     """Nor is one of the future late."""
     found = update_incidents({}, {"a": incident("a", 0.0), "b": incident("b", 1e9)}, (), 200.0)
     assert {one.since for one in found.values()} == {200.0}
+
+
+@pytest.mark.parametrize("kind", [*ALERTS, GATEWAY], ids=lambda one: one.key)
+def test_each_kind_is_said_in_all_languages(kind: AlertKind) -> None:
+    for alert in (Alert(kind, "id", "Sink", 0.0, (text,)) for text in DETAILS):
+        texts = [text for language in LANGUAGES for text in (alert.told(language), alert.over(language))]
+        assert all(text.count(alert.target if kind is GATEWAY else "Sink") == 1 and "{" not in text for text in texts)
+        assert all("1 d" in text for text in texts[::2]) is ("{age}" in alert.said[0][0])
 
 
 def test_the_directory_reports_changes_of_all_that_alerts_are_about() -> None:

@@ -56,6 +56,8 @@ async def test_a_notification_is_published_with_title_app_and_time(house: Virtua
         "message": "Washing is done",
         "app": "waiting",
         "time": "2026-01-01T01:00:00+01:00",
+        "urgency": "normal",
+        "kind": "",
     }
     (sent,) = house.notifications
     assert (sent.message, sent.title, sent.app) == ("Washing is done", "Cellar", "waiting")
@@ -105,7 +107,7 @@ def web_server() -> Iterator[tuple[int, list[dict[str, object]]]]:
     class Handler(BaseHTTPRequestHandler):
         def do_POST(self) -> None:
             body = self.rfile.read(int(self.headers["Content-Length"]))
-            posted.append(json.loads(body))
+            posted.append(json.loads(body) | {"X-Priority": self.headers["X-Priority"]})
             self.send_response(500 if self.path.startswith("/no") else 200)
             self.end_headers()
 
@@ -143,6 +145,32 @@ async def test_apprise_sends_a_notification_to_a_real_server() -> None:
 
 
 @_WARNS
+async def test_a_kind_and_an_urgency_have_addresses_and_priorities_of_their_own() -> None:
+    """As a server of ntfy gets them."""
+    with web_server() as (port, posted):
+
+        def url(topic: str) -> str:
+            return f"ntfy://127.0.0.1:{port}/{topic}"
+
+        by = {"high": [url("phone"), url("siren")], "battery": [url("list")], "door": []}
+        table = {"urls": [url("house")], "urls_by": by}
+        config = parse_config({"notify": table, "apps": {"waiting": {"class": WAITING}}, "door": {"port": 0}}, "t")
+        async with Runtime(config, with_door=False) as runtime:
+            notify = runtime.app_host.context.notify
+            assert await notify("Washing is done", "", "waiting")
+            assert await notify("Hall reports smoke", "Alert", "alerts", "high", "smoke")
+            assert await notify("Sink has a weak battery", "Alert", "alerts", "low", "battery")
+            assert await notify("Hall is open", "Alert", "alerts", "normal", "door")
+    got = [(one["topic"], one["X-Priority"], one["message"]) for one in posted]
+    assert got == [
+        ("house", None, "Washing is done"),
+        ("phone", "max", "Hall reports smoke"),
+        ("siren", "max", "Hall reports smoke"),
+        ("list", "low", "Sink has a weak battery"),
+    ]
+
+
+@_WARNS
 async def test_no_line_of_the_log_and_no_error_has_an_address(
     lines: list[EventDict], caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -164,6 +192,7 @@ async def test_no_line_of_the_log_and_no_error_has_an_address(
         ({"gateway": "mqqt"}, "notify.gateway: there is no gateway 'mqqt'"),
         ({"topic": "a/#"}, "notify.topic: "),
         ({"urls": [SECRET, 1]}, "notify.urls.1: "),
+        ({"urls_by": {"smok": []}}, "notify.urls_by.smok"),
         ({"topc": "a"}, "did you mean topic?"),
     ],
 )

@@ -2,14 +2,28 @@
 
 import math
 from collections.abc import Container, Iterable, Mapping
+from datetime import datetime, timedelta
 from functools import lru_cache, partial
 from typing import Final, NamedTuple
 
 import anyio
+from anyio import to_thread
 from pydantic import Field
 
 from homebot.apps.base import App, AppSettings
-from homebot.devices.alerts import ALERTS, GATEWAY, WATCHED, Alert, alerts_of, findings_of, is_over
+from homebot.config import Language, Urgency
+from homebot.devices.alerts import (
+    ALERTS,
+    GATEWAY,
+    WATCHED,
+    Alert,
+    AlertKind,
+    alerts_of,
+    findings_of,
+    held_alerts_of,
+    is_over,
+    say,
+)
 from homebot.devices.device import ChangedSettings, Device, DeviceChange
 from homebot.devices.findings import FindingKind, Findings
 from homebot.devices.gateway_messages import GatewayState
@@ -19,6 +33,7 @@ from homebot.devices.names import (
     DEVICE_SETTINGS,
     FIND_DEVICES,
     OPEN_QUESTIONS,
+    SEE_ALERTS,
     GatewayNames,
     gateway_of,
 )
@@ -29,6 +44,7 @@ from homebot.devices.question_messages import OpenQuestions
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.errors import ServiceError
 from homebot.graph import qos_profile_latched
+from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["Alerts", "AlertsSettings", "Incident", "update_incidents"]
@@ -42,6 +58,15 @@ _GATHER, _AGAIN, _LONGEST_PAUSE = 0.5, 60.0, 3600.0
 _CALM, _LONG_CALM, _DAY = 300.0, 3600.0, 86_400.0
 """Seconds for which it must be over before people are told so; the longer time if it came back within a day."""
 
+_REPEATED: Final = (300.0, 3600.0)
+"""Seconds until what is urgent is told again, unless seen: at first, and at most, as each pause is twice the last."""
+
+_MOST_ALONE: Final = 8
+"""The limit of urgent messages at a time; the last one tells the rest."""
+
+_DAILY_HOUR: Final = 10
+"""The hour at which people are told of what can wait, once a day."""
+
 _WHILE_AWAY: Final = 60.0
 """Seconds after which people are told of an open door while all of them are known to be away."""
 
@@ -52,35 +77,55 @@ _MOST_ASKED: Final = 100
 
 
 class AlertsSettings(AppSettings):
-    """Seconds after which people are told of a kind, by its key, in place of those of the table."""
+    """Settings of the alerts.
+
+    Attributes:
+        told_after: Seconds after which people are told of a kind, by its key, in place of those of the table.
+        language: The language of texts for people.
+    """
 
     told_after: dict[str, float] = Field(default_factory=dict)
+    language: Language = "en"
 
 
 class Incident(NamedTuple):
-    """One cause of alerts, until a day after its end at *over_at*; times in seconds since the Unix epoch, or 0."""
+    """One cause of alerts, until a day after its end at *over_at*; times in seconds since the Unix epoch, or 0.
+
+    Attributes:
+        told_at: When people were told of it last.
+        repeats: How often they were told of it again; -1 once they have seen it.
+    """
 
     since: float
     end_text: str = ""
     is_told: bool = False
     over_at: float = 0.0
     times: int = 0
+    text: str = ""
+    told_at: float = 0.0
+    repeats: int = 0
 
-    def lasting(self, alert: Alert, now: float) -> "Incident":
+    def lasting(self, alert: Alert, now: float, language: Language = "en") -> "Incident":
         """Return it with its present *alert*; one that was over unnoticed begins anew."""
         is_new = not self.since or (self.over_at and not self.is_told)
         since = min(alert.since or now, now) if is_new else self.since
-        return self._replace(since=since, over_at=0.0, end_text=f"{alert.name} no longer {alert.kind.words}")
+        return self._replace(since=since, over_at=0.0, end_text=alert.over(language), text=alert.told(language))
 
-    def due(self, told_after: float) -> float:
-        """Return when people are to be told that it began or, if they were, that it is over."""
+    def due(self, told_after: float, urgency: Urgency = "normal") -> float:
+        """Return when people are to be told that it began or, if they were, that it is over or lasts."""
+        if self.is_told and not self.over_at and urgency == "high" and self.text and self.repeats >= 0:
+            return self.told_at + min(_REPEATED[0] * 2.0**self.repeats, _REPEATED[1])
         if self.is_told == (not self.over_at):
             return math.inf
         return self.since + told_after if not self.is_told else self.over_at + (_CALM if self.times < 2 else _LONG_CALM)
 
 
 def update_incidents(
-    before: Mapping[str, Incident], alerts: Mapping[str, Alert], ended: Container[str], now: float
+    before: Mapping[str, Incident],
+    alerts: Mapping[str, Alert],
+    ended: Container[str],
+    now: float,
+    language: Language = "en",
 ) -> dict[str, Incident]:
     """Return the incidents by key with the present *alerts*, and those that have *ended*. Pure."""
     known_now = {
@@ -89,7 +134,7 @@ def update_incidents(
     }
     found = {key: one for key, one in known_now.items() if _is_remembered(one, now)}
     for key, alert in list(alerts.items())[:MOST_INCIDENTS]:
-        found[key] = found.pop(key, Incident(0.0)).lasting(alert, now)
+        found[key] = found.pop(key, Incident(0.0)).lasting(alert, now, language)
     return dict(list(found.items())[-2 * MOST_INCIDENTS :])
 
 
@@ -108,6 +153,7 @@ class Alerts(App[AlertsSettings]):
     async def run(self) -> None:
         """Look at the house whenever something may be wrong, or over."""
         node = self.node
+        await to_thread.run_sync(say, "Alert", self.settings.language)  # reads the table
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._findings = node.create_publisher(Findings, ALERT_FINDINGS, qos_profile_latched)
         self._incidents = {key: Incident(*fields) for key, fields in self.store.get("incidents", {}).items()}
@@ -119,6 +165,7 @@ class Alerts(App[AlertsSettings]):
         for gateway in filter(None, map(gateway_of, node.graph.get_node_names())):
             on_state = partial(self._on_gateway, gateway)
             node.create_subscription(GatewayState, GatewayNames(gateway).state, on_state, qos_profile_latched)
+        node.create_service(Trigger, SEE_ALERTS, self._on_seen)
         self._asked = BoundedMap[str, None](_MOST_ASKED)
         node.create_subscription(OpenQuestions, OPEN_QUESTIONS, self._on_questions, qos_profile_latched)
         while True:
@@ -131,6 +178,14 @@ class Alerts(App[AlertsSettings]):
         if any(one.capability in WATCHED for one in changed.changes):
             self._changed.set()
 
+    async def _on_seen(self, _: TriggerRequest) -> SuccessResponse:
+        """Tell nothing again that lasts now."""
+        for key, one in self._incidents.items():
+            if one.is_told and not one.over_at:
+                self._incidents[key] = one._replace(repeats=-1)
+        self.store["incidents"] = self._incidents
+        return SuccessResponse(success=True, message="")
+
     async def _on_questions(self, asked: OpenQuestions) -> None:
         """Send the new questions, of which a flood holds no alert back."""
         for one in asked.questions:
@@ -140,8 +195,8 @@ class Alerts(App[AlertsSettings]):
                 await self.context.notify(f"{one.text}? Answer: {how}", "Question", f"{self.node.name} (questions)")
 
     def _on_gateway(self, name: str, state: GatewayState) -> None:
-        known = self._gateways.get(name) or Alert(GATEWAY, name, f"gateway {name}", self.clock.now(), "")
-        self._gateways[name] = None if state.state == "active" else known._replace(detail=f": {state.reason}")
+        known = self._gateways.get(name) or Alert(GATEWAY, name, f"gateway {name}", self.clock.now())
+        self._gateways[name] = None if state.state == "active" else known._replace(why=f": {state.reason}")
         self._changed.set()
 
     async def _look(self) -> float:
@@ -149,24 +204,33 @@ class Alerts(App[AlertsSettings]):
         now = self.clock.now()
         try:
             alerts = await self._alerts(now)
-            ended = await self._ended(self._incidents.keys() - alerts.keys())
+            ended, held = await self._ended(self._incidents.keys() - alerts.keys(), now)
         except ServiceError:
             return _AGAIN
-        self._incidents = update_incidents(self._incidents, alerts, ended, now)
         self._findings.publish(Findings(findings=findings_of(one for one in alerts.values() if one.is_shown(now))))
-        is_told = await self._publish_news(alerts, now)
+        lasting = alerts | held
+        self._incidents = update_incidents(self._incidents, lasting, ended, now, self.settings.language)
+        is_told = await self._publish_news(now)
         self.store["incidents"] = self._incidents
         self._pause = _AGAIN / 2 if is_told else min(2 * self._pause, _LONGEST_PAUSE)
         wait = min(map(self._due, self._incidents), default=math.inf) - now
-        return max(0.0, min(wait, _AGAIN if alerts else math.inf)) if is_told else self._pause
+        return max(0.0, min(wait, _AGAIN if lasting else math.inf)) if is_told else self._pause
 
-    async def _publish_news(self, alerts: Mapping[str, Alert], now: float) -> bool:
-        """Tell people what began and what ended; return False if some of that failed."""
+    async def _publish_news(self, now: float) -> bool:
+        """Tell people what began, lasts or ended; return False if some of that failed."""
         due = [key for key in self._incidents if self._due(key) <= now]
-        began = [key for key in due if not self._incidents[key].is_told]
-        is_told = await self._send_news("Alert", began, [alerts[key].text for key in began])
-        ended = {key: self._incidents[key].end_text for key in due if key not in began}
-        return await self._send_news("Over", ended, [*ended.values()]) and is_told
+        told = []
+        for title, keys in (
+            ("Alert", [key for key in due if not self._incidents[key].over_at]),
+            ("Over", [key for key in due if self._incidents[key].over_at]),
+        ):
+            alone = [key for key in keys if _kind_of(key).urgency == "high"]
+            groups = [[key] for key in alone[: _MOST_ALONE - 1]] + [alone[_MOST_ALONE - 1 :]]
+            rest = [key for key in keys if key not in alone]
+            kinds = dict.fromkeys(map(_kind_of, rest))
+            groups += [[key for key in rest if _kind_of(key) is kind] for kind in kinds]
+            told += [await self._send_news(title, group, now) for group in groups if group]
+        return all(told)
 
     async def _alerts(self, now: float) -> dict[str, Alert]:
         """Return the present alerts by cause, the worst first."""
@@ -177,34 +241,58 @@ class Alerts(App[AlertsSettings]):
         alerts += [one for device in devices for one in alerts_of(ALERTS, device, now, lost)]
         return {one.key: one for one in sorted(alerts, key=lambda one: [*FindingKind].index(one.kind.finding))}
 
-    async def _ended(self, keys: Iterable[str]) -> set[str]:
-        """Return those of *keys* that are known to be over."""
+    async def _ended(self, keys: Iterable[str], now: float) -> tuple[set[str], dict[str, Alert]]:
+        """Return those of *keys* that are known to be over, and those that are not, though they would not begin now."""
         targets = {key: key.partition(" ")[2].partition("#")[0] for key in keys}
         devices = {one.id: one for one in await self._devices((), tuple(targets.values()))} if targets else {}
+        held = {one.key: one for device in devices.values() for one in held_alerts_of(device, now)}
+        held = {key: one for key, one in held.items() if key in targets and not self._incidents[key].over_at}
         working = {f"{GATEWAY.key} {name}" for name, alert in self._gateways.items() if alert is None}
-        return working | {key for key, one in targets.items() if one in devices and is_over(key, devices[one])}
+        over = {key for key, one in targets.items() if one in devices and is_over(key, devices[one])}
+        return working | over - held.keys(), held
 
     async def _devices(self, query: tuple[QueryTerm, ...], ids: tuple[str, ...]) -> tuple[Device, ...]:
         return (await self._find.call(FindDevicesRequest(query=query, ids=ids))).devices
 
-    async def _send_news(self, title: str, keys: Iterable[str], texts: list[str]) -> bool:
-        """Tell people *texts*, the news about *keys*; return False if that failed, to be tried again."""
-        more = [f"… and {len(texts) - _MOST_LINES} more: homebot doctor"] if len(texts) > _MOST_LINES else []
-        text = "\n".join(texts[:_MOST_LINES] + more)
-        if text and not await self.notify(text, title=title) and self.context.notifies:
+    async def _send_news(self, title: str, keys: list[str], now: float) -> bool:
+        """Tell people the news about *keys*; return False if that failed, to be tried again."""
+        language, kind = self.settings.language, _kind_of(keys[0])
+        texts = [one.end_text if one.over_at else one.text for one in map(self._incidents.__getitem__, keys)]
+        more = [say("… and {count} more", language, count=str(len(texts) - _MOST_LINES))]
+        text = "\n".join(texts[:_MOST_LINES] + (more if len(texts) > _MOST_LINES else []))
+        sent = await self.context.notify(text, say(title, language), self.node.name, kind.urgency, kind.key)
+        if not sent and self.context.notifies:
             return False
         for key in keys:
             one = self._incidents[key]
-            self._incidents[key] = one._replace(is_told=not one.is_told, times=one.times + (not one.is_told))
+            is_repeated = one.is_told and not one.over_at
+            self._incidents[key] = one._replace(
+                is_told=is_repeated or not one.is_told,
+                times=one.times + (not one.is_told),
+                told_at=now,
+                repeats=one.repeats + 1 if is_repeated else 0,
+            )
         return True
 
     def _due(self, key: str) -> float:
-        kind = key.partition(" ")[0]
-        told_after = next(one.told_after for one in (*ALERTS, GATEWAY) if one.key == kind)
-        told_after = self.settings.told_after.get(kind, told_after)
-        if kind == "door" and self._is_empty and told_after < math.inf:
+        kind, one = _kind_of(key), self._incidents[key]
+        told_after = self.settings.told_after.get(kind.key, kind.told_after)
+        if kind.key == "door" and self._is_empty and told_after < math.inf:
             told_after = min(told_after, _WHILE_AWAY)
-        return self._incidents[key].due(told_after)
+        due = one.due(told_after, kind.urgency)
+        return self._next_daily(due) if kind.urgency == "low" and due < math.inf else due
+
+    def _next_daily(self, time: float) -> float:
+        """Return when people are next told of what can wait, at *time* or later."""
+        zone = self.context.zone
+        day = datetime.fromtimestamp(time, zone).replace(hour=_DAILY_HOUR, minute=0, second=0, microsecond=0)
+        return (day if day.timestamp() >= time else day + timedelta(days=1)).timestamp()
+
+
+def _kind_of(key: str) -> AlertKind:
+    """Return the kind of the cause *key*."""
+    name = key.partition(" ")[0]
+    return next(one for one in (*ALERTS, GATEWAY) if one.key == name)
 
 
 @lru_cache(maxsize=8)

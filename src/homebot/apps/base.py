@@ -19,6 +19,7 @@ from typing_extensions import TypeVar
 from homebot.apps.context import AppContext
 from homebot.apps.reactions import ItemHandler, Reaction
 from homebot.apps.run_modes import HandlerRuns, RunHandler, RunMode, check_handler
+from homebot.config import Urgency
 from homebot.devices import Devices
 from homebot.devices.batch import at_once
 from homebot.devices.handles.handle import Handle
@@ -224,13 +225,16 @@ class App(ABC, Generic[SettingsT_co]):
 
         return Scenes(self.node)
 
-    async def notify(self, message: str, *, title: str = "") -> bool:
+    async def notify(self, message: str, *, title: str = "", urgency: Urgency = "normal") -> bool:
         """Send *message* to people as configured in the table ``[notify]``; without it, only log the message.
+
+        Args:
+            urgency: ``high`` has the highest priority of services that have one, ``low`` the lowest.
 
         Returns:
             Whether it was sent; a failure is logged.
         """
-        return await self.context.notify(message, title, self.node.name)
+        return await self.context.notify(message, title, self.node.name, urgency)
 
     async def history(
         self, handle: Handle, capability: str, since: str | float = "24h", points: int = 0

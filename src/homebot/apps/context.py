@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import tzinfo
+from typing import Protocol
 
 from homebot.apps.store import Store
 from homebot.clock import read_zone
+from homebot.config import Urgency
 
 __all__ = ["AppContext"]
 
 
-async def _send_nowhere(_message: str, _title: str, _app: str) -> bool:
+class SendNotification(Protocol):
+    """Sends people a message, with its title, the name of the app and, for an alert, its kind."""
+
+    async def __call__(self, message: str, title: str, app: str, urgency: Urgency = "normal", kind: str = "") -> bool:
+        """Return whether it was sent."""
+        ...
+
+
+async def _send_nowhere(message: str, title: str, app: str, urgency: Urgency = "normal", kind: str = "") -> bool:  # noqa: ARG001 - a port's signature
     return False
 
 
@@ -37,7 +47,7 @@ class AppContext:
     longitude: float | None = None
     store_of: Callable[[str], Store] = Store
     keeps_values: Callable[[], bool] = lambda: False
-    notify: Callable[[str, str, str], Awaitable[bool]] = _send_nowhere
+    notify: SendNotification = _send_nowhere
     notifies: bool = False
     rehearse: Callable[[str, str], None] | None = None
     asleep: Callable[[], float] = float

@@ -5,16 +5,17 @@ from __future__ import annotations
 import json
 import logging
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime, tzinfo
 from functools import partial
-from typing import TYPE_CHECKING, Final, final
+from typing import TYPE_CHECKING, Annotated, Final, TypeAlias, final
 
 import anyio
 from anyio import to_thread
 from pydantic import BaseModel, ConfigDict, Field, SecretStr
 
+from homebot.config import AlertKey, Urgency
 from homebot.devices.command_sender import GatewayOutput
 from homebot.devices.gateway_messages import RawCommand
 from homebot.log import LogLimit, more_like_this
@@ -41,6 +42,9 @@ _APPRISE_LIMIT: Final = 30.0
 _MOST_THREADS: Final = 4
 
 
+_Urls: TypeAlias = Annotated[tuple[SecretStr, ...], Field(max_length=50)]
+
+
 class NotifySettings(BaseModel):
     """The keys of ``[notify]``.
 
@@ -48,18 +52,31 @@ class NotifySettings(BaseModel):
         gateway: The gateway for MQTT that publishes notifications.
         topic: Its topic; by default ``homebot/notifications``, or none if there are *urls*.
         urls: Addresses of services for `apprise`; they contain passwords.
+        urls_by: Those of a kind of alert or of an urgency, in place of *urls*; the kind decides first.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     gateway: str = "mqtt"
     topic: str | None = Field(default=None, max_length=1000, pattern=r"^[^+#\x00]*$")
-    urls: tuple[SecretStr, ...] = Field(default=(), max_length=50)
+    urls: _Urls = ()
+    urls_by: Mapping[AlertKey | Urgency, _Urls] = Field(default_factory=dict)
 
     @property
     def address(self) -> str:
         """The topic; empty for none."""
-        return ("" if self.urls else _TOPIC) if self.topic is None else self.topic
+        return ("" if self.has_urls else _TOPIC) if self.topic is None else self.topic
+
+    @property
+    def has_urls(self) -> bool:
+        """True if some notifications go to services."""
+        return any((self.urls, *self.urls_by.values()))
+
+    def urls_for(self, urgency: Urgency, kind: str) -> tuple[tuple[str, SecretStr], ...]:
+        """Return the addresses for notifications of an alert's *kind*, if any, and of *urgency*, by their keys."""
+        rows = ((f"urls_by.{key}", urls) for one in (kind, urgency) for key, urls in self.urls_by.items() if key == one)
+        name, urls = next(rows, ("urls", self.urls))
+        return tuple((f"notify.{name}[{number}]", url) for number, url in enumerate(urls))
 
 
 @final
@@ -69,12 +86,15 @@ class Notification:
 
     Attributes:
         time: The date and time in the home's zone.
+        kind: That of an alert; empty for others.
     """
 
     message: str
     title: str
     app: str
     time: datetime
+    urgency: Urgency = "normal"
+    kind: str = ""
 
     @property
     def text(self) -> str:
@@ -106,10 +126,12 @@ class Notifier:
         self.dropped = self.failed = 0
         self.trouble = ""
 
-    async def send(self, message: str, title: str, app: str, zone: tzinfo) -> bool:
+    async def send(
+        self, message: str, title: str, app: str, zone: tzinfo, urgency: Urgency = "normal", kind: str = ""
+    ) -> bool:
         """Send a message of *app*, truncated to 4,000 characters; return whether a service accepted it."""
         time = datetime.fromtimestamp(self._clock.now(), zone)
-        one = Notification(str(message)[:_LONGEST], str(title)[:_LONGEST_TITLE], app, time)
+        one = Notification(str(message)[:_LONGEST], str(title)[:_LONGEST_TITLE], app, time, urgency, kind)
         limit = self._limits[app] = self._limits.get(app) or RateLimit(_PER_SECOND, _AT_ONCE)
         if not limit.admits(self._clock.monotonic()):
             self.dropped += 1
@@ -125,7 +147,10 @@ class Notifier:
         if problems:
             self.failed += 1
             self._node.log.error(NOT_SENT, message=f"a notification of {app} was not sent: {self.trouble}", app=app)
-        return self._settings is not None and len(problems) < bool(self._output) + len(self._settings.urls)
+        if self._settings is None:
+            return False
+        ways = bool(self._output) + len(self._settings.urls_for(urgency, kind))
+        return len(problems) < ways or not ways  # for some kinds the owner wants none
 
     async def _publish(self, notification: Notification) -> tuple[str, ...]:
         if self._output is None or self._settings is None:
@@ -139,16 +164,25 @@ class Notifier:
         return () if is_running else (f"gateway {self._settings.gateway} is not running",)
 
     async def _push(self, notification: Notification) -> Sequence[str]:
-        if self._settings is None or not self._settings.urls:
+        urls = () if self._settings is None else self._settings.urls_for(notification.urgency, notification.kind)
+        if not urls:
             return ()
-        send = partial(_push, self._settings.urls, notification.message, notification.title)
+        send = partial(_push, urls, notification.message, notification.title, notification.urgency)
         with anyio.move_on_after(_APPRISE_LIMIT):
             return await to_thread.run_sync(send, limiter=self._threads, abandon_on_cancel=True)
-        return [f"apprise did not answer within {_APPRISE_LIMIT:g} s"] * len(self._settings.urls)
+        return [f"apprise did not answer within {_APPRISE_LIMIT:g} s"] * len(urls)
 
 
-def _push(urls: tuple[SecretStr, ...], message: str, title: str) -> list[str]:
-    """Send a message to each of *urls* with apprise, blocking; return the problems.
+_PRIORITIES: Final[Mapping[Urgency, Sequence[str]]] = {
+    "high": ("max", "emergency", "critical", "urgent", "P1", "high"),
+    "normal": (),
+    "low": ("low", "silent", "P5", "info"),
+}
+"""Words of services for the highest priority and a low one; a normal message has that of its address."""
+
+
+def _push(urls: Sequence[tuple[str, SecretStr]], message: str, title: str, urgency: Urgency) -> list[str]:
+    """Send a message to each of *urls*, which have names, with apprise, blocking; return the problems.
 
     The addresses contain passwords, so neither problems nor log lines show them.
     """
@@ -157,14 +191,27 @@ def _push(urls: tuple[SecretStr, ...], message: str, title: str) -> list[str]:
     logger = logging.getLogger("apprise")
     logger.propagate, logger.handlers = False, [logging.NullHandler()]  # its lines contain addresses
     problems = []
-    for number, url in enumerate(urls):
-        name = f"notify.urls[{number}]"
+    kind = apprise.NotifyType.FAILURE if urgency == "high" else apprise.NotifyType.INFO
+    for name, url in urls:
         try:
-            service = apprise.Apprise.instantiate(url.get_secret_value())
+            address = url.get_secret_value()
+            service = apprise.Apprise.instantiate(address)
+            if service is not None and (priority := _priority(service.template_args, urgency)):
+                known = apprise.plugins.url_to_dict(address)  # type: ignore[no-untyped-call]
+                service = apprise.Apprise.instantiate(known | {"priority": priority})
             if service is None:
                 problems.append(f"{name} is not an address that apprise knows")
-            elif not service.notify(body=message, title=title):
+            elif not service.notify(body=message, title=title, notify_type=kind):
                 problems.append(f"{service.service_name} ({name}) did not answer, or refused it")
         except Exception as exc:  # noqa: BLE001 - a plug-in of apprise; its text may have the address
             problems.append(f"{name} failed ({type(exc).__name__})")
     return problems
+
+
+def _priority(arguments: Mapping[str, Mapping[str, object]], urgency: Urgency) -> str:
+    """Return the priority for *urgency* of a service with these *arguments*; empty if it has none."""
+    known = arguments.get("priority", {}).get("values")
+    if isinstance(known, tuple) and known and all(isinstance(one, int) for one in known):
+        return {"high": str(max(known)), "low": str(min(known)), "normal": ""}[urgency]
+    words = known.values() if isinstance(known, Mapping) else known if isinstance(known, tuple) else ()
+    return next((word for word in _PRIORITIES[urgency] if word in words), "")

@@ -1,36 +1,63 @@
 """Alerts: what is wrong in the house, by one table for the doctor, the page and notifications. Pure."""
 
-from collections.abc import Iterable, Iterator
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
-from typing import Final, NamedTuple
+from pathlib import Path
+from typing import Final, NamedTuple, get_args
 
+from homebot.config import Language, Urgency
 from homebot.devices.device import Device, DevicePart, State, target_of
+from homebot.devices.device_types import spoken_type
 from homebot.devices.findings import Finding, FindingKind
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import PartFacets, compares, fits
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import And, GatewayIs, Not, Query, StateIs, leaves
-from homebot.devices.wording.time_format import age_text, ago
+from homebot.devices.wording.time_format import age, age_text
 from homebot.devices.words import matching_words
 
-__all__ = ["ALERTS", "GATEWAY", "MOST_SHOWN", "WATCHED", "Alert", "AlertKind", "alerts_of", "findings_of", "is_over"]
+__all__ = [
+    "ALERTS",
+    "GATEWAY",
+    "LANGUAGES",
+    "MOST_SHOWN",
+    "WATCHED",
+    "Alert",
+    "AlertKind",
+    "alerts_of",
+    "findings_of",
+    "held_alerts_of",
+    "is_over",
+    "say",
+]
 
 MOST_SHOWN: Final = 20
 """The limit of rows of a finding."""
+
+
+LANGUAGES: Final = get_args(Language)
+"""English, and the columns of the table of the others."""
 
 
 class AlertKind(NamedTuple):
     """A row of the table: its key in ``[alerts]``, its finding, the query for it, and what is said of the devices.
 
     Attributes:
+        over: What is said when it is over.
         told_after: Seconds after which people are told; a door that is open for less is not even shown.
+        held: The query that fits as long as what once began lasts, if that is longer than *text* fits.
     """
 
     key: str
     finding: FindingKind
     text: str
     words: str
+    over: str
     told_after: float = 0.0
+    urgency: Urgency = "normal"
+    held: str = ""
 
     def query(self, lost: Iterable[str] = ()) -> Query:
         """Return the query; devices of *lost* gateways are unreachable, as these' own alert says."""
@@ -39,20 +66,51 @@ class AlertKind(NamedTuple):
 
 
 _PROBLEMS = "problem=true or safety=true or freeze=true or lock=jammed or vacuum=error or mower=error"
-_WEAK = "low battery and not (vacuum or mower or robot or tracker)"  # these are charged every day
-GATEWAY: Final = AlertKind("gateway", FindingKind.GATEWAY, "", "is away", 120.0)
+_CHARGED = "not (vacuum or mower or robot or tracker)"  # every day
+_WEAK, _NOT_NEW = f"low battery and {_CHARGED}", f"(low battery or battery below 30) and {_CHARGED}"
+GATEWAY: Final = AlertKind("gateway", FindingKind.GATEWAY, "", "is away", "is back", 120.0)
 ALERTS: Final = (
-    AlertKind("smoke", FindingKind.SMOKE, "smoke=true or heat=true", "reports smoke or heat"),
-    AlertKind("co", FindingKind.CO, "carbon_monoxide_alarm=true", "reports carbon monoxide"),
-    AlertKind("gas", FindingKind.GAS, "gas=true", "reports gas"),
-    AlertKind("leak", FindingKind.LEAK, "water_leak=true", "is wet"),
-    AlertKind("alarm", FindingKind.ALARM, "alarm=triggered", "is triggered"),
-    AlertKind("tamper", FindingKind.TAMPER, "tamper=true", "reports tampering", 60.0),
-    AlertKind("problem", FindingKind.PROBLEM, _PROBLEMS, "reports a problem", 300.0),
-    AlertKind("door", FindingKind.DOOR, "open door", "is open", 900.0),
-    AlertKind("unreachable", FindingKind.UNREACHABLE, "offline and not stale", "is unreachable", 86_400.0),
-    AlertKind("silent", FindingKind.STALE, "stale", "is silent", 7 * 86_400.0),
-    AlertKind("battery", FindingKind.BATTERY, _WEAK, "has a weak battery", 86_400.0),
+    AlertKind(
+        "smoke",
+        FindingKind.SMOKE,
+        "smoke=true or heat=true",
+        "reports smoke or heat",
+        "no longer reports smoke or heat",
+        urgency="high",
+    ),
+    AlertKind(
+        "co",
+        FindingKind.CO,
+        "carbon_monoxide_alarm=true",
+        "reports carbon monoxide",
+        "no longer reports carbon monoxide",
+        urgency="high",
+    ),
+    AlertKind("gas", FindingKind.GAS, "gas=true", "reports gas", "no longer reports gas", urgency="high"),
+    AlertKind("leak", FindingKind.LEAK, "water_leak=true", "is wet", "is dry again", urgency="high"),
+    AlertKind("alarm", FindingKind.ALARM, "alarm=triggered", "is triggered", "is no longer triggered", urgency="high"),
+    AlertKind("tamper", FindingKind.TAMPER, "tamper=true", "reports tampering", "no longer reports tampering", 60.0),
+    AlertKind("problem", FindingKind.PROBLEM, _PROBLEMS, "reports a problem", "no longer reports a problem", 300.0),
+    AlertKind("door", FindingKind.DOOR, "open door", "is open", "is closed again", 900.0),
+    AlertKind(
+        "unreachable",
+        FindingKind.UNREACHABLE,
+        "offline and not stale",
+        "is unreachable",
+        "is reachable again",
+        86_400.0,
+    ),
+    AlertKind("silent", FindingKind.STALE, "stale", "is silent", "reports again", 7 * 86_400.0),
+    AlertKind(
+        "battery",
+        FindingKind.BATTERY,
+        _WEAK,
+        "has a weak battery",
+        "has a good battery again",
+        86_400.0,
+        "low",
+        _NOT_NEW,
+    ),
 )
 """Every kind of alert about devices."""
 
@@ -60,13 +118,20 @@ _DOOR_TAGS = frozenset({"door", "garage", "garage_door", "gate"})
 
 
 class Alert(NamedTuple):
-    """Something wrong with *target*: a device or a part by id, or a gateway; times in seconds since the Unix epoch."""
+    """Something wrong with *target*: a device or a part by id, or a gateway; times in seconds since the Unix epoch.
+
+    Attributes:
+        name: For people.
+        said: What else people are told: texts of the table, with their values.
+        why: The reason, for the owner alone: it may contain ids and addresses.
+    """
 
     kind: AlertKind
     target: str
     name: str
     since: float
-    detail: str
+    said: tuple[tuple[str, str], ...] = ()
+    why: str = ""
 
     @property
     def key(self) -> str:
@@ -74,13 +139,47 @@ class Alert(NamedTuple):
         return f"{self.kind.key} {self.target}"
 
     @property
+    def detail(self) -> str:
+        """The rest of what the owner is shown."""
+        return self._details("en") + self.why
+
+    @property
     def text(self) -> str:
-        """The alert for people."""
+        """The alert for the owner."""
         return f"{self.name} {self.kind.words}{self.detail}"
+
+    def told(self, language: Language) -> str:
+        """Return the alert for people."""
+        return say(f"{{name}} {self.kind.words}", language, name=self._name(language)) + self._details(language)
+
+    def over(self, language: Language) -> str:
+        """Return what people are told when it is over."""
+        return say(f"{{name}} {self.kind.over}", language, name=self._name(language))
+
+    def _name(self, language: Language) -> str:
+        return say("gateway {name}", language, name=self.target) if self.kind is GATEWAY else self.name
+
+    def _details(self, language: Language) -> str:
+        return "".join(say(text, language, **{_FIELD.findall(text + "{_}")[0]: value}) for text, value in self.said)
 
     def is_shown(self, now: float) -> bool:
         """Return whether it has lasted long enough to be shown."""
         return self.kind.key != "door" or now - self.since >= self.kind.told_after
+
+
+_FIELD: Final = re.compile(r"\{(\w+)\}")
+
+
+def say(text: str, language: Language, **values: str) -> str:
+    """Return the English *text* in *language*, with *values* for its {names}."""
+    own = text if language == "en" else _translations()[text][LANGUAGES.index(language) - 1]
+    return _FIELD.sub(lambda field: values.get(field[1], field[0]), own)
+
+
+@cache
+def _translations() -> Mapping[str, list[str]]:
+    texts: dict[str, list[str]] = json.loads(Path(__file__).with_name("alert_texts.json").read_text(encoding="utf-8"))
+    return texts
 
 
 @cache
@@ -109,26 +208,41 @@ def alerts_of(kinds: Iterable[AlertKind], device: Device, now: float, lost: Iter
                 yield _alert_of_device(kind, device, now)
 
 
+def held_alerts_of(device: Device, now: float) -> Iterator[Alert]:
+    """Yield the alerts that *device* would have if they had begun before."""
+    yield from alerts_of([kind._replace(text=kind.held) for kind in ALERTS if kind.held], device, now)
+
+
 def _alerts_of_parts(kind: AlertKind, query: Query, device: Device, now: float) -> Iterator[Alert]:
     parts = [one for one in device.parts if fits(query, PartFacets(device, one))]
     for part in parts:
-        name = device.name if len(parts) == 1 else f"{device.name} {part.part.name or part.id}"
+        name = _name_of(device) if len(parts) == 1 else f"{_name_of(device)} {part.part.name}".strip()
         if kind.key != "door" or _is_door(device, part):
             yield _alert_of_part(kind, device, part.id, name, now)
 
 
 def _alert_of_device(kind: AlertKind, device: Device, now: float) -> Alert:
+    name = _name_of(device)
     if kind.finding is FindingKind.STALE:
-        begin, detail = device.expires, f", last seen {ago(device.last_seen, now)}"
-    else:
-        begin, detail = device.reachable.since, f": {device.reachable.why}"
-    return Alert(kind, device.id, device.name, begin.to_seconds(), detail)
+        said = ((", last seen {age} ago", age(device.last_seen, now)),)
+        return Alert(kind, device.id, name, device.expires.to_seconds(), said)
+    reach = device.reachable
+    return Alert(kind, device.id, name, reach.since.to_seconds(), why=f": {reach.why}")
+
+
+_INTERNAL: Final = re.compile(r"0[xX][0-9a-fA-F]{6,}|[0-9a-fA-F]{12,}|[0-9a-fA-F]{2}([:-][0-9a-fA-F]{2}){5,}|\w+:0x\w+")
+
+
+def _name_of(device: Device) -> str:
+    """Return the name of *device* for people; its room, or else its type, if it has only addresses for names."""
+    names = (name for name in device.names or (device.name,) if not _INTERNAL.fullmatch(name))
+    return next(names, device.area or spoken_type(device.service_type))
 
 
 def _alert_of_part(kind: AlertKind, device: Device, part_id: str, name: str, now: float) -> Alert:
     states = [one for term, one in _values(kind, device, part_id) if compares(term, one.value.plain())]
     since = max(one.since.to_seconds() for one in states)
-    return Alert(kind, target_of(device.id, part_id), name, since, _detail(device, states, since, now))
+    return Alert(kind, target_of(device.id, part_id), name, since, (*_details(device, states, since, now),))
 
 
 def is_over(key: str, device: Device) -> bool:
@@ -160,13 +274,15 @@ def _is_door(device: Device, part: DevicePart) -> bool:
     return is_declared or bool(matching_words(f"{device.name} {part.part.name}", frozenset({"entry"})))
 
 
-def _detail(device: Device, states: list[State], since: float, now: float) -> str:
-    """Return the charge of a battery, and why the values may be out of date, or for how long they have lasted."""
-    charge = f" ({states[0].value.number:.0f} %)" if states[0].capability == "battery" else ""
+def _details(device: Device, states: list[State], since: float, now: float) -> Iterator[tuple[str, str]]:
+    """Yield the charge of a battery, and why the values may be out of date, or for how long they have lasted."""
+    if states[0].capability == "battery":
+        yield " ({charge} %)", f"{states[0].value.number:.0f}"
     if device.reachable.state == "no":
-        return f"{charge}, by an old report: it is unreachable now"
-    if device.freshness == "stale":
-        return f"{charge}, by an old report: last seen {ago(device.last_seen, now)}"
-    if not any(one.live for one in states):
-        return f"{charge}, by a kept report: it has not reported itself yet"
-    return f"{charge}, for {age_text(now - since)}" if now - since >= 60.0 else charge
+        yield ", by an old report: it is unreachable now", ""
+    elif device.freshness == "stale":
+        yield ", by an old report: last seen {age} ago", age(device.last_seen, now)
+    elif not any(one.live for one in states):
+        yield ", by a kept report: it has not reported itself yet", ""
+    elif now - since >= 60.0 and states[0].capability != "battery":
+        yield ", for {age}", age_text(now - since)

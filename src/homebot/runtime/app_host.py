@@ -13,7 +13,7 @@ from anyio.abc import TaskStatus
 
 from homebot.apps import App, AppContext
 from homebot.clock import Clock, LoopClock
-from homebot.config import Config
+from homebot.config import Config, Urgency
 from homebot.devices.health import Count
 from homebot.devices.house_view import HouseView
 from homebot.graph import Graph, Node
@@ -266,8 +266,8 @@ class AppHost:
     def _rehearse(self, app: str, text: str) -> None:
         self.rehearsed.append(RehearsedAct(self._clock.now(), app, text))
 
-    async def _notify(self, message: str, title: str, app: str) -> bool:
-        return await self.notifier.send(message, title, app, self.context.zone)
+    async def _notify(self, message: str, title: str, app: str, urgency: Urgency = "normal", kind: str = "") -> bool:
+        return await self.notifier.send(message, title, app, self.context.zone, urgency, kind)
 
     def _app_stores(self) -> AppStores:
         """Return the app stores, which are written from their first use on."""

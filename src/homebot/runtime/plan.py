@@ -429,7 +429,7 @@ def _notify(config: Config) -> NotifySettings | None:
         problem = f"there is no gateway {settings.gateway!r} that could publish notifications"
         hint = did_you_mean(settings.gateway, config.gateways, "name one, or give urls of apprise")
         raise ConfigError(config.source, "notify.gateway", f"{problem}; {hint}")
-    if settings.urls:
+    if settings.has_urls:
         _check_extra(config.source, "notify.urls", "[notify] with urls", "apprise", "apprise")
     return settings
 

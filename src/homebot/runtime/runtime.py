@@ -438,7 +438,11 @@ class Runtime:
         task_status.started()
         await anyio.sleep(_LATER)
         module = import_module("homebot.apps.alerts")
-        component = PlannedComponent("alerts", module.Alerts, module.AlertsSettings(told_after=self.config.alerts))
+        component = PlannedComponent(
+            "alerts",
+            module.Alerts,
+            module.AlertsSettings(told_after=self.config.alerts, language=self.config.home.language),
+        )
         await self.app_host.serve(component, task_status=anyio.TASK_STATUS_IGNORED)
 
     async def _history(self, *, task_status: TaskStatus[None]) -> None:

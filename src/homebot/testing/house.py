@@ -69,7 +69,8 @@ def house_config(
             "gateways": {name: _on_test_broker(name, table, root, url) for name, table in gateways.items()},
             "apps": planned,
             "door": {"port": 0} | given.door,
-            "notify": given.notify and {key: value for key, value in given.notify.items() if key != "urls"},
+            "notify": given.notify
+            and {key: value for key, value in given.notify.items() if not key.startswith("urls")},
             "home": given.home if given.home.zone else given.home.model_copy(update={"zone": "UTC"}),
         }
     )

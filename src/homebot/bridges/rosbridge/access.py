@@ -74,6 +74,7 @@ _ACTING: Final = frozenset(
         names.PROPOSE_ROUTINE,
         names.RELEASE_LEASE,
         names.RENEW_LEASE,
+        names.SEE_ALERTS,
         names.SEND_TEXT,
     }
 )
