@@ -127,7 +127,14 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
         async with client("keys", elicitation_callback=person) as session:
             tools = (await session.list_tools()).tools
             assert {one.name for one in tools} == TOOLS
-            assert sum(len(one.model_dump_json(exclude_none=True)) for one in tools) < 425 * len(TOOLS)
+            assert sum(len(one.model_dump_json(exclude_none=True)) for one in tools) < 510 * len(TOOLS)
+            fields = [field for one in tools for field in one.input_schema["properties"].values()]
+            assert all(field.get("description") for field in fields)
+            many = await session.call_tool("find_devices", {"limit": 500})
+            assert ("limit" in many.content[0].text, "less than or equal to 200" in many.content[0].text) == (
+                True,
+                True,
+            )
             found = await session.call_tool("find_devices", {"query": "light"})
             assert len(found.content[0].text) < FOUR_LAMPS
             assert (await call(session, "command", device="lamp1", do="on"))["outcome"] == "confirmed"

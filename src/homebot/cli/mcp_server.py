@@ -24,9 +24,12 @@ from pydantic import BaseModel, Field
 from websockets.asyncio.client import connect
 from websockets.exceptions import WebSocketException
 
+from homebot.bridges.home_api.shapes import MOST_COMMANDED, MOST_POINTS
 from homebot.cli.door_address import DoorAddress
+from homebot.devices.command_messages import MAX_TRANSITION_S
 from homebot.devices.names import HOME_HEADER, IDENTIFY_DEVICE
 from homebot.devices.outcomes import OUTCOMES
+from homebot.devices.services import MOST_LISTED
 from homebot.errors import HomebotError
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
@@ -63,7 +66,8 @@ Words: TypeAlias = Annotated[str, Field(max_length=500)]
 """An argument; as part of an address, homebot takes up to 8 KiB."""
 
 
-Several: TypeAlias = Annotated[list[Words], Field(min_length=1, max_length=50)]
+Several: TypeAlias = Annotated[list[Words], Field(min_length=1, max_length=MOST_COMMANDED)]
+Device: TypeAlias = Annotated[Words, Field(description="id or exact name")]
 
 
 class _MistakeError(ToolError):
@@ -197,15 +201,25 @@ def _add_questions(server: MCPServer, api: ApiClient) -> None:
         """Return the rooms of the house, with the number of devices by type."""
         return await api.read("/api/home")
 
-    async def find_devices(query: Words = "", limit: int = 50) -> str:
+    async def find_devices(
+        query: Annotated[Words, Field(description="as `light in kitchen`, `which lights are on`; empty for all")] = "",
+        limit: Annotated[int, Field(ge=1, le=MOST_LISTED, description="most devices")] = 50,
+    ) -> str:
         """Return the devices that fit a query such as `light in kitchen`, or all, with room and values."""
         return await api.read("/api/devices", q=query, limit=limit)
 
-    async def why(device: Words, state: Words = "") -> str:
+    async def why(
+        device: Device, state: Annotated[str, Field(max_length=100, description="one that it is not in")] = ""
+    ) -> str:
         """Return why a device is in its state or, given a state such as `on`, why it is not in that one."""
         return await api.read("/api/why/", device, state=state)
 
-    async def history(device: Words, capability: Words = "", since: Words = "24h", points: int = 50) -> str:
+    async def history(
+        device: Device,
+        capability: Annotated[Words, Field(description="empty for all")] = "",
+        since: Annotated[str, Field(max_length=40, description="how far back")] = "24h",
+        points: Annotated[int, Field(ge=1, le=MOST_POINTS, description="most values of each")] = 50,
+    ) -> str:
         """Return past values of a device, or of one capability such as `temperature`, for the last `24h` or `7d`."""
         return await api.read("/api/history", device=device, capability=capability, since=since, points=points)
 
@@ -227,8 +241,8 @@ def _add_command(server: MCPServer, api: ApiClient) -> None:
         return _question(_targets(details, device), details, do, context)
 
     async def command(
-        device: Words | Several,
-        do: Words,
+        device: Annotated[Words | Several, Field(description="ids or exact names, each with `#PART` or without")],
+        do: Annotated[Words, Field(max_length=300, description="as `on, 40 %`, `+10 %`, `lock`")],
         details: Annotated[list[Any], Resolve(details)],
         sure: Annotated[ElicitationResult[Sure], Resolve(sure)],
     ) -> str:
@@ -247,7 +261,11 @@ def _add_scenes(server: MCPServer, api: ApiClient) -> None:
         """Return the scenes: a name, and values for several parts of the house."""
         return await api.read("/api/scenes")
 
-    async def apply_scene(scene: Words, transition: float = 0.0, undo: bool = False) -> str:  # noqa: FBT001, FBT002 - JSON
+    async def apply_scene(
+        scene: Annotated[Words, Field(description="name or id")],
+        transition: Annotated[float, Field(ge=0.0, le=MAX_TRANSITION_S, description="seconds")] = 0.0,
+        undo: Annotated[bool, Field(description="bring back the values before")] = False,  # noqa: FBT002 - JSON
+    ) -> str:
         """Apply a scene, or undo it: bring back the values before, where nothing else has changed them since."""
         return await api.post("/api/scene", {"scene": scene, "transition": transition, "undo": undo})
 
@@ -256,7 +274,10 @@ def _add_scenes(server: MCPServer, api: ApiClient) -> None:
 
 
 def _add_goals(server: MCPServer, api: ApiClient) -> None:
-    async def achieve(goal: Words, dry_run: bool = False) -> str:  # noqa: FBT001, FBT002 - JSON
+    async def achieve(
+        goal: Annotated[str, Field(max_length=1000, description="states joined by `and`")],
+        dry_run: Annotated[bool, Field(description="only plan")] = False,  # noqa: FBT002 - JSON
+    ) -> str:
         """Plan how to reach a goal such as `kitchen lit and rosie in kitchen`, and do it; returns each step."""
         return await api.post("/api/goal", {"goal": goal, "dry_run": dry_run})
 
@@ -264,7 +285,12 @@ def _add_goals(server: MCPServer, api: ApiClient) -> None:
 
 
 def _add_identification(server: MCPServer, api: ApiClient) -> None:
-    async def identify(devices: Words, sensor: Words, context: Context, night: bool = False) -> str:  # noqa: FBT001, FBT002 - JSON
+    async def identify(
+        devices: Annotated[Words, Field(description="a query")],
+        sensor: Annotated[Words, Field(description="its id or name, or a topic of a robot")],
+        context: Context,
+        night: Annotated[bool, Field(description="also while people sleep")] = False,  # noqa: FBT002 - JSON
+    ) -> str:
         """Find which `light in hall` a sensor sees: they blink."""
         goal = {"candidates": devices, "topic": sensor, "at_night": night}
 
@@ -282,7 +308,10 @@ def _add_identification(server: MCPServer, api: ApiClient) -> None:
 
 
 def _add_routines(server: MCPServer, api: ApiClient) -> None:
-    async def propose_routine(text: str, days: float = 7.0) -> str:
+    async def propose_routine(
+        text: Annotated[str, Field(max_length=20_000, description="TOML")],
+        days: Annotated[float, Field(gt=0.0, le=366.0, description="of the trial")] = 7.0,
+    ) -> str:
         """Propose a rule to the owner, who enables it or not; returns what it would have done in the last days.
 
         TOML: `name="Hall"`, `when=["hall motion occupied", "22:00"]`, `if=["sun is down"]`,

@@ -4,12 +4,13 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Final, TypeAlias
 
 from homebot.devices.query.terms import Not
 from homebot.errors import UsageError
 from homebot.routines.people import check_known, read_person
-from homebot.routines.times import SunSpan, TimeSpan, read_days_of_week, read_span
+from homebot.routines.times import SunSpan, TimeSpan, longest, read_days_of_week, read_span
 from homebot.routines.triggers import (
     NOBODY,
     SUN,
@@ -22,7 +23,17 @@ from homebot.routines.triggers import (
     read_state,
 )
 
-__all__ = ["AnyOf", "Condition", "Matches", "OnDays", "SunIs", "read_condition", "single_conditions"]
+__all__ = [
+    "AnyOf",
+    "Condition",
+    "Matches",
+    "OnDays",
+    "SunIs",
+    "check_possible",
+    "exclude_each_other",
+    "read_condition",
+    "single_conditions",
+]
 
 _PRESENCE: Final = "motion occupied in"
 _IN_BED: Final = "tag=bed occupied in"
@@ -93,6 +104,36 @@ def read_condition(text: str) -> Condition:
 def single_conditions(condition: Condition) -> Iterator[Condition]:
     """Yield *condition*, or those of which one must hold."""
     yield from condition.conditions if isinstance(condition, AnyOf) else (condition,)
+
+
+def exclude_each_other(one: Condition, other: Condition) -> bool:
+    """Return whether both conditions never hold at once."""
+    match one, other:
+        case SunIs(), SunIs():
+            return one != other
+        case OnDays(), OnDays():
+            return one.days.isdisjoint(other.days)
+        case ((TimeSpan() | SunSpan()), (TimeSpan() | SunSpan())):
+            return not longest(one).overlaps(longest(other))
+        case Matches(), Matches():
+            return one.state.query == other.state.query and one.is_none is not other.is_none
+        case _:
+            return False
+
+
+def check_possible(texts: Sequence[str]) -> None:
+    """Check that the conditions *texts*, all of which must hold, can hold together.
+
+    Raises:
+        UsageError: Two of them never do; the message has the span that was meant, if they are its ends.
+    """
+    for (text, one), (other_text, other) in combinations([(one, read_condition(one)) for one in texts], 2):
+        if exclude_each_other(one, other):
+            words = sorted((text, other_text), key=lambda end: end.casefold().startswith("before "))
+            ends = [end.split(" ", 1) for end in words if end.casefold().startswith(("after ", "before "))]
+            is_span = [end[0].casefold() for end in ends] == ["after", "before"]
+            hint = f"write 'between {ends[0][1]} and {ends[1][1]}'" if is_span else "leave out one of them"
+            raise UsageError(f"{text!r} and {other_text!r} never hold together; {hint}")
 
 
 def _denies(parts: Sequence[str]) -> bool:

@@ -13,8 +13,8 @@ from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import compares, fits
 from homebot.devices.query.terms import StateIs, leaves
 from homebot.devices.value import PlainValue, Value
-from homebot.routines.conditions import Condition, Matches, OnDays, SunIs
-from homebot.routines.times import DaysAndTime, TimeSpan
+from homebot.routines.conditions import Condition, exclude_each_other
+from homebot.routines.times import DaysAndTime
 from homebot.routines.triggers import Becomes, PersonMoves, Press, Trigger
 
 __all__ = ["Effect", "RoutineEffects", "fights", "loops"]
@@ -125,7 +125,7 @@ def _way_back(name: str, ways: Mapping[str, Mapping[str, str]]) -> tuple[tuple[s
 
 
 def _may_meet(one: RoutineEffects, other: RoutineEffects) -> bool:
-    if any(_excludes(*pair) for pair in product(one.conditions, other.conditions)):
+    if any(exclude_each_other(*pair) for pair in product(one.conditions, other.conditions)):
         return False
     return any(_may_coincide(*pair) for pair in product(one.triggers, other.triggers))
 
@@ -162,21 +162,6 @@ def _share(one: StateIs, other: StateIs) -> bool:
     values += [value + step for value in values if isinstance(value, float) for step in (-_NEAR, _NEAR)]
     values += [value is False for value in values if isinstance(value, bool)]
     return any(compares(one, value) and compares(other, value) for value in values)
-
-
-def _excludes(one: Condition, other: Condition) -> bool:
-    """Return whether both conditions never hold at once."""
-    match one, other:
-        case SunIs(), SunIs():
-            return one != other
-        case OnDays(), OnDays():
-            return one.days.isdisjoint(other.days)
-        case TimeSpan(), TimeSpan():
-            return not one.overlaps(other)
-        case Matches(), Matches():
-            return one.state.query == other.state.query and one.is_none is not other.is_none
-        case _:
-            return False
 
 
 def _with(device: Device, part: str, settings: Mapping[str, PlainValue]) -> Device:

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, ConfigDict, Field, model_validator
 from homebot.apps import AppSettings
 from homebot.apps.run_modes import RunMode
 from homebot.config import value_errors
-from homebot.routines.conditions import Condition, SunIs, single_conditions
+from homebot.routines.conditions import Condition, SunIs, check_possible, single_conditions
 from homebot.routines.program import MOST, Branch, ConditionText, StepSetting, Text, conditions_of, program_of
 from homebot.routines.steps import Dim, Do, Undo, WaitUntil
 from homebot.routines.times import SunMoment, SunSpan
@@ -82,6 +82,8 @@ class RoutineSettings(AppSettings):
         triggers = [read_trigger(one) for one in self.when]
         if twice := [text for place, text in enumerate(self.when) if triggers[place] in triggers[:place]]:
             raise ValueError(f"when: {twice[0]!r} is there twice")
+        with value_errors():
+            check_possible(self.conditions)
         states = {fold(one.text) for one in triggers if isinstance(one, Becomes)}
         for step in steps:
             if isinstance(step, Do) and fold(f"{step.target} {step.command}") in states:

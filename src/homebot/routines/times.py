@@ -16,6 +16,7 @@ __all__ = [
     "SunMoment",
     "SunSpan",
     "TimeSpan",
+    "longest",
     "read_days_of_week",
     "read_duration",
     "read_span",
@@ -23,6 +24,8 @@ __all__ = [
 ]
 
 SUN_EVENTS: Final = ("dawn", "sunrise", "noon", "sunset", "dusk")
+_SUN_HOURS: Final = {"dawn": (1, 9), "sunrise": (2, 10), "noon": (11, 14), "sunset": (14, 23), "dusk": (15, 24)}
+"""The earliest and the latest hour of each event."""
 _DAYS: Final = {
     **dict.fromkeys(("weekdays", "weekday"), "mon-fri"),
     **dict.fromkeys(("weekends", "weekend"), "sat,sun"),
@@ -122,6 +125,18 @@ class SunSpan(NamedTuple):
         """Return the part of one day, with the times of *time_of*; None if the sun does not rise or set then."""
         begin, end = (one if isinstance(one, time) else time_of(one) for one in self)
         return None if begin is None or end is None else TimeSpan(begin, end)
+
+
+def longest(span: TimeSpan | SunSpan) -> TimeSpan:
+    """Return *span* as long as it is on any day of the year where the sun rises and sets daily."""
+
+    def moment(at: time | SunMoment, place: int) -> time:
+        if isinstance(at, time):
+            return at
+        minutes = round(_SUN_HOURS[at.event][place] * 60 + at.seconds / 60)
+        return time(*divmod(min(max(minutes, 0), 24 * 60 - 1), 60))
+
+    return TimeSpan(moment(span.begin, 0), moment(span.end, 1))
 
 
 def read_span(text: str) -> TimeSpan | SunSpan | None:

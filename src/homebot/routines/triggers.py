@@ -42,6 +42,7 @@ _LIMIT: Final = re.compile(
     r"\s+(?P<word>below|above|under|over)(?:\s+(?P<number>\d[\d.]*))?",
     re.IGNORECASE,
 )
+_INTERVAL: Final = re.compile(r"every (?P<length>\d+ ?[a-z]+)", re.IGNORECASE)
 _ALL: Final = re.compile(r"(?:all|every|each)\s", re.IGNORECASE)
 _STATES: Final = dict.fromkeys(
     ("", "time", "sun"), "write it like 'hall motion occupied' or 'temperature in nursery below 18 °C'"
@@ -146,6 +147,9 @@ def read_trigger(text: str) -> Trigger:
     with suppress(UsageError):  # `22:00 on sat and sun` is one time
         if (moment := DaysAndTime.read(plain)) is not None:
             return moment
+    if (interval := _INTERVAL.fullmatch(plain)) is not None:
+        app = f"an app with `self.every('{interval['length']}', …)`"
+        raise UsageError(f"{text!r}: a routine knows no interval; write its times, such as '8:00' and '8:30', or {app}")
     check_alone(plain, "or", "and")
     if (found := _read_other(plain)) is not None:
         return found

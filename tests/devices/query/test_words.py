@@ -161,6 +161,7 @@ QUESTIONS = [
         ("lights in kichen", set(), "no device is in 'kichen'; areas are garden, hall, study"),
         ("hall lamp locked", set(), "what is called so has no such value: hall lamp"),
         ("hall lanp", {"id1"}, "no device found has the word 'lanp'; these have similar ones"),
+        ("somebody is home", set(), "nobody is known; add [people.NAME] with what tells where that person is"),
         ("kettle", set(), ""),
     ],
 )

@@ -36,6 +36,9 @@ PROBLEMS: Mapping[HTTPStatus, ProblemOutcome] = {
 MOST_COMMANDED: Final = 50
 """Devices of one command."""
 
+MOST_POINTS: Final = 500
+"""Values of each capability in a history."""
+
 _Name: TypeAlias = Annotated[ShortText, Field(min_length=1)]
 _Names: TypeAlias = Annotated[tuple[_Name, ...], Field(min_length=1, max_length=MOST_COMMANDED)]
 
@@ -90,7 +93,7 @@ class HistoryQuestion(_Question):
     device: _Name
     capability: ShortText = ""
     since: Annotated[str, Field(max_length=40)] = "24h"
-    points: Annotated[int, Field(ge=1, le=500)] = 50
+    points: Annotated[int, Field(ge=1, le=MOST_POINTS)] = 50
 
 
 class CommandQuestion(_Question):

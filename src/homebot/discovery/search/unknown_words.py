@@ -32,6 +32,7 @@ from homebot.support.similar import did_you_mean
 __all__ = ["area_problem", "check_words", "note_on"]
 
 _SHOWN = 12
+_PEOPLE = frozenset({"x_person", "x_household"})
 _WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CONDITIONS, *KEYWORDS, "near", "within"})
 
 
@@ -127,6 +128,8 @@ def _begins(word: str, words: Iterable[str]) -> bool:
 
 def _explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
     may = lasting(query)
+    if any(isinstance(one, TypeIs) and one.types & _PEOPLE and not postings.find(one) for one in leaves(may)):
+        return "nobody is known; add [people.NAME] with what tells where that person is"
     areas = [one.text for one in leaves(may) if isinstance(one, InArea)]
     for area in areas:
         if not postings.find(InArea(area)):
