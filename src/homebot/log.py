@@ -33,9 +33,9 @@ _LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "critical": 50}
 _SECRETS = (
     re.compile(r"(://[^\s/@:]*:)[^\s/]+(?=@)"),
     re.compile(
-        r"""\b( bearer\s+
-             | authorization\W{1,4}(?:\w+\s+)?
-             | [\w-]*(?:password|passwd|passphrase|secret|token|api_?key)[\w-]*["']?\s*[=:]\s*["']?
+        r"""( \bbearer\s+
+             | \bauthorization\W{1,4}(?:\w+\s+)?
+             | (?:password|passwd|passphrase|secret|token|api_?key)[\w-]{0,40}["']?\s*[=:]\s*["']?
              )[^\s"'&,;)}\]]+""",
         re.IGNORECASE | re.VERBOSE,
     ),

@@ -1,6 +1,7 @@
-"""Any text as a query: it is understood, or a UsageError says what of it is not."""
+"""Any text as a query or goal: it is understood, or a UsageError says what of it is not."""
 
 from contextlib import suppress
+from time import process_time
 
 from tests.fuzz.conftest import Fuzz
 
@@ -9,10 +10,13 @@ from homebot.devices.query.parse import parse_query
 from homebot.devices.query.tokens import quoted
 from homebot.discovery import DeviceIndex
 from homebot.errors import UsageError
+from homebot.goals.wishes import KnownNames, read_wishes
 
 WORDS = """\
 on off lights lamp in kitchen and or not ( ) type area = : < >= 50 % " ' fresh stale reachable level temperature
 °C locked doors near name id , - 1e999 ü capability category config"""
+GOALS = "rosie is are lit dark docked scene film at set to the no , and 40 % house"
+GOAL_WORDS = (*WORDS.split(), *GOALS.split())
 PIECES = (*WORDS.split(), "brighter than", "\ud800", *sorted(CAPABILITIES)[:20])
 
 
@@ -26,3 +30,13 @@ def test_any_text_is_a_query_or_refused(fuzz: Fuzz) -> None:
         with suppress(UsageError):
             assert not index.find(parse_query(text))
         index.find(parse_query(f"name={quoted(text[:200])}"))
+
+
+def test_any_text_is_a_goal_or_refused_at_once(fuzz: Fuzz) -> None:
+    known = KnownNames(("Kitchen", "Hall"), ("Kitchen", "Hall", "house"), ("rosie",), ("Film",))
+    for mutate, rng in fuzz("goals", GOAL_WORDS):
+        text = rng.choice((" ", "", "\n")).join(mutate.word() * rng.choice((1, 1, 30)) for _ in range(8))[:1000]
+        begun = process_time()
+        with suppress(UsageError):
+            read_wishes(text, known)
+        assert process_time() - begun < 0.1

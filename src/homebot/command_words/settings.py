@@ -45,7 +45,7 @@ _FLAGS: Final[Mapping[str, bool]] = MappingProxyType(
 )
 _NUMBER: Final = re.compile(r"([+-]?[\d.]+)\s*(\S*)")
 _KELVIN: Final = re.compile(r"([\d.]+)\s*k")
-_CHANGE: Final = re.compile(r"(?P<before>.* )?(?P<sign>[+-]) ?(?P<amount>[\d.]+ ?\S*)")
+_CHANGE: Final = re.compile(r"(?P<before>.* )?(?P<sign>[+-]) ?(?P<amount>[\d.]++ ?\S*)")
 _BRIGHTER: Final = re.compile(r"(?P<word>brighter|darker)(?: by)?(?: (?P<amount>\d.*))?", re.IGNORECASE)
 _USUAL_CHANGE: Final = "20 %"
 _COMMA: Final = re.compile(r",(?! ?[\d.]+ ?(?:,|$))")

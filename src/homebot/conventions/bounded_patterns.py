@@ -114,7 +114,7 @@ def _complexity(expression: str) -> tuple[int, int]:
     return repeats, branches
 
 
-_TOKEN = re.compile(r"\\.|\[\^?\]?(?:\\.|[^\]\\])*\]|\{[0-9]*,?[0-9]*\}|\(\?:|\(\?P<\w+>|\(\?|.", re.DOTALL)
+_TOKEN = re.compile(r"\\.|\[\^?\]?(?:\\.|[^\]\\])*\]|\{[0-9]*+,?[0-9]*\}|\(\?:|\(\?P<\w+>|\(\?|.", re.DOTALL)
 _QUANTIFIERS = frozenset("*+?")
 _UNBOUNDED = frozenset({"(?"})
 _REFERENCE = re.compile(r"\\[1-9]")

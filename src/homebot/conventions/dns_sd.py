@@ -120,7 +120,7 @@ _NAME_OF = {"_amzn-wplay._tcp.local.": "n"}
 """Further ones by type: of the Fire TVs of Amazon, which are called ``amzn.dmgr:`` and an id."""
 
 _ID = re.compile(r"[0-9A-Za-z]+[_-][0-9A-Fa-f]{12,}|[0-9A-Fa-f]{12,}")
-_ADDRESS_BEHIND = re.compile(r"\s*\[((?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2})\]$")
+_ADDRESS_BEHIND = re.compile(r"\[((?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2})\]$")
 """Of computers, ``office [00:0e:c6:12:34:56]``, and of Bosch's controller, with hyphens."""
 
 _PADDED = re.compile(r"^([0-9A-Fa-f]{12})0000$")
@@ -216,7 +216,7 @@ def name_of(service: FoundService, key: str = "") -> str:
     before, _, after = service.name.partition("@")
     if after.strip() and (_has_address(before, "mac:") or _ID.fullmatch(before)):
         return after.strip()
-    return _ADDRESS_BEHIND.sub("", service.name) or service.name
+    return _ADDRESS_BEHIND.sub("", service.name).rstrip() or service.name
 
 
 def usable_addresses(found: Iterable[str], *, with_loopback: bool) -> tuple[str, ...]:

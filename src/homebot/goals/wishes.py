@@ -19,26 +19,27 @@ __all__ = ["DOCK", "KnownNames", "RobotWish", "RoomWish", "SceneWish", "StateWis
 DOCK: Final = "dock"
 """The room of a wish for a robot in its dock."""
 
-_JOINED: Final = re.compile(r"""((?:"[^"]*"|\([^)]*\)|(?!\s+and\s|,).)+)(?:\s+and\s+|\s*,\s*|$)""", re.IGNORECASE)
-_THE: Final = re.compile(r"^the\s+", re.IGNORECASE)
-_IS: Final = r"\s+(?:(?:is|are)\s+)?(?P<no>not\s+)?"
+_JOINT: Final = re.compile(r'"[^"]*"|\([^()]*\)| and |,', re.IGNORECASE)
+"""What joins wishes, or a text in which nothing joins them."""
+_THE: Final = re.compile(r"^the ", re.IGNORECASE)
+_IS: Final = r" (?:(?:is|are) )?(?P<no>not )?"
 _LIT: Final = re.compile(rf"(?P<room>.+?){_IS}(?P<word>lit|dark)", re.IGNORECASE)
-_IN: Final = re.compile(rf"(?P<robot>[\w-]+){_IS}in\s+(?:the\s+)?(?P<room>.+)", re.IGNORECASE)
+_IN: Final = re.compile(rf"(?P<robot>[\w-]+){_IS}in (?:the )?(?P<room>.+)", re.IGNORECASE)
 _DOCKED: Final = re.compile(
-    r"(?P<robot>[\w-]+)\s+(?:is\s+)?(?P<way>docked|charging|(?:back\s+)?(?:at|in|on)\s+(?:the\s+|its\s+)?"
-    r"(?:dock|docking\s+station|charging\s+station|charger))",
+    r"(?P<robot>[\w-]+) (?:is )?(?P<way>docked|charging|(?:back )?(?:at|in|on) (?:the |its )?"
+    r"(?:dock|docking station|charging station|charger))",
     re.IGNORECASE,
 )
-_SCENE: Final = re.compile(r"(?:scene\s+(?P<name>.+)|(?P<named>.+)\s+scene)", re.IGNORECASE)
-_STATE: Final = re.compile(rf"(?P<what>.+?){_IS}(?P<state>\w+)(?P<where>\s+in\s+.+)?", re.IGNORECASE)
-_AT: Final = re.compile(r"\s+(?:(?:is|are)\s+)?(?:at|set\s+to)\s+(?=[\d+-])", re.IGNORECASE)
+_SCENE: Final = re.compile(r"(?:scene (?P<name>.+)|(?P<named>.+) scene)", re.IGNORECASE)
+_STATE: Final = re.compile(rf"(?P<what>.+?){_IS}(?P<state>\w+)(?P<where> in .+)?", re.IGNORECASE | re.DOTALL)
+_AT: Final = re.compile(r" (?:(?:is|are) )?(?:at|set to) (?=[\d+-])", re.IGNORECASE)
 
 _CODE: Final = re.compile(r"\b(?:code|pin)\b\W*\d", re.IGNORECASE)
 _OPPOSITES: Final = {"on": "off", "open": "closed", "locked": "unlocked", "lit": "dark"}
 _OPPOSITE: Final = _OPPOSITES | {other: one for one, other in _OPPOSITES.items()}
 _EVERYWHERE: Final = frozenset({"house", "home", "whole house", "everything"})
 _COMMANDS: Final = {"closed": "close", "docked": "dock"}
-_NUMBERED: Final = re.compile(r"(?P<rest>[^\d]+?)\s+(?P<number>\d.*)")
+_NUMBERED: Final = re.compile(r"(?P<rest>[^\d]+?) (?P<number>\d.*)")
 _ONCE: Final = frozenset({"toggle", "apply", "push", "press"})
 _TYPO: Final = 0.7
 _EXAMPLES: Final = "write it like 'kitchen lit', 'hall dark', 'rosie in kitchen', 'hall lamp on' or 'front door closed'"
@@ -108,7 +109,7 @@ def read_wishes(text: str, known: KnownNames) -> tuple[Wish, ...]:
     """
     if _CODE.search(text):
         raise UsageError("a goal has no code, as it is journaled; give it before: homebot do LOCK unlock --ask-code")
-    found = [_wish(one, known) for one in _phrases(text)]
+    found = [_wish(one, known) for one in _phrases(" ".join(text.split()))]
     if not found:
         raise UsageError(f"the goal is empty; {_EXAMPLES}")
     places: dict[str, RobotWish] = {}
@@ -123,8 +124,9 @@ def read_wishes(text: str, known: KnownNames) -> tuple[Wish, ...]:
 def _phrases(text: str) -> Iterator[str]:
     """Yield the wishes in *text*; a state alone is of the subject before it, as in ``front door closed and locked``."""
     subject = ""
-    for one in _JOINED.findall(text):
-        if phrase := " ".join(one.split()).removesuffix("."):
+    joints = [one.span() for one in _JOINT.finditer(text) if one[0][0] not in '"(']
+    for begin, end in zip((0, *(end for _, end in joints)), (*(begin for begin, _ in joints), None), strict=True):
+        if phrase := text[begin:end].strip().removesuffix("."):
             if fold(phrase) in ADJECTIVES and subject:
                 phrase = f"{subject} {phrase}"
             subject = phrase.rpartition(" ")[0]
@@ -182,7 +184,7 @@ def _state(text: str, plain: str, known: KnownNames, *, is_not: bool) -> Wish:
 
 
 def _of_parts(text: str, target: str, command: str, known: KnownNames) -> StateWish:
-    target = re.sub(r"\s+(?:is|are)$", "", target, flags=re.IGNORECASE)
+    target = re.sub(r" (?:is|are)$", "", target, flags=re.IGNORECASE)
     area = _named(target, known.areas)
     if area and (named := _NUMBERED.fullmatch(command)) is not None:  # living heat 19
         area, target, command = "", f"{target} {named['rest']}", named["number"]
@@ -204,7 +206,7 @@ def _scene(text: str, scenes: Collection[str]) -> str:
 
 
 def _area(name: str, areas: Collection[str]) -> str:
-    if found := _named(name, areas) or _named(re.sub(r"\s+room$", "", name, flags=re.IGNORECASE), areas):
+    if found := _named(name, areas) or _named(re.sub(r" room$", "", name, flags=re.IGNORECASE), areas):
         return found
     hint = did_you_mean(name, areas, f"rooms are {', '.join(areas) or 'none'}")
     raise UsageError(f"there is no room {name!r}; {hint}")

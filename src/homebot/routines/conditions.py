@@ -45,7 +45,7 @@ _EXAMPLES: Final = {
     "sun": "write it like 'sun is down' or 'after sunset - 30m'",
 }
 _ALL_DAYS: Final = frozenset(range(7))
-_NONE: Final = re.compile(r"(?:no|not|none of)\s+(?P<state>.+)", re.IGNORECASE)
+_NONE: Final = re.compile(r"(?:no|not|none of) (?P<state>.+)", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,9 +14,9 @@ AT_HOME: Final = "at_home"
 _ALL_AT_HOME: Final = "all_at_home"
 HOME_FACTS: Final = frozenset({AT_HOME, _ALL_AT_HOME})
 
-_IS: Final = re.compile(r"(?P<who>.+?)\s+(?:is|are)\s+(?P<no>not\s+)?(?:at\s+)?(?P<where>home|away)", re.IGNORECASE)
+_IS: Final = re.compile(r"(?P<who>.+?) (?:is|are) (?P<no>not )?(?:at )?(?P<where>home|away)", re.IGNORECASE)
 _MOVES: Final = re.compile(
-    r"(?P<who>.+?)\s+(?:(?P<comes>arrives?|comes?)(?:\s+home)?|(?:leaves?|has left|have left|goes away)(?:\s+home)?)",
+    r"(?P<who>.+?) (?:(?P<comes>arrives?|comes?)(?: home)?|(?:leaves?|has left|have left|goes away)(?: home)?)",
     re.IGNORECASE,
 )
 _FACTS: Final = {**HOUSEHOLD_FACTS, "all": HOUSEHOLD_FACTS["everybody"]}

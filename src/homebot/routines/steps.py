@@ -20,20 +20,20 @@ from homebot.support.similar import did_you_mean
 
 __all__ = ["APPLY", "Dim", "Do", "Notify", "SendRobot", "Step", "Undo", "Wait", "WaitUntil", "read_step"]
 
-_WAIT_UNTIL: Final = re.compile(r"wait until\s+(?P<state>.+?),?\s+at most\s+(?P<most>.+)", re.IGNORECASE)
-_WAIT: Final = re.compile(r"wait\s+(?P<length>\d.*)", re.IGNORECASE)
-_NOTIFY: Final = re.compile(r"notify:?\s+(?P<text>.+)", re.IGNORECASE)
+_WAIT_UNTIL: Final = re.compile(r"wait until (?P<state>.+?),? at most (?P<most>.+)", re.IGNORECASE)
+_WAIT: Final = re.compile(r"wait (?P<length>\d.*)", re.IGNORECASE)
+_NOTIFY: Final = re.compile(r"notify:? (?P<text>.+)", re.IGNORECASE)
 APPLY: Final = "apply"
 """The command to a scene."""
 
-_SCENE: Final = re.compile(r"scene\s+(?P<name>.+?)(?:,\s*over\s+(?P<length>\d.*))?", re.IGNORECASE)
-_DRIVE: Final = re.compile(r"(?P<robot>\w+)\s+(?:go|goes|drive|drives)\s+to\s+(?:the\s+)?(?P<room>.+)", re.IGNORECASE)
+_SCENE: Final = re.compile(r"scene (?P<name>.+?)(?:, ?over (?P<length>\d.*))?", re.IGNORECASE)
+_DRIVE: Final = re.compile(r"(?P<robot>\w+) (?:go|goes|drive|drives) to (?:the )?(?P<room>.+)", re.IGNORECASE)
 _DIM: Final = re.compile(
-    r"(?P<target>.+?)\s+(?P<way>dim|brighten|darken)\s+while\s+(?P<button>.+?)\s+(?P<event>\w+|\"[^\"]+\"|'[^']+')",
+    r"(?P<target>.+?) (?P<way>dim|brighten|darken) while (?P<button>.+?) (?P<event>\w+|\"[^\"]+\"|'[^']+')",
     re.IGNORECASE,
 )
-_OVER: Final = re.compile(r"over\s+(?P<length>\d.*)", re.IGNORECASE)
-_NUMBER: Final = re.compile(r"[+-]?\d+(?:\.\d+)?\s*(?P<unit>%|k|°?[cf])?", re.IGNORECASE)
+_OVER: Final = re.compile(r"over (?P<length>\d.*)", re.IGNORECASE)
+_NUMBER: Final = re.compile(r"[+-]?\d+(?:\.\d+)? ?(?P<unit>%|k|°?[cf])?", re.IGNORECASE)
 _UNITS: Final = {"%": "level", "k": "color_temperature"}
 _HUE: Final = re.compile(r"color\s+(?P<value>\d+(?:\.\d+)?\s+\d+(?:\.\d+)?)", re.IGNORECASE)
 """A colour by its hue in degrees and its saturation in per cent."""
@@ -42,17 +42,17 @@ _NO_TARGET: Final = re.compile(
     r"turn\s.*|set\s.*\sto(?:\s.*)?|(?:.*\s)?(?:and|at|for|over|then|with)\s\S+", re.IGNORECASE
 )
 """A target and a word after it that are not meant so."""
-_JOINT: Final = re.compile(r"\s*[;,]\s*(?:(?:and|then)\s+)*|\s+(?:(?:and|then)\s+)+", re.IGNORECASE)
+_JOINT: Final = re.compile(r" ?[;,] ?(?:(?:and|then) )*| (?:(?:and|then) )+", re.IGNORECASE)
 _FIRST: Final = "write the device first, like"
 _VERBS: Final = "on|off|open|close|toggle|lock|unlock|start|stop|pause|play"
 _MEANT: Final = (
-    (r"wait\s+for\s+(?P<length>\d.*)", "write", ("wait {length}",)),
-    (r"(?P<do>.+?),?\s+for\s+(?P<length>\d.*)", "write three steps,", ("{do}", "wait {length}", "undo")),
-    (r"(?P<do>.+[^,])\s+over\s+(?P<length>\d.*)", "write", ("{do}, over {length}",)),
-    (r"(?P<do>.+\son)\s+(?:at|with)\s+(?P<value>\d+\s*\D{0,2})", "write", ("{do}, {value}",)),
-    (r"(?P<target>.+)\s+at\s+(?P<value>\d+\s*\D{0,2})", "write", ("{target} {value}",)),
-    (r"(?:turn|set)\s+(?P<target>.+)\s+(?P<do>on|off|to\s.+)", _FIRST, ("{target} {do}",)),
-    (rf"(?:turn\s+|switch\s+)?(?P<do>{_VERBS})\s+(?:the\s+)?(?P<target>.+)", _FIRST, ("{target} {do}",)),
+    (r"wait for (?P<length>\d.*)", "write", ("wait {length}",)),
+    (r"(?P<do>.+?),? for (?P<length>\d.*)", "write three steps,", ("{do}", "wait {length}", "undo")),
+    (r"(?P<do>.+[^,]) over (?P<length>\d.*)", "write", ("{do}, over {length}",)),
+    (r"(?P<do>.+\son) (?:at|with) (?P<value>\d+ ?\D{0,2})", "write", ("{do}, {value}",)),
+    (r"(?P<target>.+) at (?P<value>\d+ ?\D{0,2})", "write", ("{target} {value}",)),
+    (r"(?:turn|set) (?P<target>.+) (?P<do>on|off|to\s.+)", _FIRST, ("{target} {do}",)),
+    (rf"(?:turn |switch )?(?P<do>{_VERBS}) (?:the )?(?P<target>.+)", _FIRST, ("{target} {do}",)),
 )
 """How steps that are no command are written instead: a pattern, the advice, and the steps."""
 _WHAT: Final = "say what to do, such as on, off, open or 40 %; a device's own words follow a colon, as in 'washer: eco'"

@@ -32,14 +32,14 @@ _DAYS: Final = {
     **dict.fromkeys(("every day", "all days", "daily"), ""),
 }
 _ALIKE: Final = 0.8
-_SUN: Final = re.compile(rf"(?P<event>{'|'.join(SUN_EVENTS)})(?:\s*(?P<sign>[+-])\s*(?P<offset>.+))?")
-_CLOCK: Final = re.compile(r"(?P<time>\d{1,2}:\d\d(?::\d\d)?)(?:\s+on\s+(?P<days>.+))?")
+_SUN: Final = re.compile(rf"(?P<event>{'|'.join(SUN_EVENTS)})(?: ?(?P<sign>[+-]) ?(?P<offset>.+))?")
+_CLOCK: Final = re.compile(r"(?P<time>\d{1,2}:\d\d(?::\d\d)?)(?: on (?P<days>.+))?")
 _OTHER_CLOCK: Final = re.compile(
-    r"(?:(?:every(?!\s+day)\s+|on\s+)?(?P<first>(?!at\b)[a-z]\D*?)\s+)?(?:at\s+)?(?P<hour>\d{1,2})"
-    r"(?:[:.h](?P<minute>\d\d))?\s*(?P<half>[ap]m|o'?clock|h)?(?:\s+(?:every(?!\s+day)\s+|on\s+)?(?P<days>\D+))?"
+    r"(?:(?:every(?! day) |on )?(?P<first>(?!at\b)[a-z]\D*?) )?(?:at )?(?P<hour>\d{1,2})"
+    r"(?:[:.h](?P<minute>\d\d))? ?(?P<half>[ap]m|o'?clock|h)?(?: (?:every(?! day) |on )?(?P<days>\D+))?"
 )
-_BETWEEN: Final = re.compile(r"between\s+(?P<begin>.+?)\s+and\s+(?P<end>.+)")
-_HALF: Final = re.compile(r"(?P<word>after|before)\s+(?P<end>.+)")
+_BETWEEN: Final = re.compile(r"between (?P<begin>.+?) and (?P<end>.+)")
+_HALF: Final = re.compile(r"(?P<word>after|before) (?P<end>.+)")
 
 
 class SunMoment(NamedTuple):
@@ -210,5 +210,5 @@ def _meant_time(text: str) -> str:
 
 
 def _days_text(days: str) -> str:
-    given = re.split(r"\s*(?:,|\band\b)\s*", days.strip().lower())
+    given = re.split(r" ?(?:,|\band\b) ?", days.strip().lower())
     return ",".join(_DAYS.get(one, one) for one in given)

@@ -33,13 +33,11 @@ __all__ = [
     "read_trigger",
 ]
 
-_LASTING: Final = re.compile(r"(?P<state>.+?)\s+for\s+(?P<length>\d[^,]*)")
-_BY_PLACE: Final = re.compile(
-    r"(?P<what>.+?)\s+in\s+(?P<area>.+?)\s+(?P<limit>(?:below|above|under|over|<=?|>=?)\s*\S.*)"
-)
+_LASTING: Final = re.compile(r"(?P<state>.+?) for (?P<length>\d[^,]*)")
+_PLACED_LIMIT: Final = re.compile(r" (?:below|above|under|over|<=?|>=?) ?\S")
 _LIMIT: Final = re.compile(
-    r"(?P<what>\w+)(?:\s+in\b)?(?P<area>.*?)(?:\s+(?:is|drops|falls|rises))?"
-    r"\s+(?P<word>below|above|under|over)(?:\s+(?P<number>\d[\d.]*))?",
+    r"(?P<what>\w++)(?: in\b)?(?P<area>.*?)(?: (?:is|drops|falls|rises))?"
+    r" (?P<word>below|above|under|over)(?: (?P<number>\d[\d.]*))?",
     re.IGNORECASE,
 )
 _INTERVAL: Final = re.compile(r"every (?P<length>\d+ ?[a-z]+)", re.IGNORECASE)
@@ -54,19 +52,17 @@ _EXAMPLES: Final = {
     "sun": "write a moment like 'sunset - 30m'",
 }
 _PRESS: Final = re.compile(
-    r"(?P<query>.+?)(?:(?<=\S)#(?P<part>[^#'\"]+?))?\s+(?:press|pressed|presses)"
-    r"(?:\s+(?P<value>\w+|\"[^\"]+\"|'[^']+'))?",
+    r"(?P<query>.+?)(?:(?<=\S)#(?P<part>[^#'\"]+?))? (?:press|pressed|presses)"
+    r"(?: (?P<value>\w+|\"[^\"]+\"|'[^']+'))?",
     re.IGNORECASE,
 )
 SUN: Final = {"sun is up": True, "sun is down": False, "it is dark": False, "it is light": True}
 """The texts of conditions about the sun, and whether it is up."""
 
-NOBODY: Final = re.compile(
-    r"(?P<word>nobody|somebody)\s+(?:is\s+)?(?P<sleeps>sleeps\s+)?in\s+(?P<room>.+)", re.IGNORECASE
-)
+NOBODY: Final = re.compile(r"(?P<word>nobody|somebody) (?:is )?(?P<sleeps>sleeps )?in (?P<room>.+)", re.IGNORECASE)
 """The text of conditions about people in a room."""
 
-_ARRIVAL: Final = re.compile(r"(?P<robot>\w+)\s+(?P<word>arrives in|leaves)\s+(?P<room>.+)", re.IGNORECASE)
+_ARRIVAL: Final = re.compile(r"(?P<robot>\w+) (?P<word>arrives in|leaves) (?P<room>.+)", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,8 +232,9 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES) -> Becomes:
     state, length = (lasting["state"], read_duration(lasting["length"], text)) if lasting else (text, 0.0)
     if (person := read_person(state)) is not None:
         return Becomes(text, person.query, length)
-    if (placed := _BY_PLACE.fullmatch(state)) is not None:  # a query has its room last
-        state = f"{placed['what']} {placed['limit']} in {placed['area']}"
+    what, _, placed = state.partition(" in ")
+    if (limit := _PLACED_LIMIT.search(placed)) is not None:  # a query has its room last
+        state = f"{what}{placed[limit.start() :]} in {placed[: limit.start()]}"
     if _ALL.match(state):
         raise UsageError(
             f"{text!r} would hold as soon as one of them does; ask for the contrary, like 'no window open'"

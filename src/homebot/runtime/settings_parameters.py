@@ -17,7 +17,7 @@ from homebot.graph import Node, ParameterDescriptor
 
 __all__ = ["declare_settings"]
 
-_ATTRIBUTE: Final = re.compile(r"^ {4}(\w+): (.+(?:\n {8,}.+)*)", re.MULTILINE)
+_ATTRIBUTE: Final = re.compile(r"^ {4}(\w+): (.+(?:\n {8}.+)*)", re.MULTILINE)
 _LOGIN: Final = re.compile(r'(?<=://)[^/\s"]*@')
 
 

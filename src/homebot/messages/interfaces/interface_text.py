@@ -48,11 +48,11 @@ _LINE = re.compile(
     r"(?P<base>[A-Za-z][A-Za-z0-9_/]*)(?:<=(?P<longest>\d+))?(?P<array>\[(?P<bound><=)?(?P<count>\d*)\])?"
     r"\s+(?P<name>[A-Za-z][A-Za-z0-9_]*)\s*(?:(?P<constant>=)\s*)?(?P<value>.*)"
 )
-_FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*")
-_CONSTANT_NAME = re.compile(r"[A-Z](?:_?[A-Z0-9]+)*")
+_FIELD_NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
+_CONSTANT_NAME = re.compile(r"[A-Z][A-Z0-9]*(?:_[A-Z0-9]+)*")
 _MARK = re.compile("[#\"']")
 _QUOTED: Final = {mark: re.compile(rf"{mark}[^{mark}\\]*+(?:\\.[^{mark}\\]*+)*+{mark}") for mark in "\"'"}
-_ITEM = re.compile(r"""\s*("(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'|[^,\s][^,]*?)\s*(?:,|$)""")
+_ITEM = re.compile(r"""("(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'|[^,\s][^,]*)\s*(?:,|$)""")
 _SECTION = re.compile(r"^={80}\nMSG: (\S+)\n", re.MULTILINE)
 _PART = re.compile(r"^---[^\S\n]*$", re.MULTILINE)
 _TRUTHS: Final = {"true": True, "1": True, "false": False, "0": False}
@@ -175,7 +175,7 @@ def _constant(parts: re.Match[str]) -> object:
 def _parse_values(ros_type: str, text: str) -> tuple[Any, ...]:
     if not (text.startswith("[") and text.endswith("]")):
         raise ValueError("the default of an array is [VALUE, …]")
-    return tuple(_parse_value(ros_type, item) for item in _ITEM.findall(text[1:-1]))
+    return tuple(_parse_value(ros_type, item.strip()) for item in _ITEM.findall(text[1:-1]))
 
 
 def _parse_default(of: FieldDefinition, text: str) -> object:

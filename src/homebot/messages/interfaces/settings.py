@@ -35,7 +35,7 @@ def _checked_listen(text: str) -> str:
 
 
 def _checked_pattern(text: str) -> str:
-    if not re.fullmatch(r"(/(\*\*|[\w*]+))+", text):
+    if not re.fullmatch(r"(/[\w*]+)+", text):
         raise ValueError(f"{text[:100]!r} is no name of topics or services such as /map, /rosie/* or /rosie/**")
     return text
 

@@ -30,7 +30,7 @@ __all__ = [
 
 _EMPTY_STRING = "\0"
 _INTEGER = re.compile(r"-?[0-9]{1,19}")
-_FLOAT = re.compile(r"-?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_FLOAT = re.compile(r"-?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NUMBERS = frozenset({"integer", "float"})
 _LONGEST_TEXT = 255
 _MOST = 1e15
