@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 
 import pytest
-from tests.apps.houses import hall, lamp
+from tests.apps.houses import hall, lamp, motion
 from tests.habits.houses import HOUSE
 
 from homebot.devices.app_messages import ListRoutines, RoutinesRequest
@@ -205,4 +205,20 @@ async def test_a_state_that_begins_with_the_name_of_a_device_and_means_others_to
         answer = await node.create_client(ListRoutines, LIST_ROUTINES).call(RoutinesRequest(check=True))
     assert answer.routines[0].hints == (
         "'lamp 2 off in kitchen': this is about spot_2 as well; for lamp_2 alone begin with name=\"lamp_2\"",
+    )
+
+
+async def test_the_rest_of_one_of_several_sensors_is_told_with_the_text_for_all() -> None:
+    world = hall(hall_eye=motion("hall"))
+    when = ["motion in hall clear for 5m", "no motion in hall for 5m", "hall lamp off for 5m"]
+    said = [{"name": "A", "when": when, "do": ["notify quiet"]}]
+    async with (
+        virtual_house_of(world=world, config={"routines": said, "notify": {}}) as house,
+        Node(house.runtime.graph, "o") as node,
+    ):
+        await house.run_for("1m")
+        answer = await node.create_client(ListRoutines, LIST_ROUTINES).call(RoutinesRequest(check=True))
+    assert answer.routines[0].hints == (
+        "'motion in hall clear for 5m': one of hall_eye or hall_motion suffices; for all of them write "
+        "'no motion in hall occupied for 5m'",
     )

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 
 import pytest
-from tests.apps.houses import hall, is_on, lamp
+from tests.apps.houses import hall, is_on, lamp, motion
 
 from homebot.devices.app_messages import (
     ChangeAppRequest,
@@ -254,3 +254,20 @@ async def test_a_mistake_is_an_error_with_its_place(change: dict[str, object], p
     with pytest.raises(ConfigError, match=problem):
         async with virtual_house_of(world=hall(), config=config(NIGHT_LIGHT | change)):
             pytest.fail("it starts")
+
+
+@pytest.mark.parametrize(
+    "routine",
+    [
+        {"when": ["no motion for 5m"], "do": ["hall lamp off"]},
+        {"when": ["hall motion occupied"], "do": ["wait until no motion for 5m, at most 30m", "hall lamp off"]},
+    ],
+)
+async def test_no_motion_waits_for_the_last_of_several_sensors(routine: dict[str, object]) -> None:
+    world = hall(("08:00", "hall"), ("08:05", "study"), ("08:10", "outside"), study_motion=motion("study"))
+    light = {"name": "Light", "when": ["hall motion occupied"], "do": ["hall lamp on"]}
+    async with virtual_house_of(world=world, config=config(light, {"name": "Dark", **routine})) as house:
+        await house.run_until("08:13")
+        assert is_on(world, "hall_lamp")
+        await house.run_until("08:20")
+        assert not is_on(world, "hall_lamp")

@@ -3,6 +3,7 @@
 A device that is not there yet may still come, so these are hints for people and no errors.
 """
 
+import re
 from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping
 from contextlib import closing, suppress
 from dataclasses import replace
@@ -41,6 +42,10 @@ _MOST: Final = 200
 """Devices with events that are compared with that of a trigger."""
 _MOST_NAMED: Final = 3
 _UNTIL: Final = "wait until "
+_BUSY: Final = {"clear": "occupied", "unoccupied": "occupied", "off": "on", "closed": "open", "dry": "wet"}
+_RESTING: Final = re.compile(rf"\b(?:{'|'.join(_BUSY)})\b", re.IGNORECASE)
+"""Words for the rest of a device, each with that for the contrary."""
+
 _AskedT = TypeVar("_AskedT", Trigger, Condition)
 
 
@@ -109,6 +114,7 @@ class HouseChecks:
                 await self._problem_of(query)
                 or (press and await self._unknown_event(replace(press, query=query)))
                 or await self._others(text, query)
+                or (isinstance(asked, Becomes) and await self._one_suffices(asked, query))
             ):
                 yield f"{text!r}: {problem}"
         for text, move in _moves(routine):
@@ -179,6 +185,18 @@ class HouseChecks:
             return ""
         others = ", ".join([one.name or one.id for one in devices if one != named[0]][:_MOST_NAMED])
         return f"this is about {others} as well; for {named[0].name} alone begin with name={quoted(named[0].name)}"
+
+    async def _one_suffices(self, state: Becomes, query: Query) -> str:
+        """Return that the rest of one of several devices is enough for *state*, with the text for all of them."""
+        words, _, length = state.text.rpartition(" for ")
+        busy = _RESTING.sub(lambda found: _BUSY[found[0].casefold()], words, count=1)
+        if not state.lasting or state.is_none or busy == words:
+            return ""
+        devices = [one.device.name or one.device.id for one in (await self._ask(lasting(query), _MOST)).results]
+        if len(devices) <= 1:
+            return ""
+        named = f"{' or '.join(devices[:_MOST_NAMED])}{', …' if len(devices) > _MOST_NAMED else ''}"
+        return f"one of {named} suffices; for all of them write 'no {busy} for {length}'"
 
     async def _command(self, step: Do, effects: list[Effect], *, is_prompt: bool) -> list[str]:
         """Return why *step* cannot be carried out, and add its effects."""

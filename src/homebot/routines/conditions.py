@@ -170,7 +170,7 @@ def _of_people(text: str) -> Matches | None:
 
 def _of_state(text: str) -> Matches:
     none = None if read_person(text) else _NONE.fullmatch(text)
-    state = read_state(none["state"] if none else text, _EXAMPLES)
+    state = replace(read_state(none["state"] if none else text, _EXAMPLES, is_none=none is not None), is_none=False)
     if none is not None:
         check_known(text, Not(state.query))
     if state.lasting:

@@ -51,7 +51,7 @@ class Effect:
 
     def starts(self, trigger: Trigger) -> bool:
         """Return whether its device matches *trigger* afterwards, because of it."""
-        if not isinstance(trigger, Becomes):
+        if not isinstance(trigger, Becomes) or trigger.is_none:
             return False
         settings = dict(self.settings)
         if any(settings.get(one) for one in LIGHTS_UP):
@@ -140,7 +140,7 @@ def _may_coincide(one: Trigger, other: Trigger) -> bool:
             pairs = (one.value, other.value), (one.part, other.part)
             return one.query == other.query and all(not a or not b or a == b for a, b in pairs)
         case Becomes(), Becomes():
-            return one.lasting == other.lasting and _may_both_hold(one, other)
+            return (one.lasting, one.is_none) == (other.lasting, other.is_none) and _may_both_hold(one, other)
         case PersonMoves(), PersonMoves():
             return (one.query, one.is_home, one.fact) == (other.query, other.is_home, other.fact)
         case _:

@@ -40,6 +40,8 @@ _LIMIT: Final = re.compile(
     r" (?P<word>below|above|under|over)(?: (?P<number>\d[\d.]*))?",
     re.IGNORECASE,
 )
+_NO: Final = re.compile(r"(?:no|none of) (?P<state>.+)", re.IGNORECASE)
+_MOTION: Final = re.compile(r"(?:motion|presence|occupancy)\b", re.IGNORECASE)
 _INTERVAL: Final = re.compile(r"every (?P<length>\d+ ?[a-z]+)", re.IGNORECASE)
 _ALL: Final = re.compile(r"(?:all|every|each)\s", re.IGNORECASE)
 _STATES: Final = dict.fromkeys(
@@ -72,12 +74,14 @@ class Becomes:
     Attributes:
         lasting: Seconds for which it must match first.
         words: The query as text, in which names of devices count; empty if *query* is all that is meant.
+        is_none: Whether it begins when the last device no longer matches, as in ``no motion in hall for 5m``.
     """
 
     text: str
     query: Query
     lasting: float = 0.0
     words: str = ""
+    is_none: bool = False
 
     @property
     def capabilities(self) -> frozenset[str]:
@@ -218,11 +222,12 @@ def read_press(text: str) -> Press | None:
     return Press(text, parse_query(pressed["query"]), value, fold(pressed["part"] or ""), pressed["query"])
 
 
-def read_state(text: str, examples: Mapping[str, str] = _STATES) -> Becomes:
-    """Return the state *text*, such as ``front door open for 5m``.
+def read_state(text: str, examples: Mapping[str, str] = _STATES, *, is_none: bool = False) -> Becomes:
+    """Return the state *text*, such as ``front door open for 5m`` or ``no motion in hall for 5m``.
 
     Args:
         examples: The hints if it is none, by what it seems to be: see :func:`homebot.routines.times.time_kind`.
+        is_none: Whether it is the rest of a text that begins with ``no``.
 
     Raises:
         UsageError: It is not a query, or contains no state.
@@ -232,6 +237,8 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES) -> Becomes:
     state, length = (lasting["state"], read_duration(lasting["length"], text)) if lasting else (text, 0.0)
     if (person := read_person(state)) is not None:
         return Becomes(text, person.query, length)
+    if (none := _NO.fullmatch(state)) is not None:
+        state, is_none = none["state"], True
     what, _, placed = state.partition(" in ")
     if (limit := _PLACED_LIMIT.search(placed)) is not None:  # a query has its room last
         state = f"{what}{placed[limit.start() :]} in {placed[: limit.start()]}"
@@ -241,13 +248,16 @@ def read_state(text: str, examples: Mapping[str, str] = _STATES) -> Becomes:
         )
     try:
         query = parse_query(state)
+        if is_none and _MOTION.match(state) and not any(isinstance(one, StateIs) for one in leaves(query)):
+            state = f"{state} occupied"
+            query = parse_query(state)
     except UsageError as exc:
         hint = examples[kind] if (kind := time_kind(text)) else _limit_hint(text) or exc
         raise UsageError(f"{text!r}: {hint}") from exc
     check_known(text, query)
     if split_near(query)[0] is not None:
         raise UsageError(f"{text!r}: a distance to a robot starts nothing; write it like 'robot arrives in kitchen'")
-    found = Becomes(text, query, length, state)
+    found = Becomes(text, query, length, state, is_none)
     if not found.capabilities:
         raise UsageError(f"{text!r} names no state; {examples[time_kind(text)]}")
     return found

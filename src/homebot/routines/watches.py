@@ -3,6 +3,7 @@
 import math
 from collections.abc import AsyncIterator, Callable, MutableMapping
 from dataclasses import replace
+from itertools import chain
 from typing import Any, Final, NamedTuple, TypeAlias, final
 
 import anyio
@@ -13,7 +14,7 @@ from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.names import ROBOT_POSES
 from homebot.devices.query.facets import facets_of
 from homebot.devices.query.matching import fits
-from homebot.devices.query.terms import Query
+from homebot.devices.query.terms import Query, lasting
 from homebot.devices.query.words import WordsQuery
 from homebot.devices.robot_messages import RobotPose
 from homebot.graph import Node, qos_profile_latched
@@ -50,6 +51,10 @@ async def begun(
             first value matches: it may have been so before.
     """
     kept = {} if store is None else store
+    if state.is_none:
+        async for one in _none_left(node, state, kept, is_new=is_new):
+            yield one
+        return
     clock, due = node.graph.clock, TimerQueue[str, Begun]()
     began = clock.monotonic()
     follow = Follow(node, query=state.words or state.query, text=state.text)
@@ -78,6 +83,49 @@ async def begun(
         if scope.cancelled_caught and (found := due.pop(clock.monotonic())) is not None:
             kept.pop(f"since {state.text} {found[0]}", None)
             yield found[1]
+
+
+async def _none_left(
+    node: Node, state: Becomes, kept: MutableMapping[str, Any], *, is_new: bool
+) -> AsyncIterator[Begun]:
+    """Yield the last device that matched *state* when none has for as long as that says, as :func:`begun` does."""
+    clock, key = node.graph.clock, f"since {state.text}"
+    view, watcher = HouseView.of(node), HouseWatcher()
+    view.add(watcher)
+    try:
+        await view.wait_until_complete()
+        devices = tuple(view.devices)
+        query = WordsQuery(state.words, devices).query
+        matching = {one.id for one in devices if fits(query, facets_of(one))}
+        able = [one for one in devices if fits(lasting(query), facets_of(one))]
+        at = max(
+            [one.since.to_seconds() for one in chain(*(one.states for one in able)) if one.live], default=clock.now()
+        )
+        waiting: tuple[float, Begun] | None = None
+        if able and not matching and (key in kept or not is_new):
+            left = min(state.lasting, kept.get(key, at) + state.lasting - clock.now())
+            waiting = clock.monotonic() + left, Begun(able[0], CURRENT_CAUSE.get())
+        follow = Follow(node, query=state.words, text=state.text)
+        while True:
+            wait = math.inf if waiting is None else waiting[0] - clock.monotonic()
+            with anyio.CancelScope(deadline=anyio.current_time() + wait) as scope:
+                if (change := await anext(follow, None)) is None:
+                    return
+                if change.kind != "removed":
+                    matching.add(change.device.id)
+                    waiting = None
+                    kept.pop(key, None)
+                elif change.device.id in matching:
+                    matching.remove(change.device.id)
+                    if not matching:
+                        kept[key] = clock.now()
+                        waiting = clock.monotonic() + state.lasting, Begun(change.device, CURRENT_CAUSE.get())
+            if scope.cancelled_caught and waiting is not None:
+                kept.pop(key, None)
+                yield waiting[1]
+                waiting = None
+    finally:
+        view.remove(watcher)
 
 
 def _matched_at(device: Device, state: Becomes, now: float, since: float) -> float:
