@@ -1,6 +1,7 @@
 """The link: actions of a house and of a robot."""
 
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -200,3 +201,33 @@ async def test_a_client_whose_token_comes_after_its_call_is_answered_and_one_wit
             tasks.cancel_scope.cancel()
         refused = {one.name: one.count for one in (await both.health()).counts}["call_refused"]
         assert refused == (0 if comes else 1)
+
+
+async def test_a_goal_whose_id_comes_again_remains_its_sender_s_and_ends_with_its_process() -> None:
+    """Another process with a node of the same name does not keep it, nor may it cancel it."""
+    async with meeting() as both:
+        holder = Holder(both.app, "/house/hold")
+        service = HoldDevice.SendGoal
+        name = "/house/hold/_action/send_goal"
+        client = both.token(EntityKind.CLIENT, name, service.ros_type, type_hash(service))
+        both.declare(both.token(EntityKind.NODE, "/rosie/nav"))
+        both.declare(client)
+        other = replace(both.token(EntityKind.NODE, "/rosie/nav"), session="0123456789abcdef")
+        kept = both.robot.declare_token(other.text)
+        await appears(both.app.graph, "/rosie/nav")
+        request = message_to_cdr(service.Request(goal_id=UUID(uuid=bytes(range(16))), goal=LAMP))
+        answers: list[bool] = []
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(both.robot.run)
+            with anyio.fail_after(PATIENCE):
+                while len(answers) < 3:
+                    attachment = Attachment(1, 0, client.gid).to_bytes()
+                    answer = await both.robot.ask(client.key, request, attachment, PATIENCE)
+                    if isinstance(answer, bytes):
+                        answers.append(message_from_cdr(service.Response, answer).accepted)
+                assert answers == [True, False, False]
+                await holder.began.wait()
+                both.take_back()
+                await holder.ended.wait()
+            tasks.cancel_scope.cancel()
+        kept.undeclare()

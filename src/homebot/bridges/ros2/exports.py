@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from homebot.bridges.ros2.attachment import Attachment
-from homebot.bridges.ros2.goals import RobotGoals
+from homebot.bridges.ros2.goals import Caller, RobotGoals
 from homebot.bridges.ros2.health import CALL_REFUSED
 from homebot.bridges.ros2.robots import RobotsOnWire
 from homebot.bridges.rosbridge.services import cause_of_call, usual_timeout
@@ -48,7 +48,8 @@ class Exports:
     """Offers the topics and services with the names in *patterns*, while a node of homebot has them.
 
     Args:
-        node_of: Returns the full name of the node with a gid; empty if it remains unknown.
+        caller_of: Returns the node with a gid.
+        has_node: Returns whether a node of a robot has a token.
     """
 
     def __init__(
@@ -57,19 +58,20 @@ class Exports:
         own: OwnEntities,
         patterns: Iterable[str],
         robots: RobotsOnWire,
-        node_of: Callable[[bytes], Awaitable[str]],
+        caller_of: Callable[[bytes], Awaitable[Caller]],
+        has_node: Callable[[Caller], bool],
         health: LinkHealth,
     ) -> None:
         self._node, self._own, self._patterns = node, own, tuple(patterns)
-        self._robots, self._node_of, self._health = robots, node_of, health
-        self._goals = RobotGoals(node)
+        self._robots, self._caller_of, self._health = robots, caller_of, health
+        self._goals = RobotGoals(node, has_node)
         self._running = 0
         self._open: dict[tuple[EntityKind, str], WireEntity] = {}
 
     def refresh(self, kind: EntityKind, name: str) -> None:
         """Offer a new entity with the full name *name*, or withdraw one that left."""
         if kind is EntityKind.NODE:
-            self._goals.end_of(name)
+            self._goals.end_of_all_that_left()
         if kind not in _KINDS or not fits_any(name, self._patterns):
             return
         if kind is EntityKind.ACTION_SERVER:
@@ -157,7 +159,8 @@ class Exports:
         """Answer *query*, also if it fails: a client of rmw_zenoh would wait for ten minutes."""
         try:
             gid = Attachment.of_bytes(query.attachment).gid
-            caller = await self._node_of(gid) if self._robots.are_several or "/_action/" in name else ""
+            is_known = self._robots.are_several or "/_action/" in name
+            caller = await self._caller_of(gid) if is_known else Caller("", "")
             response = await self._response(name, query.payload, caller)
         except HomebotError as exc:
             self._health.refused(CALL_REFUSED, name, str(exc))
@@ -170,9 +173,9 @@ class Exports:
             self._running -= 1
         query.reply(partial(message_to_cdr, response), query.attachment)
 
-    async def _response(self, name: str, payload: bytes, caller: str) -> Message:
+    async def _response(self, name: str, payload: bytes, caller: Caller) -> Message:
         node = self._node
-        access = self._robots.caller(caller)
+        access = self._robots.caller(caller.node)
         target, _, is_of_action = name.partition("/_action/")
         access.check_calling(target)
         service_type = node.graph.get_service_type(name)

@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from itertools import chain
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from homebot.errors import GoalRejectedError, PeerError
-from homebot.graph import EntityKind, Node
+from homebot.graph import Node
 from homebot.graph.actions import ActionClient, ClientGoal
 from homebot.messages.action_msgs import CancelGoalRequest, CancelGoalResponse
 from homebot.messages.definition import zero_message
@@ -18,24 +18,35 @@ from homebot.messages.message import Message
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.access import ClientAccess
 
-__all__ = ["RobotGoals"]
+__all__ = ["Caller", "RobotGoals"]
 
 _Client = ActionClient[Any, Any, Any]
 _Goal = ClientGoal[Any, Any]
 _NO_ID: Final = bytes(16)
 
 
+class Caller(NamedTuple):
+    """A node of a robot, by the Zenoh id of its process and its full name; both are empty if it is unknown."""
+
+    session: str
+    node: str
+
+
 class RobotGoals:
     """Answers the three services of each exported action; the goals of a node of a robot are cancelled when it leaves.
 
-    A node can cancel, and ask the results of, only the goals that it sent.
+    A node can cancel, and ask the results of, only the goals that it sent; another process with a node of its name
+    does not keep them.
+
+    Args:
+        is_there: Whether a node has a token now.
     """
 
-    def __init__(self, node: Node) -> None:
-        self._node = node
-        self._clients: dict[tuple[str, str], _Client] = {}
+    def __init__(self, node: Node, is_there: Callable[[Caller], bool]) -> None:
+        self._node, self._is_there = node, is_there
+        self._clients: dict[tuple[Caller, str], _Client] = {}
 
-    async def answer(self, service: str, request: Any, caller: str, access: ClientAccess) -> Message:
+    async def answer(self, service: str, request: Any, caller: Caller, access: ClientAccess) -> Message:
         """Return the response of the full name *service* to *request* from the node *caller*.
 
         Raises:
@@ -55,19 +66,10 @@ class RobotGoals:
             return await _send(client, request, access)
         return await _ANSWERS[part](client, request)
 
-    def end_of(self, caller: str) -> None:
-        """Cancel the goals of the node *caller* if it has left."""
-        if not self._is_there(caller):
-            for key in [key for key in self._clients if key[0] == caller]:
-                self._clients.pop(key).close()
-
     def end_of_all_that_left(self) -> None:
         """Cancel the goals of nodes that have left."""
-        for caller in {caller for caller, _ in self._clients}:
-            self.end_of(caller)
-
-    def _is_there(self, caller: str) -> bool:
-        return bool(self._node.graph.get_endpoints(kind=EntityKind.NODE, name=caller))
+        for key in [key for key in self._clients if not self._is_there(key[0])]:
+            self._clients.pop(key).close()
 
 
 async def _send(client: _Client, request: Any, access: ClientAccess) -> Message:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import anyio
 
 from homebot.bridges.ros2.attachment import Attachment
+from homebot.bridges.ros2.goals import Caller
 from homebot.bridges.ros2.health import MESSAGE_REFUSED, NOT_IMPORTED
 from homebot.bridges.ros2.tokens import NO_HASH, EntityToken
 from homebot.bridges.rosbridge.types import message_type_of_topic, service_type_of
@@ -50,19 +52,24 @@ class Imports:
         self._node, self._own, self._robots, self._health = node, own, robots, health
         self._problems: dict[str, str] = {}
         self._tokens: dict[str, EntityToken] = {}
-        self._callers: dict[bytes, str] = {}
+        self._callers: dict[bytes, Caller] = {}
+        self._nodes: Counter[Caller] = Counter()
         self._new_caller = anyio.Event()
         self._open: dict[tuple[EntityKind, str], tuple[set[str], WireEntity]] = {}
 
-    async def node_of(self, gid: bytes) -> str:
-        """Return the full name of the node whose client has *gid*; empty if it is unknown.
+    async def caller_of(self, gid: bytes) -> Caller:
+        """Return the node whose client has *gid*.
 
         The token of a new client may come after its first request, so an unknown one is waited for.
         """
         with anyio.move_on_after(_LATEST_TOKEN):
             while gid not in self._callers:
                 await self._new_caller.wait()
-        return self._callers.get(gid, "")
+        return self._callers.get(gid, Caller("", ""))
+
+    def has_node(self, caller: Caller) -> bool:
+        """Return whether a node has a token."""
+        return self._nodes[caller] > 0
 
     @property
     def tokens(self) -> Iterable[EntityToken]:
@@ -101,9 +108,10 @@ class Imports:
         kind, name = token.info.kind, token.info.name
         self._node.graph.elsewhere.add(token, token.info)
         if kind is EntityKind.NODE:
+            self._nodes[Caller(token.session, name)] += 1
             self._node.graph.add_endpoint(token, token.info)
         elif kind is EntityKind.CLIENT:
-            self._callers[token.gid] = token.info.node
+            self._callers[token.gid] = Caller(token.session, token.info.node)
             self._new_caller.set()
             self._new_caller = anyio.Event()
         access = self._robots.source_of(name) if kind in {EntityKind.PUBLISHER, EntityKind.SERVICE} else None
@@ -123,6 +131,8 @@ class Imports:
     def _remove(self, text: str, token: EntityToken) -> None:
         self._problems.pop(text, None)
         self._callers.pop(token.gid, None)
+        if token.info.kind is EntityKind.NODE:
+            self._nodes -= Counter((Caller(token.session, token.info.name),))
         self._hide(token)
         key = (token.info.kind, token.info.name)
         if (present := self._open.get(key)) is None:

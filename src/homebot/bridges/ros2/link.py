@@ -36,7 +36,7 @@ async def serve_link(
     own = OwnEntities(node, session, settings.domain)
     health = LinkHealth(node)
     imports = Imports(node, own, robots, health)
-    exports = Exports(node, own, settings.export, robots, imports.node_of, health)
+    exports = Exports(node, own, settings.export, robots, imports.caller_of, imports.has_node, health)
 
     def problems() -> Iterator[str]:
         yield from robots.problems()

@@ -153,7 +153,7 @@ class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
             goal_id: A random id by default.
 
         Raises:
-            GoalRejectedError: The server did not accept it.
+            GoalRejectedError: The server did not accept it, or a goal with this id was sent before.
             ServiceError: The server did not answer, or there is none.
             TypeMismatchError: *goal* is not of the action's goal type.
             ClosedError: The client was closed.
@@ -162,6 +162,8 @@ class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
             raise ClosedError(f"the action client of {self.info.node} for {self.action_name} is closed")
         self._subscribe()
         goal_id = goal_id or UUID(uuid=uuid.uuid4().bytes)
+        if goal_id.uuid in self._goals:  # the first goal remains one of this client
+            raise GoalRejectedError(self.action_name)
         sent = ClientGoal[ResultT, FeedbackT](self, goal_id, on_feedback)
         request = self.action_type.SendGoal.Request(goal_id=goal_id, goal=goal)
         self._goals[goal_id.uuid] = sent
