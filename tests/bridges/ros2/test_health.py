@@ -9,6 +9,7 @@ from tests.patience import PATIENCE
 
 from homebot.bridges.ros2.attachment import Attachment
 from homebot.bridges.ros2.health import NOT_IMPORTED
+from homebot.bridges.ros2.imports import MAX_TOKENS_OF_ONE
 from homebot.bridges.ros2.tokens import NO_HASH
 from homebot.graph import EntityKind, QoSProfile
 from homebot.messages import String
@@ -117,3 +118,16 @@ async def test_messages_of_older_ros_2_are_read_and_what_is_none_is_refused_and_
                 while (await both.health()).counts[0].count < 2:
                     await anyio.lowlevel.checkpoint()
     assert [line["subject"] for line in lines if line["event"] == "ros2.message_refused"] == ["/rosie/words"]
+
+
+async def test_one_process_takes_no_more_than_its_share_of_entities_and_the_rest_are_counted() -> None:
+    async with meeting() as both:
+        for number in range(MAX_TOKENS_OF_ONE + 5):
+            both.declare(both.token(EntityKind.SUBSCRIPTION, f"/other/t{number}", "std_msgs/msg/String", "RIHS01_x"))
+        (trouble,) = await both.troubles(1)
+        assert trouble.startswith(f"a process of a robot has more than {MAX_TOKENS_OF_ONE} entities")
+        with anyio.fail_after(PATIENCE):
+            while {one.name: one.count for one in (await both.health()).counts}["not_imported"] != 5:
+                await anyio.lowlevel.checkpoint()
+        both.take_back()
+        await both.troubles(0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import anyio
 
@@ -28,10 +28,15 @@ if TYPE_CHECKING:
     from homebot.bridges.ros2.session import WireSample
     from homebot.bridges.rosbridge.access import ClientAccess
 
-__all__ = ["Imports"]
+__all__ = ["MAX_TOKENS_OF_ONE", "Imports"]
+
+KeyT = TypeVar("KeyT")
 
 _MOST_TOKENS = 10_000
 """Tokens of others that are kept; a robot with Nav2 has some 700."""
+
+MAX_TOKENS_OF_ONE = 2000
+"""Of these, those of one process: one that goes wrong leaves room for the others."""
 
 _MOST_OPEN = 1000
 """Topics and services that are imported: with more, Zenoh takes 20 ms and longer for each."""
@@ -54,6 +59,7 @@ class Imports:
         self._tokens: dict[str, EntityToken] = {}
         self._callers: dict[bytes, Caller] = {}
         self._nodes: Counter[Caller] = Counter()
+        self._sizes: Counter[str] = Counter()  # tokens that are kept, by session
         self._new_caller = anyio.Event()
         self._open: dict[tuple[EntityKind, str], tuple[set[str], WireEntity]] = {}
 
@@ -102,9 +108,15 @@ class Imports:
         token = EntityToken.of_text(text)
         if token.session == self._own.session.id:
             return
+        if self._sizes[token.session] >= MAX_TOKENS_OF_ONE:
+            self._problems[token.session] = (
+                f"a process of a robot has more than {MAX_TOKENS_OF_ONE} entities, the rest of which are unknown here"
+            )
+            raise PeerError(self._problems[token.session])
         if len(self._tokens) >= _MOST_TOKENS:
             raise PeerError(f"of robots, only {_MOST_TOKENS} entities are known")
         self._tokens[text] = token
+        self._sizes[token.session] += 1
         kind, name = token.info.kind, token.info.name
         self._node.graph.elsewhere.add(token, token.info)
         if kind is EntityKind.NODE:
@@ -130,9 +142,11 @@ class Imports:
 
     def _remove(self, text: str, token: EntityToken) -> None:
         self._problems.pop(text, None)
+        self._problems.pop(token.session, None)
+        _subtract(self._sizes, token.session)
         self._callers.pop(token.gid, None)
         if token.info.kind is EntityKind.NODE:
-            self._nodes -= Counter((Caller(token.session, token.info.name),))
+            _subtract(self._nodes, Caller(token.session, token.info.name))
         self._hide(token)
         key = (token.info.kind, token.info.name)
         if (present := self._open.get(key)) is None:
@@ -208,3 +222,9 @@ class Imports:
         if problem := token.difference(entity.token):
             raise PeerError(problem)
         return entity
+
+
+def _subtract(counts: Counter[KeyT], key: KeyT) -> None:
+    counts[key] -= 1
+    if not counts[key]:
+        del counts[key]
