@@ -134,6 +134,27 @@ def test_topics_that_homebot_cannot_read_are_left_out(tmp_path: Path) -> None:
     assert [one.rpartition(": ")[2] for one in left_out] == ["/add/_service_event", "/idl"]
 
 
+def test_a_topic_that_is_refused_or_a_message_that_is_damaged_costs_itself_alone(tmp_path: Path) -> None:
+    """A topic that homebot has with another type, and bytes that are no text."""
+    with BagWriter(tmp_path / "day") as writer:
+        for number, (one, data) in enumerate(
+            [
+                (CHAT, next(words(1)).data),
+                (replace(CHAT, name="/rosout"), next(words(1)).data),
+                (CHAT, b"\x00\x01\x00\x00\xff\xff\xff\xff"),
+                (CHAT, next(words(1)).data),
+            ]
+        ):
+            writer.write(BagMessage(one, START + number * 100_000_000, data))
+    (tmp_path / "homebot.toml").write_text("[gateways.mqtt]\n")
+    with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
+        played, *left_out = ok(shell, f"{PLAY} --topics /**").splitlines()
+    assert played == "2 messages were played; topics: /chat"
+    refused, bad = left_out
+    assert re.fullmatch(r"left out, as homebot refuses it \(.+\): /rosout", refused)
+    assert bad.startswith("left out, 1 messages of /chat: ")
+
+
 def test_one_file_has_the_topics_that_were_named(tmp_path: Path) -> None:
     with homebot_in(tmp_path, house=HOUSE, until=("found", "is running")) as shell:
         command = RECORD_FILE.replace("/robots/**", "/gateway/**").replace("60", "1")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Iterable
+from collections import deque
+from collections.abc import Callable, Iterable
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
@@ -16,7 +17,7 @@ from homebot.devices import RawCommand
 from homebot.devices.client_rights import Right
 from homebot.devices.gateway_messages import Command
 from homebot.devices.names import DEFINE_TYPE
-from homebot.errors import PeerError, UsageError
+from homebot.errors import HomebotError, PeerError, RefusedError, UsageError
 from homebot.messages.cdr import message_from_cdr
 from homebot.messages.json import message_to_json
 from homebot.support.name_patterns import fits_any
@@ -52,13 +53,14 @@ def play(door: DoorClient, options: argparse.Namespace) -> int:
             continue
         first = message.at if first is None else first
         due = began + (message.at - first) / 1e9 / options.rate
-        for _ in door.until(due - time.monotonic()):  # raises what was refused
-            pass
+        player.go_on(lambda due=due: deque(door.until(due - time.monotonic()), 0))  # type: ignore[misc]
         player.publish(message)
-    door.settle()
+    player.go_on(door.settle)
     print(f"{player.count:,} messages were played; topics: {_names(player.types)}")
     for reason, topics in player.left_out.items():
         print(f"left out, {reason}: {_names(topics)}")
+    for name, (count, reason) in player.bad.items():
+        print(f"left out, {count:,} messages of {printable(name)}: {printable(reason)}")
     return 0
 
 
@@ -70,25 +72,54 @@ class _Player:
         count: The number of messages published.
         types: The types of the topics published.
         left_out: The topics left out, by the reason.
+        bad: The other messages left out: how many by the name of the topic, and why the last.
     """
 
     def __init__(self, door: DoorClient, options: argparse.Namespace) -> None:
         self.count = 0
         self.types: dict[BagTopic, type[Message]] = {}
         self.left_out: dict[str, set[BagTopic]] = {}
+        self.bad: dict[str, tuple[int, str]] = {}
         self._others: set[BagTopic] = set()
         self._door, self._patterns, self._commands = door, options.topics, options.commands
 
     def plays(self, topic: BagTopic) -> bool:
         """Return whether messages of *topic* are played."""
+        if topic in self._others:
+            return False
         if topic in self.types:
             return True
-        if topic in self._others or (self._patterns and not fits_any(topic.name, self._patterns)):
+        if self._patterns and not fits_any(topic.name, self._patterns):
             return False
         if reason := self._why_left_out(topic):
-            self._others.add(topic)
-            self.left_out.setdefault(reason, set()).add(topic)
+            self._leave_out(topic, reason)
         return not reason
+
+    def go_on(self, step: Callable[[], object]) -> None:
+        """Take *step*, again while homebot refuses something sent before, which is left out."""
+        while True:
+            try:
+                step()
+            except RefusedError as exc:
+                verb, _, name = exc.what.rpartition(" ")
+                topics = [topic for topic in self.types if topic.name == name]
+                if not topics:
+                    raise
+                if verb == "advertising":
+                    self._leave_out(topics[0], f"as homebot refuses it ({exc.reason})")
+                else:
+                    self.count -= 1
+                    self._count_bad(name, exc.reason)
+            else:
+                return
+
+    def _leave_out(self, topic: BagTopic, reason: str) -> None:
+        self._others.add(topic)
+        self.types.pop(topic, None)
+        self.left_out.setdefault(reason, set()).add(topic)
+
+    def _count_bad(self, name: str, reason: str) -> None:
+        self.bad[name] = (self.bad.get(name, (0, ""))[0] + 1, reason)
 
     def _why_left_out(self, topic: BagTopic) -> str:
         if topic.ros_type in _COMMANDS or topic.name.endswith(_GOAL):
@@ -104,15 +135,30 @@ class _Player:
         return ""
 
     def publish(self, message: BagMessage) -> None:
-        """Publish *message*; errors as for :meth:`DoorClient.settle`, and that it is none of its topic's type."""
+        """Publish *message*, unless it is none of its topic's type.
+
+        Raises:
+            LinkError: The connection broke.
+        """
         topic = message.topic
-        message_type = self.types.get(topic)
-        if message_type is None:
-            message_type = self.types[topic] = self._advertised(topic)
-        self._door.publish(topic.name, message_to_json(message_from_cdr(message_type, message.data), finite=False))
+        if topic not in self.types:
+            self.go_on(self._door.settle)
+            try:
+                self.types[topic] = self._advertised(topic)
+                self.go_on(self._door.settle)
+            except PeerError as exc:
+                self._leave_out(topic, f"as homebot refuses it ({exc})")
+            if topic in self._others:
+                return
+        try:
+            fields = message_to_json(message_from_cdr(self.types[topic], message.data), finite=False)
+        except HomebotError as exc:
+            self._count_bad(topic.name, str(exc))
+            return
+        self._door.publish(topic.name, fields)
         self.count += 1
         if self.count % _SETTLED_EVERY == 0:
-            self._door.settle()
+            self.go_on(self._door.settle)
 
     def _advertised(self, topic: BagTopic) -> type[Message]:
         try:
