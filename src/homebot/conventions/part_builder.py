@@ -205,12 +205,12 @@ def moved(
             update={
                 "id": part.id if part_id is None else part_id,
                 "name": part.name if name is None else name,
-                "reads": tuple([topics[one] for one in part.reads]),
-                "writes": tuple([topics[one] for one in part.writes]),
+                "reads": tuple(map(topics.__getitem__, part.reads)),
+                "writes": tuple(map(topics.__getitem__, part.writes)),
             }
         ),
         codec.moved(topics),
-        tuple([one._replace(topic=topics[one.topic]) for one in described.state_requests]),
+        described.state_requests and tuple([one._replace(topic=topics[one.topic]) for one in described.state_requests]),
         described.expiries,
         sends_code=described.sends_code,
     )

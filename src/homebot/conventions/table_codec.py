@@ -178,7 +178,8 @@ class TableCodec(Generic[MessageT]):
         Args:
             topics: The other topics, by those of this codec; no filters.
         """
-        tables = self._parse_payload, _moved(self._readers, topics), _moved(self._event_readers, topics)
+        event_readers = _moved(self._event_readers, topics) if self._event_readers else _NONE
+        tables = self._parse_payload, _moved(self._readers, topics), event_readers
         if not self._writers:
             return TableCodec(*tables, _NONE)
         return _MovedCodec(topics, *tables, self._writers, self._coded_writers, self._joint)
@@ -233,4 +234,4 @@ class _MovedCodec(TableCodec[MessageT]):
 def _moved(
     readers: Mapping[str, tuple[Reader[MessageT], ...]], topics: Mapping[str, str]
 ) -> Mapping[str, tuple[Reader[MessageT], ...]]:
-    return {topics[one]: its_readers for one, its_readers in readers.items()} if readers else _NONE
+    return dict(zip(map(topics.__getitem__, readers), readers.values(), strict=True))

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain
 from operator import attrgetter
-from typing import NamedTuple
 
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.device import Device, DevicePart
@@ -74,7 +73,7 @@ def facets_of(device: Device) -> Facets:
     """Return the searchable facets of *device*."""
     kinds, possible_types = _kinds_of(device.service_type, device.parts)
     facts = _folded_facts(device)
-    sets = _sets_of(device)
+    capabilities, settable, gateways, conventions, categories = _sets_of(device)
     main = _main_part(device)
     return Facets(
         id=device.id,
@@ -82,16 +81,16 @@ def facets_of(device: Device) -> Facets:
         kinds=_one_of_kinds(kinds) if len(kinds) <= _FEW else kinds,
         advertised=_shared(frozenset(map(fold, device.service_types or (device.service_type,)))),
         possible_types=possible_types and _shared(possible_types),
-        capabilities=_shared(frozenset(sets.capabilities)),
-        settable=_shared(frozenset(sets.settable)),
+        capabilities=capabilities,
+        settable=settable,
         areas=_areas(device.area, device.outer_areas) if device.area else _NOWHERE,
         tags=frozenset(map(fold, device.tags)) if device.tags else _NO_TAGS,
         words=_words(device, facts),
         freshness=device.freshness,
         reachable=device.reachable.state,
-        gateways=_shared(frozenset(sets.gateways)),
-        conventions=_shared(frozenset(sets.conventions)),
-        categories=_shared(frozenset(sets.categories)),
+        gateways=gateways,
+        conventions=conventions,
+        categories=categories,
         facts=facts,
         values=_values_of(device) if device.states else (),
         main_type=main.service_type if main is not None else device.service_type,
@@ -109,31 +108,29 @@ def _main_part(device: Device) -> Part | None:
     return None
 
 
-class _Sets(NamedTuple):
-    capabilities: set[str]
-    settable: set[str]
-    gateways: set[str]
-    conventions: set[str]
-    categories: set[str]
+def _sets_of(device: Device) -> list[frozenset[str]]:
+    """Return the capabilities, the settable ones, gateways, conventions and categories of all parts.
 
-
-def _sets_of(device: Device) -> _Sets:
-    """Return the names in all parts, in one loop, because it runs after most messages of every device."""
+    In one loop, because it runs after most messages of every device.
+    """
+    capabilities: set[str] = set()
+    settable: set[str] = set()
+    categories: set[str] = set()
     gateways, conventions = set(map(_GATEWAY, device.endpoints)), set(map(_CONVENTION, device.facts))
-    sets = _Sets(set(), set(), gateways, conventions, set())
     for each in device.parts:
         if each.part.category:
-            sets.categories.add(each.part.category)
+            categories.add(each.part.category)
         elif each.part.members and each.part.is_group:
-            sets.categories.add("group")
+            categories.add("group")
         for capability in each.part.capabilities:
-            sets.capabilities.add(capability.name)
+            capabilities.add(capability.name)
             if capability.settable:
-                sets.settable.add(capability.name)
+                settable.add(capability.name)
         for route in each.routes:
-            sets.gateways.add(route.gateway)
-            sets.conventions.add(route.convention)
-    return sets
+            gateways.add(route.gateway)
+            conventions.add(route.convention)
+    found = map(frozenset, (capabilities, settable, gateways, conventions, categories))
+    return [*map(_one_of, found)] if len(capabilities) <= _FEW else [*found]
 
 
 def _values_of(device: Device) -> tuple[tuple[str, str, PlainValue], ...]:

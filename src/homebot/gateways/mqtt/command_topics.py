@@ -54,9 +54,9 @@ class CommandTopics:
         if not readers or (self._reserved and self._reserved.is_secret(topic)):
             return ()
         coded = self._coded.match(topic)
-        if any(self._is_approved(one) for one in coded):
-            return ()
         if coded:
+            if any(self._is_approved(one) for one in coded):
+                return ()
             return tuple(one for one in readers if all(_is_before(one, part, topic) for part in coded))
         if (parts := self._parts.get(topic)) is None:
             return tuple(readers)
