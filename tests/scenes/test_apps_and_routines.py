@@ -6,9 +6,9 @@ from tests.apps.houses import hall, is_on, lamp
 
 from homebot import App
 from homebot.devices import KeyValue
-from homebot.devices.app_messages import ListRoutines, RoutinesRequest
+from homebot.devices.app_messages import ChangeRoutine, ChangeRoutineRequest, ListRoutines, RoutinesRequest
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, CommandDevicesResponse
-from homebot.devices.names import CHANGE_SCENE, COMMAND_DEVICES, LIST_ROUTINES
+from homebot.devices.names import CHANGE_ROUTINE, CHANGE_SCENE, COMMAND_DEVICES, LIST_ROUTINES
 from homebot.devices.scene_client import SceneOutcome
 from homebot.devices.scene_messages import ChangeScene, ChangeSceneRequest
 from homebot.errors import UsageError
@@ -73,6 +73,28 @@ async def test_a_step_of_a_routine_applies_a_scene_and_its_undo_brings_back_what
         await house.run_until("18:41")
         assert not is_on(world, "hall_lamp")
         assert not is_on(world, "study_lamp")
+
+
+async def test_a_scene_that_is_renamed_is_so_in_its_routines_and_others_are_named() -> None:
+    configured = {"name": "Late", "when": ["22:30"], "do": ["scene film, over 5s"]}
+    kept = """[[routines]]
+name = "Evening"
+when = ["18:30"]
+do = ["scene Film", "wait 10m", 'scene film, over 5s', "scene Filmed"]
+"""
+    async with virtual_house_of(world=hall(), config={"routines": [configured], "home": {"zone": "UTC"}}) as house:
+        await house.run_until("07:00")
+        await save(house, "Film", hall_lamp="on, 20 %")
+        async with Node(house.runtime.graph, "person") as person:
+            change = person.create_client(ChangeRoutine, CHANGE_ROUTINE)
+            assert (await change.call(ChangeRoutineRequest(change="new", text=kept))).success
+            request = ChangeSceneRequest(name="Film", change="rename", target="Cinema night")
+            answer = await person.create_client(ChangeScene, CHANGE_SCENE).call(request)
+            assert answer.success
+            assert answer.message == "the routine Late still applies Film; change it there"
+            routines = (await person.create_client(ListRoutines, LIST_ROUTINES).call(RoutinesRequest())).routines
+        (evening,) = (one for one in routines if one.is_kept)
+        assert evening.steps == ("scene Cinema night", "wait 10m", "scene Cinema night, over 5s", "scene Filmed")
 
 
 async def test_an_app_applies_a_scene_and_gets_the_outcome_of_each_part() -> None:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from functools import partial
-from typing import Protocol, final
+from typing import Final, Protocol, final
 
 from homebot.devices import names
+from homebot.devices.app_messages import ChangeRoutine, ChangeRoutineRequest, ListRoutines, RoutinesRequest
 from homebot.devices.command_messages import CommandDevicesResponse
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.scene_messages import (
@@ -32,6 +35,11 @@ from homebot.support.folding import fold
 __all__ = ["SceneKeeper", "SceneServices"]
 
 UNREADABLE = "scenes.unreadable"
+
+_PLAIN: Final = re.compile(r"[^\"'\\,]+")
+"""A name that stands in a text of TOML as it is."""
+
+_PATIENCE: Final = 60.0
 
 
 class SceneKeeper(Protocol):
@@ -94,8 +102,31 @@ class SceneServices:
             return ChangeSceneResponse(success=False, message=str(exc))
         scenes: tuple[SceneInfo, ...] = () if scene is None else (house.info(house.find(scene.name)),)
         problem = await self._store(book, at_once=True)
-        message = f"a restart would lose this, as it was not written: {problem}" if problem else ""
-        return ChangeSceneResponse(success=True, message=message, scenes=scenes, left_out=left_out)
+        messages = [f"a restart would lose this, as it was not written: {problem}"] if problem else []
+        if request.change == "rename" and scene is not None:
+            messages += await self._rename_uses(request.name.strip(), scene.name)
+        return ChangeSceneResponse(success=True, message="; ".join(messages), scenes=scenes, left_out=left_out)
+
+    async def _rename_uses(self, old: str, new: str) -> list[str]:
+        """Rename a scene in the kept routines that apply it; return which others still name the *old* one."""
+        problems = list[str]()
+        step = re.compile(rf"""(?P<quote>["'])scene\s+{re.escape(old)}(?=\s*(?:,|(?P=quote)))""", re.IGNORECASE)
+        if not (routines := self._node.create_client(ListRoutines, names.LIST_ROUTINES)).service_is_ready():
+            return problems
+        change = self._node.create_client(ChangeRoutine, names.CHANGE_ROUTINE)
+        with closing(routines), closing(change):
+            for routine in (await routines.call(RoutinesRequest())).routines:
+                text = step.sub(lambda found: f"{found['quote']}scene {new}", routine.text)
+                if text == routine.text:
+                    continue
+                if not (routine.is_kept and _PLAIN.fullmatch(new)):
+                    problems.append(f"the routine {routine.name} still applies {old}; change it there")
+                    continue
+                own = self._node.full_name
+                edit = ChangeRoutineRequest(name=routine.name, change="edit", text=text, issuer=own)
+                answer = await change.call(edit, timeout=_PATIENCE)
+                problems += [] if answer.success else [f"the routine {routine.name}: {answer.message}"]
+        return problems
 
     async def _apply(self, request: ApplySceneRequest) -> CommandDevicesResponse:
         try:
