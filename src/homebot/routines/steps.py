@@ -26,7 +26,7 @@ _NOTIFY: Final = re.compile(r"notify:? (?P<text>.+)", re.IGNORECASE)
 APPLY: Final = "apply"
 """The command to a scene."""
 
-_SCENE: Final = re.compile(r"scene (?P<name>.+?)(?:, ?over (?P<length>\d.*))?", re.IGNORECASE)
+_SCENE: Final = re.compile(r"scene (?P<name>.+?)(?:, ?over (?P<length>\d.*))?", re.IGNORECASE | re.DOTALL)
 _DRIVE: Final = re.compile(r"(?P<robot>\w+) (?:go|goes|drive|drives) to (?:the )?(?P<room>.+)", re.IGNORECASE)
 _DIM: Final = re.compile(
     r"(?P<target>.+?) (?P<way>dim|brighten|darken) while (?P<button>.+?) (?P<event>\w+|\"[^\"]+\"|'[^']+')",
