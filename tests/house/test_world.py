@@ -387,3 +387,12 @@ def test_a_full_log_drops_the_oldest_and_counts() -> None:
     assert log.since(0) == tuple(events[2:])
     assert log.since(5) == ()
     assert log.text() == "".join(f"{event}\n" for event in events[2:])
+
+
+def test_an_errand_waits_for_a_robot_that_somebody_else_uses() -> None:
+    robot = Robot("robot", PLAN, "hall")
+    world = World(PLAN, [Placed(robot, "hall")], errands=[ScheduledCommand(SEVEN, "robot", "go living")])
+    robot.reserved_until = SEVEN + 600.0
+    assert not any("told" in line for line in lines(world, SEVEN + 599.0))
+    assert any("robot told go living" in line for line in lines(world, SEVEN + 700.0))
+    assert robot.last_sender == "an errand of the house"

@@ -14,7 +14,7 @@ from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.names import APPLY_SCENE
 from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest
 from homebot.devices.trigger import Trigger
-from homebot.errors import HomebotError
+from homebot.errors import GoalAbortedError, HomebotError
 from homebot.goals.house_now import Assumed, HouseNow, HouseReader
 from homebot.goals.meanings import UnderstoodGoal, understood
 from homebot.goals.obstacles import why_not
@@ -176,7 +176,7 @@ class Achievement:
     async def _one(self, move: Move) -> tuple[str, bool]:
         """Do a step, unless a fact that it needs is lost meanwhile; return its outcome, and whether it was done.
 
-        A failure by itself is not tried again.
+        A failure by itself is not tried again, but for an aborted drive, once.
         """
         step, lost, outcome, is_done = move.step, "", "called off", False
 
@@ -211,7 +211,11 @@ class Achievement:
         issuer, scope = self._request.issuer, self._request.scope
         try:
             if step.kind == "drive":
-                await drive(self._node, SendRobot(step.text, step.place, step.room))
+                move = SendRobot(step.text, step.place, step.room)
+                try:
+                    await drive(self._node, move)
+                except GoalAbortedError:  # as by somebody who sent the robot elsewhere
+                    await drive(self._node, move)
                 return _DONE, True
             if step.kind == "scene":
                 with closing(self._node.create_client(ApplyScene, APPLY_SCENE)) as client:

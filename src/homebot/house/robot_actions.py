@@ -19,6 +19,9 @@ __all__ = ["RobotActions"]
 _EVERY: Final = 0.2
 """Seconds between feedback messages."""
 
+_RESERVED_S: Final = 900.0
+"""Seconds of the house after a drive in which its errands do not send the robot away: a goal has further steps."""
+
 _NOT_REACHED: Final = 207
 _NO_DOCK: Final = 901
 _NOT_STAGED: Final = 903
@@ -99,6 +102,7 @@ class RobotActions:
         robot.command(f"go {x!r},{y!r}")
         try:
             while (now := robot.read()).drives and now.heads_for(point):
+                now.reserved_until = now.now + _RESERVED_S
                 publish(Duration.from_seconds(self._clock.monotonic() - began), now.metres_left(), now.speed)
                 await anyio.sleep(_EVERY)
         finally:
@@ -119,8 +123,8 @@ class RobotActions:
             return ""
         if goal.is_cancel_requested:
             return "its client cancelled it"
-        by = "" if self._last_action == action else f" by a goal of {self._last_action}"
-        return f"the robot was stopped or sent elsewhere{by}"
+        by = now.last_sender if self._last_action == action else f"a goal of {self._last_action}"
+        return f"the robot was stopped or sent elsewhere by {by or 'itself'}"
 
 
 def _message(message_type: type[Message], values: dict[str, object]) -> Message:

@@ -27,6 +27,8 @@ class SimulatedDevice(ABC):
 
     Attributes:
         now: The time to which it was last advanced.
+        reserved_until: The time until which errands of the house wait, as somebody else uses it.
+        last_sender: Who gave it the last command, in words; empty for nobody.
         senses: The property of its handle that it senses, with the type of its values; None for a device that senses
             nothing.
         by_hand: The manual commands that every device of its kind knows, see :meth:`commands`.
@@ -40,6 +42,8 @@ class SimulatedDevice(ABC):
     device_id: str
     service_type: str = field(default="", kw_only=True)
     now: float = field(default=0.0, init=False)
+    reserved_until: float = field(default=0.0, init=False)
+    last_sender: str = field(default="", init=False)
 
     @property
     def has_power(self) -> bool:

@@ -32,6 +32,9 @@ DARK = 30.0
 LONGEST_COMMAND = 200
 """Most characters of a text, since the event log keeps commands."""
 
+ERRAND_RETRY_S = 60.0
+"""Seconds after which an errand that waits for a reserved device is tried again."""
+
 DOOR_CLOSES = 3.0
 DOOR_LOCKS = 15.0
 """Seconds after a person passed."""
@@ -150,6 +153,7 @@ class World:
         mark = self.event_log.count
         self.run_until(now)
         self._command(entry, command, command_id)
+        entry.real.last_sender = "a command"
         return self.event_log.since(mark)
 
     def press(self, device_id: str, command: str, now: float) -> tuple[Event, ...]:
@@ -158,6 +162,7 @@ class World:
         mark = self.event_log.count
         self.run_until(now)
         self._switch(entry, command)
+        entry.real.last_sender = "a hand"
         return self.event_log.since(mark)
 
     def families(self) -> tuple[str, ...]:
@@ -264,8 +269,16 @@ class World:
         self._household.begin_day(day, str(self._seed))
         for scheduled in self._errands:
             entry = self._entries[scheduled.device_id]
-            self._queue.set(object(), day * DAY + scheduled.at, partial(self._command, entry, scheduled.command))
+            self._queue.set(object(), day * DAY + scheduled.at, partial(self._run_errand, entry, scheduled.command))
         self._queue.set(object(), (day + 1) * DAY, partial(self._begin_day, day + 1))
+
+    def _run_errand(self, entry: _PlacedDevice, command: str) -> None:
+        """Give *command*, once nobody has a prior claim to the device."""
+        if self.now < entry.real.reserved_until:
+            self._queue.set(object(), self.now + ERRAND_RETRY_S, partial(self._run_errand, entry, command))
+            return
+        self._command(entry, command)
+        entry.real.last_sender = "an errand of the house"
 
     def _at_door(self, one: str, other: str) -> list[_PlacedDevice]:
         """Return the entries on the door between two rooms; none if they are the same."""

@@ -1,0 +1,18 @@
+import pytest
+
+
+@pytest.mark.house("robot_way:RobotWay", world="house.toml")
+async def test_the_lamp_is_on_and_the_door_open_before_a_robot_drives_in_and_the_second_waits(house):
+    await house.run_for("10m")
+    happened = [f"{event.who} {event.verb} {event.what}" for event in house.world.event_log.since(0)]
+    first, second = sorted(("rosie", "robbie"), key=lambda robot: happened.index(f"{robot} told go kitchen"))
+    steps = [
+        "kitchen_door says open",
+        "kitchen_lamp says on",
+        f"{first} told go kitchen",
+        f"{first} says kitchen",
+        f"{second} told go kitchen",
+        f"{second} says kitchen",
+    ]
+    places = [happened.index(step) for step in steps]
+    assert places == sorted(places)
