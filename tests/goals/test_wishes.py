@@ -18,6 +18,7 @@ HOUSE = KnownNames(ROOMS, (*ROOMS, "upstairs"), ("rosie",), ("Film", "Good night
     ("text", "area", "is_lit"),
     [
         ("living lit", "Living", True),
+        ('"Living" lit', "Living", True),
         ("the living room is dark", "Living", False),
         ("kitchen not lit", "Kitchen", False),
         ("no living room lit", "Living", False),
@@ -39,6 +40,7 @@ def test_a_wish_for_light(text: str, area: str, *, is_lit: bool) -> None:
         ("the robot is in the kitchen", "robot", "Kitchen", False),
         ("rosie goes to the living room", "rosie", "Living", False),
         ("rosie in office 2", "rosie", "Office 2", False),
+        ('rosie in "office 2"', "rosie", "Office 2", False),
         ("rosie is not in the hall", "rosie", "Hall", True),
         ("not rosie in hall", "rosie", "Hall", True),
         ("rosie at the charging station", "rosie", DOCK, False),

@@ -206,6 +206,7 @@ def _scene(text: str, scenes: Collection[str]) -> str:
 
 
 def _area(name: str, areas: Collection[str]) -> str:
+    name = name.strip('"')
     if found := _named(name, areas) or _named(re.sub(r" room$", "", name, flags=re.IGNORECASE), areas):
         return found
     hint = did_you_mean(name, areas, f"rooms are {', '.join(areas) or 'none'}")

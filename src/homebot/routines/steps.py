@@ -189,7 +189,7 @@ def _read(plain: str) -> Step:
     if (pause := _WAIT.fullmatch(plain)) is not None:
         return Wait(read_duration(pause["length"], plain, "s"))
     if (driven := _DRIVE.fullmatch(plain)) is not None:
-        return SendRobot(plain, driven["robot"].casefold(), driven["room"])
+        return SendRobot(plain, driven["robot"].casefold(), driven["room"].strip('"'))
     if (held := _DIM.fullmatch(plain)) is not None:
         target, way, button, event = held.group("target", "way", "button", "event")
         if (press := read_press(f"{button} press {event}")) is not None:

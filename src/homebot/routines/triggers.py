@@ -169,7 +169,9 @@ def _read_other(plain: str) -> Trigger | None:
     if person is not None:
         return PersonMoves(plain, *person)
     if (found := _ARRIVAL.fullmatch(plain)) is not None:
-        return RobotArrival(found["robot"].casefold(), found["room"], leaves=found["word"].casefold() == "leaves")
+        return RobotArrival(
+            found["robot"].casefold(), found["room"].strip('"'), leaves=found["word"].casefold() == "leaves"
+        )
     return read_press(plain)
 
 
