@@ -214,7 +214,7 @@ class Achievement:
                 move = SendRobot(step.text, step.place, step.room)
                 try:
                     await drive(self._node, move)
-                except GoalAbortedError:  # as by somebody who sent the robot elsewhere
+                except GoalAbortedError:  # as by another command to the robot
                     await drive(self._node, move)
                 return _DONE, True
             if step.kind == "scene":

@@ -27,8 +27,8 @@ class SimulatedDevice(ABC):
 
     Attributes:
         now: The time to which it was last advanced.
-        reserved_until: The time until which errands of the house wait, as somebody else uses it.
-        last_sender: Who gave it the last command, in words; empty for nobody.
+        reserved_until: The time until which errands of the house wait for it.
+        last_sender: The sender of its last command, in words; empty if there was none.
         senses: The property of its handle that it senses, with the type of its values; None for a device that senses
             nothing.
         by_hand: The manual commands that every device of its kind knows, see :meth:`commands`.

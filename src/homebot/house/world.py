@@ -273,7 +273,7 @@ class World:
         self._queue.set(object(), (day + 1) * DAY, partial(self._begin_day, day + 1))
 
     def _run_errand(self, entry: _PlacedDevice, command: str) -> None:
-        """Give *command*, once nobody has a prior claim to the device."""
+        """Give *command*, once the device is no longer reserved."""
         if self.now < entry.real.reserved_until:
             self._queue.set(object(), self.now + ERRAND_RETRY_S, partial(self._run_errand, entry, command))
             return
