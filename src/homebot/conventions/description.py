@@ -14,6 +14,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
 __all__ = [
+    "TRACKER_SILENCE",
     "AnnouncementEvent",
     "AsksMembers",
     "AutoExpiry",
@@ -165,6 +166,10 @@ class Availability(NamedTuple):
 
     sources: tuple[AvailabilitySource, ...]
     mode: AvailabilityMode = "latest"
+
+
+TRACKER_SILENCE: Final = 86_400.0
+"""Seconds; a phone that stays where it is tells nothing for hours, and an iPhone nothing for most of a day."""
 
 
 class TextEndpoint(NamedTuple):

@@ -45,9 +45,16 @@ def where_is(signs: Collection[tuple[Sign, float]], now: float, away_after: floa
 
 
 def sign_of(device: Device, state: State | None, tag: str) -> Sign:
-    """Return the sign of a tracker of the kind *tag* with the place *state*; an old one tells nothing."""
-    is_heard = device.freshness == "fresh" and device.reachable.state != "no"
-    if state is None or not state.live or not is_heard or state.part in device.offline_parts:
+    """Return the sign of a tracker of the kind *tag* with the place *state*.
+
+    One that tells of places keeps what it told, also before a restart, until it is stale, or for as long as its
+    availability says that it is there. One that is only heard has to be heard now.
+    """
+    if tag == BEACON:
+        is_known = device.freshness == "fresh" and state is not None and state.live
+    else:
+        is_known = device.freshness != "stale" or device.reachable.state == "yes"
+    if state is None or not is_known or device.reachable.state == "no" or state.part in device.offline_parts:
         return "unknown"
     place = state.value.plain()
     if isinstance(place, str) and fold(place) not in {"", "unknown", "unavailable"}:

@@ -13,6 +13,7 @@ from typing import TypeAlias, cast
 from pydantic_core import to_json
 
 from homebot.conventions.description import (
+    TRACKER_SILENCE,
     AnnouncementEvent,
     Availability,
     DescribedPart,
@@ -127,6 +128,7 @@ def _described(topic: str, config_topic: ConfigTopic, announced: Announced, part
         area=device.area,
         facts={**device.facts, **facts} if facts else device.facts,
         availability=whole,
+        stale_after=TRACKER_SILENCE if any(one.part.service_type == "x_tracker" for one in described) else 0.0,
     )
 
 

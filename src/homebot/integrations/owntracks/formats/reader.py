@@ -6,7 +6,7 @@ of a location in no region (owntracks/ios issue 670; owntracks/android, ``Messag
 
 from typing import Final
 
-from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced
+from homebot.conventions.description import TRACKER_SILENCE, AnnouncementEvent, DeviceAnnounced
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import (
     NO_READINGS,
@@ -25,9 +25,6 @@ __all__ = ["OwnTracksReader"]
 
 _MOST_NAMED: Final = 20
 _MOST_PHONES: Final = 200
-
-_STALE_AFTER: Final = 86_400.0
-"""Seconds; a phone that stays where it is tells nothing for hours, and an iPhone nothing for most of a day."""
 
 _LATE: Final = 7 * 86_400.0
 """Seconds; the app for Android tries for a week to send a message. Older ones are those of a clock that was set."""
@@ -108,7 +105,7 @@ def _phone(topic: str, user: str, device: str) -> DeviceAnnounced:
         implies_alive=True,
         native=True,
         whole_device=True,
-        stale_after=_STALE_AFTER,
+        stale_after=TRACKER_SILENCE,
     )
 
 
