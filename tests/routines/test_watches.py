@@ -14,8 +14,8 @@ from tests.set_clock import SetClock
 from homebot.discovery import Directory, DirectorySettings
 from homebot.graph import Graph, Node
 from homebot.mqtt.options import MqttOptions
-from homebot.routines.triggers import read_state
-from homebot.routines.watches import begun
+from homebot.routines.triggers import read_press, read_state
+from homebot.routines.watches import PressWatch, begun
 from homebot.testing import FakeGateway, VirtualHouse, virtual_house_of
 
 pytestmark = [pytest.mark.virtual_time, pytest.mark.rooms("homeassistant")]
@@ -138,3 +138,26 @@ async def test_the_first_value_of_a_device_that_told_others_before_starts_nothin
             gateway.reports.publish(tell(door, capability, value, part="c", at=graph.clock.now()))
             await anyio.sleep(1)
             assert len(began) == expected
+
+
+async def test_a_press_that_is_told_as_event_and_as_trigger_starts_once_and_two_presses_twice() -> None:
+    starts: list[object] = []
+    press = read_press("Wall button press")
+    assert press is not None
+    of_wall = {"device": {"identifiers": ["wallbutton12"], "name": "Wall button"}}
+    event = {"unique_id": "a", "state_topic": "wall/event", "event_types": ["single"]}
+    trigger = {"automation_type": "trigger", "type": "press", "subtype": "1", "payload": "single", "topic": "wall/told"}
+    async with virtual_house_of() as house, Node(house.runtime.graph, "watcher") as node:
+        await house.says("homeassistant/event/wall/config", json.dumps(event | of_wall))
+        await house.says("homeassistant/device_automation/wall/config", json.dumps(trigger | of_wall))
+        PressWatch(node, press, starts.append)
+        await house.run_for("1m")
+        for presses in (1, 2):
+            for _ in range(presses):
+                await house.says("wall/event", '{"event_type": "single"}')
+                await house.says("wall/told", "single")
+            await house.run_for("10s")
+        assert len(starts) == 3
+        await house.says("wall/told", "single")
+        await house.run_for("10s")
+        assert len(starts) == 4

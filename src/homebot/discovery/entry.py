@@ -13,6 +13,7 @@ from homebot.devices import (
     Reachability,
     State,
 )
+from homebot.devices.echoes import Echoes
 from homebot.discovery.description import (
     MAX_FACTS,
     DeviceDescription,
@@ -23,7 +24,6 @@ from homebot.discovery.description import (
     with_preferred_routes,
     with_stated_facts,
 )
-from homebot.discovery.echoes import Echoes
 from homebot.discovery.endpoints import (
     NOT_REPORTED,
     Addresses,

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias, final
 from homebot.devices import Fact
 from homebot.devices.capabilities import ALERTING, EVENTS, SETTABLE
 from homebot.devices.device import ChangedSetting
+from homebot.devices.echoes import Echoes
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.names import UNREADABLE
 from homebot.devices.value import Reading, SetBy, Value
 from homebot.discovery.changes import stream_of
 from homebot.discovery.device_table import DeviceTable
-from homebot.discovery.echoes import Echoes
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.parts import MergedParts
@@ -271,7 +271,7 @@ class StateRecorder:
         if number is None or place in merged.hidden:
             return
         entry.echoes = entry.echoes or Echoes()  # few devices report events
-        if not entry.echoes.is_new(number, reading.capability, value, source.key, now):
+        if not entry.echoes.is_new((number, reading.capability, value), source.key, now):
             return
         stored = StoredValue(reading.value, value, stamp, stamp, live=True, heard_at=now)
         source.events = {**source.events, (reading.part, reading.capability): stored}

@@ -9,6 +9,7 @@ from typing import Any, Final, NamedTuple, TypeAlias, final
 import anyio
 
 from homebot.devices.device import Device, DeviceChange, StateChange
+from homebot.devices.echoes import Echoes
 from homebot.devices.follow import Follow
 from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.names import ROBOT_POSES
@@ -161,12 +162,16 @@ def is_press(view: HouseView, press: Press, change: object, query: Query | None 
 
 @final
 class PressWatch(HouseWatcher):
-    """Calls a function with each event that fits a trigger."""
+    """Calls a function with each event that fits a trigger, once for one that parts of several kinds tell.
+
+    Some bridges announce a press as an event and as the trigger of a device.
+    """
 
     def __init__(self, node: Node, press: Press, on_start: OnStart) -> None:
         self._press = press
         self._words = WordsQuery(press.words)
         self._on_start = on_start
+        self._echoes = Echoes()
         self._view = HouseView.of(node)
         self._view.add(self)
         self._view.names.add(press.query, press.text)
@@ -177,7 +182,12 @@ class PressWatch(HouseWatcher):
 
     def on_event(self, change: StateChange) -> None:
         """Start the routine if the device and the event are meant."""
-        if is_press(self._view, self._press, change, self._words.query):
+        known = self._view.get(change.device)
+        if known is None or not is_press(self._view, self._press, change, self._words.query):
+            return
+        event = change.readings[0]
+        kinds = [one.part.advertised for one in known.current().parts if one.id == event.part]
+        if self._echoes.is_new((change.device, event.capability), "".join(kinds), now=change.told_at.to_seconds()):
             self._on_start(change)
 
 
