@@ -123,6 +123,8 @@ def test_a_lock_known_by_its_announcement_alone_owns_its_topics_and_tells_the_ba
     found = topic_use(source_of(alone.model_copy(update={"metadata": via})), "front_door")
     assert (found.base, found.owns) == (base, (f"{base}/{name}", f"{base}/0x00158d0001abcdef"))
     assert not topic_use(source_of(alone), "front_door").base
+    known_by = (*alone.identifiers, "id:zigbee2mqtt_0x00158d0001abcdef")  # without via_device
+    assert topic_use(source_of(alone.model_copy(update={"identifiers": known_by})), "front_door").base == base
 
 
 def source_of(sighting: Sighting) -> SourceRecord:

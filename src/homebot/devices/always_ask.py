@@ -16,7 +16,7 @@ from typing import Final
 
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import spoken_type
-from homebot.devices.identity import ALIASING_BRIDGE
+from homebot.devices.identity import aliasing_bridge
 from homebot.devices.part import Capability, Part
 from homebot.devices.words import (
     ALL_THAT_ASK,
@@ -233,7 +233,8 @@ def _is_told_apart(part: DevicePart, other: DevicePart) -> bool:
 
 def _has_aliases(device: Device) -> bool:
     """Return whether further topics reach any part of it, such as ``LOCK/left/set`` and that of its address."""
-    return any(one.name == "via_device" and one.value.startswith(ALIASING_BRIDGE) for one in device.facts)
+    bridges = [one.value for one in device.facts if one.name == "via_device"]
+    return any(aliasing_bridge(one, device.identifiers) for one in bridges or [""])
 
 
 def _has_its_program(part: DevicePart, other: DevicePart) -> bool:

@@ -9,18 +9,16 @@ bridge names its devices ``<bridge>_<address of the bridge>_<device>``. A servic
 import re
 from collections.abc import Iterable
 
-__all__ = ["ALIASING_BRIDGE", "HOST", "identifiers", "in_pairs", "may_be_unique"]
+__all__ = ["HOST", "aliasing_bridge", "identifiers", "in_pairs", "may_be_unique"]
 
 HOST = "id:host "
 """The beginning of the identifier of all services of one host: its name in the local network, case-folded.
 
 Host names are unique in one local network, so it is valid among the announcements of one gateway."""
 
-ALIASING_BRIDGE = "zigbee2mqtt_bridge_"
-"""The beginning of the identifiers of bridges that take a command on ``BASE/NAME/set``, and with the name of an
-endpoint, its number, the address of the device, or a group in place of the name.
-
-Every announcement of a device behind one has it, by whichever convention it comes; nothing else in it tells."""
+_ALIASING_BRIDGE = "zigbee2mqtt_bridge_"
+_BEHIND_IT = "id:zigbee2mqtt_0x"
+"""The beginnings of the identifiers of the bridge and of a device behind it; announcements may lack either."""
 
 _PAIRS = re.compile(
     r"(?:.*[^0-9a-f:-])?([0-9a-f]{2}(?:([:-])[0-9a-f]{2})(?:\2[0-9a-f]{2}){4}(?:(?:\2[0-9a-f]{2}){2})?)"
@@ -62,6 +60,22 @@ def identifiers(declared: Iterable[str]) -> tuple[str, ...]:
         if spelled and folded.replace(":", "").replace("-", "").removeprefix("0x") != address:
             others[f"id:{spelled}"] = None
     return (*hardware, *others)
+
+
+def aliasing_bridge(bridge: str, known_by: Iterable[str]) -> str:
+    """Return the bridge that takes commands to a device on further topics; empty for none.
+
+    These are the address of the device, its groups, and each endpoint. Without the address of the bridge, it is the
+    beginning of such identifiers.
+
+    Args:
+        bridge: The identifier of the device behind which it is, as declared; empty for none.
+        known_by: Its own identifiers.
+    """
+    if bridge.startswith(f"{_ALIASING_BRIDGE}0x"):
+        return bridge
+    is_behind = bridge.startswith(_ALIASING_BRIDGE) or (not bridge and _BEHIND_IT in " ".join(known_by))
+    return _ALIASING_BRIDGE if is_behind else ""
 
 
 def in_pairs(address: str) -> str:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from homebot.devices import Sighting
 from homebot.devices.always_ask import ALWAYS_ASK, asks_by_itself
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.identity import ALIASING_BRIDGE
+from homebot.devices.identity import aliasing_bridge
 from homebot.devices.words import ALL_THAT_ASK, matching_words
 from homebot.discovery.merging.identity import is_generic
 from homebot.discovery.source_record import SourceKey, SourceRecord
@@ -204,7 +204,9 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
         reads = tuple(dict.fromkeys(reads))
     commands = (parts[0].service_type, parts[0].payloads) if len(parts) == 1 and parts[0].payloads and writes else ()
     bridge, owns = bridge_of(sighting), sighting.owns
-    base = _base_of(sighting, owns or writes) if bridge.startswith(ALIASING_BRIDGE) and _asks(sighting) else ""
+    base, aliasing = "", aliasing_bridge(bridge, sighting.identifiers)
+    if aliasing and _asks(sighting):
+        base = _base_of(sighting, owns or writes)
     if base and not owns:  # a bridge that is known only by its announcements to Home Assistant
         owns = _owned_below(base, sighting)
     return TopicUse(
@@ -215,7 +217,7 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
         reads,
         owns,
         sighting.identifiers if owns else (),
-        bridge,
+        aliasing or bridge,
         not sighting.identifiers,
         sighting.native,
         commands,

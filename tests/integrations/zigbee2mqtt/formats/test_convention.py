@@ -104,6 +104,10 @@ def test_a_device_is_described_with_its_address_topics_and_facts() -> None:
     assert device.parts[0].part.writes == ("zigbee2mqtt/kitchen/lamp/set",)
 
 
+def test_a_bridge_that_does_not_list_its_coordinator_is_known_by_its_base_topic() -> None:
+    assert device_in(heard(bridge(), entry())).facts["via_device"] == "zigbee2mqtt_bridge_zigbee2mqtt"
+
+
 def test_a_device_of_another_bridge_has_the_base_in_its_key_and_topics() -> None:
     device = device_in(heard(bridge("zigbee2mqtt", "attic"), entry(), base="attic"))
     assert (device.key, device.parts[0].part.reads) == (f"attic/{LAMP}", ("attic/kitchen/lamp",))

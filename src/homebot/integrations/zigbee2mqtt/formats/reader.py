@@ -128,7 +128,7 @@ class Zigbee2MqttReader:
         topics: set[str] = set()
         problems: list[WireError] = []
         room = MAX_PARTS
-        via = _bridge_name(entries)
+        via = _bridge_name(base, entries)
         for entry in entries:
             yield None
             ieee = ieee_address(entry)
@@ -163,7 +163,7 @@ class Zigbee2MqttReader:
             name=clean_text(device.name),
             parts=build_parts(device),
             topic=topic,
-            facts={**device.facts, **({"via_device": via} if via else {}), "origin": "Zigbee2MQTT"},
+            facts={**device.facts, "via_device": via, "origin": "Zigbee2MQTT"},
             owns=tuple(dict.fromkeys((device.topic, f"{base}/{device.ieee}"))),
         )
         return self._with_settings(base, device.ieee, described)
@@ -310,12 +310,12 @@ def _topic_of(described: DeviceAnnounced) -> str:
     return described.owns[0]
 
 
-def _bridge_name(entries: list[object]) -> str:
-    """Return the device id of the bridge, from its coordinator's address."""
+def _bridge_name(base: str, entries: list[object]) -> str:
+    """Return the device id of the bridge, from its coordinator's address, or its *base* if the list has none."""
     for entry in entries:
         if isinstance(entry, dict) and entry.get("type") == "Coordinator" and ieee_address(entry):
             return f"zigbee2mqtt_bridge_{ieee_address(entry)}"
-    return ""
+    return f"zigbee2mqtt_bridge_{base}"
 
 
 def _withdrawn(one: DeviceAnnounced, is_listed: bool) -> DeviceWithdrawn:  # noqa: FBT001 - only called above
