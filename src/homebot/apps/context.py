@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from datetime import tzinfo
 from typing import Protocol
@@ -12,6 +12,10 @@ from homebot.clock import read_zone
 from homebot.config import Urgency
 
 __all__ = ["AppContext"]
+
+
+async def _write_nowhere() -> None:
+    """Keep values in memory."""
 
 
 class SendNotification(Protocol):
@@ -39,6 +43,7 @@ class AppContext:
         notify: Sends people a message, with its title and the name of the app; returns whether it was sent.
         notifies: Whether there is a way to send messages; else they are only logged.
         rehearse: Called with an app and an act of a robot that is only recorded, in a replay or dry run; None else.
+        write_stores: Writes the stores of all apps at once, instead of within five seconds.
         asleep: Returns the seconds for which the computer was suspended, while the monotonic clock stood still.
     """
 
@@ -50,6 +55,7 @@ class AppContext:
     notify: SendNotification = _send_nowhere
     notifies: bool = False
     rehearse: Callable[[str, str], None] | None = None
+    write_stores: Callable[[], Coroutine[object, object, object]] = _write_nowhere
     asleep: Callable[[], float] = float
 
     @property

@@ -385,6 +385,14 @@ def is_told_once(service_type: str, capabilities: Iterable[str]) -> bool:
     return service_type == "siren" or not _TOLD_ONCE.isdisjoint(capabilities)
 
 
+def acts_each_time(settings: Mapping[str, PlainValue]) -> bool:
+    """Return whether *settings* have a stop, a press, or the latch of an unlocked door, which act whenever sent."""
+    return any(
+        name in MOMENTARY or value in CAPABILITIES.get(name, OWN).obedience.always_sent
+        for name, value in settings.items()
+    )
+
+
 def settable_options(capability: str, options: Iterable[str]) -> tuple[str, ...]:
     """Return the *options* of *capability* that a command may set, without those that are only reported."""
     known = CAPABILITIES.get(capability, OWN)

@@ -20,7 +20,7 @@ from homebot.devices.services import QueryDevices, QueryDevicesRequest
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.routines.conditions import AnyOf, Condition, Matches, OnDays, SunIs
-from homebot.routines.run import RoutineRun
+from homebot.routines.run import Place, RoutineRun
 from homebot.routines.times import DaysAndTime, SunMoment, SunSpan, TimeSpan
 from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
 from homebot.routines.watches import ArrivalWatch, PersonWatch, PressWatch, begun, is_press
@@ -30,6 +30,7 @@ __all__ = ["RoutineBase"]
 DONE: Final = "routine.step_done"
 HELD_BACK: Final = "routine.held_back"
 FAILED: Final = "routine.step_failed"
+STOPPED: Final = "routine.stopped"
 
 SettingsT_co = TypeVar("SettingsT_co", bound=BaseModel, default=BaseModel, covariant=True)
 _Conditions = Sequence[tuple[str, Condition]]
@@ -89,7 +90,7 @@ class RoutineBase(App[SettingsT_co]):
                 return text
         return ""
 
-    def keep(self, run: RoutineRun, place: int, until: float, before: dict[str, list[Any]]) -> None:
+    async def keep(self, run: RoutineRun, place: Place, before: dict[str, list[Any]]) -> None:
         """Store how far *run* is, for a restart."""
 
     def record(self, text: str) -> None:
@@ -104,6 +105,12 @@ class RoutineBase(App[SettingsT_co]):
         """Log that a step failed; the next ones follow all the same."""
         self.record(f"{step!r} failed: {problem}")
         self.log_limited(FAILED, f"{self.title}: {step!r} failed: {problem}")
+
+    def log_stop(self, step: str, problem: str) -> None:
+        """Log that a run ended in a step, after which it does not go on."""
+        text = f"stopped in {step}: {problem}"
+        self.record(text)
+        self.log.warning(STOPPED, message=f"{self.title} {text}")
 
     async def _follow(self, trigger: Becomes, on_start: Callable[[object], None]) -> None:
         async for one in begun(self.node, trigger, self.store, is_new=True):

@@ -106,6 +106,16 @@ class HouseChecks:
                 found.add(one.name)
         return frozenset(found)
 
+    async def may_repeat(self, step: Do) -> bool:
+        """Return whether to take *step* twice is known to be the same as once."""
+        effects: list[Effect] = []
+        self._targeted.clear()
+        try:
+            await self._command(step, effects, is_prompt=True)
+        except ServiceError:
+            return False
+        return bool(effects) and step.command[0] not in "+-" and not any(one.acts_each_time for one in effects)
+
     async def _of(self, routine: RoutineSettings, effects: list[Effect]) -> AsyncIterator[str]:
         """Yield the problems of one routine, and add the effects of its steps to *effects*."""
         for text, asked, press in _states(routine):

@@ -6,7 +6,8 @@ from itertools import combinations, product
 from typing import Final
 
 from homebot.apps.wall_time import read_days, read_time
-from homebot.devices.capabilities import LIGHTS_UP
+from homebot.devices.always_ask import always_asks
+from homebot.devices.capabilities import LIGHTS_UP, acts_each_time
 from homebot.devices.device import Device, State, target_of
 from homebot.devices.obedience import changes, related
 from homebot.devices.query.facets import facets_of
@@ -38,6 +39,14 @@ class Effect:
     settings: Mapping[str, PlainValue]
     is_prompt: bool
     may_be: bool = False
+
+    @property
+    def acts_each_time(self) -> bool:
+        """True if to set it again may do more, or what a person has to allow."""
+        if self.may_be or acts_each_time(self.settings):
+            return True
+        part = self.device.part(self.part)
+        return part is None or always_asks(self.device, part)
 
     def opposes(self, other: "Effect") -> bool:
         """Return whether both are for one part, and each would undo the other."""

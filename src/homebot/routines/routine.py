@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import accumulate
 from typing import Any, Final, final
 
 import anyio
@@ -14,22 +15,24 @@ from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.messages import Time
 from homebot.routines.base import RoutineBase
 from homebot.routines.program import conditions_of, program_of
-from homebot.routines.run import RoutineRun
+from homebot.routines.run import Place, RoutineRun
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.text import routine_text
+from homebot.support.isolation import error_text
 
 __all__ = ["Routine"]
 
 _MOST_RUNS_KEPT: Final = 10
 _KEPT: Final = "waiting"
-"""The runs in a wait, in the store."""
+"""The runs, in the store, each with the step that it takes."""
 
 
 @final
 class Routine(RoutineBase[RoutineSettings]):
     """Performs the steps of a routine whenever one of its triggers comes and its conditions hold.
 
-    A run survives a restart of homebot if it was in a wait: it goes on where it was, and its commands have no trigger.
+    After a restart of homebot a run goes on in its wait, or with a command that may be given twice, without a trigger.
+    In any other step, such as a press or a drive, whether that was done is unknown, and the run is over.
     """
 
     def __init__(self, node: Node, settings: RoutineSettings) -> None:
@@ -46,7 +49,11 @@ class Routine(RoutineBase[RoutineSettings]):
         self.watch(self.settings.when, self._start)
         kept, self.store[_KEPT] = self.store.get(_KEPT, {}), {}
         for one in kept.values():
-            if one["steps"] == [*self._steps]:  # else its place is that of another step now
+            if one["steps"] != [*self._steps]:
+                self.log_stop(one.get("step", "a wait"), "its steps were changed")
+            elif not one.get("may_repeat", True):  # homebot 0.1 kept only waits
+                self.log_stop(one["step"], "homebot ended, and whether it was done is unknown, so it is not done again")
+            else:
                 self._runs.start(partial(self._perform, one["place"], one["until"], dict(one["before"])))
         await anyio.sleep_forever()  # an app ends with its tasks, and presses and arrivals need none
 
@@ -82,27 +89,48 @@ class Routine(RoutineBase[RoutineSettings]):
         self.store["enabled"] = change == "enable"
         if change == "disable":
             self._runs.cancel()
+            for one in self.store.get(_KEPT, {}).values():
+                self.log_stop(one["step"], "the routine was disabled")
             self.store[_KEPT] = {}
         return f"{change}d {name}"
 
-    def keep(self, run: RoutineRun, place: int, until: float, before: dict[str, list[Any]]) -> None:
-        """Store how far *run* is, for a restart."""
-        kept = {"place": place, "until": until, "before": before, "steps": self._steps}
-        self.store[_KEPT] = {**self.store.get(_KEPT, {}), str(id(run)): kept}
+    async def keep(self, run: RoutineRun, place: Place, before: dict[str, list[Any]]) -> None:
+        """Store how far *run* is, for a restart; at once before what must not be done twice."""
+        ends = accumulate(len(program_of((one,))) for one in self.settings.do)
+        number = next(number for number, end in enumerate(ends, 1) if place.line < end)
+        kept = {"place": place.line, "until": place.until, "may_repeat": place.may_repeat, "before": before}
+        kept |= {"steps": self._steps, "step": f"step {number}, {self._program[place.line].text!r}"}
+        known = self.store.get(_KEPT, {})
+        self.store[_KEPT] = {**known, str(id(run)): kept}
+        if not place.may_repeat:
+            await self.context.write_stores()
+        elif str(id(run)) not in known:
+            self.start_task(self.context.write_stores)  # a run that a sudden death ends is known afterwards
 
     def _start(self, cause: object) -> None:
         if self.is_enabled:
             self.start_if(self._conditions, partial(self._runs.start, self._perform), cause)
 
     async def _perform(self, first: int = 0, until: float = 0.0, before: dict[str, list[Any]] | None = None) -> None:
-        self.record("ran" if not first else f"went on at {self._program[first].text!r}")
+        self.record("ran" if before is None else f"went on at {self._program[first].text!r}")
         if before is None and self.settings.mode == "restart":
             before = self._before  # to bring back the values from before the run that this one replaces
             self.store[_KEPT] = {}
         self._before = {} if before is None else before
         run = RoutineRun(self, self._program, self._before)
-        await run.perform(first, until)
-        self.store[_KEPT] = {key: one for key, one in self.store.get(_KEPT, {}).items() if key != str(id(run))}
+        try:
+            await run.perform(first, until)
+        except Exception as exc:
+            self._forget(run, error_text(exc))
+            raise
+        self._forget(run)
+
+    def _forget(self, run: RoutineRun, problem: str = "") -> None:
+        others = dict(self.store.get(_KEPT, {}))
+        kept = others.pop(str(id(run)), None)
+        self.store[_KEPT] = others
+        if problem and kept is not None:
+            self.log_stop(kept["step"], problem)
 
     def record(self, text: str) -> None:
         """Add a line to the last runs in the store."""

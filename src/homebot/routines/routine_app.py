@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from contextvars import ContextVar
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Final
 
 import anyio
 
@@ -16,8 +16,12 @@ from homebot.routines.base import RoutineBase
 from homebot.routines.program import conditions_of
 from homebot.routines.run import RoutineRun
 from homebot.routines.steps import read_step
+from homebot.support.isolation import error_text
 
 __all__ = ["RoutineApp"]
+
+_STEP: Final = "_step"
+"""The key of the step that a run takes."""
 
 _RUN: ContextVar[RoutineRun] = ContextVar("homebot.routine_run")
 
@@ -52,6 +56,7 @@ class RoutineApp(RoutineBase[NoSettings]):
         Raises:
             UsageError: It is no step.
         """
+        self.store[_STEP] = text
         await _RUN.get().take(read_step(text))
 
     async def holds(self, *conditions: str) -> bool:
@@ -63,7 +68,9 @@ class RoutineApp(RoutineBase[NoSettings]):
         return not await self.unmet(conditions_of(conditions))
 
     async def run(self) -> None:
-        """Watch for its triggers."""
+        """Watch for its triggers, and tell of the run that a restart ended."""
+        if step := self.store.pop(_STEP, ""):
+            self.log_stop(repr(step), "homebot ended")
         self.watch(self.when, self._start)
         await anyio.sleep_forever()
 
@@ -74,5 +81,11 @@ class RoutineApp(RoutineBase[NoSettings]):
         if self.mode != "restart":  # else the values from before the run that this one replaces
             self._before = {}
         _RUN.set(RoutineRun(self, before=self._before))
-        await self.perform()
+        try:
+            await self.perform()
+        except Exception as exc:
+            if step := self.store.pop(_STEP, ""):
+                self.log_stop(repr(step), error_text(exc))
+            raise
         self._before = {}
+        self.store.pop(_STEP, "")

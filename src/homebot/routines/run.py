@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import closing
-from functools import partial
-from typing import Any, Final, Protocol, final
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, final
 
 import anyio
 
@@ -31,7 +31,10 @@ from homebot.routines.program import Branch, Line, Skip
 from homebot.routines.steps import Dim, Do, Notify, SendRobot, Step, Undo, Wait, WaitUntil
 from homebot.routines.watches import begun
 
-__all__ = ["RoutineOwner", "RoutineRun"]
+if TYPE_CHECKING:
+    from homebot.routines.checks import HouseChecks
+
+__all__ = ["Place", "RoutineOwner", "RoutineRun"]
 
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
@@ -45,7 +48,7 @@ class RoutineOwner(Protocol):
     devices: Devices
     commands: Client[CommandDevicesRequest, CommandDevicesResponse]
 
-    def keep(self, run: RoutineRun, place: int, until: float, before: dict[str, list[Any]]) -> None:
+    async def keep(self, run: RoutineRun, place: Place, before: dict[str, list[Any]]) -> None:
         """Store how far *run* is, for a restart."""
 
     async def notify(self, message: str, *, title: str = "") -> bool:
@@ -59,6 +62,20 @@ class RoutineOwner(Protocol):
 
     def log_failure(self, step: str, problem: str) -> None:
         """Log that a step failed."""
+
+
+class Place(NamedTuple):
+    """The step that a run takes.
+
+    Attributes:
+        line: The line of the program.
+        until: The end of a wait, in seconds since the Unix epoch; else 0.
+        may_repeat: Whether to take the step again after a restart is known to change nothing more.
+    """
+
+    line: int
+    until: float
+    may_repeat: bool
 
 
 @final
@@ -96,6 +113,14 @@ class RoutineRun:
     async def take(self, step: Step, place: int = 0, until: float = 0.0) -> None:
         """Take one *step*; a wait ends at *until*, in seconds since the Unix epoch, if that is given."""
         match step:
+            case Do() if self._program:
+                may_repeat = await self._checks.may_repeat(step)
+            case Wait(seconds=length) | WaitUntil(most=length):
+                may_repeat, until = True, until or self._clock.now() + length
+            case _:
+                may_repeat = isinstance(step, Undo)
+        await self._owner.keep(self, Place(place, until, may_repeat), self._before.entries)
+        match step:
             case Do():
                 await self._do(step)
             case Dim():
@@ -107,11 +132,18 @@ class RoutineRun:
                 if not is_told:
                     self._owner.log_failure(f"notify {step.text}", "nobody was told; [notify] and the log say why")
             case Wait():
-                await self._sleep(place, step.seconds, until)
+                await anyio.sleep(self._left(step.seconds, until))
             case WaitUntil():
-                await self._wait_until(place, step, until)
+                with anyio.move_on_after(self._left(step.most, until)):
+                    await anext(begun(self._owner.node, step.state))
             case Undo():
                 await self._undo()
+
+    @cached_property
+    def _checks(self) -> HouseChecks:
+        from homebot.routines.checks import HouseChecks  # noqa: PLC0415 - it reads routines
+
+        return HouseChecks(self._owner.node, lambda *_: "")
 
     async def _do(self, step: Do) -> bool:
         node, devices = self._owner.node, self._owner.devices
@@ -158,17 +190,6 @@ class RoutineRun:
             self._owner.log_failure(step.text, str(exc))
         else:
             self._owner.log_done(step.text)
-
-    async def _sleep(self, place: int, seconds: float, until: float) -> None:
-        until = until or self._clock.now() + seconds
-        self._owner.keep(self, place, until, self._before.entries)
-        await anyio.sleep(self._left(seconds, until))
-
-    async def _wait_until(self, place: int, step: WaitUntil, until: float) -> None:
-        until = until or self._clock.now() + step.most
-        self._owner.keep(self, place, until, self._before.entries)
-        with anyio.move_on_after(self._left(step.most, until)):
-            await anext(begun(self._owner.node, step.state))
 
     def _left(self, seconds: float, until: float) -> float:
         """Return how long a wait of *seconds* still lasts; the clock may have been set back since it began."""

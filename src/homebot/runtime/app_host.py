@@ -107,6 +107,7 @@ class AppHost:
             notify=self._notify,
             notifies=plan.notify is not None,
             rehearse=self._rehearse if rehearses else None,
+            write_stores=self.write_stores,
             asleep=clock.asleep if isinstance(clock, LoopClock) else float,
         )
 

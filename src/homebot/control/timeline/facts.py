@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final, NamedTuple, TypeAlias
 
-from homebot.devices.capabilities import CAPABILITIES, MOMENTARY, OWN
+from homebot.devices.capabilities import acts_each_time
 from homebot.devices.outcomes import Outcome
 from homebot.devices.value import PlainValue, SetBy
 
@@ -130,10 +130,7 @@ class Order:
     @property
     def is_always_sent(self) -> bool:
         """True for a stop, a press, or the latch of an unlocked door: no report can show that it is unnecessary."""
-        return any(
-            name in MOMENTARY or value in CAPABILITIES.get(name, OWN).obedience.always_sent
-            for name, value in self.settings.items()
-        )
+        return acts_each_time(self.settings)
 
 
 class Sent(NamedTuple):
