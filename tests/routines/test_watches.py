@@ -11,6 +11,8 @@ from anyio.abc import TaskGroup
 from tests.discovery.announcements import announce, part_of, tell
 from tests.set_clock import SetClock
 
+from homebot.devices import Devices
+from homebot.devices.handles import ContactSensor
 from homebot.discovery import Directory, DirectorySettings
 from homebot.graph import Graph, Node
 from homebot.mqtt.options import MqttOptions
@@ -161,3 +163,40 @@ async def test_a_press_that_is_told_as_event_and_as_trigger_starts_once_and_two_
         await house.says("wall/told", "single")
         await house.run_for("10s")
         assert len(starts) == 4
+
+
+@pytest.mark.parametrize("text", ["front door open", "front door open for 5s"])
+async def test_a_value_that_is_unknown_for_a_moment_starts_nothing_again_and_ends_no_wait(text: str) -> None:
+    """Each restart of Home Assistant makes all values unknown."""
+    graph, began = Graph(clock := SetClock(1.8e9)), []
+    door = announce("d", part_of("contact_sensor", "contact", id="c"), name="Front door", gateway="fake")
+    state = read_state(text)
+
+    async def wait(node: Node) -> None:
+        async for _ in begun(node, state, is_new=True):
+            began.append(round(clock.monotonic() - opened))  # noqa: PERF401 - it would be cancelled
+
+    async def wait_in_an_app(node: Node) -> None:
+        async for _ in Devices(node).follow(ContactSensor).became(is_open=True, lasting=state.lasting):
+            began.append(round(clock.monotonic() - opened))  # noqa: PERF401 - it would be cancelled
+
+    async with directory(graph) as (gateway, waiter, tasks):
+        gateway.publish_sighting(door)
+        for value in (None, True, False):  # the first value may have been so before
+            gateway.reports.publish(tell(door, "contact", value, part="c", at=clock.now()))
+            await anyio.sleep(1)
+            if value is None:
+                tasks.start_soon(wait, waiter)
+                await anyio.sleep(1)
+        opened = clock.monotonic()
+        tasks.start_soon(wait_in_an_app, waiter)
+        for value in (True, None, True, None, True):
+            gateway.reports.publish(tell(door, "contact", value, part="c", at=clock.now()))
+            await anyio.sleep(1)
+        await anyio.sleep(HOUR)
+        assert began == [round(state.lasting)] * 2
+        for value in (None, False, None, True):
+            gateway.reports.publish(tell(door, "contact", value, part="c", at=clock.now()))
+            await anyio.sleep(1)
+        await anyio.sleep(HOUR)
+    assert len(began) == 4

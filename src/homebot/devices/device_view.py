@@ -18,18 +18,22 @@ class DeviceView:
         sequence: The number of the last change that it includes.
     """
 
-    __slots__ = ("__weakref__", "_newer", "device", "is_gone", "sequence")
+    __slots__ = ("__weakref__", "_held", "_newer", "device", "is_gone", "sequence")
 
     def __init__(self, device: Device, sequence: int) -> None:
         self.device = device
         self.is_gone = False
         self.sequence = sequence
         self._newer: dict[tuple[str, str], tuple[StateChange, Reading, bool]] = {}
+        self._held: dict[tuple[str, str], State] = {}  # what it said before a value became unknown, until another one
 
     def update(self, device: Device, sequence: int, *, is_gone: bool = False) -> None:
         """Store a description unless it is older than the stored one."""
         if sequence < self.sequence:
             return
+        for state in device.states:
+            if not state.value.type or self._held:
+                self._hold(state.part, state.capability, state.value)
         self.sequence, self.device, self.is_gone = sequence, device, is_gone
         if self._newer:
             parts = {part.id for part in device.parts}
@@ -42,7 +46,14 @@ class DeviceView:
         for reading in change.readings:
             known = self._newer.get(place := (reading.part, reading.capability))
             if change.sequence >= (self.sequence if known is None else known[0].sequence):
-                self._newer[place] = change, reading, known is None and self.state(*place) is None
+                if not reading.value.type or self._held:
+                    self._hold(*place, reading.value)
+                if known is None:
+                    state = self.state(*place)
+                    is_first = state is None or (state.is_first and not state.value.type)
+                else:
+                    is_first = known[2] and not known[1].value.type
+                self._newer[place] = change, reading, is_first
 
     def record_result(self, part_id: str, capability: str, value: PlainValue, now: float) -> None:
         """Store a value from an outcome, reported at *now* in seconds since the Unix epoch, until a newer one comes."""
@@ -72,7 +83,9 @@ class DeviceView:
         """Return the latest value of the part, with its times; None if it has reported none."""
         if (new := self._newer.get((part_id, capability))) is not None:
             change, reading, is_first = new
-            return change.state_of(reading, is_first=is_first)
+            state, held = change.state_of(reading, is_first=is_first), self._held.get((part_id, capability))
+            is_back = held is not None and held.value == state.value
+            return state.model_copy(update={"since": held.since}) if held is not None and is_back else state
         for state in self.device.states:
             if state.capability == capability and state.part == part_id:
                 return state
@@ -90,3 +103,26 @@ class DeviceView:
         newer = {place: new[0].state_of(new[1], is_first=new[2]) for place, new in self._newer.items()}
         states = [newer.pop((state.part, state.capability), state) for state in self.device.states]
         return self.device.model_copy(update={"states": (*states, *newer.values())})
+
+    def settled(self) -> Device:
+        """Return it as :meth:`current` does, but what is unknown, as after a restart of its program, as it was before.
+
+        To be unknown is no move: who waits for a value compares with this.
+        """
+        device = self.current()
+        if not self._held:
+            return device
+        states = (
+            held if (held := self._held.get((one.part, one.capability))) is not None and not one.value.type else one
+            for one in device.states
+        )
+        return device.model_copy(update={"states": tuple(states)})
+
+    def _hold(self, part_id: str, capability: str, value: Value) -> None:
+        """Store what was known before *value* if that is unknown, until it is another one."""
+        place = part_id, capability
+        if value.type:
+            if (held := self._held.get(place)) is not None and held.value != value:
+                del self._held[place]
+        elif place not in self._held and (state := self.state(part_id, capability)) is not None and state.value.type:
+            self._held[place] = state

@@ -211,7 +211,7 @@ class Follow(LiveQuery[DeviceChange]):
     def _device_now(self, view: HouseView, device_id: str) -> Device | None:
         if (known := view.get(device_id)) is None:
             return None
-        return known.current() if self._asks_for_values else known.device
+        return known.settled() if self._asks_for_values else known.device
 
     def _wants(self, device: Device) -> bool:
         return self._is_near(device.id) and (self._query == _ANY or fits(self._query, facets_of(device)))

@@ -174,7 +174,7 @@ class StateRecorder:
         if stored.live and known is not None:
             stored.before, stored.before_since = stored.reported, stored.since
         stored.reported, stored.value, stored.since = value, plain, report.received_at
-        stored.is_first = stored.is_first and not live
+        stored.is_first = stored.is_first and (not live or known is None)
         if stored.column is not None:
             stored.column.values[stored.row] = plain
         return True

@@ -227,12 +227,12 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
         if is_same and query.near is None and not query.asks_for_values:
             return list(reported)
         self._compared[device_id] = known.device
-        return query.parts(known.current()) if self._is_near(device_id) else []
+        return query.parts(known.settled()) if self._is_near(device_id) else []
 
 
 def _matches(view: HouseView, query: HandleQuery[HandleT], handle: HandleT) -> bool:
     known = view.get(handle.device.id)
-    return known is not None and handle.part_id in query.parts(known.current())
+    return known is not None and handle.part_id in query.parts(known.settled())
 
 
 class _Match(NamedTuple):

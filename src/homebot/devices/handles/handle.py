@@ -139,7 +139,7 @@ class Handle:
     def since(self, capability: str) -> float:
         """Return since when *capability* has had its value, in seconds since the Unix epoch; 0 if unknown."""
         state = self._view.state(self._part_id, capability)
-        return 0.0 if state is None else state.since.to_seconds()
+        return state.since.to_seconds() if state is not None and state.value.type else 0.0
 
     @property
     def told_at(self) -> float:
