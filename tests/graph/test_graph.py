@@ -90,6 +90,17 @@ async def test_a_watcher_hears_what_comes_and_goes_in_order(graph: Graph) -> Non
     assert heard[2] == GraphChange("added", publisher.info)
 
 
+async def test_a_watcher_of_a_name_hears_only_of_that(graph: Graph) -> None:
+    """Each of 300 routines waits for one service, and need not hear of all entities of the others."""
+    node = Node(graph, "n")
+    with graph.watch(name="/wanted") as changes:
+        node.create_publisher(String, "other")
+        node.create_publisher(String, "wanted").close()
+        heard = [await changes.receive() for _ in range(2)]
+        assert changes.take() is None
+    assert [(change.change, change.entity.name) for change in heard] == [("added", "/wanted"), ("removed", "/wanted")]
+
+
 async def test_a_watch_ends_with_its_block(graph: Graph) -> None:
     with graph.watch() as changes:
         pass

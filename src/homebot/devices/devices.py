@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import ParamSpec, TypeAlias, TypeVar, overload
 
 import anyio.lowlevel
@@ -59,7 +59,6 @@ class Devices:
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._handlers: dict[tuple[str, str], tuple[str, MessageHandler]] = {}  # with the id of the device
         self._listened: dict[str, set[str]] = {}
-        self._watches_services = False
         self._subscriptions: dict[str, Subscription[RawMessage]] = {}
         self._gateways: dict[str, Client[SubscribeToTopicRequest, SubscribeToTopicResponse]] = {}
         self._limit = LogLimit(node.graph.clock)
@@ -234,10 +233,10 @@ class Devices:
         return HouseView.of(self._node)
 
     async def _listen_to(self, gateway: str, address: str) -> None:
-        self._listened.setdefault(gateway, set()).add(address)
-        if not self._watches_services:
-            self._watches_services = True
-            self._node.create_task(self._renew_requests)
+        if gateway not in self._listened:
+            self._listened[gateway] = set()
+            self._node.create_task(partial(self._renew_requests, gateway))
+        self._listened[gateway].add(address)
         try:
             await self._request_messages(gateway, address)
         except ServiceUnavailableError:
@@ -256,14 +255,12 @@ class Devices:
             raise RefusedError(f"listening to {address}", response.message)
         self._subscribe(response.data_topic, response.missed)
 
-    async def _renew_requests(self) -> None:
+    async def _renew_requests(self, gateway: str) -> None:
         """Ask again, because a restarted gateway has forgotten its subscribers; asking twice is harmless."""
-        async for service in self._node.graph.watch_services():
-            for gateway, addresses in list(self._listened.items()):
-                if service in {None, GatewayNames(gateway).subscribe}:
-                    for address in sorted(addresses):
-                        await self._try_to_request(gateway, address)
-                        await anyio.lowlevel.checkpoint()
+        async for _ in self._node.graph.watch_services(GatewayNames(gateway).subscribe):
+            for address in sorted(self._listened[gateway]):
+                await self._try_to_request(gateway, address)
+                await anyio.lowlevel.checkpoint()
 
     async def _try_to_request(self, gateway: str, address: str) -> None:
         try:

@@ -173,9 +173,8 @@ class HouseView:
         """Compare the house with the directory now and after each restart of the directory."""
         try:
             with scope, suppress(ClosedError):
-                async for service in self._node.graph.watch_services():
-                    if service in {None, FIND_DEVICES}:
-                        self._compare(await self._ask())
+                async for _ in self._node.graph.watch_services(FIND_DEVICES):
+                    self._compare(await self._ask())
         finally:
             if self._watch is scope:
                 for watcher in tuple(self._watchers):

@@ -51,7 +51,7 @@ class Graph:
         self._services: dict[str, ServiceSlot] = {}
         self._offered: dict[str, OfferedEntity] = {}
         self._endpoints = EndpointIndex()
-        self._watchers: list[Mailbox[GraphChange]] = []
+        self._watchers: dict[str, list[Mailbox[GraphChange]]] = {"": []}  # by the name of what they watch
         self._limit = LogLimit(self.clock)
         self.failures = Failures(self.clock)
         self._epoch = self.clock.now() - self.clock.monotonic()
@@ -157,27 +157,33 @@ class Graph:
                 yield name, seconds
 
     @contextmanager
-    def watch(self, depth: int = WATCH_DEPTH) -> Iterator[Mailbox[GraphChange]]:
+    def watch(self, depth: int = WATCH_DEPTH, name: str = "") -> Iterator[Mailbox[GraphChange]]:
         """Stream every change from now on: ``with graph.watch() as changes: async for change in changes``.
 
         At most *depth* changes are queued; beyond this the oldest is dropped and counted in ``changes.lost``.
+
+        Args:
+            name: The full name of the entities whose changes are wanted, which costs the others nothing; empty for all.
         """
         changes: Mailbox[GraphChange] = Mailbox(depth)
-        self._watchers.append(changes)
+        watchers = self._watchers.setdefault(name, [])
+        watchers.append(changes)
         try:
             yield changes
         finally:
-            self._watchers.remove(changes)
+            watchers.remove(changes)
+            if name and not watchers:
+                self._watchers.pop(name, None)
             changes.close()
 
     # The methods below are for nodes: they raise TypeMismatchError or DuplicateNameError for a name in other use.
 
-    async def watch_services(self) -> AsyncIterator[str | None]:
-        """Yield the full name of each new service. Read it to its end, in one task.
+    async def watch_services(self, name: str = "") -> AsyncIterator[str | None]:
+        """Yield the full name of each new service, or only *name*. Read it to its end, in one task.
 
         None means that any service may be new: at the start, and after lost changes.
         """
-        with self.watch() as changes:
+        with self.watch(name=name) as changes:
             yield None
             lost = 0
             async for change in changes:
@@ -265,5 +271,5 @@ class Graph:
             offered.start()
 
     def _notify(self, change: GraphChange) -> None:
-        for watcher in self._watchers:
+        for watcher in (*self._watchers[""], *self._watchers.get(change.entity.name, ())):
             watcher.put(change)
