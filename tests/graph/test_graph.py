@@ -93,8 +93,9 @@ async def test_a_watcher_hears_what_comes_and_goes_in_order(graph: Graph) -> Non
 async def test_a_watcher_of_a_name_hears_only_of_that(graph: Graph) -> None:
     """Each of 300 routines waits for one service, and need not hear of all entities of the others."""
     node = Node(graph, "n")
-    with graph.watch(name="/wanted") as changes:
+    with graph.watch(only=(EntityKind.PUBLISHER, "/wanted")) as changes:
         node.create_publisher(String, "other")
+        node.create_subscription(String, "wanted", lambda _: None)
         node.create_publisher(String, "wanted").close()
         heard = [await changes.receive() for _ in range(2)]
         assert changes.take() is None

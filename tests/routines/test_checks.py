@@ -47,6 +47,9 @@ async def hints(*routines: Mapping[str, object]) -> Mapping[str, Sequence[str]]:
             await house.says(topic, json.dumps(announced))
         await house.run_for("1m")
         answer = await owner.create_client(ListRoutines, LIST_ROUTINES).call(RoutinesRequest(check=True))
+        for one in answer.routines:  # the same, asked for one alone
+            alone = await house.runtime.app_host.routine_problems([one.name])
+            assert sorted(alone.get(one.name, ())) == sorted(one.hints)
         troubles = (await owner.create_client(GetHealth, RUNTIME_HEALTH).call(HealthRequest())).troubles
     found = {one.name: one.hints for one in answer.routines if one.hints}
     assert [*troubles] == [f"the routine {name}: {hint}" for name, said in found.items() for hint in said]

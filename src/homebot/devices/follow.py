@@ -10,7 +10,7 @@ import anyio.lowlevel
 
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.house_view import HouseView, HouseWatcher
-from homebot.devices.query.facets import facets_of
+from homebot.devices.query.facets import shared_facets_of
 from homebot.devices.query.matching import fits
 from homebot.devices.query.terms import And, IsNear, Query, StateIs, TypeIs, leaves, split_near, type_is
 from homebot.errors import ClosedError
@@ -214,7 +214,7 @@ class Follow(LiveQuery[DeviceChange]):
         return known.settled() if self._asks_for_values else known.device
 
     def _wants(self, device: Device) -> bool:
-        return self._is_near(device.id) and (self._query == _ANY or fits(self._query, facets_of(device)))
+        return self._is_near(device.id) and (self._query == _ANY or fits(self._query, shared_facets_of(device)))
 
 
 def _kind(kind: ChangeKind, *, did_match: bool, does_match: bool) -> ChangeKind:

@@ -51,7 +51,7 @@ class Graph:
         self._services: dict[str, ServiceSlot] = {}
         self._offered: dict[str, OfferedEntity] = {}
         self._endpoints = EndpointIndex()
-        self._watchers: dict[str, list[Mailbox[GraphChange]]] = {"": []}  # by the name of what they watch
+        self._watchers: dict[tuple[EntityKind, str] | None, list[Mailbox[GraphChange]]] = {None: []}
         self._limit = LogLimit(self.clock)
         self.failures = Failures(self.clock)
         self._epoch = self.clock.now() - self.clock.monotonic()
@@ -157,23 +157,25 @@ class Graph:
                 yield name, seconds
 
     @contextmanager
-    def watch(self, depth: int = WATCH_DEPTH, name: str = "") -> Iterator[Mailbox[GraphChange]]:
+    def watch(
+        self, depth: int = WATCH_DEPTH, only: tuple[EntityKind, str] | None = None
+    ) -> Iterator[Mailbox[GraphChange]]:
         """Stream every change from now on: ``with graph.watch() as changes: async for change in changes``.
 
         At most *depth* changes are queued; beyond this the oldest is dropped and counted in ``changes.lost``.
 
         Args:
-            name: The full name of the entities whose changes are wanted, which costs the others nothing; empty for all.
+            only: The kind and full name of the entities whose changes are wanted; None for all, which costs more.
         """
         changes: Mailbox[GraphChange] = Mailbox(depth)
-        watchers = self._watchers.setdefault(name, [])
+        watchers = self._watchers.setdefault(only, [])
         watchers.append(changes)
         try:
             yield changes
         finally:
             watchers.remove(changes)
-            if name and not watchers:
-                self._watchers.pop(name, None)
+            if only is not None and not watchers:
+                self._watchers.pop(only, None)
             changes.close()
 
     # The methods below are for nodes: they raise TypeMismatchError or DuplicateNameError for a name in other use.
@@ -183,7 +185,7 @@ class Graph:
 
         None means that any service may be new: at the start, and after lost changes.
         """
-        with self.watch(name=name) as changes:
+        with self.watch(only=(EntityKind.SERVICE, name) if name else None) as changes:
             yield None
             lost = 0
             async for change in changes:
@@ -271,5 +273,5 @@ class Graph:
             offered.start()
 
     def _notify(self, change: GraphChange) -> None:
-        for watcher in (*self._watchers[""], *self._watchers.get(change.entity.name, ())):
+        for watcher in (*self._watchers[None], *self._watchers.get((change.entity.kind, change.entity.name), ())):
             watcher.put(change)

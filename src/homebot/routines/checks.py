@@ -4,7 +4,7 @@ A device that is not there yet may still come, so these are hints for people and
 """
 
 import re
-from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping
+from collections.abc import AsyncIterator, Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import closing, suppress
 from dataclasses import replace
 from typing import Final, TypeVar, final
@@ -69,28 +69,49 @@ class HouseChecks:
         self._targeted: dict[Do, list[Target]] = {}
         self._meanings: dict[str, Query] = {}
 
-    async def problems(self, routines: Iterable[RoutineSettings]) -> Mapping[str, list[str]]:
-        """Return the problems of each of *routines*, by its name; none if the directory does not answer."""
+    async def problems(
+        self, routines: Iterable[RoutineSettings], names: Collection[str] = ()
+    ) -> Mapping[str, list[str]]:
+        """Return the problems of each of *routines*, by its name; none if the directory does not answer.
+
+        Args:
+            names: Those that are asked about, which costs far less; empty for all.
+        """
+        settings = {one.name: one for one in routines}
+        as_written = {
+            name: (tuple(map(read_trigger, one.when)), tuple(map(read_condition, one.conditions)))
+            for name, one in settings.items()
+            if names and one.enabled
+        }
         found: dict[str, list[str]] = {}
         known: list[RoutineEffects] = []
         self._answers.clear()
         self._targeted.clear()
         self._meanings.clear()
+        waiting = [name for name in settings if not names or name in names]
         try:
-            for one in routines:
+            for name in waiting:  # which grows by those that they concern
                 effects: list[Effect] = []
-                found[one.name] = [problem async for problem in self._of(one, effects)]
-                refusals = [(effect.text, self._refusal(app_of_routine(one.name), effect)) for effect in effects]
-                found[one.name] += [f"{text!r} is refused: {reason}" for text, reason in refusals if reason]
+                one = settings[name]
+                found[name] = [problem async for problem in self._of(one, effects)]
+                refusals = [(effect.text, self._refusal(app_of_routine(name), effect)) for effect in effects]
+                found[name] += [f"{text!r} is refused: {reason}" for text, reason in refusals if reason]
                 if one.enabled:
                     conditions = tuple([await self._resolved(read_condition(text)) for text in one.conditions])
                     triggers = tuple([await self._resolved(read_trigger(text)) for text in one.when])
-                    known.append(RoutineEffects(one.name, triggers, conditions, tuple(effects)))
+                    known.append(RoutineEffects(name, triggers, conditions, tuple(effects)))
+                    others = [other for other in as_written if other not in waiting]
+                    routine = RoutineEffects(name, *as_written.get(name, ((), ())), tuple(effects))
+                    waiting += [one for one in others if routine.concerns(RoutineEffects(one, *as_written[one], ()))]
         except ServiceError:
             return {}
         for name, problem in (*loops(known), *fights(known)):
             found[name].append(problem)
-        return {name: [*dict.fromkeys(problems)] for name, problems in found.items() if problems}
+        return {
+            name: [*dict.fromkeys(problems)]
+            for name, problems in found.items()
+            if problems and (not names or name in names)
+        }
 
     async def commanding(self, routines: Iterable[RoutineSettings], device: str) -> frozenset[str]:
         """Return the names of those of *routines* that command the device with the id *device*."""
@@ -114,7 +135,8 @@ class HouseChecks:
             await self._command(step, effects, is_prompt=True)
         except ServiceError:
             return False
-        return bool(effects) and step.command[0] not in "+-" and not any(one.acts_each_time for one in effects)
+        is_change = any(map(is_relative, (step.command, *[value for _, value in step.values])))
+        return bool(effects) and not is_change and not any(one.acts_each_time for one in effects)
 
     async def _of(self, routine: RoutineSettings, effects: list[Effect]) -> AsyncIterator[str]:
         """Yield the problems of one routine, and add the effects of its steps to *effects*."""

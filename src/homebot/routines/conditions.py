@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import combinations
 from typing import Final, TypeAlias
 
@@ -81,6 +82,7 @@ Condition: TypeAlias = SunIs | OnDays | TimeSpan | SunSpan | Matches | Press | A
 """A press holds in the run that it started."""
 
 
+@lru_cache(maxsize=2000)  # read for each check of each routine
 def read_condition(text: str) -> Condition:
     """Return the condition *text*.
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations, product
 from typing import Final
 
@@ -10,7 +11,7 @@ from homebot.devices.always_ask import always_asks
 from homebot.devices.capabilities import LIGHTS_UP, acts_each_time
 from homebot.devices.device import Device, State, target_of
 from homebot.devices.obedience import changes, related
-from homebot.devices.query.facets import facets_of
+from homebot.devices.query.facets import Facets, facets_of
 from homebot.devices.query.matching import compares, fits
 from homebot.devices.query.terms import StateIs, leaves
 from homebot.devices.value import PlainValue, Value
@@ -23,7 +24,7 @@ __all__ = ["Effect", "RoutineEffects", "fights", "loops"]
 _NEAR: Final = 0.01
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Effect:
     """The values that a step sets on a part.
 
@@ -62,12 +63,16 @@ class Effect:
         """Return whether its device matches *trigger* afterwards, because of it."""
         if not isinstance(trigger, Becomes) or trigger.is_none:
             return False
+        capabilities, facets = self._afterwards
+        return not trigger.capabilities.isdisjoint(capabilities) and fits(trigger.query, facets)
+
+    @cached_property
+    def _afterwards(self) -> tuple[frozenset[str], Facets]:
+        """The capabilities that it changes, and the device with the values that it has then."""
         settings = dict(self.settings)
         if any(settings.get(one) for one in LIGHTS_UP):
             settings["on_off"] = True
-        if trigger.capabilities.isdisjoint(settings):
-            return False
-        return fits(trigger.query, facets_of(_with(self.device, self.part, settings)))
+        return frozenset(settings), facets_of(_with(self.device, self.part, settings))
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +83,13 @@ class RoutineEffects:
     triggers: tuple[Trigger, ...]
     conditions: tuple[Condition, ...]
     effects: tuple[Effect, ...]
+
+    def concerns(self, other: "RoutineEffects") -> bool:
+        """Return whether it starts *other*, or may start when that does: only then may they loop or fight."""
+        return any(map(self._starts, other.triggers)) or _may_meet(self, other)
+
+    def _starts(self, trigger: Trigger) -> bool:
+        return any(one.starts(trigger) for one in self.effects)
 
 
 def loops(routines: Iterable[RoutineEffects]) -> Iterator[tuple[str, str]]:
@@ -92,9 +104,18 @@ def loops(routines: Iterable[RoutineEffects]) -> Iterator[tuple[str, str]]:
 
 def fights(routines: Iterable[RoutineEffects]) -> Iterator[tuple[str, str]]:
     """Yield each routine that fights with another one: they set a part to opposite values, perhaps at once."""
-    for one, other in combinations(routines, 2):
-        pair = next(_opposed(one, other), None) if _may_meet(one, other) else None
-        if pair is not None:
+    commanding: dict[tuple[str, str], dict[str, RoutineEffects]] = {}
+    for routine in routines:
+        for effect in routine.effects:
+            commanding.setdefault((effect.device.id, effect.part), {})[routine.name] = routine
+    pairs = {
+        (one.name, other.name): (one, other)
+        for same in commanding.values()
+        for one, other in combinations(same.values(), 2)
+    }
+    for one, other in pairs.values():
+        pair = next(_opposed(one, other), None)
+        if pair is not None and _may_meet(one, other):
             mine, theirs = pair
             for name, step, by, against in ((one.name, *pair, other.name), (other.name, theirs, mine, one.name)):
                 place = step.device.name or target_of(step.device.id, step.part)

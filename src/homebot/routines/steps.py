@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import chain
 from typing import Final, TypeAlias
 
@@ -162,6 +163,7 @@ class _NoStepError(UsageError):
     """A text that ends with no command."""
 
 
+@lru_cache(maxsize=2000)  # read for each check of each routine
 def read_step(text: str) -> Step:
     """Return the step *text*.
 

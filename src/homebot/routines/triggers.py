@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES
@@ -137,6 +138,7 @@ class PersonMoves:
 Trigger: TypeAlias = Becomes | Press | RobotArrival | PersonMoves | DaysAndTime | SunMoment
 
 
+@lru_cache(maxsize=2000)  # read for each check of each routine
 def read_trigger(text: str) -> Trigger:
     """Return the trigger *text*.
 

@@ -22,7 +22,7 @@ from homebot.support.counters import Severity
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Iterator, Mapping, MutableMapping
+    from collections.abc import AsyncIterator, Callable, Collection, Iterator, Mapping, MutableMapping
 
     from homebot.apps.notifier import Notifier
     from homebot.apps.stores import AppStores
@@ -250,13 +250,13 @@ class AppHost:
                 for problem in await HouseView.of(app.node).names.problems():
                     yield f"{app.node.name}: {problem}"
 
-    async def routine_problems(self) -> Mapping[str, list[str]]:
-        """Return what in each routine cannot work in the house as it is now, by the name of the routine."""
+    async def routine_problems(self, names: Collection[str] = ()) -> Mapping[str, list[str]]:
+        """Return what in each routine, or those *names*, cannot work in the house as it is now, by its name."""
         routines = self.routines
         if not routines:
             return {}
         settings = (one.settings.model_copy(update={"enabled": one.is_enabled}) for one in routines.values())
-        return await self._checks.problems(settings)
+        return await self._checks.problems(settings, names)
 
     def given_up(self) -> set[tuple[str, str]]:
         """Return the node and the callback of each job and handler that was given up."""

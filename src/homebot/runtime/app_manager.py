@@ -82,6 +82,9 @@ _MOST_LISTED = 20
 _TRIAL = 1.0
 """Seconds after the start in which a crash of the new code restores the old."""
 
+_ROUTINE_TRIAL = 0.02
+"""The same for a routine, which has no code of its own: it has begun then."""
+
 _COLLECT_EVERY = 100
 """Reloads after which old code is freed: classes are cycles, and a process that serves collects all objects too seldom.
 That takes less than a second in a house of a thousand devices."""
@@ -320,7 +323,8 @@ class AppManager:
 
     async def _first_crash(self, names: Sequence[str]) -> tuple[str, str]:
         """Wait until all have proved to run; return the first that has not, with its crash, both empty for none."""
-        with anyio.move_on_after(self.trial):
+        is_code = any(one not in self._host.routines for one in names)
+        with anyio.move_on_after(self.trial if is_code else _ROUTINE_TRIAL):
             for name in names:
                 await self._apps[name].has_crashed.wait()
         return next(((one, self._apps[one].crash) for one in names if self._apps[one].crash), ("", ""))

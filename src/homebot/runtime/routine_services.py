@@ -136,7 +136,7 @@ class RoutineServices:
 
     async def _with_hints(self, text: str, *routines: WrittenRoutine) -> str:
         """Return *text* and the problems of *routines* in the house as it is now, each on its line."""
-        hints = await self._host.routine_problems()
+        hints = await self._host.routine_problems([one.name for one in routines])
         return "\n".join((text, *(f"{one.name}: {hint}" for one in routines for hint in hints.get(one.name, ()))))
 
     async def _edit(self, meant: RoutineInfo, text: str) -> str:

@@ -5,15 +5,17 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain
 from operator import attrgetter
+from typing import Final
 
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
+from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold, words_of
 
-__all__ = ["Facets", "facets_of"]
+__all__ = ["Facets", "facets_of", "shared_facets_of"]
 
 _CONVENTION = attrgetter("convention")
 _GATEWAY = attrgetter("gateway")
@@ -69,6 +71,11 @@ class Facets:
         return frozenset([fold(self.id), self.name, *self.facts.get("name", ())])
 
 
+_MAX_KEPT: Final = 2000
+_KEPT: BoundedMap[int, tuple[Device, Facets]] = BoundedMap(_MAX_KEPT)
+"""The newest descriptions with their facets, by identity: a device that is kept is no other one's."""
+
+
 def facets_of(device: Device) -> Facets:
     """Return the searchable facets of *device*."""
     kinds, possible_types = _kinds_of(device.service_type, device.parts)
@@ -98,6 +105,14 @@ def facets_of(device: Device) -> Facets:
         is_disputed=bool(device.conflicts),
         is_unapproved=waits_for_approval(device),
     )
+
+
+def shared_facets_of(device: Device) -> Facets:
+    """Return the facets of *device*, kept for the live queries of others: hundreds compare the same description."""
+    known = _KEPT.get(id(device))
+    if known is None or known[0] is not device:
+        known = _KEPT[id(device)] = device, facets_of(device)
+    return known[1]
 
 
 def _main_part(device: Device) -> Part | None:
