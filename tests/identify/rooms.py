@@ -4,9 +4,9 @@ The sensor has white noise, and what it sees drifts; in three rooms of ten there
 those that are not in view reach the sensor as reflections.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import exp
+from math import exp, inf
 from random import Random
 
 from homebot.identify.belief import Seen, begun, is_brightening, is_brighter
@@ -32,6 +32,9 @@ class Rooms:
     is_in_view: bool = True
     least: float = 0.45
     jump: float = 0.0
+    twin: float = 0.0
+    limit: float = inf
+    step: float = 0.0
 
 
 class Room:
@@ -44,6 +47,8 @@ class Room:
         self.effects = [random.uniform(0, kind.reflections) for _ in range(kind.count)]
         if self.target is not None:
             self.effects[self.target] = 1.0
+        if kind.twin and self.target is not None:
+            self.effects[self.target - 1] = kind.twin
         self.fades = [random.uniform(0.05, 0.8) for _ in range(kind.count)]
         self.lates = [random.uniform(0, kind.late) for _ in range(kind.count)]
         self.cloud = (random.uniform(0, 40), random.uniform(-0.8, 0.8)) if random.random() < 0.3 else (1e9, 0.0)
@@ -74,7 +79,8 @@ class Room:
             at, jump = self.cloud
             lamps = sum(effect * level for effect, level in zip(self.effects, self.levels, strict=True))
             base = DAYLIGHT + self.base + (jump if self.now > at else 0.0)
-            values.append(base + lamps + self.random.gauss(0, self.kind.noise))
+            value = min(base + lamps + self.random.gauss(0, self.kind.noise), self.kind.limit)
+            values.append(round(value / self.kind.step) * self.kind.step if self.kind.step else value)
         return values
 
 
@@ -91,7 +97,7 @@ def identify(kind: Rooms, seed: int) -> Found:
     """Identify the lamp in one room."""
     random = Random(seed)  # noqa: S311 - a simulation
     room = Room(kind, random)
-    look = looks(room)
+    look = Looks(room)
     room.set([False] * kind.count)
     first = look()
     room.set([True] * kind.count)
@@ -107,19 +113,20 @@ def identify(kind: Rooms, seed: int) -> Found:
     for _ in range(MOST_SLOTS):
         room.set(next_code(belief, random))
         belief.add(look())
-        if conclusion.add(belief):
+        if conclusion.add(belief, look.noise.trouble):
             return Found(conclusion.found == room.target, conclusion.found != room.target, room.now)
     return Found(is_right=False, is_wrong=False, seconds=room.now)
 
 
-def looks(room: Room) -> Callable[[], Seen]:
-    """Return what looks for a second."""
-    noise, last = Noise(), 0.0
+class Looks:
+    """What looks at a room for a second."""
 
-    def look() -> Seen:
-        nonlocal last
-        mean, variance = noise.of(room.pass_time(LOOK))
-        passed, last = room.now - last, room.now
-        return Seen(tuple(map(float, room.told)), mean, variance, passed)
+    def __init__(self, room: Room) -> None:
+        self.noise = Noise()
+        self._room = room
+        self._last = 0.0
 
-    return look
+    def __call__(self) -> Seen:
+        mean, variance = self.noise.of(self._room.pass_time(LOOK))
+        passed, self._last = self._room.now - self._last, self._room.now
+        return Seen(tuple(map(float, self._room.told)), mean, variance, passed)

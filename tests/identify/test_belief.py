@@ -1,5 +1,6 @@
 """Which candidate is in view is found in rooms with noise, drift, clouds, reflections, and lamps that are late."""
 
+from dataclasses import replace
 from statistics import median
 
 import pytest
@@ -15,14 +16,14 @@ ROOMS = size(50, 2000)
 @pytest.mark.parametrize(
     ("kind", "right", "wrong", "seconds"),
     [
-        (Rooms(), 0.99, 0.001, 20),
-        (Rooms(late=2.0), 0.99, 0.001, 35),
+        (Rooms(), 0.99, 0.001, 24),
+        (Rooms(late=2.0), 0.99, 0.001, 40),
         (Rooms(noise=0.1), 0.99, 0.001, 20),
-        (Rooms(reflections=0.5), 0.97, 0.001, 20),
+        (Rooms(reflections=0.5), 0.96, 0.001, 27),
         (Rooms(is_in_view=False), 0.97, 0.001, 35),
-        (Rooms(least=0.0), 0.99, 0.001, 20),
+        (Rooms(least=0.0), 0.97, 0.001, 27),
         (Rooms(count=3), 0.99, 0.001, 20),
-        (Rooms(jump=10.0), 0.97, 0.001, 20),
+        (Rooms(jump=10.0), 0.97, 0.001, 30),
         (Rooms(count=1), 0.99, 0.001, 20),
         (Rooms(count=1, is_in_view=False), 0.97, 0.001, 20),
         (Rooms(count=1, is_in_view=False, jump=10.0), 0.97, 0.001, 20),
@@ -37,6 +38,31 @@ def test_the_candidate_in_view_is_found(kind: Rooms, right: float, wrong: float,
     assert sum(one.is_right for one in found) >= right * ROOMS
     assert sum(one.is_wrong for one in found) <= wrong * ROOMS
     assert median(one.seconds for one in found) <= seconds
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        Rooms(twin=1.0),
+        Rooms(twin=0.9),
+        Rooms(limit=5.3),
+        Rooms(limit=5.6),
+        Rooms(limit=5.6, reflections=0.5),
+        Rooms(limit=6.0),
+        Rooms(limit=5.4, noise=0.05, reflections=0.5),
+        Rooms(step=2.0),
+        Rooms(step=2.0, noise=0.02),
+        Rooms(step=5.0),
+    ],
+    ids=[
+        *("twins", "nearly twins", "saturated", "at times", "by reflections", "seldom", "and quiet"),
+        *("coarse", "coarse and quiet", "very coarse"),
+    ],
+)
+def test_nothing_is_sure_where_two_shine_alike_or_the_sensor_cannot_tell(kind: Rooms) -> None:
+    """By the least effect that is supposed if nobody states one."""
+    found = [identify(replace(kind, least=0.0), seed) for seed in range(ROOMS // 2)]
+    assert sum(one.is_wrong or one.is_right for one in found) <= (0.1 * ROOMS if kind.twin else 0)
 
 
 def seen(*levels: float, value: float) -> Seen:

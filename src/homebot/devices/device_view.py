@@ -25,7 +25,7 @@ class DeviceView:
         self.is_gone = False
         self.sequence = sequence
         self._newer: dict[tuple[str, str], tuple[StateChange, Reading, bool]] = {}
-        self._held: dict[tuple[str, str], State] = {}  # what it said before a value became unknown, until another one
+        self._held: dict[tuple[str, str], State] = {}  # the last values before those that are unknown
 
     def update(self, device: Device, sequence: int, *, is_gone: bool = False) -> None:
         """Store a description unless it is older than the stored one."""
@@ -105,9 +105,9 @@ class DeviceView:
         return self.device.model_copy(update={"states": (*states, *newer.values())})
 
     def settled(self) -> Device:
-        """Return it as :meth:`current` does, but what is unknown, as after a restart of its program, as it was before.
+        """Return it as :meth:`current` does, but values that are unknown, as after a restart of its program, as before.
 
-        To be unknown is no move: who waits for a value compares with this.
+        To be unknown is no move: a wait for a value compares with this.
         """
         device = self.current()
         if not self._held:
@@ -119,7 +119,7 @@ class DeviceView:
         return device.model_copy(update={"states": tuple(states)})
 
     def _hold(self, part_id: str, capability: str, value: Value) -> None:
-        """Store what was known before *value* if that is unknown, until it is another one."""
+        """Store the value before *value* if that is unknown, until another one comes."""
         place = part_id, capability
         if value.type:
             if (held := self._held.get(place)) is not None and held.value != value:

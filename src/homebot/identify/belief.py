@@ -35,8 +35,7 @@ _INEXACT: Final = 0.03
 _SHARE: Final = 0.05
 """The least effect of a candidate in view, as a share of what is seen, if it is unknown."""
 
-_MORE: Final = 1.2
-_CLEARLY: Final = 1.0
+_CLEARLY: Final = ((1.0, 3.0), (1.2, 1.0))
 """How many times the effect of any other candidate that of the one in view is, by how many standard deviations."""
 
 _TINY: Final = 1e-6
@@ -102,7 +101,9 @@ class Belief:
         effect, deviation = self._best.effect(candidate)
         others = (self._best.effect(one) for one in range(self.count) if one not in {candidate, *self._dropped})
         return all(
-            effect - _MORE * other > _CLEARLY * sqrt(deviation**2 + (_MORE * spread) ** 2) for other, spread in others
+            effect - more * other > deviations * sqrt(deviation**2 + (more * spread) ** 2)
+            for other, spread in others
+            for more, deviations in _CLEARLY
         )
 
     def gain(self, levels: Sequence[float]) -> float:

@@ -31,14 +31,16 @@ class Conclusion:
         self._looks = 1  # the one with which a belief begins
         self._row = 0
 
-    def add(self, belief: Belief) -> bool:
-        """Return whether it is sure after one more look."""
+    def add(self, belief: Belief, trouble: str = "") -> bool:
+        """Return whether it is sure after one more look; never with *trouble* of the sensor."""
         each = belief.each
         best = max(range(belief.count), key=each.__getitem__)
         probability, found = max((belief.none, None), (each[best], best), key=lambda one: one[0])
         self._looks += 1
         if found is not None and not belief.stands_out(found):
             probability = 0.0
+        if trouble:
+            probability, found = 0.0, None
         self._row = (self._row if found == self.found else 0) + 1 if probability >= self._sure else 0
         self.found = found
         is_surer = found is not None and 1 - probability <= _SURER * (1 - self._sure)

@@ -95,6 +95,11 @@ class Identification:
         """The probability of none of the candidates."""
         return 1 / (len(self._candidates) + 1) if self._belief is None else self._belief.none
 
+    @property
+    def trouble(self) -> str:
+        """The reason for which no look decides; empty if there is none."""
+        return self._sight.trouble
+
     def states(self) -> tuple[CandidateState, ...]:
         """Return the states of the candidates."""
         return tuple(map(self._state, range(len(self._candidates)), self._candidates))
@@ -135,7 +140,7 @@ class Identification:
             if one.problem:
                 belief.drop(number)
         belief.add(seen)
-        is_sure = conclusion.add(belief)
+        is_sure = conclusion.add(belief, self._sight.trouble)
         self._publish()
         return is_sure
 

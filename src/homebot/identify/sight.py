@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections import Counter, deque
 from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
 from functools import partial
+from itertools import chain
 from statistics import fmean, median, variance
 from typing import TYPE_CHECKING, Any, Final, Self
 
@@ -56,14 +58,37 @@ _LARGEST: Final = 1e12
 _NO_VALUES: Final = frozenset({"variance", "stamp", "header"})
 
 
+_MAX_LOOKS: Final = 100
+_FEW_VALUES: Final = 4
+"""Values and looks: those of a sensor with fine steps differ in each look."""
+
+_TIMES_AT_END: Final = 4
+_OFTEN, _NEAR_END = 2, 5
+"""How often, and how much more often than the values below it, the largest value comes at the end of a range."""
+
+
 class Noise:
     """The usual variance of the values of a sensor, from those of all looks, each about its own mean. Pure."""
 
     def __init__(self) -> None:
         self._variances: list[float] = []
+        self._looks: deque[Sequence[float]] = deque(maxlen=_MAX_LOOKS)
+
+    @property
+    def trouble(self) -> str:
+        """The reason for which no look decides: the sensor is at the end of its range, or too coarse; else empty."""
+        counts = Counter(chain.from_iterable(self._looks))
+        values = sorted(counts)
+        if len(values) <= _FEW_VALUES and len(self._looks) >= _FEW_VALUES and counts.total() > len(self._looks):
+            return f"what is seen has only the values {', '.join(f'{one:g}' for one in values)}: too coarse for this"
+        top, *others = reversed(values)
+        if counts[top] >= _TIMES_AT_END and counts[top] > _OFTEN * max(map(counts.__getitem__, others[:_NEAR_END])):
+            return f"what is seen ends at {top:g}: it is too bright for the sensor"
+        return ""
 
     def of(self, values: Sequence[float]) -> tuple[float, float]:
         """Return the mean of the values of one look, and its variance: more than usual if they jump."""
+        self._looks.append(tuple(values))
         mean, own = fmean(values), variance(values) if len(values) > 1 else 0.0
         self._variances += [own] if len(values) > 1 else []
         usual = _MARGIN * median(self._variances or [0.0])
@@ -90,6 +115,11 @@ class Sight(ABC):
 
     def __exit__(self, *_: object) -> None:
         self._closing.close()
+
+    @property
+    def trouble(self) -> str:
+        """The reason for which no look decides; empty if there is none."""
+        return self._noise.trouble
 
     @abstractmethod
     async def values(self) -> Sequence[float]:

@@ -43,7 +43,7 @@ class Effect:
 
     @property
     def acts_each_time(self) -> bool:
-        """True if to set it again may do more, or what a person has to allow."""
+        """True if to set it again may do more, or needs a person."""
         if self.may_be or acts_each_time(self.settings):
             return True
         part = self.device.part(self.part)

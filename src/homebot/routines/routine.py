@@ -95,7 +95,7 @@ class Routine(RoutineBase[RoutineSettings]):
         return f"{change}d {name}"
 
     async def keep(self, run: RoutineRun, place: Place, before: dict[str, list[Any]]) -> None:
-        """Store how far *run* is, for a restart; at once before what must not be done twice."""
+        """Store how far *run* is, for a restart; at once before a step that must not be done twice."""
         ends = accumulate(len(program_of((one,))) for one in self.settings.do)
         number = next(number for number, end in enumerate(ends, 1) if place.line < end)
         kept = {"place": place.line, "until": place.until, "may_repeat": place.may_repeat, "before": before}
