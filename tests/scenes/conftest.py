@@ -32,11 +32,12 @@ class Kept:
     """Keeps the scenes where a restart of the services finds them."""
 
     def __init__(self) -> None:
-        self.scenes = ""
+        self.scenes = self.on_disk = ""
         self.problem = ""
 
     async def keep_scenes(self, record: str, *, at_once: bool) -> str:
         self.scenes = record
+        self.on_disk = record if at_once else self.on_disk
         return self.problem if at_once else ""
 
 

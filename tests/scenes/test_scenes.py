@@ -115,6 +115,15 @@ async def test_an_undo_brings_back_what_nobody_has_changed_since(home: Home, sce
     assert "nothing to undo" in again.message
 
 
+async def test_an_undo_outlives_a_sudden_death_just_after_the_scene(home: Home, scenes: Scenes, kept: Kept) -> None:
+    await evening(home)
+    await scenes.change(name="Dark", change="save", values=[{"key": "light in living", "value": "off"}])
+    assert (await scenes.apply("Dark")).success
+    assert kept.on_disk == kept.scenes
+    assert (await scenes.apply("Dark", undo=True)).success
+    assert kept.on_disk == kept.scenes
+
+
 async def test_an_edit_changes_what_is_named_and_keeps_the_rest(home: Home, scenes: Scenes) -> None:
     await evening(home)
     await scenes.change(name="Film", change="save", target="light in living")

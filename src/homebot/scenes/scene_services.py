@@ -134,7 +134,7 @@ class SceneServices:
             scene = house.find(request.name)
         except HomebotError as exc:
             return CommandDevicesResponse(success=False, message=str(exc))
-        keep = partial(self._store, book, at_once=False)
+        keep = partial(self._store, book, at_once=True)  # an undo outlives a sudden death
         if request.undo:
             answer = await self._applying.undo(request, scene, house, book)
         else:
