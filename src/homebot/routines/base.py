@@ -20,7 +20,7 @@ from homebot.devices.services import QueryDevices, QueryDevicesRequest
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.routines.conditions import AnyOf, Condition, Matches, OnDays, SunIs
-from homebot.routines.run import Place, RoutineRun
+from homebot.routines.run import RoutineRun, RunPlace
 from homebot.routines.times import DaysAndTime, SunMoment, SunSpan, TimeSpan
 from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
 from homebot.routines.watches import ArrivalWatch, PersonWatch, PressWatch, begun, is_press
@@ -90,7 +90,7 @@ class RoutineBase(App[SettingsT_co]):
                 return text
         return ""
 
-    async def keep(self, run: RoutineRun, place: Place, before: dict[str, list[Any]]) -> None:
+    async def keep(self, run: RoutineRun, place: RunPlace, before: dict[str, list[Any]]) -> None:
         """Store how far *run* is, for a restart."""
 
     def record(self, text: str) -> None:

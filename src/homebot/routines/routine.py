@@ -15,7 +15,7 @@ from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.messages import Time
 from homebot.routines.base import RoutineBase
 from homebot.routines.program import conditions_of, program_of
-from homebot.routines.run import Place, RoutineRun
+from homebot.routines.run import RoutineRun, RunPlace
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.text import routine_text
 from homebot.support.isolation import error_text
@@ -94,7 +94,7 @@ class Routine(RoutineBase[RoutineSettings]):
             self.store[_KEPT] = {}
         return f"{change}d {name}"
 
-    async def keep(self, run: RoutineRun, place: Place, before: dict[str, list[Any]]) -> None:
+    async def keep(self, run: RoutineRun, place: RunPlace, before: dict[str, list[Any]]) -> None:
         """Store how far *run* is, for a restart; at once before a step that must not be done twice."""
         ends = accumulate(len(program_of((one,))) for one in self.settings.do)
         number = next(number for number, end in enumerate(ends, 1) if place.line < end)

@@ -34,7 +34,7 @@ from homebot.routines.watches import begun
 if TYPE_CHECKING:
     from homebot.routines.checks import HouseChecks
 
-__all__ = ["Place", "RoutineOwner", "RoutineRun"]
+__all__ = ["RoutineOwner", "RoutineRun", "RunPlace"]
 
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
@@ -48,7 +48,7 @@ class RoutineOwner(Protocol):
     devices: Devices
     commands: Client[CommandDevicesRequest, CommandDevicesResponse]
 
-    async def keep(self, run: RoutineRun, place: Place, before: dict[str, list[Any]]) -> None:
+    async def keep(self, run: RoutineRun, place: RunPlace, before: dict[str, list[Any]]) -> None:
         """Store how far *run* is, for a restart."""
 
     async def notify(self, message: str, *, title: str = "") -> bool:
@@ -64,7 +64,7 @@ class RoutineOwner(Protocol):
         """Log that a step failed."""
 
 
-class Place(NamedTuple):
+class RunPlace(NamedTuple):
     """The step that a run takes.
 
     Attributes:
@@ -119,7 +119,7 @@ class RoutineRun:
                 may_repeat, until = True, until or self._clock.now() + length
             case _:
                 may_repeat = isinstance(step, Undo)
-        await self._owner.keep(self, Place(place, until, may_repeat), self._before.entries)
+        await self._owner.keep(self, RunPlace(place, until, may_repeat), self._before.entries)
         match step:
             case Do():
                 await self._do(step)
