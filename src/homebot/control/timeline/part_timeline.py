@@ -21,7 +21,8 @@ from homebot.control.timeline.facts import (
     Sent,
 )
 from homebot.control.timeline.learning import learn_failure, learn_late_answer, learn_outcome, learn_settled
-from homebot.control.timeline.profile import ENOUGH, KEPT, DeviceProfile
+from homebot.control.timeline.profile import ENOUGH, DeviceProfile
+from homebot.control.timeline.programs import ProgramWatch
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.devices.capabilities import CAPABILITIES, OWN
@@ -34,9 +35,6 @@ __all__ = ["MOST_REPORTS", "PartTimeline"]
 MOST_REPORTS: Final = 128
 _MOST_SENT: Final = 2000
 """As many as a rate limit needs, which counts up to 1,000 changes, and repetitions."""
-
-_LOOKS: Final = frozenset({"level", "color_temperature", "color"})
-_MAX_CREEP: Final = 0.05
 
 _ROUNDING: Final = 0.001
 """Seconds by which time stamps and the monotonic clock may differ: some devices answer at once."""
@@ -59,29 +57,6 @@ class _Brought(NamedTuple):
         """
         known = self.value, self.seen
         return isinstance(fact.value, float) and any(fits(fact.capability, one, fact.value) for one in known)
-
-
-class _Creep(NamedTuple):
-    """Change of the level or colour of a lit lamp that nothing explains, with its further steps.
-
-    Attributes:
-        at: When its newest step came, in seconds.
-        begin: The values before, by capability.
-        is_small: Whether nobody would see it.
-        is_usual: Whether another program makes such changes.
-    """
-
-    at: float
-    begin: dict[str, PlainValue]
-    is_small: bool
-    is_usual: bool
-
-
-def _is_small(capability: str, before: PlainValue, value: PlainValue) -> bool:
-    """Return whether a change is at most five percent, of the range of a level or of the colour temperature."""
-    if not (isinstance(before, float) and isinstance(value, float)):
-        return False
-    return abs(value - before) <= _MAX_CREEP * (100.0 if capability == "level" else before)
 
 
 @final
@@ -130,8 +105,7 @@ class PartTimeline:
         self._latest: dict[str, tuple[PlainValue, float, float]] = {}  # value, last report, first report
         self._before_echo: dict[str, tuple[CommandProgress, tuple[PlainValue, float, float]]] = {}
         self._brought: dict[str, _Brought] = {}
-        self._creep: _Creep | None = None
-        self._unexplained_at: dict[tuple[str, PlainValue], float] = {}
+        self._programs = ProgramWatch(profile)
         self._number = 0
 
     def seed(self, capability: str, value: PlainValue, at: float) -> None:
@@ -229,11 +203,21 @@ class PartTimeline:
             latest = echoed[1]  # an echo is no report: what follows it is compared with the value before it
         self._number += 1
         previous, before, since = latest
-        fact = Reported(at, stamp, self._number, capability, value, previous, since, is_first, before < lost_at)
-        fact.set_by = set_by
-        fact.was_absent = -math.inf < absent_at >= before
         is_off_again = is_same and value is False and self._is_turned_on(capability)
-        fact.is_news = is_off_again or (is_same and echoed is None and self.profile.changes >= ENOUGH)
+        fact = Reported(
+            at,
+            stamp,
+            self._number,
+            capability,
+            value,
+            previous,
+            since,
+            is_first,
+            is_after_loss=before < lost_at,
+            was_absent=-math.inf < absent_at >= before,
+            is_news=is_off_again or (is_same and echoed is None and self.profile.changes >= ENOUGH),
+            set_by=set_by,
+        )
         self._append(fact)
         roles = [(one, one.report(fact)) for one in reversed(active)]
         self._judge(fact, roles)
@@ -369,36 +353,7 @@ class PartTimeline:
         if not fact.along and brought is not None and self.profile.fits(fact.capability, brought.value, fact.previous):
             fact.timed = self.profile.learn_stay(fact.capability, fact.previous, fact.at - brought.at)
         if cause is None and not (fact.along or fact.timed >= ENOUGH):
-            fact.is_programmed = self._is_programmed(fact)
-
-    def _is_programmed(self, fact: Reported) -> bool:
-        """Return whether a change that nothing explains is one of another program; learn from it.
-
-        Such a program changes the part at regular times, or changes a lit lamp a little, again and again.
-        """
-        capability, creep = fact.capability, self._creep
-        is_look = capability in _LOOKS
-        value = "" if is_look else fact.value  # each value is another one
-        key = capability, value
-        last_at, self._unexplained_at[key] = self._unexplained_at.get(key), fact.at
-        if len(self._unexplained_at) > KEPT:
-            del self._unexplained_at[next(iter(self._unexplained_at))]
-        if is_look and creep is not None and fact.at - creep.at < durations.CREEPS:  # a further step, or the colour
-            begin = creep.begin.setdefault(capability, fact.previous)
-            is_small = creep.is_small and _is_small(capability, begin, fact.value)
-            if creep.is_small and not is_small:
-                self.profile.learn_creep(is_small=False)
-            self._creep = creep._replace(at=fact.at, is_small=is_small)
-            return creep.is_usual and is_small
-        gap = math.inf if last_at is None else fact.at - last_at
-        is_interval = gap <= durations.INTERVAL or (isinstance(value, float) and gap < math.inf)
-        is_regular = is_interval and self.profile.learn_gap(capability, value, gap)
-        is_usual = False
-        if is_look and self.value("on_off") is not False:
-            is_small = _is_small(capability, fact.previous, fact.value)
-            is_usual = self.profile.learn_creep(is_small=is_small) or is_regular
-            self._creep = _Creep(fact.at, {capability: fact.previous}, is_small, is_usual)
-        return is_regular or is_usual
+            fact.is_programmed = self._programs.recognizes(fact, is_lit=self.value("on_off") is not False)
 
     def _judge(self, fact: Reported, roles: list[tuple[CommandProgress, ReportRole]]) -> None:
         """Store the cause of a report, the only time that it is asked for."""
