@@ -38,7 +38,6 @@ __all__ = [
     "certain_values",
     "commanded_part",
     "device_settings",
-    "in_order",
     "is_by_hand",
     "label_of",
     "order_of",
@@ -68,6 +67,7 @@ class IssuedCommand:
     Attributes:
         id: The id of the command, unique in the home.
         settings: The wanted values by capability, in the order of sending.
+        in_order: The same as they are sent: at the end again a mode that many thermostats leave for a setpoint.
         issuer: The name of a node, or ``client:NAME`` for a client of the door.
         issued_at: Seconds since the Unix epoch.
         transition: Seconds that the change takes.
@@ -98,6 +98,7 @@ class IssuedCommand:
     code: str = field(default="", repr=False)
     nearest: str = ""
     is_client: bool = field(init=False)
+    in_order: Sequence[tuple[str, PlainValue]] = field(init=False)
     place: tuple[str, str] = field(init=False)
     states: dict[str, State] = field(init=False)
     values: dict[str, PlainValue] = field(init=False)
@@ -115,6 +116,9 @@ class IssuedCommand:
                 self.states[one.capability], self.values[one.capability] = one, one.value.plain()
         if len(self.settings) > 1:
             self.settings = _ordered(self.settings, self.values)
+        mode = self.settings.get("thermostat_mode")
+        is_left = mode not in {None, "off", "heat", "cool"} and not self.settings.keys().isdisjoint(_SETPOINTS)
+        self.in_order = [*self.settings.items(), *([("thermostat_mode", mode)] if is_left else [])]
         self.why_it_asks = why_it_asks(self.device, self.part)
         self.is_client = self.issuer.startswith(CLIENT)
 
@@ -150,13 +154,6 @@ def _ordered(settings: Mapping[str, PlainValue], values: Mapping[str, PlainValue
     is_lit = settings.get("on_off") is True and not LIGHTS_UP.isdisjoint(settings)
     order = ("level", "", *(("on_off",) if is_lit else ()), *last)
     return dict(sorted(settings.items(), key=lambda one: order.index(one[0] if one[0] in order else "")))
-
-
-def in_order(settings: Mapping[str, PlainValue]) -> list[tuple[str, PlainValue]]:
-    """Return *settings* as they are sent: again a mode that many thermostats leave when they get a setpoint."""
-    mode = settings.get("thermostat_mode")
-    is_left = mode not in {None, "off", "heat", "cool"} and not settings.keys().isdisjoint(_SETPOINTS)
-    return [*settings.items(), *([("thermostat_mode", mode)] if is_left else [])]
 
 
 def is_by_hand(trigger: Trigger, now: float) -> bool:

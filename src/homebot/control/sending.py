@@ -8,7 +8,7 @@ from functools import partial
 from typing import ClassVar, Final, Protocol, TypeVar, final
 
 from homebot.control import durations
-from homebot.control.command import IssuedCommand, in_order
+from homebot.control.command import IssuedCommand
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.leases import Leases
@@ -197,7 +197,8 @@ class Sending:
         """Send the settings in their order; return the outcome if that fails."""
         command, clock, profile = sent.command, self._clock, sent.timeline.profile
         ineffective = profile.ineffective if profile.failures else ()
-        began, is_repeated = clock.monotonic(), sent.progress.transmission.attempts > 0
+        sendings = sent.progress.transmission
+        began, is_repeated = clock.monotonic(), sendings.attempts > 0
         shared = None if is_repeated else command.shared
         if shared is None:
             self._journal.record("sent", command, "again" if is_repeated else "")
@@ -205,13 +206,24 @@ class Sending:
             timeline.append(Sent(command.id, command.settings, began))  # before any wait: a check needs it
         if command.place in self._leases.parts:
             self._leases.record_stop(command, began)
-        order_of, routes, is_unacknowledged = _orders(sent, plan, began), list[str](), False
+        order_of = partial(
+            Command,
+            key="",
+            part="",
+            transition=command.transition,
+            code=command.code,
+            expires_after=plan.end(sendings) - began if is_repeated else plan.lasts,
+            id=command.id,
+            kept_for=plan.keeps_for if sendings.attempts + 1 < plan.tries else 0.0,
+            repeated=is_repeated,
+        )
+        routes, is_unacknowledged = list[str](), False
         is_shared: bool | None = False
         try:
             if shared is not None and (is_shared := await self._share(sent, shared, order_of)) is not False:
                 return None
             orders: Sequence[Command] = [
-                order_of(capability=one, value=Value.of(value)) for one, value in in_order(command.settings)
+                order_of(capability=capability, value=Value.of(value)) for capability, value in command.in_order
             ]
             while orders:
                 if command.place in self._leases.parts:  # a lease that began since the check or the previous message
@@ -254,7 +266,7 @@ class Sending:
         """
         command, sendings = sent.command, sent.progress.transmission
         sendings.echoed = shared.echoed
-        orders = [order_of(capability=one, value=Value.of(value)) for one, value in in_order(command.settings)]
+        orders = [order_of(capability=one, value=Value.of(value)) for one, value in command.in_order]
         on_sent = partial(self._journal.record, "sent", command, shared.name)
         if await sent.acknowledged(shared.carry(orders, sent.progress, on_sent)) is not False:
             sent.progress.fellows = shared.progress
@@ -271,20 +283,3 @@ def not_sent(error: LinkError | RefusedError | ServiceError, waited: float = 0.0
     if isinstance(error, RefusedError):
         return Refused("gateway", error.reason, command_id=command_id)
     return NoAnswer(waited, str(error), command_id=command_id)
-
-
-def _orders(sent: OpenCommand, plan: SendingPlan, began: float) -> Callable[..., Command]:
-    """Return what makes the order of each setting in the sending that *began* then, and is on the timeline."""
-    command, sendings = sent.command, sent.progress.transmission
-    is_repeated = sendings.attempts > 0
-    return partial(
-        Command,
-        key="",
-        part="",
-        transition=command.transition,
-        code=command.code,
-        expires_after=plan.end(sendings) - began if is_repeated else plan.lasts,
-        id=command.id,
-        kept_for=plan.keeps_for if sendings.attempts + 1 < plan.tries else 0.0,
-        repeated=is_repeated,
-    )

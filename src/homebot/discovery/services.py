@@ -16,7 +16,7 @@ from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.group_messages import ListGroups, ListGroupsRequest, ListGroupsResponse
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.query.matching import is_spelled
-from homebot.devices.query.term_messages import QueryTerm, query_terms, read_terms
+from homebot.devices.query.term_messages import query_terms, read_terms
 from homebot.devices.query.terms import And, FactIs, Query, split_near, type_is
 from homebot.devices.value import Reading
 from homebot.discovery.description import position_of
@@ -104,7 +104,7 @@ class DirectoryServices:
 
     async def _near_robot(self, request: messages.FindDevicesRequest) -> list[str] | None:
         """Return the ids of the devices near a robot for *request*, best first; None if it does not ask for that."""
-        near, rest = split_near(self._read(request.query))
+        near, rest = split_near(read_terms(request.query, self._exists))
         if near is None:
             return None
         return [one.device for one in (await (await self._nearness()).find(near, rest)).devices]
@@ -120,13 +120,12 @@ class DirectoryServices:
                 devices.append(device)
         return messages.FindDevicesResponse(devices=tuple(devices), sequence=self._index.changes.sequence)
 
-    def _read(self, terms: Sequence[QueryTerm]) -> Query:
-        """Return the query in *terms*, in which words that are exactly a name mean what is called so."""
-        return read_terms(terms, lambda query: bool(self._index.find(query)))
+    def _exists(self, query: Query) -> bool:
+        return bool(self._index.find(query))
 
     def _matching(self, request: messages.FindDevicesRequest, near: Sequence[str] | None) -> list[str]:
         """Return the ids of the devices that match *request*, sorted, or in the order of *near* if given."""
-        query = self._read(request.query)
+        query = read_terms(request.query, self._exists)
         if request.service_type:
             query = And((type_is(request.service_type), query))
         if request.is_checked:
@@ -140,7 +139,7 @@ class DirectoryServices:
         index, limit = self._index, request.offset + request.limit if request.limit else None
         ranked: list[tuple[float, str, tuple[str, ...]]]
         try:
-            query = self._read(request.query)
+            query = read_terms(request.query, self._exists)
             self._check_words(query)
             near, rest = split_near(query)
             if near is None:
@@ -174,7 +173,7 @@ class DirectoryServices:
         try:
             found = self._matching(wanted, await self._near_robot(wanted))
             if request.is_spelled:
-                query = self._read(request.query)
+                query = read_terms(request.query, self._exists)
                 found = [one for one in found if is_spelled(query, self._index.postings.facets(one).words)]
         except (RefusedError, UsageError) as exc:
             return messages.ListDevicesResponse(success=False, message=_reason(exc), sequence=self._index.sequence)
@@ -182,7 +181,7 @@ class DirectoryServices:
         devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
         return messages.ListDevicesResponse(
             success=True,
-            message=self._note(self._read(request.query), found),
+            message=self._note(read_terms(request.query, self._exists), found),
             devices=tuple(_listed(one, needs_approval=self._index.postings.needs_approval) for one in devices),
             total=len(found),
             sequence=self._index.sequence,

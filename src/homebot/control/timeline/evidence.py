@@ -60,7 +60,7 @@ def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
     over_at = progress.over_at
     if over_at < math.inf:
         return Step("wait", over_at) if now < over_at else _DONE
-    if progress.is_mute:
+    if not progress.transmission.can_be_asked and progress.is_mute:
         return _DONE
     echo_until = weakly_met_at(progress) + plan.echo_patience if progress.has_echo else math.inf
     until = _answer_until(progress, plan, echo_until)

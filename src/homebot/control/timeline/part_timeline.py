@@ -156,7 +156,10 @@ class PartTimeline:
         """Append a fact about a command, and learn from its outcome."""
         if isinstance(fact, Sent):
             self.sent.append(fact)
-            self._bring_again(fact)
+            for capability, value in fact.settings.items():
+                brought = self._brought.get(capability)
+                if brought is not None and brought.value == value:  # a repetition starts timers anew
+                    self._brought[capability] = brought._replace(at=fact.at)
         for progress in reversed(self.commands):
             if progress.order.id == fact.command:
                 break
@@ -400,13 +403,6 @@ class PartTimeline:
                 return
             if fact.attribution.may_be_person and not fact.attribution.command and rests_where_sent(fact, progress):
                 self._amend(frozenset([fact.number]), progress, Cause.COMMAND, ReportRole.ASIDE)
-
-    def _bring_again(self, fact: Sent) -> None:
-        """Let the values that a command brought last from its repetition on: it starts timers anew."""
-        for capability, value in fact.settings.items():
-            brought = self._brought.get(capability)
-            if brought is not None and self.profile.fits(capability, value, brought.value):
-                self._brought[capability] = brought._replace(at=fact.at)
 
     def _amend(self, numbers: frozenset[int], progress: CommandProgress, cause: Cause, role: ReportRole) -> None:
         """Correct the cause of some reports."""

@@ -89,6 +89,7 @@ class IdentityGraph:
 
     Attributes:
         cut: Announcements of which some identifiers were left out.
+        told_apart: The number of identities that are a device for sure.
     """
 
     def __init__(self, decisions: MergeDecisions) -> None:
@@ -99,7 +100,7 @@ class IdentityGraph:
         self._holders: dict[str, dict[Identity, None]] = {}
         self._links: dict[str, bool] = {}
         self._repeated: dict[SourceKey, str] = {}
-        self._told_apart = 0
+        self.told_apart = 0
 
     def put(self, key: SourceKey, sighting: Sighting) -> frozenset[SourceKey]:
         """Record the identity that the announcement *key* gives its device.
@@ -120,7 +121,7 @@ class IdentityGraph:
             sources[key] = None
             return affected | {key}
         self._sources[identity] = {key: None}
-        self._told_apart += identity.is_told_apart
+        self.told_apart += identity.is_told_apart
         changed: set[str] = set()
         for identifier in identity.identifiers:
             holders = self._holders.setdefault(identifier, {})
@@ -148,7 +149,7 @@ class IdentityGraph:
             return frozenset(sources)
         del self._sources[identity]
         were_links = {one: self._links.pop(one, True) for one in self._touched(identity.identifiers)}
-        self._told_apart -= identity.is_told_apart
+        self.told_apart -= identity.is_told_apart
         for identifier in identity.identifiers:
             holders = self._holders[identifier]
             del holders[identity]
@@ -203,7 +204,7 @@ class IdentityGraph:
 
     def claimed_twice(self, keys: Iterable[SourceKey]) -> Iterator[tuple[str, SourceKey, SourceKey]]:
         """Yield each identifier that an announcement of *keys* shares with one that its gateway tells apart."""
-        for key in keys if self._told_apart else ():
+        for key in keys if self.told_apart > 1 else ():
             identity = self._identities[key]
             for identifier in identity.identifiers if identity.is_told_apart else ():
                 for other in self._holders[identifier]:
@@ -252,14 +253,14 @@ class IdentityGraph:
             known = (
                 identifier not in self._decisions.ignored
                 and _is_specific(identifier, self._holders[identifier])
-                and not (self._told_apart and self._joins_two(identifier))
+                and not (self.told_apart and self._joins_two(identifier))
             )
             self._links[identifier] = known
         return known
 
     def _touched(self, identifiers: Iterable[str]) -> Iterable[str]:
         """Return *identifiers* and those beside them, on which it depends whether two become one by a third."""
-        if not self._told_apart:
+        if not self.told_apart:
             return identifiers
         near = dict.fromkeys(identifiers)
         for holders in [self._holders[one] for one in near]:

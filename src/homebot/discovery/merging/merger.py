@@ -268,7 +268,7 @@ class DeviceMerger:
             if entry.stale_gateways:
                 entry.stale_gateways &= entry.gateways()
             entry.evidence = tuple(self._evidence(entry)) if len(sources) > 1 else ()
-            entry.doubts = self._doubts(sources)
+            entry.doubts = self._doubts(sources) if self.identities.told_apart else ()
             entry.silence_allowed = 0.0
             entry.is_denied = bool(table.lost or any(map(_REACH, sources))) and is_denied(sources)
         else:

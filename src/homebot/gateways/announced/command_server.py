@@ -149,7 +149,7 @@ class CommandServer:
         finally:
             SENT_REQUESTS.reset(token)
         self._counters.commands += 1
-        return _CARRIED_OUT.model_copy(update={"along": tuple(along)}) if along else _CARRIED_OUT
+        return _CARRIED_OUT.model_copy(update={"along": tuple(along)}) if along and command.also else _CARRIED_OUT
 
     async def refresh(self, request: RefreshRequest) -> RefreshResponse:
         """Ask a part for its values, and return whether it was asked."""

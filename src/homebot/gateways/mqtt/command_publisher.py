@@ -162,15 +162,14 @@ class CommandPublisher:
         except HomebotError as exc:
             raise UnableError(str(exc)) from exc
         await self._connection.require_link()
-        is_reported = any(map(announced_part.reports, names))
-        if self._census.is_counting and not is_reported:
+        if self._census.is_counting and not any(map(announced_part.reports, names)):
             await self._census.end()
         if command.code:
             publications = tuple(one._replace(retain=False) for one in publications)  # no code stays on the broker
         is_heard = await self._publish(command, publications)
         if announced_part.described.part.members:
             self._ask_members(announced_part, publications)
-        if publications and not is_heard and not is_reported:
+        if publications and not is_heard and not any(map(announced_part.reports, names)):
             raise LinkError(f"no client subscribes to {publications[0].topic[:100]}")
         return names
 

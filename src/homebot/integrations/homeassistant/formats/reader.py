@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 from importlib import import_module
+from operator import attrgetter
 from typing import TypeAlias, cast
 
 from pydantic_core import to_json
@@ -106,6 +107,7 @@ def builder_of(component: str) -> _Builder:
 _Parts: TypeAlias = dict[str, tuple[DescribedPart, DiscoveryConfig]]
 _HEATING = frozenset({"climate", "water_heater"})
 _MAX_MEMBERS = 100
+_SERVICE_TYPE = attrgetter("part.service_type")
 
 
 def _described(topic: str, config_topic: ConfigTopic, announced: Announced, parts: _Parts) -> DeviceAnnounced:
@@ -128,7 +130,7 @@ def _described(topic: str, config_topic: ConfigTopic, announced: Announced, part
         area=device.area,
         facts={**device.facts, **facts} if facts else device.facts,
         availability=whole,
-        stale_after=TRACKER_SILENCE if any(one.part.service_type == "x_tracker" for one in described) else 0.0,
+        stale_after=TRACKER_SILENCE if "x_tracker" in map(_SERVICE_TYPE, described) else 0.0,
     )
 
 
