@@ -304,3 +304,14 @@ def test_what_is_of_no_kind_is_refused_by_its_first_field(
 ) -> None:
     found = read(f"- {{triggers: {{{trigger}}}, conditions: {{{condition}}}, actions: {{{action}}}}}")
     assert f"{problem} has no counterpart in routines" in [one.problem for one in found.refused]
+
+
+@pytest.mark.parametrize(("count", "depth", "times"), [("7", 2, 49), ("40", 4, 0), ("8", 2, 0), ("9" * 5000, 1, 0)])
+def test_repeats_in_repeats_are_refused_before_their_steps_are_written(count: str, depth: int, times: int) -> None:
+    """Four of 40 would be 2,560,000 steps."""
+    action = "{action: light.toggle, target: {entity_id: light.hall_lamp}}"
+    for _ in range(depth):
+        action = f"{{repeat: {{count: '{count}', sequence: [{action}]}}}}"
+    found = read(f"- {{alias: A, triggers: [{{trigger: time, at: '7:00'}}], actions: [{action}]}}")
+    assert "".join(found.texts).count("Hall lamp toggle") == times
+    assert [one.problem.partition(":")[0] for one in found.refused] == ([] if times else ["action repeat"])

@@ -28,6 +28,8 @@ _KINDS: Final = (
     *("repeat", "parallel", "variables", "stop", "event", "device_id", "set_conversation_response"),
 )
 
+_MAX_DIGITS: Final = 4
+
 
 class Actions:
     """Reader of the actions of one automation.
@@ -130,9 +132,12 @@ class Actions:
         count, steps = fields.text("count", "0"), self._branch(fields.items("sequence"))
         fields.end()
         is_plain = all(isinstance(one, str) and not one.startswith("wait until") for one in steps)
-        if not (count.isdecimal() and is_plain and 0 < int(count) <= MOST):
-            raise NotCarriedError(f"action repeat: carried over are commands and delays, with a `count` up to {MOST}")
-        return steps * int(count)
+        times = int(count) if count.isdecimal() and len(count) <= _MAX_DIGITS else 0
+        if not is_plain or not 0 < times * max(len(steps), 1) <= MOST:  # before they are written
+            raise NotCarriedError(
+                f"action repeat: carried over are commands and delays with a `count`, at most {MOST} together"
+            )
+        return steps * times
 
     def _delay(self, fields: UnreadFields) -> list[Step]:
         length = fields.duration("delay")
