@@ -328,22 +328,29 @@ async def test_the_mode_is_checked_when_the_reaction_begins() -> None:
 @pytest.mark.parametrize(
     ("set_up", "text"),
     [
-        (lambda app: app.on(app.devices.follow(Light, area="attic"), print), "follow(Light, area='attic')"),
-        (lambda app: app.on(app.devices.follow("lanterns"), print), "follow('lanterns')"),
+        (
+            lambda app: app.on(app.devices.follow(Light, area="hall", name="oven"), print),
+            "follow(Light, area='hall', name='oven')",
+        ),
+        (
+            lambda app: app.on(app.devices.follow(Light, area="kitchen", name="lamp"), print),
+            "follow(Light, area='kitchen', name='lamp')",
+        ),
     ],
 )
-async def test_a_name_that_nothing_has_is_told_when_devices_had_time_to_come(
+async def test_names_that_no_one_device_has_are_told_when_devices_had_time_to_come(
     open_home: OpenHome, set_up: SetUp, text: str
 ) -> None:
     async with open_home() as home, Node(home.graph, "mine") as node:
         home.put("lamp", "light", "on_off", area="hall")
+        home.put("oven", "light", "on_off", area="kitchen")
         with capture_logs() as lines:
             await started(home, node, set_up)
             await anyio.sleep(290)
             assert [one for one in lines if one["event"] == "devices.nothing_fits"] == []
             await anyio.sleep(20)
         (line,) = [one for one in lines if one["event"] == "devices.nothing_fits"]
-    assert line["message"].startswith(f"{text}: nothing in the house has this name")
+    assert line["message"].startswith(f"{text}: nothing in the house has all of these")
 
 
 @pytest.mark.rooms("homeassistant")

@@ -320,6 +320,19 @@ MISSPELT: dict[str, Callable[[Node], Awaitable[object]]] = {
     "follow('lihgts'): 'lihgts' is not a device type, and no device was announced as one; did you mean lights?": (
         lambda node: anext(Devices(node).follow("lihgts"))
     ),
+    "follow('locks'): nothing in the house is of this type.": lambda node: anext(Devices(node).follow("locks")),
+    "find('lanterns'): 'lanterns' is not a device type, and no device was announced as one; did you mean ": (
+        lambda node: Devices(node).find("lanterns")
+    ),
+    "find(Light, area='nowhere'): no device is in 'nowhere'; areas are hall, home.": (
+        lambda node: Devices(node).find(Light, area="nowhere")
+    ),
+    "follow(Light, tag='foo').became(on=True): no device has the tag 'foo'; tags are none.": (
+        lambda node: anext(Devices(node).follow(Light, tag="foo").became(on=True))
+    ),
+    "find(Light, name='no such lamp', area='hall'): nothing is called 'no such lamp'; did you mean hall lamp?": (
+        lambda node: Devices(node).find(Light, name="no such lamp", area="hall")
+    ),
     "find(Light, area='Hal'): no device is in 'hal'; did you mean hall?": (
         lambda node: Devices(node).find(Light, area="Hal")
     ),
@@ -351,10 +364,12 @@ async def test_a_misspelt_query_is_logged_once_and_goes_on(
             await ask(node)
         await anyio.sleep_forever()
     told = [one["message"] for one in lines if one["event"] == "devices.unknown_name"]
-    assert told == [f"{problem} Until a device comes, it finds nothing."]
+    (line,) = told
+    assert line.startswith(problem)
+    assert line.endswith(" Until a device comes, it finds nothing.")
     names = HouseView.of(node).names
     assert await names.problems() == tuple(told)
-    assert await names.mistakes() == (problem,)
+    assert await names.mistakes() == (line.removesuffix(" Until a device comes, it finds nothing.").removesuffix("."),)
 
 
 async def test_the_names_of_a_query_that_has_ended_are_no_problem(gateway: FakeGateway, node: Node) -> None:

@@ -412,6 +412,7 @@ class Misspelt(App):
     async def run(self):
         self.on(self.devices.follow(Light, name="dsek"), print)
         await self.devices.find(Light, name="desck")
+        await self.devices.find(Light, area="nowhere")
 
 WORLD = {"world": lambda: World.of(SimulatedLamp("desk"))}
 
@@ -426,7 +427,13 @@ async def test_that_it_waits(house):
 """
     find = "misspelt: find(Light, name='desck'): nothing is called 'desck'; did you mean desk?"
     follow = "misspelt: follow(Light, name='dsek'): nothing is called 'dsek'; did you mean desk?"
-    tried(START + tests, passed=2, errors=1, lines=[f"{find}; {follow}; where that is meant, *allow_crashes=True)"])
+    room = "misspelt: find(Light, area='nowhere'): no device is in 'nowhere'; *"
+    tried(
+        START + tests,
+        passed=2,
+        errors=1,
+        lines=[f"{find}; {room}; {follow}; where that is meant, *allow_crashes=True)"],
+    )
 
 
 def test_a_house_of_ones_own_is_left_alone(pytester: pytest.Pytester, tried: Tried) -> None:

@@ -165,7 +165,7 @@ class Follow(LiveQuery[DeviceChange]):
         self._words = _words(query) if query and isinstance(query, str) else None
         asked = self._words.query if self._words is not None else query
         near, self._query = self._split(() if isinstance(asked, str) else (asked,))
-        is_known = isinstance(self._query, TypeIs) and self._query.types
+        is_known = not service_type and isinstance(self._query, TypeIs) and self._query.types
         text = text or f"follow({query or service_type!r})"
         super().__init__(node, _ANY if is_known else self._query, text, near)
         self._asks_for_values = any(isinstance(one, StateIs) for one in leaves(self._query))

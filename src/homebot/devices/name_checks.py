@@ -10,7 +10,7 @@ import anyio
 
 from homebot.devices.names import QUERY_DEVICES
 from homebot.devices.query.term_messages import query_terms
-from homebot.devices.query.terms import And, AreaIs, FactIs, NameIs, Query, TypeIs
+from homebot.devices.query.terms import And, AreaIs, FactIs, NameIs, Query, TypeIs, leaves
 from homebot.devices.services import QueryDevices, QueryDevicesRequest, QueryDevicesResponse
 from homebot.errors import ServiceError
 from homebot.graph import Client, Node
@@ -57,7 +57,7 @@ class NameChecks:
         return tuple(self.unknown.values())
 
     async def mistakes(self) -> tuple[str, ...]:
-        """Return the problem of each query with a misspelt name, also of those that are not checked yet."""
+        """Return the problem of each query with an unknown name, also of those that are not checked yet."""
         looked = [(text, await self._look(query)) for text, query in tuple(self._queries.items())]
         return tuple(f"{text}: {mistake}" for text, (_, mistake) in looked if mistake)
 
@@ -68,16 +68,20 @@ class NameChecks:
             is_found = await self._check(text)
         if not is_found and _is_of_names(query):
             minutes = sum(_CHECKED_AFTER) / 60
-            self._report(text, f"nothing in the house has this name or type, {minutes:g} minutes on", NOTHING_FITS)
+            self._report(text, f"nothing in the house has all of these, {minutes:g} minutes on", NOTHING_FITS)
 
     async def _check(self, text: str) -> bool:
-        """Return whether something in the house fits a query, also if it has ended; report a misspelt name."""
+        """Return whether something in the house fits a query, also if it has ended; report an unknown name."""
         query = self._queries.get(text)
         is_found, mistake = (True, "") if query is None else await self._look(query)
         if is_found:
             self.unknown.pop(text, None)
         elif mistake:
-            self._report(text, f"{mistake} Until a device comes, it finds nothing.", UNKNOWN_NAME)
+            self._report(
+                text,
+                f"{mistake}{'' if mistake.endswith('?') else '.'} Until a device comes, it finds nothing.",
+                UNKNOWN_NAME,
+            )
         return is_found
 
     def _report(self, text: str, problem: str, event: str) -> None:
@@ -90,15 +94,25 @@ class NameChecks:
         return self._node.create_client(QueryDevices, QUERY_DEVICES)
 
     async def _look(self, query: Query) -> tuple[bool, str]:
-        """Return whether something fits *query*, also if nobody answers, and the mistake in it, if there is one."""
+        """Return whether something fits *query*, also if nobody answers, and which name in it nothing has, if any."""
         try:
-            answer = await self._client.call(QueryDevicesRequest(query=query_terms(query), limit=1))
+            answer = await self._ask(query)
+            if answer.total or answer.is_mistake or not _is_of_names(query):
+                return answer.success and answer.total > 0, answer.message if answer.is_mistake else ""
+            for term in leaves(query):
+                answer = await self._ask(term)
+                if not answer.total:
+                    return False, answer.message or "nothing in the house is of this type"
         except ServiceError:
             return True, ""
-        return answer.success and answer.total > 0, answer.message if answer.is_mistake else ""
+        return False, ""
+
+    async def _ask(self, query: Query) -> QueryDevicesResponse:
+        return await self._client.call(QueryDevicesRequest(query=query_terms(query), limit=1))
 
 
 def _is_of_names(query: Query) -> bool:
     """Return whether the query has only types, rooms, tags and names, which do not come and go."""
-    terms = query.terms if isinstance(query, And) else (query,)
-    return all(isinstance(one, TypeIs | AreaIs | FactIs | NameIs) for one in terms)
+    return isinstance(query, And | TypeIs | AreaIs | FactIs | NameIs) and all(
+        isinstance(term, TypeIs | AreaIs | FactIs | NameIs) for term in leaves(query)
+    )

@@ -130,9 +130,10 @@ def _explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
     may = lasting(query)
     if any(isinstance(one, TypeIs) and one.types & _PEOPLE and not postings.find(one) for one in leaves(may)):
         return "nobody is known; add [people.NAME] with what tells where that person is"
-    areas = [one.text for one in leaves(may) if isinstance(one, InArea)]
-    for area in areas:
-        if not postings.find(InArea(area)):
+    places = [one for one in leaves(may) if isinstance(one, InArea | AreaIs) and one.text]
+    for place in places:
+        if not postings.find(place):
+            area = place.text
             known = sorted(postings.values_of("area"))
             hint = (
                 f"areas are {', '.join(known[:_SHOWN])}"
@@ -142,12 +143,28 @@ def _explain_none(query: Query, postings: Postings, plan: HousePlan) -> str:
             return area_problem(area, postings, plan) or f"no device is in {area!r}; {did_you_mean(area, known, hint)}"
     if (able := postings.find(may)) and may != query:
         return f"none now; in another state there would be {_names(able, postings)}"
+    areas = [one.text for one in places if isinstance(one, InArea)]
     if areas and (elsewhere := postings.find(_without(InArea, may))):
         rooms = sorted({area for one in elsewhere for area in postings.facets(one).areas[:1]})
         return f"none is in {' or '.join(areas)}; there is in {', '.join(rooms[:_SHOWN]) or 'no room'}"
     is_named = any(isinstance(one, HasText | NameIs) for one in leaves(may))
     others = postings.find(_without(CanDo, may)) if is_named else ()
-    return f"what is called so has no such value: {_names(others, postings)}" if others else ""
+    if others:
+        return f"what is called so has no such value: {_names(others, postings)}"
+    return next(filter(None, (_missing(one, postings) for one in leaves(may) if not postings.find(one))), "")
+
+
+def _missing(term: Query, postings: Postings) -> str:
+    """Return that no device has the name or tag in *term*, with the most similar; empty for other terms."""
+    match term:
+        case NameIs(name) | FactIs("name", name):
+            problem, key, known = f"nothing is called {name!r}", "names", postings.values_of("fact name")
+        case FactIs("tag", name):
+            problem, key, known = f"no device has the tag {name!r}", "tags", postings.values_of("tag")
+        case _:
+            return ""
+    some = ", ".join(sorted(known)[:_SHOWN]) or "none"
+    return f"{problem}; {did_you_mean(name, known, f'{key} are {some}')}"
 
 
 def _names(found: Iterable[str], postings: Postings) -> str:
