@@ -148,6 +148,42 @@ async def test_an_app_is_loaded_from_a_file_and_unloaded(tmp_path: Path) -> None
         sys.modules.pop("porch", None)
 
 
+SWALLOWS = """
+import asyncio
+from homebot import App
+
+async def wait():
+    while True:
+        try:
+            await asyncio.sleep(3600)
+        except asyncio.CancelledError:
+            pass
+
+class Deaf(App):
+    async def run(self):
+        self.start_task(wait)
+        await wait()
+"""
+
+
+async def test_an_app_that_swallows_its_cancellation_is_named_with_its_line_and_closed(tmp_path: Path) -> None:
+    """Unloading it hung for ever, and so did the end of homebot, which named others."""
+    file = tmp_path / "deaf.py"
+    file.write_text(SWALLOWS)
+    async with home(tmp_path) as runtime:
+        runtime.app_manager.ends_within = 0.2
+        await runtime.app_manager.load(str(file))
+        with anyio.fail_after(PATIENCE), pytest.raises(UsageError) as caught:
+            await runtime.app_manager.unload("deaf")
+        place = f"{file}:8 (wait)"
+        assert str(caught.value).startswith(f"the app deaf did not end in 0.2 s: {place} and {place} swallows")
+        assert runtime.graph.get_node("/deaf") is None
+        await runtime.app_manager.reload("hall")
+        await runtime.app_manager.load(str(file))  # left to the end of homebot
+    assert runtime.app_host.running == {}
+    sys.modules.pop("deaf", None)
+
+
 async def test_a_package_is_reloaded_with_its_folder_and_nothing_else(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

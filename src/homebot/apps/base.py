@@ -26,7 +26,7 @@ from homebot.devices.handles.handle import Handle
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
 from homebot.log import LogLimit
-from homebot.support.isolation import isolated
+from homebot.support.isolation import frames_of, isolated
 
 if TYPE_CHECKING:
     from homebot.apps.jobs import Job
@@ -97,6 +97,8 @@ class App(ABC, Generic[SettingsT_co]):
         self._reactions: WeakSet[Reaction[Any]] = WeakSet()
         self._tasks: TaskGroup | None = None
         self._log_limit = LogLimit(self.clock)
+        self._work: set[Coroutine[object, object, object]] = set()
+        self._is_forced = False
 
     @property
     def store(self) -> Store:
@@ -379,4 +381,28 @@ class App(ABC, Generic[SettingsT_co]):
     async def _isolated(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
         """Await *function* in isolation; its group would mistake a stray cancellation for its own."""
         with isolated(self.node.full_name):
-            await function()
+            work = function()
+            self._work.add(work)
+            try:
+                await work
+            except RuntimeError:
+                if self._is_forced:  # closed, so that it cannot go on
+                    await anyio.lowlevel.checkpoint()
+                raise
+            finally:
+                self._work.discard(work)
+
+    def end_by_force(self) -> str:
+        """Close the code that goes on although the app is cancelled; return its places."""
+        from homebot.support.production_loop import is_ours_or_the_users, place_of_frame  # noqa: PLC0415 - seldom
+
+        self._is_forced = True
+        places: list[str] = []
+        for work in tuple(self._work):
+            frames = frames_of(work)
+            places += map(place_of_frame, (list(filter(is_ours_or_the_users, frames)) or frames)[-1:])
+            try:
+                work.close()
+            except Exception as exc:  # noqa: BLE001 - code that also refuses this, or fails at its end
+                self.log.error("app.not_closed", message=f"it did not let itself be closed: {exc}")
+        return " and ".join(places)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import gc
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Sequence
 from contextlib import asynccontextmanager
@@ -76,11 +77,17 @@ LOADED = "app.loaded"
 UNLOADED = "app.unloaded"
 RELOADED = "app.reloaded"
 NOT_RELOADED = "app.not_reloaded"
+NOT_ENDED = "app.not_ended"
 _MOST_LISTED = 20
 """The limit of listed handlers of an app that were given up, and of devices that it waits for to stay as they are."""
 
 _TRIAL = 1.0
 """Seconds after the start in which a crash of the new code restores the old."""
+
+_ENDS_WITHIN = 5.0
+"""Seconds in which an app that is cancelled must end; then its code is closed."""
+
+_CLOSED_WITHIN = 1.0
 
 _ROUTINE_TRIAL = 0.02
 """The same for a routine, which has no code of its own: it has begun then."""
@@ -100,6 +107,7 @@ class _RunningApp:
     has_ended: anyio.Event = field(default_factory=anyio.Event)
     has_crashed: anyio.Event = field(default_factory=anyio.Event)
     crash: str = ""
+    problem: str = ""
 
 
 @final
@@ -111,6 +119,7 @@ class AppManager:
 
     Attributes:
         trial: Seconds for which new code must run without a crash.
+        ends_within: Seconds in which an app that is stopped must end.
     """
 
     def __init__(self, supervisor: Supervisor, host: AppHost, make_planner: Callable[[], AppPlanner]) -> None:
@@ -124,6 +133,7 @@ class AppManager:
         self._reloads = count(1)
         self._habits: HabitServices | None = None
         self.trial = _TRIAL
+        self.ends_within = _ENDS_WITHIN
 
     @property
     def apps(self) -> tuple[PlannedApp, ...]:
@@ -191,10 +201,13 @@ class AppManager:
         """Stop the app *name*; return a text for people.
 
         Raises:
-            UsageError: There is none.
+            UsageError: There is none, or it swallowed its cancellation.
         """
         async with self._turn:
-            await self._remove(self._find(name).planned.name)
+            app = self._find(name)
+            await self._remove(app.planned.name)
+            if app.problem:
+                raise UsageError(app.problem)
             return self._report(UNLOADED, f"unloaded the app {name}", name)
 
     async def reload(self, name: str) -> str:
@@ -338,12 +351,27 @@ class AppManager:
         return app
 
     async def _hold(self, app: _RunningApp, *, task_status: TaskStatus[None]) -> None:
+        watch: asyncio.TimerHandle | None = None
         try:
             async with self._supervisor.running(app.planned.name, partial(self._watched, app), "app"):
-                task_status.started()
-                await app.is_stopped.wait()
+                try:
+                    task_status.started()
+                    await app.is_stopped.wait()
+                finally:
+                    watch = asyncio.get_running_loop().call_later(self.ends_within, self._end_by_force, app)
         finally:
+            if watch is not None:
+                watch.cancel()
             app.has_ended.set()
+
+    def _end_by_force(self, app: _RunningApp) -> None:
+        name = app.planned.name
+        running = self._host.running.get(name)
+        where = running.end_by_force() if running is not None else ""
+        app.problem = f"the app {name} did not end in {self.ends_within:g} s" + (
+            f": {where} swallows its cancellation; let CancelledError pass" if where else ""
+        )
+        _log.error(NOT_ENDED, message=app.problem, app=name)
 
     async def _watched(self, app: _RunningApp, *, task_status: TaskStatus[None]) -> None:
         try:
@@ -355,7 +383,8 @@ class AppManager:
 
     async def _stop(self, app: _RunningApp) -> None:
         app.is_stopped.set()
-        await app.has_ended.wait()
+        with anyio.move_on_after(self.ends_within + _CLOSED_WITHIN):
+            await app.has_ended.wait()
 
     async def _remove(self, name: str) -> None:
         await self._stop(self._apps.pop(name))

@@ -11,6 +11,7 @@ import math
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from traceback import walk_tb
+from types import CoroutineType, FrameType
 from typing import TypeAlias
 
 import anyio
@@ -22,6 +23,7 @@ __all__ = [
     "crash_of",
     "error_text",
     "first_cause",
+    "frames_of",
     "is_cancelled",
     "is_end_of",
     "isolated",
@@ -159,3 +161,12 @@ def place_of(error: BaseException) -> Place:
     """Return the place of *error*."""
     calls = ((frame.f_code.co_filename, line) for frame, line in walk_tb(error.__traceback__))
     return type(error), tuple(calls)
+
+
+def frames_of(waits: object) -> list[FrameType]:
+    """Return the frames of a waiting coroutine, outermost first."""
+    frames: list[FrameType] = []
+    while isinstance(waits, CoroutineType):
+        frames += [waits.cr_frame] if waits.cr_frame else []
+        waits = waits.cr_await
+    return frames

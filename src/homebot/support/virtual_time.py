@@ -15,13 +15,13 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from contextvars import Context
 from pathlib import Path
-from types import CoroutineType, FrameType
 from typing import NamedTuple, TypeVar, TypeVarTuple
 
 import anyio
 from anyio import to_thread
 
 from homebot.errors import UsageError
+from homebot.support.isolation import frames_of
 
 __all__ = ["LoopLimits", "VirtualTimeLoop"]
 
@@ -124,11 +124,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
 
 def _place(task: asyncio.Task[object]) -> str:
     """Return the place where *task* waits: its innermost coroutine outside asyncio and anyio."""
-    waits: object = task.get_coro()
-    frames: list[FrameType] = []
-    while isinstance(waits, CoroutineType):
-        frames += [waits.cr_frame] if waits.cr_frame else []
-        waits = waits.cr_await
+    frames = frames_of(task.get_coro())
     own = [frame for frame in frames if not frame.f_code.co_filename.startswith(_LIBRARIES)]
     for frame in (own or frames)[-1:]:
         return f"{frame.f_code.co_qualname}, {frame.f_code.co_filename}:{frame.f_lineno}"
