@@ -7,6 +7,7 @@ import re
 from collections.abc import AsyncIterator, Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import closing, suppress
 from dataclasses import replace
+from itertools import chain
 from typing import Final, TypeVar, final
 
 from homebot.command_words.settings import is_relative
@@ -33,7 +34,7 @@ from homebot.routines.effects import Effect, RoutineEffects, fights, loops
 from homebot.routines.program import program_of
 from homebot.routines.settings import RoutineSettings
 from homebot.routines.steps import APPLY, Dim, Do, SendRobot, Wait, WaitUntil
-from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, Trigger, read_trigger
+from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, Trigger, button_names, read_trigger
 from homebot.support.folding import fold
 
 __all__ = ["HouseChecks", "asked_about"]
@@ -199,10 +200,11 @@ class HouseChecks:
     async def _unknown_event(self, press: Press) -> str:
         """Return that no device that fits has the button, or tells of the event, of *press*; empty if one may."""
         devices = [one.device for one in (await self._ask(press.query, _MOST)).results]
-        parts = [part for one in devices for part in one.parts if _has_events(part)]
-        buttons = [one for one in parts if press.is_of(one)]
-        if parts and not buttons:
-            return f"it has no button {press.part!r}; it has {', '.join(one.part.name or one.id for one in parts)}"
+        parts = [[part for part in device.parts if _has_events(part)] for device in devices]
+        buttons = [part for part in chain.from_iterable(parts) if press.is_of(part)]
+        if any(parts) and not buttons:
+            names = dict.fromkeys(chain.from_iterable(map(button_names, parts)))
+            return f"it has no button {press.part!r}; it has {', '.join(names)}"
         options = [option for one in buttons for can in one.part.capabilities for option in can.options]
         if not press.value or not options or press.value in map(str.casefold, options):
             return ""

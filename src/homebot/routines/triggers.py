@@ -1,7 +1,8 @@
 """Triggers of routines, as text: a state, a press, a time, the sun, or the arrival of a robot. Pure."""
 
 import re
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -26,6 +27,7 @@ __all__ = [
     "Press",
     "RobotArrival",
     "Trigger",
+    "button_names",
     "check_alone",
     "divided",
     "is_no_state",
@@ -212,6 +214,13 @@ def check_alone(text: str, *words: str) -> None:
         parts = divided(text, word)
         for part in filter(is_no_state, parts if len(parts) > 1 else ()):
             raise UsageError(f"{text!r}: `{word}` joins only states of devices here; write {part!r} for itself")
+
+
+def button_names(parts: Iterable[DevicePart]) -> list[str]:
+    """Return what :class:`Press` may call each of *parts*, all buttons of a device: its id if others have its name."""
+    names = [(part.id, part.part.name or part.part.tag or part.id) for part in parts]
+    counts = Counter(fold(name) for _, name in names)
+    return [name if counts[fold(name)] == 1 else part_id for part_id, name in names]
 
 
 def read_press(text: str) -> Press | None:

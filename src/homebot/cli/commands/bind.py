@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+from collections import Counter
 from collections.abc import Sequence
+from itertools import groupby
 from typing import TYPE_CHECKING, Final, NamedTuple, cast
 
 from homebot.cli.door_client import DoorClient, set_door_command
@@ -12,7 +14,7 @@ from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError, UsageError
 from homebot.routines.text import routine_text
-from homebot.routines.triggers import read_press
+from homebot.routines.triggers import button_names, read_press
 from homebot.support.folding import fold
 from homebot.support.printable import printable
 
@@ -67,8 +69,9 @@ def _bind(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 class _Button(NamedTuple):
-    """A part that tells of presses, and the name of its device."""
+    """A part that tells of presses, and the id and the name of its device."""
 
+    device: str
     name: str
     part: DevicePart
     events: tuple[str, ...]
@@ -98,8 +101,8 @@ def _check_event(named: Sequence[_Button], text: str, event: str) -> None:
     if not telling:
         events = dict.fromkeys(option for one in named for option in one.events)
         raise UsageError(f"{text} reports no {event!r}; it has {', '.join(events)}")
-    if len({one.name for one in telling}) == 1 < len(telling):
-        raise UsageError(f"{telling[0].name} has {len(telling)} buttons; name one of {_numbered(telling)}")
+    if len({fold(one.name) for one in telling}) == 1 < len(telling):
+        raise UsageError(f"{text} means {len(telling)} buttons; name one of {_numbered(telling)}")
 
 
 def _buttons(door: DoorClient, query: str) -> list[_Button]:
@@ -107,7 +110,7 @@ def _buttons(door: DoorClient, query: str) -> list[_Button]:
     if not answer.success:
         raise UsageError(answer.message)
     found = [
-        _Button(one.device.name or one.device.id, part, can.options)
+        _Button(one.device.id, one.device.name or one.device.id, part, can.options)
         for one in answer.results
         for part in one.device.parts
         for can in part.part.capabilities
@@ -119,4 +122,12 @@ def _buttons(door: DoorClient, query: str) -> list[_Button]:
 
 
 def _numbered(buttons: Sequence[_Button]) -> str:
-    return ", ".join(f"'{name}#{part.part.name or part.part.tag or part.id}'" for name, part, _ in buttons)
+    """Return what names each of *buttons*; by ids where names are equal."""
+    devices = [[*group] for _, group in groupby(buttons, key=lambda one: one.device)]
+    counts = Counter(fold(group[0].name) for group in devices)
+    return ", ".join(
+        f"'{group[0].name if counts[fold(group[0].name)] == 1 else f'id={quoted(group[0].device)}'}"
+        f"{f'#{name}' if name else ''}'"
+        for group in devices
+        for name in button_names(button.part for button in group)
+    )
