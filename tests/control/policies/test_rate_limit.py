@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from itertools import count
+from typing import Literal
 
 import anyio
 import pytest
@@ -13,9 +14,11 @@ from homebot.control.command import IssuedCommand, order_of
 from homebot.control.policies.rate_limit import RateLimitSettings, count_turns
 from homebot.control.timeline.facts import Sent
 from homebot.control.timeline.part_timeline import PartTimeline
+from homebot.devices.command_messages import CommandRequest, CommandResult, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
 from homebot.devices.outcomes import Outcome, Refused
+from homebot.devices.trigger import Trigger
 from homebot.devices.value import PlainValue
 
 pytestmark = pytest.mark.virtual_time
@@ -130,6 +133,37 @@ def sent(*commands: tuple[float, IssuedCommand]) -> PartTimeline:
 async def test_the_limit_is_the_owners(open_home: OpenHome) -> None:
     async with open_home(rate_limit={"changes": 2, "seconds": 60}) as home:
         assert [one.succeeded for one in await blink(await home.lamp("on_off"), 5)] == [True, True, True, False, True]
+
+
+@pytest.mark.parametrize(
+    ("issuer", "kind", "capability", "sendings"),
+    [
+        ("client:local", "program", "on_off", 11),
+        ("client:local", "", "on_off", 31),  # a person at the page
+        ("client:robot", "program", "on_off", 31),
+        ("client:local", "program", "level", 40),
+    ],
+)
+async def test_a_program_without_a_token_turns_a_value_once_a_second(
+    home: Home, issuer: str, kind: Literal["program", ""], capability: str, sendings: int
+) -> None:
+    """It dims as smoothly as others."""
+    lamp, reason = await home.lamp("on_off", "level"), ""
+    for number in range(40):
+        value: PlainValue = number % 2 == 0 if capability == "on_off" else 10.0 + number
+        result = await home.control.perform(
+            CommandRequest(
+                device=lamp.device.id,
+                settings=(Setting.of(capability, value),),
+                issuer=issuer,
+                scope=("act: all",),
+                trigger=Trigger(kind=kind),
+            )
+        )
+        reason = CommandResult.of(result).reason
+    assert len(home.commands) == sendings
+    advice = "with a token (`homebot token new`) a program may more often"
+    assert (advice in reason) is (sendings == 11)
 
 
 async def test_it_can_be_turned_off(open_home: OpenHome) -> None:

@@ -1,5 +1,6 @@
 """Rate limit: no value is switched back and forth endlessly. Pure."""
 
+import math
 from collections.abc import Mapping
 from itertools import pairwise
 from typing import Final
@@ -10,6 +11,7 @@ from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 from homebot.control.timeline.facts import Sent
 from homebot.control.timeline.part_timeline import PartTimeline
+from homebot.devices.client_rights import LOCAL_CLIENT, issuer_of_client
 from homebot.devices.obedience import POWERS
 from homebot.devices.value import PlainValue
 from homebot.units import Seconds
@@ -19,6 +21,8 @@ __all__ = ["RateLimitSettings", "count_turns"]
 NAME: Final = "rate_limit"
 
 _WITHIN: Final = Verdict(NAME, allowed=True)
+
+_NAMELESS: Final = issuer_of_client(LOCAL_CLIENT)
 
 _POWER: Final = "power_state"
 """Name for the power of a part, whichever capability switches it."""
@@ -31,7 +35,8 @@ class RateLimitSettings(PolicyTable):
     """The table ``[control.rate_limit]``.
 
     Attributes:
-        changes: How many turns of a value are allowed within *seconds*.
+        changes: How many turns of a value are allowed within *seconds*; to a program without a token at most as many as
+            *seconds*.
     """
 
     changes: int = Field(default=30, ge=1, le=1000)
@@ -40,14 +45,16 @@ class RateLimitSettings(PolicyTable):
     def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
         """Refuse a command that turns a value more often than allowed."""
         timeline = facts.timeline_of(command.device, command.part)
-        sent, since = timeline.sent, facts.monotonic - self.seconds
-        if len(sent) <= self.changes or sent[-self.changes].at <= since:
+        sent, since, changes, advice = timeline.sent, facts.monotonic - self.seconds, self.changes, ""
+        if command.issuer == _NAMELESS and command.trigger.kind == "program" and self.seconds < changes:
+            changes, advice = math.ceil(self.seconds), "; with a token (`homebot token new`) a program may more often"
+        if len(sent) <= changes or sent[-changes].at <= since:
             return _WITHIN  # as nearly always
         turns = count_turns(timeline, command, facts.monotonic, self.seconds)
-        if turns < self.changes:
+        if turns < changes:
             return _WITHIN
         used = FactUsed(f"changes of {command.target} in {self.seconds:g} s", float(turns))
-        reason = f"{command.label} was switched back and forth {turns} times within {self.seconds:g} s"
+        reason = f"{command.label} was switched back and forth {turns} times within {self.seconds:g} s{advice}"
         return Verdict(NAME, allowed=False, reason=reason, facts=(used,))
 
 
