@@ -1,9 +1,11 @@
 // The connection to homebot: rosbridge v2, as every other client speaks it.
 import { signal } from "@preact/signals";
+import { setTime, setZone } from "./clock.js";
 
 const FIRST_DELAY = 500; // ms until the first attempt to connect again, twice as long each time
 const LONGEST_DELAY = 10_000;
 const ANSWER_WITHIN = 15; // seconds
+const ASK_EVERY = 25; // seconds between two questions whether homebot is there
 const TOKEN = "homebot.token";
 
 /** "connecting", "open", or "refused": a token is needed; with the reason in `reason`, and the name of the home. */
@@ -23,6 +25,8 @@ let socket = null;
 let delay = FIRST_DELAY;
 let number = 0;
 let retry = 0;
+let watch = 0;
+let isHeard = false;
 
 /** The token that was typed in; kept for this tab, or where `remember` says so for this browser. */
 export const token = signal(takeToken());
@@ -111,6 +115,7 @@ export function connect() {
 
 function reconnect() {
   clearTimeout(retry);
+  clearTimeout(watch);
   const old = socket;
   socket = null;
   old?.close();
@@ -123,34 +128,63 @@ function open() {
   if (connection.value.state !== "connecting") become("connecting");
   const own = new WebSocket(location.origin.replace(/^http/, "ws"), "homebot.log_in");
   socket = own;
+  expectAnswer(own);
   own.onopen = () => {
     own.send(JSON.stringify({ op: "auth", token: token.value }));
     for (const topic of topics.keys()) own.send(JSON.stringify({ op: "subscribe", topic }));
     own.send(JSON.stringify({ op: "call_service", service: "/rosapi/rights", id: "page-rights" }));
   };
   own.onmessage = (event) => receive(own, JSON.parse(event.data));
-  own.onclose = (event) => {
-    if (socket !== own) return;
-    socket = null;
-    failAll();
-    if (event.code === 1008) {
-      become("refused", event.reason);
+  own.onclose = (event) => lose(own, event);
+}
+
+function lose(own, { code, reason } = {}) {
+  if (socket !== own) return;
+  socket = null;
+  clearTimeout(watch);
+  failAll();
+  if (code === 1008) {
+    become("refused", reason);
+    return;
+  }
+  become("connecting", "homebot cannot be reached");
+  retry = setTimeout(open, delay);
+  delay = Math.min(2 * delay, LONGEST_DELAY);
+}
+
+/** Give up a link on which nothing comes in time, and ask again on one that works: a link that breaks may never be closed. */
+function expectAnswer(own) {
+  isHeard = false;
+  watch = setTimeout(() => {
+    if (!isHeard) {
+      lose(own);
+      own.close();
       return;
     }
-    become("connecting", "homebot cannot be reached");
-    retry = setTimeout(open, delay);
-    delay = Math.min(2 * delay, LONGEST_DELAY);
-  };
+    watch = setTimeout(() => {
+      expectAnswer(own);
+      askTime();
+    }, 1000 * (ASK_EVERY - ANSWER_WITHIN));
+  }, 1000 * ANSWER_WITHIN);
 }
+
+const askTime = () => send({ op: "call_service", service: "/rosapi/get_time", id: "page-time" });
 
 function receive(own, frame) {
   if (socket !== own) return;
+  isHeard = true;
   if (frame.op === "publish") {
     for (const handler of topics.get(frame.topic) ?? []) handler(frame.msg);
   } else if (frame.op === "service_response" && frame.id === "page-rights") {
     // Only an answer proves that the token was accepted.
     rights.value = frame.values?.rights ?? [];
+    askTime();
+    send({ op: "call_service", service: "/apps/list", id: "page-zone" });
     send({ op: "call_service", service: "/homebot/health", id: "page-open" });
+  } else if (frame.id === "page-time") {
+    if (frame.result) setTime(frame.values.time);
+  } else if (frame.id === "page-zone") {
+    if (frame.result) setZone(frame.values.zone);
   } else if (frame.op === "service_response" && frame.id === "page-open") {
     delay = FIRST_DELAY;
     become("open", "", frame.values?.home);

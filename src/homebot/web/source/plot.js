@@ -1,5 +1,7 @@
 import uPlot from "uplot";
+import { computed } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
+import { zone } from "./clock.js";
 import { html } from "./html.js";
 import { say } from "./language.js";
 import { clock, day } from "./words.js";
@@ -7,7 +9,7 @@ import { clock, day } from "./words.js";
 const HEIGHT = 180;
 const COLOURS = ["--accent", "--bad"];
 const SOON = 172_800; // seconds that are shown with the time of day
-const hour = new Intl.DateTimeFormat([], { hour: "2-digit", minute: "2-digit", hour12: false });
+const hour = computed(() => new Intl.DateTimeFormat([], { hour: "2-digit", minute: "2-digit", hour12: false, timeZone: zone.value }));
 
 /**
  * A plot over time, from `from` to `to`: `values` has a list for each of `names`, null for a gap; `isStepped` where a
@@ -32,7 +34,7 @@ export function Plot({ label, times, values, names, from, to, most, isStepped = 
       paths: isStepped ? uPlot.paths.stepped({ align: 1 }) : uPlot.paths.linear(),
       points: { show: false },
     }));
-    const short = (at) => (span.current[1] - span.current[0] > SOON ? day.value : span.current[1] - span.current[0] < 300 ? clock.value : hour).format(at * 1000);
+    const short = (at) => (span.current[1] - span.current[0] > SOON ? day.value : span.current[1] - span.current[0] < 300 ? clock.value : hour.value).format(at * 1000);
     const options = {
       width: place.current.clientWidth,
       height: HEIGHT,

@@ -1,5 +1,6 @@
 // Values, times and causes as people read them.
 import { computed, signal } from "@preact/signals";
+import { now, zone } from "./clock.js";
 import { language, locale, numberText, say, sayReason } from "./language.js";
 
 /** Of capabilities: units, words for no and yes, and texts that only report; and the outcomes that are failures. */
@@ -87,8 +88,8 @@ export const hasWords = (text, sought) => sought.toLowerCase().split(" ").every(
 
 export const seconds = (time) => time.sec + time.nanosec / 1e9;
 
-export const clock = computed(() => new Intl.DateTimeFormat(locale.value, { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false }));
-export const day = computed(() => new Intl.DateTimeFormat(locale.value, { month: "short", day: "numeric" }));
+export const clock = computed(() => new Intl.DateTimeFormat(locale.value, { hour: "2-digit", minute: "2-digit", second: "2-digit", hour12: false, timeZone: zone.value }));
+export const day = computed(() => new Intl.DateTimeFormat(locale.value, { month: "short", day: "numeric", timeZone: zone.value }));
 
 /** A moment: the time of today, else day and time; empty for none. */
 export function timeText(time) {
@@ -96,7 +97,8 @@ export function timeText(time) {
   if (!at) return "";
   const date = new Date(at * 1000);
   const text = clock.value.format(date);
-  return date.toDateString() === new Date().toDateString() ? text : `${day.value.format(date)} ${text}`;
+  const isToday = Math.abs(now() - at) < 90_000 && day.value.format(date) === day.value.format(now() * 1000); // a day may have 25 hours
+  return isToday ? text : `${day.value.format(date)} ${text}`;
 }
 
 /** A moment in a time zone, which is named; in that of the browser, if it does not know the zone. */

@@ -1,6 +1,7 @@
 // One device: its values, commands, history, what is known of it and from where, and why it is as it is.
 import { signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
+import { now } from "../clock.js";
 import { Controls } from "../controls.js";
 import { call, connection, may, subscribe } from "../door.js";
 import { deviceOf } from "../house.js";
@@ -124,7 +125,7 @@ function Why({ id, why }) {
 
 function Facts({ device }) {
   const unreadable = device.facts.filter((fact) => fact.name === "unreadable");
-  const age = Date.now() / 1000 - seconds(device.last_seen);
+  const age = now() - seconds(device.last_seen);
   return html`<section>
     <h3>${say("What is known, and from where")}</h3>
     ${unreadable.map((fact) => html`<p class="bad" key=${fact.key + fact.value}>${say("Not understood at {time}:", { time: timeText(fact.said_at) })} ${fact.value}</p>`)}

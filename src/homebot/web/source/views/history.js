@@ -1,5 +1,6 @@
 // The history of a device: one of its values as a plot, and its energy by day.
 import { useEffect, useState } from "preact/hooks";
+import { now } from "../clock.js";
 import { call, connection } from "../door.js";
 import { html } from "../html.js";
 import { locale, numberText, say } from "../language.js";
@@ -19,10 +20,10 @@ export function History({ device }) {
   const isOpen = connection.value.state === "open";
   useEffect(() => {
     if (!reading || !isOpen) return;
-    const now = Date.now() / 1000;
-    const asked = { device: device.id, part: reading.part, capability: reading.capability, points: POINTS, since: { sec: Math.max(0, Math.floor(now - period)), nanosec: 0 } };
+    const to = now();
+    const asked = { device: device.id, part: reading.part, capability: reading.capability, points: POINTS, since: { sec: Math.max(0, Math.floor(to - period)), nanosec: 0 } };
     call("/history/read", asked).then(
-      (found) => setAnswer({ ...found, now, period, capability: reading.capability }),
+      (found) => setAnswer({ ...found, now: to, period, capability: reading.capability }),
       (error) => setAnswer({ message: error.message, series: [] }),
     );
   }, [device.id, reading?.part, reading?.capability, period, isOpen]);

@@ -1,5 +1,6 @@
 // Rates, waiting messages and losses, as plots; while this view is open.
 import { useEffect, useState } from "preact/hooks";
+import { now } from "../clock.js";
 import { call, connection } from "../door.js";
 import { html } from "../html.js";
 import { say } from "../language.js";
@@ -70,7 +71,7 @@ function between(before, load) {
     };
   });
   topics.sort((a, b) => b.rate - a.rate || b.waiting - a.waiting || a.topic.localeCompare(b.topic));
-  return { at: Date.now() / 1000, rate: sum(topics, "rate"), waiting: sum(topics, "waiting"), lost: sum(topics, "lost"), lag: load.lag * 1000, topics };
+  return { at: now(), rate: sum(topics, "rate"), waiting: sum(topics, "waiting"), lost: sum(topics, "lost"), lag: load.lag * 1000, topics };
 }
 
 const sum = (list, name) => list.reduce((all, one) => all + one[name], 0);
