@@ -1,6 +1,7 @@
 """The endpoints of a device, one for each gateway that knows it, and its reachability. Pure."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from itertools import chain
 from operator import attrgetter
 from typing import TypeAlias
 
@@ -8,6 +9,7 @@ from homebot.devices import DevicePart, Endpoint, Freshness, Reachability, Route
 from homebot.devices.names import text_address
 from homebot.devices.text.commands import accepts_text
 from homebot.discovery.source_record import Reach, SourceKey, SourceRecord
+from homebot.discovery.topics.use import place_of
 from homebot.messages import Time
 
 __all__ = [
@@ -21,6 +23,8 @@ __all__ = [
     "preferred_routes",
     "rank_in",
     "reachability",
+    "routes_without",
+    "silent_strangers",
     "sorted_routes",
 ]
 
@@ -203,6 +207,35 @@ def sorted_routes(
         return is_away, route.gateway in stale_gateways
 
     return _with_sorted_routes(parts, order)
+
+
+def silent_strangers(sources: Mapping[SourceKey, SourceRecord]) -> dict[SourceKey, str]:
+    """Return the announcements that get no commands before their first report, with the reasons in words.
+
+    Others of their gateway have reported, and their topics share no name with those of these: they may be anybody's.
+    """
+    silent = [
+        one for one in sources.values() if not one.values and any(p.reads and p.writes for p in one.sighting.parts)
+    ]
+    if not silent or not (heard := [one for one in sources.values() if one.values]):
+        return {}
+    known, gateways = frozenset(chain.from_iterable(map(_names, heard))), {one.key[0] for one in heard}
+    return {
+        one.key: f"{one.label} has other topics than the device, and gets no commands before its first report"
+        for one in silent
+        if one.key[0] in gateways and known.isdisjoint(_names(one))
+    }
+
+
+def routes_without(parts: tuple[DevicePart, ...], strangers: Collection[SourceKey]) -> tuple[DevicePart, ...]:
+    """Return *parts* without the routes of *strangers*."""
+    left = [tuple(one for one in part.routes if (one.gateway, one.key) not in strangers) for part in parts]
+    return tuple(part.model_copy(update={"routes": routes}) for part, routes in zip(parts, left, strict=True))
+
+
+def _names(source: SourceRecord) -> frozenset[str]:
+    places = [place_of(topic) for part in source.sighting.parts for topic in (*part.reads, *part.writes)]
+    return frozenset(chain.from_iterable(place.levels | place.words for place in places))
 
 
 def last_seen(sources: Collection[SourceRecord]) -> Time:

@@ -32,6 +32,8 @@ from homebot.discovery.endpoints import (
     last_seen,
     offline_parts,
     reachability,
+    routes_without,
+    silent_strangers,
     sorted_routes,
 )
 from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids
@@ -144,6 +146,10 @@ class Entry:
             if any(map(_UNREADABLE, sources)):
                 facts = (*[fact for source in sources for fact in source.unreadable.values()], *facts)[:MAX_FACTS]
             parts, reachable = described.merged.parts, self.reachability()
+            conflicts = described.merged.conflicts
+            _, *others = sources  # without a call, as this runs for every announcement
+            if others and (strangers := silent_strangers(self.sources)):
+                parts, conflicts = routes_without(parts, strangers), (*conflicts, *strangers.values())
             if self.stale_gateways or self.is_denied:
                 parts = sorted_routes(parts, self.sources, self.stale_gateways)
             self.device = _device_of(
@@ -169,7 +175,7 @@ class Entry:
                 states=_states(described.merged, self._newest(described.merged, events=False)) if has_states else (),
                 events=_states(described.merged, self._newest(described.merged, events=True)) if has_events else (),
                 evidence=self.evidence,
-                conflicts=described.merged.conflicts,
+                conflicts=conflicts,
             )
             if self.owner is not None and self.owner.groups is not None:
                 self.device = self._in_groups(self.device, described, self.owner.groups)

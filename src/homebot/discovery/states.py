@@ -193,6 +193,9 @@ class StateRecorder:
             self._table.counters.unknown_parts += 1
             return None
         place = reading.part, reading.capability
+        _, *others = entry.sources
+        if others and not source.values:  # it may get commands from now on
+            entry.device, self._table.outdated[entry.id] = None, None
         stored = StoredValue(reading.value, reading.value.plain(), stamp, stamp, live, self._liveness.now)
         source.values[place] = stored
         self._post(entry, source, place, stored)

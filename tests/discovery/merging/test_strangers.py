@@ -4,7 +4,7 @@ Any program that a broker lets publish below a topic of its own can make one, in
 """
 
 import pytest
-from tests.discovery.announcements import announce, part_of
+from tests.discovery.announcements import announce, part_of, tell
 
 from homebot.devices import Device, Sighting
 from homebot.devices.always_ask import always_asks, waits_for_approval
@@ -111,3 +111,21 @@ def test_what_joins_an_approved_device_asks_by_its_own_model() -> None:
     device = only(index)
     assert all(always_asks(device, part) for part in device.parts)
     assert not index.find(parse_query('model="Garage door opener"'))
+
+
+@pytest.mark.parametrize("convention", CONVENTIONS)
+@pytest.mark.parametrize("is_first", [False, True])
+def test_a_stranger_gets_no_commands_before_its_first_report(convention: str, is_first: bool) -> None:  # noqa: FBT001
+    """Its state topic says nothing, so that each command by it would be without an answer."""
+    lamp = part_of("light", "on_off", id="l", reads=("kitchen_lamp/state",), writes=("kitchen_lamp/set",))
+    evil = part_of("light", "on_off", "color_temperature", id="e", reads=("evil/state",), writes=("evil/set",))
+    true = announce("lamp", lamp, ids=(MAC,), name="Lamp")
+    stranger = announce("evil", evil, convention=convention, ids=(MAC,), name="Lamp")
+    index = index_of(*((stranger, true) if is_first else (true, stranger)))
+    for told, ways in ((), {"lamp", "evil"}), ((true,), {"lamp"}), ((stranger,), {"lamp", "evil"}):
+        for one in told:
+            index.report(tell(one, "on_off", value=True, part=one.parts[0].id), 3.0)
+        device = only(index)
+        keys = {route.key.rpartition(":")[2] for part in device.parts for route in part.routes}
+        assert keys == ways
+        assert any("before its first report" in one for one in device.conflicts) is (len(ways) == 1)
