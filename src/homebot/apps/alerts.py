@@ -153,7 +153,8 @@ class Alerts(App[AlertsSettings]):
     async def run(self) -> None:
         """Look at the house whenever something may be wrong, or over."""
         node = self.node
-        await to_thread.run_sync(say, "Alert", self.settings.language)  # reads the table
+        if self.settings.language != "en":
+            await to_thread.run_sync(say, "Alert", self.settings.language)  # reads the table
         self._find = node.create_client(FindDevices, FIND_DEVICES)
         self._findings = node.create_publisher(Findings, ALERT_FINDINGS, qos_profile_latched)
         self._incidents = {key: Incident(*fields) for key, fields in self.store.get("incidents", {}).items()}
@@ -211,7 +212,8 @@ class Alerts(App[AlertsSettings]):
         lasting = alerts | held
         self._incidents = update_incidents(self._incidents, lasting, ended, now, self.settings.language)
         is_told = await self._publish_news(now)
-        self.store["incidents"] = self._incidents
+        if self._incidents or "incidents" in self.store:
+            self.store["incidents"] = self._incidents
         self._pause = _AGAIN / 2 if is_told else min(2 * self._pause, _LONGEST_PAUSE)
         wait = min(map(self._due, self._incidents), default=math.inf) - now
         return max(0.0, min(wait, _AGAIN if lasting else math.inf)) if is_told else self._pause
