@@ -2,6 +2,7 @@
 
 import json
 import sys
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -55,12 +56,13 @@ async def check_proposal(session: Any, api: Api) -> None:
 
 
 async def light(api: Api, lit: int) -> None:
-    """Publish what a robot sees: 100, and *lit* while lamp2 is on; until cancelled."""
+    """Publish what a robot sees: 100 with noise, and *lit* while lamp2 is on; until cancelled."""
+    noise = cycle((0.1, 1.7, 0.6, 1.2, 0.3, 1.9, 0.8))
     async with connect(f"ws://127.0.0.1:{api.port}", proxy=None) as door:
         await door.send(json.dumps({"op": "advertise", "topic": "/rosie/light", "type": "std_msgs/Float64"}))
         while True:
             lamp = (await api.get("/api/devices/lamp2")).values
-            message = {"data": 100 + lit * lamp["on"] + id(lamp) % 3}
+            message = {"data": 100 + lit * lamp["on"] + next(noise)}
             await door.send(json.dumps({"op": "publish", "topic": "/rosie/light", "msg": message}))
             await anyio.sleep(0.1)
 
