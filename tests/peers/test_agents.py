@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Mapping
 from itertools import cycle
 from pathlib import Path
 from typing import Any
@@ -36,6 +37,11 @@ TOOLS = {
 
 def arguments(api: Api, folder: Path, token: str) -> list[str]:
     return ["-m", "homebot", "mcp", "--door", f"127.0.0.1:{api.port}", "--token-file", str(folder / token)]
+
+
+def outcome_of(body: Mapping[str, object]) -> str:
+    """Return the answer of a homebot that confirms, and tells what it was asked."""
+    return json.dumps({"id": "id", "outcome": "confirmed", "text": json.dumps(body)})
 
 
 def test_the_description_is_valid_openapi() -> None:
@@ -123,13 +129,17 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
 
         async def call(session: Any, tool: str, **given: object) -> Any:
             result = await session.call_tool(tool, given)
-            assert not result.is_error
-            return json.loads(result.content[0].text)
+            answer = json.loads(result.content[0].text)
+            assert (result.is_error, result.structured_content) == (False, answer)
+            return answer
 
         async with client("keys", elicitation_callback=person) as session:
             tools = (await session.list_tools()).tools
             assert {one.name for one in tools} == TOOLS
-            assert sum(len(one.model_dump_json(exclude_none=True)) for one in tools) < 510 * len(TOOLS)
+            assert sum(
+                len(one.model_dump_json(exclude_none=True, exclude={"output_schema"})) for one in tools
+            ) < 510 * len(TOOLS)
+            assert sum(len(json.dumps(one.output_schema, separators=(",", ":"))) for one in tools) < 960 * len(TOOLS)
             fields = [field for one in tools for field in one.input_schema["properties"].values()]
             assert all(field.get("description") for field in fields)
             many = await session.call_tool("find_devices", {"limit": 500})
@@ -147,8 +157,15 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
             assert "at most 500 characters" in too_long.content[0].text
 
             await check_proposal(session, api)
-            declined = await call(session, "command", device="front_door", do="unlock")
-            assert declined == {
+            for tool in ("home", "scenes", "habits", "find_devices"):
+                assert "outcome" not in await call(session, tool)
+            assert (await call(session, "history", device="lamp1"))["series"]
+            assert (await call(session, "achieve", goal="lamp2 on", dry_run=True))["text"]
+            no_scene = await session.call_tool("apply_scene", {"scene": "nosuch"})
+            assert (no_scene.is_error, no_scene.structured_content) == (True, None)
+            declined = await session.call_tool("command", {"device": "front_door", "do": "unlock"})
+            assert (declined.is_error, declined.structured_content) == (True, None)
+            assert json.loads(declined.content[0].text) == {
                 "outcome": "refused",
                 "reason": "this device always asks, and no person confirmed the command",
             }
@@ -173,8 +190,8 @@ async def test_the_device_that_a_person_agreed_to_is_commanded_and_not_one_that_
         async def read(self, *_: str) -> str:
             return json.dumps({"id": called[len(asked)], "always_asks": "it is a lock"})
 
-        async def post(self, _path: str, body: dict[str, str]) -> str:
-            return json.dumps(body)
+        async def post(self, _path: str, body: dict[str, object]) -> str:
+            return outcome_of(body)
 
     async def person(_: object, question: Any) -> Any:
         asked.append(question.message)
@@ -182,7 +199,7 @@ async def test_the_device_that_a_person_agreed_to_is_commanded_and_not_one_that_
 
     async with mcp.Client(server.house_server(RenamedDevices()), mode=mode, elicitation_callback=person) as session:
         result = await session.call_tool("command", {"device": "Door#bolt", "do": "unlock\x1b[2K\n"})
-    commanded = json.loads(result.content[0].text)["device"]
+    commanded = json.loads(result.structured_content["text"])["device"]
     assert commanded.endswith("#bolt")
     assert asked[-1].startswith(f"{commanded}: unlock\\x1b[2K\\n?")  # nothing overwrites the question
 
@@ -219,6 +236,8 @@ async def test_an_unknown_argument_is_refused_with_the_nearest_one() -> None:
     async with mcp.Client(server.house_server(Unasked())) as session:
         misspelt = await session.call_tool("find_devices", {"querry": "lamp"})
         strange = await session.call_tool("home", {"x" * 500: 1})
+        tools = (await session.list_tools()).tools
+    assert [one.name for one in tools if (one.output_schema or {}).get("type") != "object"] == []
     assert (misspelt.is_error, strange.is_error) == (True, True)
     assert json.loads(misspelt.content[0].text) == {
         "outcome": "invalid",
@@ -239,7 +258,7 @@ async def test_one_command_is_for_several_devices_of_which_a_person_is_asked_abo
             return json.dumps({"id": f"id-{name}", **({"always_asks": "it is a lock"} if "door" in name else {})})
 
         async def post(self, _: str, body: dict[str, object]) -> str:
-            return json.dumps(body)
+            return outcome_of(body)
 
     async def person(_: object, question: Any) -> Any:
         asked.append(question.message)
@@ -247,7 +266,11 @@ async def test_one_command_is_for_several_devices_of_which_a_person_is_asked_abo
 
     async with mcp.Client(server.house_server(Devices()), elicitation_callback=person) as session:
         lamps = await session.call_tool("command", {"device": ["lamp1", "lamp2#left"], "do": "off"})
-        assert json.loads(lamps.content[0].text) == {"device": ["id-lamp1", "id-lamp2#left"], "do": "off", "ask": False}
+        assert json.loads(lamps.structured_content["text"]) == {
+            "device": ["id-lamp1", "id-lamp2#left"],
+            "do": "off",
+            "ask": False,
+        }
         assert not asked
         await session.call_tool("command", {"device": ["lamp1", "door"], "do": "lock"})
     assert set(asked) == {"id-door: lock? It always asks: it is a lock."}

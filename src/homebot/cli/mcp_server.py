@@ -24,7 +24,19 @@ from pydantic import BaseModel, Field
 from websockets.asyncio.client import connect
 from websockets.exceptions import WebSocketException
 
-from homebot.bridges.home_api.shapes import MOST_COMMANDED, MOST_POINTS
+from homebot.bridges.home_api.shapes import (
+    MOST_COMMANDED,
+    MOST_POINTS,
+    DeviceList,
+    GoalAnswer,
+    HabitList,
+    HistoryAnswer,
+    HomeAnswer,
+    OutcomeAnswer,
+    ProposalAnswer,
+    SceneList,
+    WhyAnswer,
+)
 from homebot.cli.door_address import DoorAddress
 from homebot.devices.command_messages import MAX_TRANSITION_S
 from homebot.devices.names import HOME_HEADER, IDENTIFY_DEVICE
@@ -54,8 +66,6 @@ _MOST: Final = 4 * 1024 * 1024
 _NO_RIGHT: Final = "the right "
 """The beginning of a refusal of a goal because of a missing right."""
 
-_OF_CANDIDATES: Final = ("device", "part", "probability", "effect", "deviation", "problem")
-
 _MOST_LINES: Final = 40
 """The newest lines of a trial that an agent gets."""
 
@@ -71,7 +81,7 @@ Device: TypeAlias = Annotated[Words, Field(description="id or exact name")]
 
 
 class _MistakeError(ToolError):
-    """A mistake in a call, or no answer from homebot; its text is JSON."""
+    """A mistake in a call, a refusal of it, or no answer from homebot; its text is JSON."""
 
 
 class Sure(BaseModel):
@@ -84,6 +94,35 @@ class _Unasked(Sure):
     """This client cannot ask its person, so homebot asks those in the house."""
 
     confirm: bool = True
+
+
+class _TriedProposal(ProposalAnswer):
+    """The result of a proposal, and the newest lines of its trial."""
+
+    trial: list[str]
+
+
+class _CandidateLine(BaseModel):
+    """A candidate, and by how much it changes the sensor's value; the problem if it takes part no more."""
+
+    device: str
+    part: str
+    probability: float
+    effect: float | None
+    deviation: float | None
+    problem: str
+
+
+class _IdentifyAnswer(BaseModel):
+    """The part in view, empty for none of the candidates and if it is not sure."""
+
+    success: bool
+    message: str
+    device: str
+    part: str
+    probability: float
+    left_out: list[dict[str, str]]
+    candidates: list[_CandidateLine]
 
 
 class ApiClient:
@@ -101,10 +140,10 @@ class ApiClient:
         )
 
     async def read(self, path: str, last: str = "", **query: object) -> str:
-        """Return the answer of the route *path* and *last* as JSON, without a right the refusal.
+        """Return the answer of the route *path* and *last* as JSON.
 
         Raises:
-            ToolError: The request is wrong, or homebot does not answer.
+            ToolError: The request is wrong, there is no right to it, or homebot does not answer.
         """
         asked = urlencode({name: value for name, value in query.items() if value != ""})
         return await self._ask("GET", f"{path}{quote(last, safe='')}?{asked}")
@@ -125,8 +164,6 @@ class ApiClient:
         self._check_home(response.headers)
         if response.status_code == HTTPStatus.OK:
             return text.rstrip()
-        if response.status_code == HTTPStatus.FORBIDDEN:
-            return _refusal(text)
         raise _MistakeError(_refusal(text))
 
     async def identify(self, goal: Mapping[str, object], report: Callable[[Any], Awaitable[None]]) -> Any:
@@ -197,43 +234,40 @@ def house_server(api: ApiClient) -> MCPServer:
 
 
 def _add_questions(server: MCPServer, api: ApiClient) -> None:
-    async def home() -> str:
+    async def home() -> Annotated[CallToolResult, HomeAnswer]:
         """Return the rooms of the house, with the number of devices by type."""
-        return await api.read("/api/home")
+        return _answer(await api.read("/api/home"))
 
     async def find_devices(
         query: Annotated[Words, Field(description="as `light in kitchen`, `which lights are on`; empty for all")] = "",
         limit: Annotated[int, Field(ge=1, le=MOST_LISTED, description="most devices")] = 50,
-    ) -> str:
+    ) -> Annotated[CallToolResult, DeviceList]:
         """Return the devices that fit a query such as `light in kitchen`, or all, with room and values."""
-        return await api.read("/api/devices", q=query, limit=limit)
+        return _answer(await api.read("/api/devices", q=query, limit=limit))
 
     async def why(
         device: Device, state: Annotated[str, Field(max_length=100, description="one that it is not in")] = ""
-    ) -> str:
+    ) -> Annotated[CallToolResult, WhyAnswer]:
         """Return why a device is in its state or, given a state such as `on`, why it is not in that one."""
-        return await api.read("/api/why/", device, state=state)
+        return _answer(await api.read("/api/why/", device, state=state))
 
     async def history(
         device: Device,
         capability: Annotated[Words, Field(description="empty for all")] = "",
         since: Annotated[str, Field(max_length=40, description="how far back")] = "24h",
         points: Annotated[int, Field(ge=1, le=MOST_POINTS, description="most values of each")] = 50,
-    ) -> str:
+    ) -> Annotated[CallToolResult, HistoryAnswer]:
         """Return past values of a device, or of one capability such as `temperature`, for the last `24h` or `7d`."""
-        return await api.read("/api/history", device=device, capability=capability, since=since, points=points)
+        return _answer(await api.read("/api/history", device=device, capability=capability, since=since, points=points))
 
     for tool in (home, find_devices, why, history):
-        server.add_tool(tool, annotations=_READS, structured_output=False)
+        server.add_tool(tool, annotations=_READS)
 
 
 def _add_command(server: MCPServer, api: ApiClient) -> None:
     async def details(device: Words | Several) -> list[Any]:
         names = [device] if isinstance(device, str) else device
-        found = [await api.read("/api/devices/", one.partition("#")[0]) for one in names]
-        if problem := next((one for one in found if "id" not in json.loads(one)), ""):
-            raise _MistakeError(problem)
-        return list(map(json.loads, found))
+        return [json.loads(await api.read("/api/devices/", name.partition("#")[0])) for name in names]
 
     async def sure(
         device: Words | Several, do: Words, details: Annotated[list[Any], Resolve(details)], context: Context
@@ -245,43 +279,43 @@ def _add_command(server: MCPServer, api: ApiClient) -> None:
         do: Annotated[Words, Field(max_length=300, description="as `on, 40 %`, `+10 %`, `lock`")],
         details: Annotated[list[Any], Resolve(details)],
         sure: Annotated[ElicitationResult[Sure], Resolve(sure)],
-    ) -> str:
+    ) -> Annotated[CallToolResult, OutcomeAnswer]:
         """Command a device, or several at once: `on`, `40 %`, `2700 K`, `heating_setpoint 21`, `open`, `lock`."""
         if not isinstance(sure, AcceptedElicitation) or not sure.data.confirm:
-            return _problem("refused", _UNCONFIRMED)
+            raise _MistakeError(_problem("refused", _UNCONFIRMED))
         targets, ask = _targets(details, device), isinstance(sure.data, _Unasked)
         wanted = {"device": targets if len(targets) > 1 else targets[0], "do": do, "ask": ask}
-        return await api.post("/api/command", wanted)
+        return _answer(await api.post("/api/command", wanted))
 
-    server.add_tool(command, annotations=_ACTS, structured_output=False)
+    server.add_tool(command, annotations=_ACTS)
 
 
 def _add_scenes(server: MCPServer, api: ApiClient) -> None:
-    async def scenes() -> str:
+    async def scenes() -> Annotated[CallToolResult, SceneList]:
         """Return the scenes: a name, and values for several parts of the house."""
-        return await api.read("/api/scenes")
+        return _answer(await api.read("/api/scenes"))
 
     async def apply_scene(
         scene: Annotated[Words, Field(description="name or id")],
         transition: Annotated[float, Field(ge=0.0, le=MAX_TRANSITION_S, description="seconds")] = 0.0,
         undo: Annotated[bool, Field(description="bring back the values before")] = False,  # noqa: FBT002 - JSON
-    ) -> str:
+    ) -> Annotated[CallToolResult, OutcomeAnswer]:
         """Apply a scene, or undo it: bring back the values before, where nothing else has changed them since."""
-        return await api.post("/api/scene", {"scene": scene, "transition": transition, "undo": undo})
+        return _answer(await api.post("/api/scene", {"scene": scene, "transition": transition, "undo": undo}))
 
-    server.add_tool(scenes, annotations=_READS, structured_output=False)
-    server.add_tool(apply_scene, annotations=_ACTS, structured_output=False)
+    server.add_tool(scenes, annotations=_READS)
+    server.add_tool(apply_scene, annotations=_ACTS)
 
 
 def _add_goals(server: MCPServer, api: ApiClient) -> None:
     async def achieve(
         goal: Annotated[str, Field(max_length=1000, description="states joined by `and`")],
         dry_run: Annotated[bool, Field(description="only plan")] = False,  # noqa: FBT002 - JSON
-    ) -> str:
+    ) -> Annotated[CallToolResult, GoalAnswer]:
         """Plan how to reach a goal such as `kitchen lit and rosie in kitchen`, and do it; returns each step."""
-        return await api.post("/api/goal", {"goal": goal, "dry_run": dry_run})
+        return _answer(await api.post("/api/goal", {"goal": goal, "dry_run": dry_run}))
 
-    server.add_tool(achieve, annotations=_ACTS, structured_output=False)
+    server.add_tool(achieve, annotations=_ACTS)
 
 
 def _add_identification(server: MCPServer, api: ApiClient) -> None:
@@ -290,7 +324,7 @@ def _add_identification(server: MCPServer, api: ApiClient) -> None:
         sensor: Annotated[Words, Field(description="its id or name, or a topic of a robot")],
         context: Context,
         night: Annotated[bool, Field(description="also while people sleep")] = False,  # noqa: FBT002 - JSON
-    ) -> str:
+    ) -> Annotated[CallToolResult, _IdentifyAnswer]:
         """Find which `light in hall` a sensor sees: they blink."""
         goal = {"candidates": devices, "topic": sensor, "at_night": night}
 
@@ -299,36 +333,39 @@ def _add_identification(server: MCPServer, api: ApiClient) -> None:
             likely, none = best["probability"], feedback["none"]
             await context.report_progress(feedback["look"]["at"], None, f"{best['name']} {likely:.0%}, none {none:.0%}")
 
-        found = await api.identify(goal, report)
-        answer = {name: found[name] for name in ("success", "message", "device", "part", "probability", "left_out")}
-        each = [{name: one[name] for name in _OF_CANDIDATES} for one in found["candidates"]]
-        return json.dumps({**answer, "candidates": each}, ensure_ascii=False)
+        return _answer(_IdentifyAnswer.model_validate(await api.identify(goal, report)).model_dump_json())
 
-    server.add_tool(identify, annotations=_ACTS, structured_output=False)
+    server.add_tool(identify, annotations=_ACTS)
 
 
 def _add_routines(server: MCPServer, api: ApiClient) -> None:
     async def propose_routine(
         text: Annotated[str, Field(max_length=20_000, description="TOML")],
         days: Annotated[float, Field(gt=0.0, le=366.0, description="of the trial")] = 7.0,
-    ) -> str:
+    ) -> Annotated[CallToolResult, _TriedProposal]:
         """Propose a rule to the owner, who enables it or not; returns what it would have done in the last days.
 
         TOML: `name="Hall"`, `when=["hall motion occupied", "22:00"]`, `if=["sun is down"]`,
         `do=["hall lamp on, 20 %", "wait 5m", "undo"]`.
         """
         answer = json.loads(await api.post("/api/routines", {"text": text}))
-        if "outcome" in answer:
-            raise _MistakeError(json.dumps(answer))
         trial = await to_thread.run_sync(_trial, api.address, text, days)
-        return json.dumps({**answer, "trial": trial[-_MOST_LINES:]}, ensure_ascii=False)
+        return _answer(json.dumps({**answer, "trial": trial[-_MOST_LINES:]}, ensure_ascii=False))
 
-    async def habits() -> str:
+    async def habits() -> Annotated[CallToolResult, HabitList]:
         """Return what people did again and again in the last 21 days, as routines with proof; the owner accepts."""
-        return await api.read("/api/habits")
+        return _answer(await api.read("/api/habits"))
 
-    server.add_tool(propose_routine, annotations=_ACTS, structured_output=False)
-    server.add_tool(habits, annotations=_READS, structured_output=False)
+    server.add_tool(propose_routine, annotations=_ACTS)
+    server.add_tool(habits, annotations=_READS)
+
+
+def _answer(text: str) -> CallToolResult:
+    """Return *text*, which is JSON, for the agent as it is and for programs by the schema of the tool."""
+    try:
+        return CallToolResult(content=[TextContent(type="text", text=text)], structured_content=json.loads(text))
+    except ValueError as exc:
+        raise _MistakeError(_refusal(text)) from exc
 
 
 def _trial(address: DoorAddress, text: str, days: float) -> list[str]:
