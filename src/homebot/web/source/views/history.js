@@ -13,6 +13,7 @@ const LEAST = 60; // seconds of a plot; it begins with the first value
 
 export function History({ device }) {
   const kept = [...device.states.values()].filter((one) => typeof one.value === "number" || typeof one.value === "boolean");
+  kept.sort((a, b) => (b.capability === "power") - (a.capability === "power")); // of a plug, what it draws before whether it is on
   const [chosen, setChosen] = useState(null);
   const [period, setPeriod] = useState(86_400);
   const [answer, setAnswer] = useState(null);
