@@ -134,6 +134,17 @@ async def test_a_clock_that_was_years_ahead_goes_on_from_where_it_is_set_back_to
     assert len(diary.calls) == 2
 
 
+@pytest.mark.parametrize("ahead", [HOUR, DAY, DAY + HOUR, 2 * DAY])
+async def test_a_clock_that_is_ahead_for_two_minutes_skips_no_job_of_the_evening(ahead: float) -> None:
+    async with living(lambda app: app.daily("22:00", app.note), "2026-06-01 12:00") as (diary, clock):
+        await anyio.sleep(HOUR)
+        clock.wall += ahead
+        await anyio.sleep(120)
+        clock.wall -= ahead
+        await anyio.sleep(12 * HOUR)
+    assert "06-01 22:00:00" in diary.calls
+
+
 @pytest.mark.parametrize(
     ("catch_up", "step", "expected"),
     [("30m", 900.0, 1), ("30m", 3 * HOUR, 0), ("0s", 3 * HOUR, 0), ("0s", 20.0, 1), ("12h", 8 * HOUR, 1)],

@@ -155,6 +155,7 @@ class WallJob(Job):
         super().__post_init__()
         self._next: tuple[date, float] | None = None
         self._looked = -math.inf
+        self._skipped: tuple[float, date] | None = None  # a moment, and the day that was handled before
 
     @property
     def note(self) -> str:
@@ -186,14 +187,18 @@ class WallJob(Job):
             return None
         last, handled = self._last(now), self.read_day(self.name)
         due = None
+        if self._skipped is not None and now < self._skipped[0]:  # by a clock that was ahead
+            handled, self._skipped = self._skipped[1], None
+            self.write_day(self.name, handled)
         if handled is None or handled > self._day(now) + timedelta(days=1):  # new, or the clock was a day ahead
             handled = self._day(now) - timedelta(days=2) if last is None else last[0]
             self.write_day(self.name, handled)
         elif last is not None and last[0] > handled:
-            handled = last[0]
-            self.write_day(self.name, handled)
             late = now - last[1]
             due = Due(late, is_missed=late > max(self.catch_up, LONGEST_NAP))
+            self._skipped = (last[1], handled) if due.is_missed else None
+            handled = last[0]
+            self.write_day(self.name, handled)
         self._next = self._first_after(handled, now)
         return due
 
