@@ -27,6 +27,7 @@ PLACES = {
 }
 REQUEST: Any = find_message("rmf_door_msgs/msg/DoorRequest")
 MODE: Any = find_message("rmf_door_msgs/msg/DoorMode")
+BEAT: Any = find_message("rmf_door_msgs/msg/SupervisorHeartbeat")
 STATE: Any = find_message("rmf_door_msgs/msg/DoorState")
 CLOSED, MOVING, OPEN, OFFLINE = range(4)
 GARAGE = {
@@ -84,14 +85,22 @@ async def test_motors_and_sensors_of_doors_are_doors_and_windows_are_not() -> No
         assert states["Garage"] == OFFLINE
 
 
-async def test_a_door_stays_open_until_the_last_requester_closes_it_or_falls_silent() -> None:
+@pytest.mark.parametrize("settings", [{}, {"held_for": 120.0, "supervised": True}])
+async def test_a_door_stays_open_until_the_last_requester_closes_it_or_its_time_ends(settings: dict[str, Any]) -> None:
+    config = {"places": PLACES, "apps": {"rmf_doors": settings}}
+    is_supervised = bool(settings)
     async with (
-        virtual_house_of(APP, world=parse_world(HOUSE, "test"), config={"places": PLACES}) as house,
+        virtual_house_of(world=parse_world(HOUSE, "test"), config=config) as house,
         Node(house.runtime.graph, "fleet") as fleet,
     ):
         states: list[Any] = []
         fleet.create_subscription(STATE, "/door_states", states.append)
-        requests = fleet.create_publisher(REQUEST, "/adapter_door_requests")
+        beats: list[Any] = []
+        fleet.create_subscription(BEAT, "/door_supervisor_heartbeat", beats.append)
+        requests = fleet.create_publisher(REQUEST, "/door_requests" if is_supervised else "/adapter_door_requests")
+
+        def holders() -> list[tuple[str, str]]:
+            return [(door.door_name, one.requester_id) for door in beats[-1].all_sessions for one in door.sessions]
 
         def mode() -> int:
             assert states[-1].door_name == "Inner"
@@ -102,6 +111,7 @@ async def test_a_door_stays_open_until_the_last_requester_closes_it_or_falls_sil
         assert mode() == CLOSED
         await ask(requests, "rosie", "Inner", OPEN, 10.0)
         await ask(requests, "anna", "Inner", OPEN, 10.0)
+        assert is_supervised or holders() == [("Inner", "anna"), ("Inner", "rosie")]
         with capture_logs() as lines:
             await ask(requests, "anna", "Iner", OPEN)
         assert "'Iner' is not a door with a lock or motor; did you mean Inner?" in lines[0]["message"]
@@ -113,5 +123,8 @@ async def test_a_door_stays_open_until_the_last_requester_closes_it_or_falls_sil
         assert mode() == CLOSED
         await ask(requests, "rosie", "Inner", OPEN, 10.0)
         assert mode() == OPEN
-        await house.run_for(130)
+        await house.run_for(1000)
+        assert mode() == (CLOSED if is_supervised else OPEN)
+        await ask(requests, "rosie", "Inner", CLOSED, 10.0)
         assert mode() == CLOSED
+        assert not beats if is_supervised else holders() == []

@@ -1,6 +1,7 @@
 """Doors for Open-RMF: their states, and requests of robots to hold them open."""
 
 from functools import partial
+from itertools import groupby
 from typing import Any, Final, TypeAlias
 
 import anyio
@@ -39,14 +40,20 @@ class RmfDoorsSettings(AppSettings):
     """The keys of the table of :class:`RmfDoors`.
 
     Attributes:
-        held_for: Seconds for which a request holds a door open unless it is repeated.
+        held_for: Seconds after which a request that is not repeated no longer holds a door open: a robot that died
+            leaves none unlocked.
+        supervised: True if a door supervisor of Open-RMF runs: it hears robots, and its ``/door_requests`` are served.
     """
 
-    held_for: Seconds = 120.0
+    held_for: Seconds = 3600.0
+    supervised: bool = False
 
 
 class RmfDoors(App[RmfDoorsSettings]):
-    """Publishes ``/door_states`` and serves ``/adapter_door_requests`` for doors in the plan and other doors.
+    """Publishes ``/door_states`` and serves requests of robots, for doors in the plan and other doors.
+
+    Without a door supervisor it is one: it serves ``/adapter_door_requests``, and lists the holds in
+    ``/door_supervisor_heartbeat``.
 
     A door in the plan is represented by its lock or motor, else by its contact. Locks, motors and contacts that are in
     no plan are doors under their own names. ``MODE_OPEN`` holds a lock unlocked or a motor open for the requester;
@@ -58,12 +65,17 @@ class RmfDoors(App[RmfDoorsSettings]):
         self._held_for = settings.held_for
         self._places = node.create_client(GetPlaces, GET_PLACES)
         self._doors: dict[str, _Part | None] = {}
-        self._holds: dict[tuple[str, str], anyio.CancelScope] = {}
+        self._holds: dict[tuple[str, str], tuple[anyio.CancelScope, Time]] = {}
         self._state_type: Any = find_message("rmf_door_msgs/msg/DoorState")
         self._mode_type: Any = find_message("rmf_door_msgs/msg/DoorMode")
         self._states = node.create_publisher(self._state_type, "/door_states", 100)
         self._tasks: TaskGroup | None = None
-        node.create_subscription(find_message("rmf_door_msgs/msg/DoorRequest"), "/adapter_door_requests", self._request)
+        requests = "/door_requests" if settings.supervised else "/adapter_door_requests"
+        node.create_subscription(find_message("rmf_door_msgs/msg/DoorRequest"), requests, self._request)
+        self._beat_type: Any = find_message("rmf_door_msgs/msg/SupervisorHeartbeat")
+        self._beats = (
+            None if settings.supervised else node.create_publisher(self._beat_type, "/door_supervisor_heartbeat")
+        )
 
     async def run(self) -> None:
         """Publish the states of all doors once a second."""
@@ -77,7 +89,20 @@ class RmfDoors(App[RmfDoorsSettings]):
                 for name, part in self._doors.items():
                     mode = self._mode_type(value=_mode(part))
                     self._states.publish(self._state_type(door_time=time, door_name=name, current_mode=mode))
+                if self._beats is not None:
+                    self._beats.publish(self._beat_type(all_sessions=self._sessions()))
                 await anyio.sleep(_EVERY)
+
+    def _sessions(self) -> tuple[Message, ...]:
+        sessions: Any = find_message("rmf_door_msgs/msg/DoorSessions")
+        session: Any = find_message("rmf_door_msgs/msg/Session")
+        return tuple(
+            sessions(
+                door_name=door,
+                sessions=tuple(session(request_time=self._holds[key][1], requester_id=key[1]) for key in keys),
+            )
+            for door, keys in groupby(sorted(self._holds), lambda key: key[0])
+        )
 
     async def _find_doors(self) -> dict[str, _Part | None]:
         """Return each door with its lock or motor, else its contact; None if that is not known yet."""
@@ -105,16 +130,17 @@ class RmfDoors(App[RmfDoorsSettings]):
             self._warn(f"a request for a door was refused: {problem if key[1] else 'no requester is stated'}")
             return
         if stated.requested_mode.value == _OPEN:
-            self._open(self._tasks, key, part)
+            self._open(self._tasks, key, part, stated.request_time)
         elif stated.requested_mode.value == _CLOSED and key in self._holds:
-            self._holds[key].cancel()
+            self._holds[key][0].cancel()
 
-    def _open(self, tasks: TaskGroup, key: tuple[str, str], part: Closure | DoorLock) -> None:
+    def _open(self, tasks: TaskGroup, key: tuple[str, str], part: Closure | DoorLock, time: Time) -> None:
         deadline = anyio.current_time() + self._held_for
         if key in self._holds:
-            self._holds[key].deadline = deadline
+            self._holds[key][0].deadline = deadline
         elif len(self._holds) < _MOST_HOLDERS:
-            self._holds[key] = scope = anyio.CancelScope(deadline=deadline)
+            scope = anyio.CancelScope(deadline=deadline)
+            self._holds[key] = (scope, time)
             tasks.start_soon(partial(self._hold, key, part, scope))
 
     async def _hold(self, key: tuple[str, str], part: Closure | DoorLock, scope: anyio.CancelScope) -> None:

@@ -259,8 +259,9 @@ async def test_a_client_that_may_act_on_something_speaks_with_apps(open_house: A
             assert (await heard.receive()).data == "x"
 
 
-async def test_only_a_robot_asks_for_doors_which_an_app_may_unlock(open_house: Any) -> None:
-    request: dict[str, Any] = {"topic": "/adapter_door_requests", "type": "rmf_door_msgs/msg/DoorRequest"}
+@pytest.mark.parametrize("topic", ["/adapter_door_requests", "/door_requests"])
+async def test_only_a_robot_asks_for_doors_which_an_app_may_unlock(open_house: Any, topic: str) -> None:
+    request: dict[str, Any] = {"topic": topic, "type": "rmf_door_msgs/msg/DoorRequest"}
     async with robot(open_house, "read", "act: harmless") as (_, peer):
         assert (await refusal(peer, "advertise", **request)).startswith("the right robot is missing; ")
         assert (await refusal(peer, "publish", **request, msg={})).startswith("the right robot is missing; ")

@@ -80,7 +80,7 @@ _ACTING: Final = frozenset(
 )
 _PUBLISHING: Final = frozenset({"advertise", "advertise_action", "advertise_service", "publish"})
 _CALLING: Final = frozenset({"call_service", "send_action_goal"})
-_DOOR_REQUESTS: Final = "/adapter_door_requests"
+_DOOR_REQUESTS: Final = frozenset({"/adapter_door_requests", "/door_requests"})
 """Actions that need a robot's right, because the app that serves them may be allowed to unlock."""
 
 _SEVERAL: Final = "?"
@@ -229,7 +229,7 @@ class ClientAccess:
     def _right_to_publish(self, name: str) -> Right:
         """Return the right that the client needs to publish, after checking its right to be the robot of *name*."""
         right = right_to_publish(name)
-        robot = "" if name == _DOOR_REQUESTS else self.owners.of_topic(name)
+        robot = "" if name in _DOOR_REQUESTS else self.owners.of_topic(name)
         if right is Right.RAW or robot is None:
             return right
         if robot == _SEVERAL:
