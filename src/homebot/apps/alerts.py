@@ -47,8 +47,6 @@ from homebot.graph import qos_profile_latched
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["Alerts", "AlertsSettings", "Incident", "update_incidents"]
-
 MOST_INCIDENTS: Final = 100
 """The limit of those that last, the worst first, and of all others; of more alerts people are not told."""
 

@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
     from homebot.devices.scene_client import Scenes
 
-__all__ = ["App", "AppSettings", "NoSettings"]
-
 
 class AppSettings(BaseModel):
     """The base class of app tables: read once; an unknown key is an error."""

@@ -11,8 +11,6 @@ from homebot.apps.store import Store
 from homebot.clock import read_zone
 from homebot.config import Urgency
 
-__all__ = ["AppContext"]
-
 
 async def _write_nowhere() -> None:
     """Keep values in memory."""

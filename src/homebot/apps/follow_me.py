@@ -11,8 +11,6 @@ from homebot.devices.health import GetHealth
 from homebot.devices.misspelt_names import ConfiguredNames, StatedNames
 from homebot.support.folding import fold
 
-__all__ = ["FollowMe", "FollowMeSettings"]
-
 
 class FollowMeSettings(AppSettings):
     """The keys of the table of :class:`FollowMe`.

@@ -13,8 +13,6 @@ from typing import Final, NamedTuple, Protocol, final
 from homebot.apps.run_modes import HandlerRuns, RunHandler
 from homebot.clock import Clock
 
-__all__ = ["Due", "Interval", "Job", "JobFacts", "Times", "WallJob"]
-
 EARLIEST: Final = 1_735_689_600.0
 """2025-01-01: an earlier clock is not set yet, as on a Raspberry Pi without network."""
 LONGEST_NAP: Final = 60.0

@@ -4,8 +4,6 @@ from homebot.apps.base import App
 from homebot.apps.rooms import per_handle
 from homebot.devices.handles import HandleChange, Light
 
-__all__ = ["LightService"]
-
 
 class LightService(App):
     """Turns off each lamp that reports that it is on, including lamps that appear later; a dimmed lamp is on."""

@@ -7,7 +7,6 @@ from homebot.apps.rooms import in_room, per_room
 from homebot.devices.handles import Handle, HandleChange, Light, OccupancySensor
 from homebot.units import Seconds
 
-__all__ = ["LightsOut", "LightsOutSettings"]
 SHORTEST, LONGEST = 60.0, 3600.0  # seconds until lamps that stayed on are checked again, longer each time
 
 

@@ -25,8 +25,6 @@ from homebot.support.rate_limit import RateLimit
 if TYPE_CHECKING:
     from homebot.graph import Node
 
-__all__ = ["Notification", "Notifier", "NotifySettings"]
-
 SENT: Final = "app.notified"
 NOT_SENT: Final = "app.not_notified"
 DROPPED: Final = "app.notification_dropped"

@@ -13,8 +13,6 @@ from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 
-__all__ = ["ItemHandler", "Reaction"]
-
 ItemT = TypeVar("ItemT")
 ItemHandler: TypeAlias = Callable[[ItemT], Awaitable[object] | None]
 

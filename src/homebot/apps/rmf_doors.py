@@ -21,8 +21,6 @@ from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 from homebot.units import Seconds
 
-__all__ = ["RmfDoors", "RmfDoorsSettings"]
-
 _Part: TypeAlias = Closure | DoorLock | ContactSensor
 
 _EVERY: Final = 1.0

@@ -15,8 +15,6 @@ from homebot.log import LogLimit, more_like_this
 from homebot.support.isolation import crash_of, error_text, is_end_of, uncancel
 from homebot.support.similar import did_you_mean
 
-__all__ = ["FAILURES_IN_A_ROW", "MOST_RUNS", "HandlerRuns", "RunHandler", "RunMode", "StartTask", "check_handler"]
-
 CALL_DROPPED: Final = "app.call_dropped"
 FAILURES_IN_A_ROW: Final = 5
 """Consecutive failures after which a handler is not called any more."""

@@ -10,8 +10,6 @@ from typing import Any, Final, final
 
 from homebot.errors import UsageError
 
-__all__ = ["MOST_BYTES", "MOST_KEYS", "MOST_VALUE_BYTES", "Store"]
-
 MOST_VALUE_BYTES: Final = 65_536
 """The limit of bytes of a value, as JSON."""
 

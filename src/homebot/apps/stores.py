@@ -18,8 +18,6 @@ from homebot.support.kept_file import KeptFile
 from homebot.support.logger import get_logger
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
-__all__ = ["STORE_SCHEMA", "AppStores", "Changes", "StoreFile"]
-
 WRITE_AFTER: Final = 5.0
 """Seconds for which changes are gathered, and which a power cut loses."""
 

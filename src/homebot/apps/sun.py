@@ -11,8 +11,6 @@ from astral import sun
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
 
-__all__ = ["SunTime", "is_sun_up", "sun_time"]
-
 _DAY: Final = timedelta(days=1)
 _TWO_DAYS: Final = 46 * 3600.0  # about
 _HORIZON: Final = -0.833  # degrees: the upper limb, with refraction, as at sunrise and sunset

@@ -11,8 +11,6 @@ from typing import Final, final
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
 
-__all__ = ["LONGEST_OFFSET", "TimeOfDay", "moment_of", "read_days", "read_time"]
-
 LONGEST_OFFSET: Final = 43_200.0
 """Seconds from an event of the sun, so that each stays on its own day."""
 

@@ -8,8 +8,6 @@ from homebot.devices.handles import Closure, ContactSensor, HandleChange, Thermo
 from homebot.support.folding import fold
 from homebot.units import Celsius, Seconds
 
-__all__ = ["WindowHeating", "WindowHeatingSettings"]
-
 
 class WindowHeatingSettings(AppSettings):
     """The keys of its table: how long a window must be open, and the lowered setpoint in °C."""

@@ -6,8 +6,6 @@ from pathlib import Path
 from homebot.bags.mcap_file import McapFile
 from homebot.errors import UsageError
 
-__all__ = ["bag_files"]
-
 
 def bag_files(path: Path) -> tuple[McapFile, ...]:
     """Return the files of the bag *path*, in order; ``metadata.yaml`` may be missing, as after a kill.

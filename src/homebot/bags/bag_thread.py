@@ -8,8 +8,6 @@ from homebot.bags.bag_topic import BagMessage
 from homebot.bags.bag_writer import BagWriter
 from homebot.errors import UsageError
 
-__all__ = ["BagThread"]
-
 _MOST_BYTES: Final = 64 * 1024 * 1024
 _EACH: Final = 200
 """Bytes that a waiting message takes beside its own."""

@@ -13,8 +13,6 @@ from homebot.messages.interfaces.interface_text import split_definitions
 from homebot.messages.message import Message
 from homebot.messages.type_hash import type_hash
 
-__all__ = ["CDR", "BagMessage", "BagTopic", "qos_text"]
-
 CDR: Final = ("cdr", "ros2msg")
 """The encodings that homebot reads."""
 

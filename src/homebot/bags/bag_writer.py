@@ -15,8 +15,6 @@ from homebot.bags.mcap_file import CHUNK, McapWriter
 from homebot.errors import UsageError
 from homebot.support.new_file import create_file, told_if_not_created
 
-__all__ = ["BagWriter"]
-
 _FLUSHED_EVERY: Final = 10_000_000_000
 """Nanoseconds of messages that a power cut may cost."""
 

@@ -29,8 +29,6 @@ from homebot.bags.bag_topic import BagMessage, BagTopic
 from homebot.errors import UsageError
 from homebot.version import __version__
 
-__all__ = ["CHUNK", "DamagedFileError", "McapContent", "McapFile", "McapWriter"]
-
 CHUNK: Final = 256 * 1024
 
 MAX_UNPACKED_BYTES: Final = 64 * 1024**2

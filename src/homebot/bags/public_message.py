@@ -9,8 +9,6 @@ from homebot.messages.cdr import message_from_cdr, message_to_cdr
 from homebot.messages.message import Message
 from homebot.recording.secrets import without_secrets
 
-__all__ = ["without_raw_secrets"]
-
 _RAW: Final[Mapping[str, type[Message]]] = {one.ros_type: one for one in (RawMessage, RawCommand)}
 
 

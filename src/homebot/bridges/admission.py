@@ -17,8 +17,6 @@ from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator
 
 from homebot.support.addresses import is_loopback
 
-__all__ = ["AccessSettings", "Count", "is_same_origin", "name_of_token", "refusal", "token_of"]
-
 _HOST = re.compile(r"[A-Za-z0-9._~%:\[\]-]*")
 """A name or an address with its port (RFC 9110, section 7.2), with which addresses in answers begin."""
 

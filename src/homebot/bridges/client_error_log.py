@@ -8,8 +8,6 @@ from homebot.errors import HomebotError
 from homebot.graph import Node
 from homebot.log import LogLimit, more_like_this
 
-__all__ = ["ClientErrorLog", "LibraryLog", "short_text"]
-
 _LINES = 20  # per kind in ten seconds
 _LONGEST = 300  # a client may send a text of a megabyte
 

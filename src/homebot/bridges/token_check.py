@@ -21,8 +21,6 @@ from homebot.clock import Clock
 from homebot.support.addresses import network_of
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["TokenCheck"]
-
 _FREE_ATTEMPTS = 5
 _FIRST_DELAY, _LONGEST_DELAY = 0.1, 1.0
 _DECAY_INTERVAL = 10.0

@@ -7,8 +7,6 @@ from typing import TypeVar, final
 
 from homebot.support.turn_budget import TurnBudget
 
-__all__ = ["ServerTurns"]
-
 T = TypeVar("T")
 
 

@@ -13,31 +13,6 @@ from urllib.parse import urlsplit
 
 from homebot.errors import ConfigError, UsageError
 
-__all__ = [
-    "DEFAULT_CONFIG",
-    "DEFAULT_DOOR",
-    "Command",
-    "Commands",
-    "HelpFormatter",
-    "add_broker_option",
-    "add_door_options",
-    "add_log_format",
-    "add_time_limit",
-    "add_verb",
-    "add_verbs",
-    "address",
-    "broker_url",
-    "door_address",
-    "door_of_environment",
-    "duration",
-    "positive",
-    "seconds",
-    "set_client_command",
-    "set_command",
-    "unused_option",
-    "whole",
-]
-
 DEFAULT_CONFIG = Path("homebot.toml")
 """The configuration in the working directory, of `homebot run` and of client commands."""
 

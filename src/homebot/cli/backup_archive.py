@@ -15,8 +15,6 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from homebot.errors import UsageError
 from homebot.support.new_file import create_file
 
-__all__ = ["ArchivedFile", "Manifest", "extract_archive", "write_archive"]
-
 _MANIFEST: Final = "manifest.json"
 _LONGEST_MANIFEST: Final = 1_000_000
 _MOST_BYTES: Final = 16 * 2**30

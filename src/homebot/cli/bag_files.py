@@ -14,8 +14,6 @@ from homebot.bags.recorded_messages import recorded_messages
 from homebot.recording.recording import load_recording
 from homebot.support.printable import printable
 
-__all__ = ["export", "info", "recover"]
-
 
 def info(options: argparse.Namespace) -> int:
     """Print the content of a bag like ``ros2 bag info``."""

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from homebot.cli.door_client import DoorClient
     from homebot.messages.message import Message
 
-__all__ = ["play"]
-
 _COMMANDS: Final = {
     RawCommand.ros_type,
     Command.ros_type,

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from homebot.bridges.rosapi.endpoints import EndpointDetails
     from homebot.cli.door_client import DoorClient, ReceivedMessage
 
-__all__ = ["record"]
-
 _LOOK_EVERY: Final = 0.25
 """Seconds between two looks for new topics."""
 

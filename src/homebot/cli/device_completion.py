@@ -13,8 +13,6 @@ from homebot.cli.door_address import door_of
 from homebot.cli.door_client import open_door
 from homebot.devices.names import LIST_DEVICES
 
-__all__ = ["DEVICE_NAMES", "print_devices"]
-
 COMPLETE_DEVICES: Final = "--complete-devices"
 _LIMIT: Final = 0.3
 """Seconds that a person waits after pressing Tab."""

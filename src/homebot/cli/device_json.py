@@ -14,8 +14,6 @@ from homebot.support.strict_json import in_ascii
 if TYPE_CHECKING:
     from homebot.devices import Device, State
 
-__all__ = ["device_json", "json_text", "list_text"]
-
 
 def json_text(device: Mapping[str, object]) -> str:
     """Return *device* as indented ASCII JSON text, in a tenth of the standard library's time."""

@@ -26,21 +26,6 @@ if TYPE_CHECKING:
     from homebot.devices.services import QueryDevicesResponse
     from homebot.messages import Time
 
-__all__ = [
-    "all_devices",
-    "device_or_similar",
-    "find_devices",
-    "house_time",
-    "ineffective_routes",
-    "limits_of",
-    "matching_devices",
-    "named_device",
-    "print_note",
-    "reasons_for",
-    "unapproved",
-    "why_none",
-]
-
 T = TypeVar("T")
 
 _NEAR = 100

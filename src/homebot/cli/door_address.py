@@ -21,8 +21,6 @@ from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean, unknown_key
 from homebot.support.toml_file import TomlTable, read_toml
 
-__all__ = ["DoorAddress", "door_of"]
-
 _USUAL: Final = frozenset({"host", "port", "token", "token_file", "tokens", "scope"})
 """Keys of the table; for the others, its settings would have to be loaded."""
 

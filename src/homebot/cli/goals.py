@@ -8,8 +8,6 @@ from homebot.cli.door_client import DoorClient, ReceivedMessage
 from homebot.errors import PeerError
 from homebot.support.printable import printable
 
-__all__ = ["perform_goal"]
-
 _CANCEL_WITHIN: Final = 25.0
 _WIDEST: Final = 1000
 

@@ -24,23 +24,6 @@ if TYPE_CHECKING:
     from homebot.bridges.rosapi.endpoints import EndpointDetails
     from homebot.bridges.rosapi.services import TypeDef
 
-__all__ = [
-    "Schema",
-    "add_entity_verbs",
-    "add_value_arguments",
-    "check_type",
-    "entities",
-    "is_hidden",
-    "message_schema",
-    "no_such_topic",
-    "not_found",
-    "not_yet",
-    "response_schema",
-    "topic_type",
-    "type_of",
-]
-
-
 _ENDS: Final = {
     "topic": ("publisher", "subscription"),
     "service": ("service",),

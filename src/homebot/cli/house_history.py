@@ -17,8 +17,6 @@ from homebot.recording.recording import Recording
 from homebot.replay.history_recording import history_recording
 from homebot.support.printable import printable
 
-__all__ = ["read_house_history"]
-
 _LONGEST: Final = 60.0
 _MOST_PAGES: Final = 100
 

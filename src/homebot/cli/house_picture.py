@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from homebot.cli.story import StoryLine
     from homebot.devices import Device
 
-__all__ = ["LEAST_LINES", "HousePicture", "Line", "PlanPicture", "lines_of"]
-
 _WIDE: Final = 70
 """Terminal width from which the rooms are in two columns."""
 

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from homebot.devices.trigger import Trigger
     from homebot.devices.value import Reading
 
-__all__ = ["JournalClient", "chain_json", "entry_json"]
-
 
 @final
 class JournalClient:

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from homebot.graph import Graph
     from homebot.house import World
 
-__all__ = ["LiveHouse", "quiet_log", "shown"]
-
 _EVERY: Final = 0.5
 """Seconds between two frames: each takes up to 40 ms of processor time."""
 

@@ -13,8 +13,6 @@ from homebot.errors import UsageError
 if TYPE_CHECKING:
     from homebot.messages import Time
 
-__all__ = ["local_text", "next_text", "zone_of"]
-
 
 def zone_of(name: str) -> tzinfo:
     """Return the zone of the home; the computer's if it is unknown here."""

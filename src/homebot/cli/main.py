@@ -21,8 +21,6 @@ from homebot.errors import ConfigError, HomebotError
 from homebot.support.output import clean_output
 from homebot.version import __version__
 
-__all__ = ["gc_paused", "has_terminal", "main", "make_parser"]
-
 COMMANDS: Final = {
     "run": "run homebot: find the devices of a house and control them",
     "new": "create a folder with an app, or a package for devices, with tests and configuration",

@@ -47,8 +47,6 @@ from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 from homebot.version import __version__
 
-__all__ = ["ApiClient", "house_server"]
-
 _GUIDE: Final = (
     "Devices of a house. Find a device first, then use its id. Every command returns its verified outcome: "
     f"{', '.join(OUTCOMES)}; if refused, with a reason. Do not retry a refusal. Names, rooms and values of devices "

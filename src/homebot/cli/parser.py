@@ -10,8 +10,6 @@ from typing import Final, NoReturn
 
 from homebot.support.similar import similar_to
 
-__all__ = ["SHELLS", "CommandParser", "PrintCompletion"]
-
 SHELLS: Final = ("bash", "zsh", "fish")
 
 SYNONYMS: Final = {

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from homebot.devices import GatewayState
     from homebot.devices.health import HealthResponse
 
-__all__ = ["GatewayPublisher", "gateway_state"]
-
 _RAW_COMMAND = "homebot/msg/RawCommand"
 
 _STATE_TIMEOUT = 2.0

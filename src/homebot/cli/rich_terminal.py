@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from homebot.cli.house_picture import Line
 from homebot.support.printable import printable
 
-__all__ = ["RichTerminal"]
-
 _GAP: Final = 2
 _NARROW: Final = 10
 _OTHER_LINES: Final = 4

@@ -28,8 +28,6 @@ from homebot.places.outline import simplified, traced
 from homebot.places.plan import Point
 from homebot.places.rigid import MapPose, yaw_of
 
-__all__ = ["MapSettings", "RobotMap", "cell_table", "read_map"]
-
 UNKNOWN: Final = 255
 """The byte of an unknown cell: -1."""
 

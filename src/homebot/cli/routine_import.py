@@ -10,8 +10,6 @@ from homebot.plugins import check_extra, load_plugin, plugin_names
 from homebot.routines.imports import IMPORTERS, AutomationReader
 from homebot.support.printable import printable
 
-__all__ = ["import_routines"]
-
 
 def import_routines(door: DoorClient, file: str) -> int:
     """Print the routines of *file*, and to standard error the lines that were not carried over; return the exit code.

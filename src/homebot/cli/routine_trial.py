@@ -36,9 +36,6 @@ from homebot.units import LONGEST_WAIT, parse_duration
 if TYPE_CHECKING:
     from homebot.devices.app_messages import HomePlaceResponse, RoutinesResponse
 
-__all__ = ["LAST", "given_of", "history_lines", "text_trial", "trial_lines", "try_routines"]
-
-
 _ALL_SEEN: Final[Mapping[str, Sequence[str]]] = {}
 
 LAST: Final = {"last-day": 86_400.0, "last-week": 7 * 86_400.0}

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from homebot.apps import App
 
-__all__ = ["run"]
-
 
 def run(
     *apps: type[App] | str,

@@ -11,8 +11,6 @@ from homebot.errors import UsageError
 from homebot.runtime.plan import Plan, make_plan
 from homebot.support.toml_file import parse_toml
 
-__all__ = ["add_secret_table", "text_of"]
-
 
 def text_of(config: Path) -> str:
     """Return the text of the file *config*; empty if there is none.

@@ -26,8 +26,6 @@ from homebot.cli.main import has_terminal
 from homebot.support.logger import get_logger
 from homebot.support.production_loop import ProductionLoop, own_time
 
-__all__ = ["COLLECT_AFTER", "Watchdog", "on_an_event_loop", "serve"]
-
 Result = TypeVar("Result")
 _HANGUP: Final[signal.Signals | None] = getattr(signal, "SIGHUP", None)  # Windows has none
 _STOP_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, *(() if _HANGUP is None else (_HANGUP,)))

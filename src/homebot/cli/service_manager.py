@@ -14,9 +14,6 @@ from homebot.devices import GatewayNames, GatewayState
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.support.logger import get_logger
 
-__all__ = ["CONNECTS_WITHIN", "FirstConnection", "ServiceManager", "service_manager"]
-
-
 NEVER_CONNECTED = "runtime.never_connected"
 CONNECTS_WITHIN = 300.0
 """Seconds within which a gateway must become active; after a power cut a router takes two minutes."""

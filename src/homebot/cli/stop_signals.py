@@ -4,8 +4,6 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-__all__ = ["stop_signals"]
-
 
 @contextmanager
 def stop_signals() -> Iterator[list[int]]:

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from homebot.devices import Device, DeviceChange, StateChange
     from homebot.devices.journal_messages import JournalEntry
 
-__all__ = ["Story", "StoryLine"]
-
 DARK: Final = 50.0
 """Lux below which a room is dark, as for the app `follow_me`."""
 

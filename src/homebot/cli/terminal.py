@@ -15,18 +15,6 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.cli.rich_terminal import RichTerminal
 
-__all__ = [
-    "is_terminal",
-    "print_line",
-    "print_rows",
-    "print_table",
-    "progress",
-    "rich_terminal",
-    "to_lines",
-    "to_table",
-    "without_empty",
-]
-
 _INDENT: Final = "  "
 _WIDEST: Final = 48
 _WIDEST_ALONE: Final = 200

@@ -9,8 +9,6 @@ from tempfile import NamedTemporaryFile
 
 from homebot.errors import UsageError
 
-__all__ = ["edited", "read_text"]
-
 
 def read_text(file: str) -> str:
     """Return the text of *file*; ``-`` is the standard input.

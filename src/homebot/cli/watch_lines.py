@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from homebot.devices.value import Reading
     from homebot.messages import Time
 
-__all__ = ["HouseLines", "WatchLine", "fitted", "line_cells"]
-
 EXPLAINED_WITHIN: Final = 0.8
 """Seconds after which the journal has the cause of a change: the directory gathers settings for half a second."""
 

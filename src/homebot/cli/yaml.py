@@ -12,8 +12,6 @@ from typing import TypeAlias, cast
 from homebot.errors import UsageError, WireError
 from homebot.support.strict_json import parse_strict
 
-__all__ = ["FlowValue", "message", "parse_flow", "read_yaml", "to_yaml", "type_or_message"]
-
 _PLAIN = re.compile(r"[A-Za-z_/][A-Za-z0-9_/.+@ -]*(?<! )")
 _RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
 

@@ -13,8 +13,6 @@ import yaml
 from homebot.errors import WireError
 from homebot.support.located import Located
 
-__all__ = ["load_located", "load_yaml"]
-
 T = TypeVar("T")
 
 MOST_READ: Final = 1_000_000

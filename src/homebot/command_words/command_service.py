@@ -28,8 +28,6 @@ from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
 from homebot.units import parse_duration
 
-__all__ = ["UNNAMED_CLIENT", "CommandService"]
-
 UNNAMED_CLIENT: Final = "client"
 """The issuer of a command that names none."""
 

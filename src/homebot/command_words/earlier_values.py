@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from homebot.devices.value import PlainValue
     from homebot.graph import Node
 
-__all__ = ["RESTORED", "EarlierValues", "KnownStates", "KnownValue", "known_states", "plain_states"]
-
 RESTORED: Final = (
     *("on_off", "level", "color", "color_temperature", "fan_speed", "volume"),
     *("position", "tilt", "movement", "heating_setpoint", "cooling_setpoint"),

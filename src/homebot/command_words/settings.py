@@ -18,8 +18,6 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.support.numbers import to_number
 
-__all__ = ["SET", "STATE_WORDS", "check_without_code", "is_relative", "parse_command_words"]
-
 SET: Final = "set"
 """The command that only sets values."""
 

@@ -10,8 +10,6 @@ from homebot.devices.device import is_commanded
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
-__all__ = ["ParsedSettings", "certain_values", "controls", "part_name", "settings_by_part", "takes"]
-
 ParsedSettings: TypeAlias = dict[str, PlainValue] | RefusedError
 """The values by capability for a part, or the reason why it cannot take them."""
 

@@ -24,13 +24,6 @@ from homebot.graph import Node
 from homebot.support.folding import fold, words_of
 from homebot.support.similar import did_you_mean
 
-__all__ = [
-    "MOST_DEVICES",
-    "CommandTargets",
-    "NoTargetError",
-    "Target",
-]
-
 MOST_DEVICES: Final = 1000
 """Devices that one command may be for."""
 

@@ -16,8 +16,6 @@ from homebot.errors import UsageError
 from homebot.messages.interfaces import Interfaces
 from homebot.messages.interfaces.interface_text import Interface
 
-__all__ = ["main"]
-
 _MODULES = (
     " .action .callback_groups .client .clock .duration .event_handler .exceptions .executors .guard_condition .impl"
     " .impl.logging_severity .logging .node .parameter .publisher .serialization .service .subscription .task .time"

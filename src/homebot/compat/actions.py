@@ -12,8 +12,6 @@ from homebot.compat.remote import CONTEXT, Remote
 from homebot.errors import GoalRejectedError
 from homebot.graph import actions
 
-__all__ = ["ActionClient", "ActionServer", "CancelResponse", "GoalResponse"]
-
 GoalResponse = IntEnum("GoalResponse", ("REJECT", "ACCEPT"))
 CancelResponse = GoalResponse
 

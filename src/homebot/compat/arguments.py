@@ -9,8 +9,6 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Final
 
-__all__ = ["node_rules", "remove_ros_args"]
-
 _KINDS: Final = {"-r": "-r", "--remap": "-r", "-p": "-p", "--param": "-p"}
 _READERS: Final[tuple[Callable[[str], object], ...]] = (json.loads, ast.literal_eval)
 

@@ -9,8 +9,6 @@ from homebot.compat.messages import to_program
 from homebot.compat.remote import CONTEXT
 from homebot.messages import Duration, Time
 
-__all__ = ["RclpyClock", "RclpyDuration", "RclpyRate", "RclpyTime"]
-
 _SECOND = 10**9
 
 

@@ -7,8 +7,6 @@ from typing import Any
 from homebot.compat.remote import CONTEXT, Remote
 from homebot.graph import qos_events
 
-__all__ = ["PublisherEventCallbacks", "SubscriptionEventCallbacks"]
-
 _Callback = Callable[[Any], object] | None
 
 

@@ -12,8 +12,6 @@ from typing import Any, Final
 
 from homebot.support.logger import get_logger as logger_of
 
-__all__ = ["LoggingSeverity", "get_logger"]
-
 LoggingSeverity = IntEnum(
     "LoggingSeverity", {"UNSET": 0, "DEBUG": 10, "INFO": 20, "WARN": 30, "ERROR": 40, "FATAL": 50}
 )

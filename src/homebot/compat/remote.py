@@ -26,8 +26,6 @@ from homebot.graph import Graph, Node, RosoutFeed
 from homebot.log import configure_logging
 from homebot.support.logger import observed_lines
 
-__all__ = ["CONTEXT", "Future", "Remote", "SpinExecutor"]
-
 _GETTERS: Final = {
     "get_fully_qualified_name": "full_name",
     "get_name": "name",

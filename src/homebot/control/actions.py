@@ -25,8 +25,6 @@ from homebot.devices.outcomes import Contradicted
 from homebot.graph import Node
 from homebot.graph.actions import ActionServer, ServerGoal
 
-__all__ = ["ControlActions"]
-
 _FEEDBACK: Final = 1.0
 """Seconds between two feedback messages of a hold."""
 

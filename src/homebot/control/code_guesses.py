@@ -9,8 +9,6 @@ from homebot.devices.wording.journal_words import issuer_text
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.rate_limit import RateLimit
 
-__all__ = ["CodeGuesses"]
-
 _POLICY: Final = "code"
 _AT_ONCE: Final = 4.0  # people mistype
 _EVERY: Final = 8.0  # seconds

@@ -33,18 +33,6 @@ if TYPE_CHECKING:
     from homebot.devices.client_rights import ClientRights
     from homebot.devices.command_sender import TextTarget
 
-__all__ = [
-    "IssuedCommand",
-    "certain_values",
-    "commanded_part",
-    "device_settings",
-    "is_by_hand",
-    "label_of",
-    "order_of",
-    "read_text",
-    "rounding_text",
-]
-
 _LIT: Final = POWERS | COLORS
 """Capabilities that turn a lamp on."""
 

@@ -40,8 +40,6 @@ if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome, Refused
     from homebot.journal.store import JournalStore
 
-__all__ = ["Control"]
-
 _REFUSALS: Final = 1000
 
 

@@ -25,8 +25,6 @@ from homebot.graph import Node
 from homebot.journal.file_store import FileStore
 from homebot.journal.store import JournalStore
 
-__all__ = ["ControlLayer"]
-
 _DAY: Final = 86_400.0
 _MEGABYTE: Final = 1_000_000
 

@@ -61,8 +61,6 @@ from homebot.errors import LinkError, RefusedError, ServiceError
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
 
-__all__ = ["CommandExecutor"]
-
 _T = TypeVar("_T")
 
 REVERTED = "control.reverted"

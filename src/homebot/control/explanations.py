@@ -28,8 +28,6 @@ from homebot.devices.value import PlainValue
 from homebot.errors import PeerError, ServiceError
 from homebot.messages import Time
 
-__all__ = ["Explanations"]
-
 _COMMANDED_STATES: Final = {"close": "closed", "lock": "locked", "unlock": "unlocked"}
 _WORDS: Final = {state: word for word, state in _COMMANDED_STATES.items()}
 _FLAGS: Final = ("on", "off", "true", "false", "yes", "no")

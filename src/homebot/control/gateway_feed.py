@@ -14,8 +14,6 @@ from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.messages import Time
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["GatewayFeed", "LinkLoss", "OnReport"]
-
 OnReport: TypeAlias = Callable[[str, PlainValue, float, SetBy], None]
 """Called with capability and value of a live report, its time since the Unix epoch, and who set it, if known."""
 

@@ -14,8 +14,6 @@ from homebot.graph import Node
 from homebot.journal.store import JournalStore, LearntRow
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["PROFILE", "LearntPersistence", "Profiles"]
-
 SaveRecord: TypeAlias = Callable[[str, str], None]
 """Saves a record across restarts: its name, and the record, empty to remove it."""
 

@@ -39,8 +39,6 @@ from homebot.errors import RefusedError, ServiceError
 from homebot.graph import Node
 from homebot.messages import Time
 
-__all__ = ["LeaseService"]
-
 _AGAIN: Final = 30.0
 """Seconds after which the value is commanded again if a command had no success, or the device soon went back."""
 

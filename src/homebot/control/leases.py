@@ -17,16 +17,6 @@ from homebot.devices.value import PlainValue
 from homebot.devices.wording.journal_words import issuer_text, trigger_text
 from homebot.devices.wording.values import value_text
 
-__all__ = [
-    "LEASE_POLICY",
-    "MOST_HOLDERS",
-    "MOST_OF_ISSUER",
-    "HolderKey",
-    "Lease",
-    "LeaseHolder",
-    "Leases",
-]
-
 LEASE_POLICY: Final = "lease"
 """The policy that a refusal names."""
 

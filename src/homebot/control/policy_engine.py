@@ -30,8 +30,6 @@ from homebot.devices.query.terms import IsUnapproved, Or
 from homebot.errors import ServiceError
 from homebot.graph import Node
 
-__all__ = ["Policies", "Policy", "PolicyEngine"]
-
 _MOST_NAMED: Final = 5
 _CLOCK_SET: Final = 5.0
 """Seconds by which the computer's clock and the monotonic one must drift apart to show that it was set, or slept."""

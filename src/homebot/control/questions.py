@@ -23,8 +23,6 @@ from homebot.messages import Time
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.printable import printable
 
-__all__ = ["Questions"]
-
 ASKED: Final = "control.asked"
 
 _PATIENCE: Final = 60.0

@@ -28,8 +28,6 @@ from homebot.errors import LinkError, RefusedError, ServiceError, UnansweredErro
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
 
-__all__ = ["OpenCommand", "Rehearsal", "Sending", "not_sent"]
-
 _T = TypeVar("_T")
 
 WOULD_SEND: Final = "control.would_send"

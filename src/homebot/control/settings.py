@@ -19,8 +19,6 @@ from homebot.devices.query.terms import Query
 from homebot.support.folding import fold
 from homebot.units import Seconds
 
-__all__ = ["ControlSettings", "PolicySettings"]
-
 _WITNESSES: Final = "control.witnesses"
 _DOORS: Final = "control.presence_guard.doors"
 

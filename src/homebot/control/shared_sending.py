@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from homebot.devices.gateway_messages import Command
     from homebot.graph import Node
 
-__all__ = ["SharedSending"]
-
 _PATIENCE: Final = 0.5
 """Seconds for which a command waits until the others are about to be sent too."""
 

@@ -26,8 +26,6 @@ from homebot.graph import Node
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.time_limits import TimeLimits
 
-__all__ = ["Timelines"]
-
 _MOST: Final = 10_000
 _NONE: Final[Mapping[str, PlainValue]] = MappingProxyType({})
 

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from homebot.devices.value import PlainValue
     from homebot.graph import Node
 
-__all__ = ["Together"]
-
 _RECALL: Final = Setting.of("scene", True)  # noqa: FBT003 - the value of the scene
 
 _PATIENCE: Final = 0.5

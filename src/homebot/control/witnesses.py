@@ -24,8 +24,6 @@ from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["Observed", "Witness", "Witnesses", "observed"]
-
 CONTRADICTED = "control.contradicted_by_witness"
 
 _MOST: Final = 1000

@@ -16,8 +16,6 @@ from typing import Final, NamedTuple
 from homebot.conventions.unreadable import shown
 from homebot.errors import RefusedError, WireError
 
-__all__ = ["BoundedPattern", "PatternError", "compile_bounded", "compiling_work", "require_match"]
-
 _LONGEST: Final = 200
 _MOST_WORK: Final = 10_000
 _COMPILING: Final = 200

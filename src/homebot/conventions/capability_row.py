@@ -11,8 +11,6 @@ from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
-__all__ = ["CapabilityRow", "described", "writer_of"]
-
 SourceT = TypeVar("SourceT")
 ReadT = TypeVar("ReadT", bound=Callable[..., PlainValue])
 WriteT = TypeVar("WriteT", bound=Callable[..., object])

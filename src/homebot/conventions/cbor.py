@@ -12,8 +12,6 @@ import struct
 from homebot.conventions.payload import MAX_STATE_BYTES
 from homebot.errors import WireError
 
-__all__ = ["cbor_head", "decode_cbor", "encode_cbor"]
-
 _MAX_DEPTH = 32
 _MAX_ITEMS = 10_000
 _INDEFINITE = 31

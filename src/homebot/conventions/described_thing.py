@@ -8,8 +8,6 @@ from homebot.devices.device import Device
 from homebot.errors import WireError
 from homebot.plugins import has_plugin, load_plugin
 
-__all__ = ["DescribedThing", "ThingFormat", "read_thing", "thing_format"]
-
 _GROUP: Final = "homebot.thing_formats"
 _NAME: Final = "td"
 

@@ -10,8 +10,6 @@ from functools import lru_cache
 from homebot.conventions.units import Quantity, conversion_of, measured_in, sensor_type
 from homebot.devices.capabilities import CAPABILITIES
 
-__all__ = ["CLOSURE_CLASSES", "CONDITION_CLASSES", "QUANTITY_CLASSES", "condition_of", "is_quantity", "quantity_of"]
-
 CLOSURE_CLASSES = frozenset({"damper", "door", "garage", "gate", "window"})
 """Device classes of covers that are closures, not window coverings."""
 

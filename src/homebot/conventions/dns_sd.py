@@ -10,22 +10,6 @@ from dataclasses import dataclass, field
 from homebot.devices.identity import HOST, identifiers, in_pairs, may_be_unique
 from homebot.support.addresses import parse_address
 
-__all__ = [
-    "ENUMERATION",
-    "FoundService",
-    "base_type",
-    "facts_of",
-    "full_type",
-    "host_identifiers",
-    "identifiers_of",
-    "instance_label",
-    "is_service_type",
-    "name_of",
-    "printable",
-    "read_txt",
-    "usable_addresses",
-]
-
 ENUMERATION = "_services._dns-sd._udp.local."
 """The name that every service type on the network is listed under (RFC 6763, section 9)."""
 

@@ -9,8 +9,6 @@ from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP
 from homebot.errors import WireError
 from homebot.plugins import load_plugin, plugin_names
 
-__all__ = ["Ecosystem", "SetupCode", "ecosystems", "hint_facts", "read_setup_code"]
-
 _GROUP = "homebot.ecosystems"
 
 

@@ -15,36 +15,6 @@ from homebot.conventions.units import Quantity, number_grid
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
-__all__ = [
-    "ALARM_ACTIONS",
-    "ALARM_STATES",
-    "EntityComponent",
-    "EntityRow",
-    "Fields",
-    "ReadField",
-    "WriteField",
-    "alarm_commands",
-    "class_of",
-    "climate_type",
-    "condition_component",
-    "grid_of",
-    "has_feature",
-    "modes_of_switch",
-    "number_component",
-    "opening_type",
-    "options_of",
-    "push_row",
-    "quantity_of_entity",
-    "quantity_row",
-    "read_flag",
-    "setpoints_of",
-    "switch_type",
-    "switched_mode",
-    "text_component",
-    "text_of",
-    "whole_of",
-]
-
 Fields: TypeAlias = Mapping[str, object]
 """The fields of a message by name; an enum is its number, or None if that is unknown."""
 

@@ -11,8 +11,6 @@ from homebot.errors import PluginError
 from homebot.plugins import load_plugin, own_plugin_names, plugin_names
 from homebot.support.similar import unknown_key
 
-__all__ = ["GROUP", "any_announcing", "check_tables", "default_conventions", "find_conventions"]
-
 GROUP = "homebot.mqtt_conventions"
 
 _MEMBERS = ("Settings", "name", "filters", "birth_messages", "read_message")

@@ -5,8 +5,6 @@ from collections.abc import Callable, Mapping
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 
-__all__ = ["join", "merged", "without_switch"]
-
 
 def merged(first: Mapping[str, object], second: Mapping[str, object]) -> dict[str, object] | None:
     """Return the members of both objects, and of objects in them; None if they differ in a member that both have."""

@@ -27,8 +27,6 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
 
-__all__ = ["LIGHT_CAPABILITIES", "LightCommand", "LightFeatures", "Publish", "WhiteRange", "read_lamp", "read_rgb"]
-
 LIGHT_CAPABILITIES = frozenset({"on_off", "level", "color_temperature", "color", "effect"})
 """All capabilities of a lamp."""
 

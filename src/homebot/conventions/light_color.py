@@ -11,19 +11,6 @@ import math
 from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
-__all__ = [
-    "CHANNELS",
-    "MIRED",
-    "Channels",
-    "KelvinRange",
-    "from_hue_saturation",
-    "kelvin_mired",
-    "mired_bounds",
-    "nearest_mired_bounds",
-    "to_hue_saturation",
-    "white_kelvin",
-]
-
 Channels: TypeAlias = tuple[float, ...]
 """The numbers of one colour, in the order of :data:`CHANNELS`."""
 

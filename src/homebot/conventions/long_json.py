@@ -19,8 +19,6 @@ from homebot.conventions.payload import (
 )
 from homebot.errors import WireError
 
-__all__ = ["is_longer_than", "parse_in_slices", "parse_list"]
-
 _Place: TypeAlias = tuple[object, int]
 """A value, and the index after it."""
 

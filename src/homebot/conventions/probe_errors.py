@@ -4,8 +4,6 @@ from typing import NamedTuple
 
 from homebot.conventions.unreadable import Readings, unreadable
 
-__all__ = ["DS18X20_GONE", "DS18X20_RESET", "ProbeError", "read_probe"]
-
 _NEAR = 0.05
 """Greatest difference to an error after a conversion from °F."""
 

@@ -5,8 +5,6 @@ They must not appear in reports of devices or in recordings.
 
 import re
 
-__all__ = ["names_secret"]
-
 
 def names_secret(name: str) -> bool:
     """Return whether *name* is that of a code, password or key: ``pin_code``, ``User code``."""

@@ -24,17 +24,6 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.mqtt.topics import topic_matches
 
-__all__ = [
-    "CodedWriter",
-    "JointWriter",
-    "PayloadParser",
-    "Reader",
-    "TableCodec",
-    "json_object",
-    "write_mode_for_switch",
-    "write_one_object",
-]
-
 MessageT = TypeVar("MessageT")
 
 Reader: TypeAlias = Callable[[MessageT], Readings]

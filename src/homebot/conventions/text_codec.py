@@ -8,8 +8,6 @@ from homebot.devices.text.states import decoder_for
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
-__all__ = ["TextCodec"]
-
 _LONGEST = 1000
 """Most bytes of a decoded payload."""
 

@@ -12,20 +12,6 @@ from typing import NamedTuple
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.support.numbers import to_number
 
-__all__ = [
-    "Conversion",
-    "Quantity",
-    "celsius_bounds",
-    "conversion_of",
-    "measured_in",
-    "number_grid",
-    "percent_grid",
-    "quantity",
-    "sensor_type",
-    "to_celsius",
-    "to_fahrenheit",
-]
-
 
 class Conversion(NamedTuple):
     """A conversion of a number to another unit: minus *shift*, then by *times* and *over*."""

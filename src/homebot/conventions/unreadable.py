@@ -10,8 +10,6 @@ from homebot.conventions.secrets import names_secret
 from homebot.devices.text.states import means_unknown
 from homebot.devices.value import PlainValue
 
-__all__ = ["FOUND", "NO_READINGS", "Readings", "Unreadable", "WholePayload", "shown", "unreadable"]
-
 Readings: TypeAlias = Mapping[str, PlainValue]
 """Values by capability; see :meth:`homebot.conventions.description.Codec.read`."""
 

@@ -16,8 +16,6 @@ from homebot.places.outline import traced
 from homebot.places.rigid import MapPose
 from homebot.plugins import load_plugin, plugin_names
 
-__all__ = ["MapReader", "VacuumMap", "VacuumSegment", "map_readers"]
-
 _GROUP: Final = "homebot.vacuum_maps"
 
 _NEARBY: Final = 0.5

@@ -18,21 +18,6 @@ from homebot.devices.query.terms import And, GatewayIs, Not, Query, StateIs, lea
 from homebot.devices.wording.time_format import age, age_text
 from homebot.devices.words import matching_words
 
-__all__ = [
-    "ALERTS",
-    "GATEWAY",
-    "LANGUAGES",
-    "MOST_SHOWN",
-    "WATCHED",
-    "Alert",
-    "AlertKind",
-    "alerts_of",
-    "findings_of",
-    "held_alerts_of",
-    "is_over",
-    "say",
-]
-
 MOST_SHOWN: Final = 20
 """The limit of rows of a finding."""
 

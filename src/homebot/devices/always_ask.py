@@ -35,29 +35,6 @@ from homebot.devices.words import (
 )
 from homebot.support.folding import fold
 
-__all__ = [
-    "ALWAYS_ASK",
-    "APPROVED",
-    "BREAKER",
-    "CHANGED",
-    "CLAIMED_MODEL",
-    "MAKE",
-    "PANEL",
-    "always_asks",
-    "asks_by_itself",
-    "is_approved",
-    "is_arming",
-    "is_declared",
-    "is_of_known_load",
-    "is_opener",
-    "models_of",
-    "names_of",
-    "waits_for_approval",
-    "why_device_asks",
-    "why_it_asks",
-    "why_it_drives",
-]
-
 _LOADS: Final[Mapping[str, str]] = MappingProxyType(
     {"closure": "entry", "door_lock": "lock", "water_heater": "heat", "water_valve": "water", "x_alarm_panel": "open"}
 )

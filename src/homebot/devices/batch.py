@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from homebot.devices.command_messages import CommandRequest
     from homebot.devices.outcomes import Outcome
 
-__all__ = ["CURRENT_BATCH", "as_batch", "at_once", "in_batch", "perform_all"]
-
 _NUMBERS = count(1)
 
 

@@ -30,19 +30,6 @@ from homebot.devices.capability_type import (
 if TYPE_CHECKING:
     from homebot.devices.value import PlainValue
 
-__all__ = [
-    "ALERTING",
-    "CAPABILITIES",
-    "EVENTS",
-    "LIGHTS_UP",
-    "MEASURED",
-    "OWN",
-    "SPEED_WORDS",
-    "implied_settings",
-    "is_told_once",
-    "settable_options",
-]
-
 _PERCENT = (0.0, 100.0)
 _ENDS: Final = {"open": 100.0, "close": 0.0}
 _PRESS: Final = {"press": True}

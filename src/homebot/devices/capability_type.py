@@ -10,25 +10,6 @@ from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias
 if TYPE_CHECKING:
     from homebot.devices.value import PlainValue
 
-__all__ = [
-    "ALARM",
-    "DIMMER",
-    "HUMIDITY",
-    "LOCK",
-    "MOTOR",
-    "MOWER",
-    "OPENING",
-    "PLAYER",
-    "SETPOINT",
-    "SPEED",
-    "VACUUM",
-    "VOLUME",
-    "WHITE",
-    "CapabilityType",
-    "Obedience",
-    "ValueKind",
-]
-
 ValueKind: TypeAlias = Literal["bool", "number", "text", "numbers", ""]
 
 _Words: TypeAlias = Mapping[str, frozenset[str]]

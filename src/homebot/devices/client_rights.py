@@ -12,27 +12,6 @@ from homebot.devices.query.terms import And, FactIs, NameIs, Or, Query, TypeIs
 from homebot.errors import InvalidNameError, UsageError
 from homebot.support.similar import did_you_mean
 
-__all__ = [
-    "ALL_RIGHTS",
-    "ALL_ROBOTS",
-    "APP_RIGHTS",
-    "ASK",
-    "CLIENT",
-    "CLIENT_RIGHTS",
-    "HARMLESS",
-    "LOCAL_CLIENT",
-    "LOCAL_RIGHTS",
-    "ORDINARY",
-    "OWNER_CLIENT",
-    "SIMULATED_HOUSE_RIGHTS",
-    "ClientRights",
-    "Right",
-    "is_client",
-    "issuer_of_client",
-    "read_scope",
-    "without_taught_room",
-]
-
 CLIENT = "client:"
 """The beginning of an issuer that is a client of the door."""
 

@@ -35,8 +35,6 @@ from homebot.errors import (
 )
 from homebot.graph import Client, Node, Publisher, qos_profile_latched
 
-__all__ = ["CommandSender", "GatewayOutput", "TextSender", "TextTarget"]
-
 _HUES: Final = frozenset({"color", "color_temperature"})
 
 _ANSWERS_WITHIN: Final = 5.0

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from homebot.devices.device_view import DeviceView
     from homebot.devices.hold import Hold
 
-__all__ = ["Commander"]
-
 COMMAND_FAILED: Final = "app.command_failed"
 _EFFECT_WITHIN: Final = 1.0
 """Seconds after an outcome within which an app receives the report behind it."""

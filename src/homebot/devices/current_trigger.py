@@ -7,8 +7,6 @@ from homebot.graph.current_cause import CURRENT_CAUSE, CallCause, TimerCause
 from homebot.graph.timer import Timer
 from homebot.messages.builtin_interfaces import Time
 
-__all__ = ["current_trigger"]
-
 _LONGEST = 200
 
 

@@ -7,8 +7,6 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-__all__ = ["CAN_HURT", "DEVICE_TYPES", "DeviceType", "spoken_type", "wanted_types"]
-
 
 class DeviceType(NamedTuple):
     """The type of a part.

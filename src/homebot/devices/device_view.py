@@ -6,8 +6,6 @@ from homebot.devices.device import Device, State, StateChange
 from homebot.devices.value import PlainValue, Reading, Value
 from homebot.messages import Time
 
-__all__ = ["DeviceView"]
-
 
 @final
 class DeviceView:

@@ -33,8 +33,6 @@ from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.log import LogLimit
 from homebot.messages import Time
 
-__all__ = ["Devices", "MessageHandler"]
-
 P = ParamSpec("P")
 HandleT = TypeVar("HandleT", bound=Handle)
 

@@ -6,8 +6,6 @@ from typing import final
 
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["Echoes"]
-
 WINDOW = 2.0
 """Seconds within which other routes report the same event."""
 

@@ -17,8 +17,6 @@ from homebot.devices.value import PlainValue, Reading, Value
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.messages.message import Message, UInt16
 
-__all__ = ["NETWORK_SERVICES", "NETWORK_SERVICES_QOS", "ExposedDevice", "ExposedState", "Exposure", "NetworkService"]
-
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _COMMANDS_DEPTH = 100

@@ -6,8 +6,6 @@ from typing import TypeAlias
 
 from homebot.messages.message import Message, UInt32
 
-__all__ = ["Finding", "FindingKind", "FindingRow", "Findings", "Row"]
-
 Row: TypeAlias = tuple[str, str]
 """The fields of a :class:`FindingRow`."""
 

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from homebot.devices.near_watch import NearWatch
     from homebot.devices.query.words import WordsQuery
 
-__all__ = ["Follow", "LiveQuery"]
-
 ItemT = TypeVar("ItemT")
 
 _TURN: Final = 100

@@ -17,8 +17,6 @@ from homebot.devices.names import OWNER
 from homebot.devices.value import PlainValue
 from homebot.support.folding import fold
 
-__all__ = ["why_not_harmless"]
-
 _ALWAYS: Final = frozenset({"light", "speaker", "video_player", "x_humidifier"})
 _LOADS: Final = {"fan": words.BURNS_OR_FLOODS, "room_air_conditioner": words.HEAT, "thermostat": words.HEAT}
 """What the model or name of a part of a harmless type must not say."""

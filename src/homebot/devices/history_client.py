@@ -21,8 +21,6 @@ from homebot.messages import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
 from homebot.units import parse_duration
 
-__all__ = ["HistoryClient"]
-
 RequestT = TypeVar("RequestT", bound=Message)
 AnswerT = TypeVar("AnswerT", bound=ServiceAnswer)
 

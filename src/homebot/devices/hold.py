@@ -29,8 +29,6 @@ from homebot.devices.value import Value
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
 
-__all__ = ["Hold", "HoldBlock"]
-
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
 

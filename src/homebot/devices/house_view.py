@@ -31,8 +31,6 @@ from homebot.log import LogLimit
 if TYPE_CHECKING:
     from homebot.devices.commander import Commander
 
-__all__ = ["HouseView", "HouseWatcher"]
-
 NO_ANSWER = "devices.no_answer"
 
 _PAUSE: Final = 0.5

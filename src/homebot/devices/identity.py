@@ -9,8 +9,6 @@ bridge names its devices ``<bridge>_<address of the bridge>_<device>``. A servic
 import re
 from collections.abc import Iterable
 
-__all__ = ["HOST", "aliasing_bridge", "identifiers", "in_pairs", "may_be_unique"]
-
 HOST = "id:host "
 """The beginning of the identifier of all services of one host: its name in the local network, case-folded.
 

@@ -18,8 +18,6 @@ from homebot.graph import Node
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["ConfiguredNames", "StatedNames", "patterns_of_rights"]
-
 _ANNOUNCED_WITHIN: Final = 300.0
 """Seconds after the start before a name without a device counts as misspelt.
 

@@ -15,8 +15,6 @@ from homebot.devices.services import QueryDevices, QueryDevicesRequest, QueryDev
 from homebot.errors import ServiceError
 from homebot.graph import Client, Node
 
-__all__ = ["NameChecks"]
-
 UNKNOWN_NAME: Final = "devices.unknown_name"
 NOTHING_FITS: Final = "devices.nothing_fits"
 

@@ -14,8 +14,6 @@ from homebot.errors import RefusedError, ServiceError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.log import LogLimit
 
-__all__ = ["NearWatch"]
-
 NOT_KNOWN: Final = "devices.near_unknown"
 
 _PAUSE: Final = 0.5

@@ -11,22 +11,6 @@ from homebot.devices.capabilities import CAPABILITIES, LIGHTS_UP, OWN, SPEED_WOR
 from homebot.devices.capability_type import Obedience
 from homebot.devices.value import PlainValue
 
-__all__ = [
-    "COLORS",
-    "END_POSITIONS",
-    "MODES",
-    "POWERS",
-    "STOPPED",
-    "changes",
-    "departs",
-    "fits",
-    "is_intermediate",
-    "is_other_end",
-    "is_same",
-    "related",
-    "value_text",
-]
-
 STOPPED: Final = "stopped"
 """The value of a stop command, which is always allowed."""
 

@@ -16,20 +16,6 @@ from homebot.messages.message import Message
 if TYPE_CHECKING:
     from homebot.devices.value import PlainValue
 
-__all__ = [
-    "Capability",
-    "Category",
-    "CommandDescription",
-    "Part",
-    "SceneValue",
-    "accepted_values",
-    "check_no_share",
-    "check_setting",
-    "payload_digest",
-    "size_of_texts",
-    "texts_of",
-]
-
 Category: TypeAlias = Literal["", "config", "diagnostic"]
 
 _EACH = 32

@@ -13,8 +13,6 @@ from homebot.errors import InvalidNameError
 from homebot.messages.message import Message
 from homebot.names import validate_node_name
 
-__all__ = ["DEFAULT_ROBOT", "MAP", "SHARED_TOPICS", "RobotOwners", "check_robot_name"]
-
 DEFAULT_ROBOT: Final = "robot"
 """The name of the robot in a house without named robots."""
 

@@ -13,8 +13,6 @@ from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest, ListSc
 from homebot.errors import UsageError
 from homebot.graph import Node
 
-__all__ = ["SceneOutcome", "Scenes"]
-
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
 

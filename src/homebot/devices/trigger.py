@@ -8,8 +8,6 @@ from homebot.devices.value import Reading, ShortText
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 
-__all__ = ["MOST_READINGS", "NO_TRIGGER", "Trigger"]
-
 MOST_READINGS = 20
 
 

@@ -9,8 +9,6 @@ from pydantic import Field, model_serializer, model_validator
 
 from homebot.messages.message import Message, UInt8
 
-__all__ = ["UNKNOWN", "PlainValue", "Reading", "SetBy", "ShortText", "Value", "plain_value"]
-
 ShortText: TypeAlias = Annotated[str, Field(max_length=1000)]
 """An id, or the name of a capability, in a request; limited because programs may send many."""
 

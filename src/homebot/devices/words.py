@@ -37,25 +37,6 @@ from typing import Final, NamedTuple, TypeAlias
 
 from homebot.support.folding import words_of
 
-__all__ = [
-    "ALL_THAT_ASK",
-    "BURNS_OR_FLOODS",
-    "COVERING",
-    "FIRE",
-    "GARAGE",
-    "HEAT",
-    "LAMP",
-    "MACHINE",
-    "NO_LOCK",
-    "OPEN",
-    "OPENER",
-    "SIREN",
-    "WATER",
-    "WINDOW",
-    "Groups",
-    "matching_words",
-]
-
 Groups: TypeAlias = frozenset[str]
 
 COVERING: Final = frozenset({"covering"})

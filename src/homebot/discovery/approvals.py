@@ -9,8 +9,6 @@ from homebot.discovery.merging.part_ids import PartPlace
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import RefusedError
 
-__all__ = ["MAX_APPROVALS", "Approval", "ApprovalRegistry", "approval_digest"]
-
 MAX_APPROVALS = 10_000
 """Most approved parts; further ones are refused."""
 

@@ -16,9 +16,6 @@ from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
 
-__all__ = ["MAX_SIZE", "REMEMBERED", "ChangeLog", "ChangeQueue", "NewStates", "stream_of"]
-
-
 _MAX_STATES = 10_000
 
 _EVENTS = 100

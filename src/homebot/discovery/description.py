@@ -25,18 +25,6 @@ from homebot.messages import Time
 from homebot.places import NO_AREAS, HousePlan, OwnerFact, Position, read_position
 from homebot.support.folding import fold
 
-__all__ = [
-    "MAX_FACTS",
-    "DeviceDescription",
-    "describe_device",
-    "position_of",
-    "with_approvals",
-    "with_doubts",
-    "with_panel",
-    "with_preferred_routes",
-    "with_stated_facts",
-]
-
 MAX_FACTS = 200
 """Most published facts of one device; those of the preferred announcements come first."""
 

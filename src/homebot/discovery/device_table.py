@@ -18,8 +18,6 @@ from homebot.support.counters import fault
 if TYPE_CHECKING:
     from homebot.discovery.reading_limits import LimitsOfDevices
 
-__all__ = ["DeviceTable", "IndexCounters"]
-
 _MAX_UNSAVED = 200_000
 """Ids that may wait for an index file that cannot be written; beyond that, all known devices are written."""
 

@@ -45,8 +45,6 @@ from homebot.units import Seconds
 if TYPE_CHECKING:
     from homebot.discovery.reading_limits import LimitsOfDevices
 
-__all__ = ["Directory", "DirectorySettings"]
-
 REJECTED = "discovery.index_full"
 NOT_FOLLOWED = "discovery.source_not_followed"
 FOREIGN = "discovery.foreign_sighting"

@@ -12,22 +12,6 @@ from homebot.discovery.source_record import Reach, SourceKey, SourceRecord
 from homebot.discovery.topics.use import place_of
 from homebot.messages import Time
 
-__all__ = [
-    "NOT_REPORTED",
-    "Addresses",
-    "addresses",
-    "endpoint_reach",
-    "endpoints",
-    "last_seen",
-    "offline_parts",
-    "preferred_routes",
-    "rank_in",
-    "reachability",
-    "routes_without",
-    "silent_strangers",
-    "sorted_routes",
-]
-
 _SourceReach: TypeAlias = tuple[SourceRecord, str, Reach | None]
 """The reachability of a part according to one announcement."""
 

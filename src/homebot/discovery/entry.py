@@ -49,8 +49,6 @@ from homebot.messages import Time
 if TYPE_CHECKING:
     from homebot.discovery.groups import HouseGroups
 
-__all__ = ["Entry", "silent_gateways"]
-
 # Looked up once, as `of_checked` says.
 _device_of, _endpoint_of, _state_of = Device.of_checked, Endpoint.of_checked, State.of_checked
 _stamp_of = Time.from_seconds

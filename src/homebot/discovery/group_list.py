@@ -10,8 +10,6 @@ from homebot.devices.group_messages import GroupInfo
 from homebot.devices.query.matching import groups_of
 from homebot.discovery.groups import group_name
 
-__all__ = ["list_groups"]
-
 
 class _ListedGroup(NamedTuple):
     info: GroupInfo

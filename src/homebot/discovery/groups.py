@@ -33,8 +33,6 @@ from homebot.messages import Time
 from homebot.places import check_name
 from homebot.support.folding import fold, is_room_typo
 
-__all__ = ["GroupSettings", "HouseGroups", "group_name", "read_groups"]
-
 _PASSING: Final = (StateIs, FreshnessIs, ReachableIs, IsNear, IsDisputed, IsUnapproved)
 """Terms with matches that change from moment to moment."""
 

@@ -11,8 +11,6 @@ from homebot.places import OUTSIDE, HouseDoor, HousePlan, HouseRoom, Places
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["HouseRooms"]
-
 
 @final
 class HouseRooms:

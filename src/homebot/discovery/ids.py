@@ -11,8 +11,6 @@ from homebot.devices import Sighting
 from homebot.discovery.source_record import SourceKey
 from homebot.support.folding import fold
 
-__all__ = ["MAX_TOMBSTONES", "Tombstone", "Tombstones", "id_of_name", "name_without", "new_id"]
-
 MAX_TOMBSTONES = 10_000
 """Most removed devices remembered; the oldest is forgotten."""
 

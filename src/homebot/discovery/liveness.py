@@ -13,9 +13,6 @@ if TYPE_CHECKING:
     from homebot.discovery.entry import Entry
     from homebot.discovery.source_record import SourceRecord
 
-__all__ = ["SAVE_LIFE", "Liveness"]
-
-
 SAVE_LIFE = 3600.0
 """Seconds between writes of when devices were last seen, together for all that report often: each write changes a whole
 page of the file, and SD cards wear out."""

@@ -32,8 +32,6 @@ from homebot.places.floor_plan import FloorPlan
 from homebot.places.path import PathFinder, Spot
 from homebot.support.folding import fold
 
-__all__ = ["NearDevices", "Nearness"]
-
 _MOST_LEFT_OUT: Final = 20
 """Most matching devices that are named though they are not results."""
 

@@ -27,8 +27,6 @@ from homebot.support.folding import fold
 if TYPE_CHECKING:
     from homebot.discovery.groups import HouseGroups
 
-__all__ = ["MAX_STATEMENTS", "OwnerFacts"]
-
 MAX_STATEMENTS = 100_000
 """Most announcements, ids and hardware addresses with statements; further ones are refused."""
 

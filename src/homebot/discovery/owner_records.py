@@ -7,8 +7,6 @@ from homebot.devices.part import CommandDescription
 from homebot.errors import WireError
 from homebot.places import HouseDoor, HouseRoom, OwnerFact, read_position
 
-__all__ = ["PlacesRecord", "StatementRecord", "read_places_record"]
-
 
 class StatementRecord(BaseModel):
     """Facts, with the announcements and names to which they apply."""

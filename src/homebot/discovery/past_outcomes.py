@@ -11,8 +11,6 @@ from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.messages import Time
 
-__all__ = ["PastOutcomes"]
-
 _HALF_LIFE: Final = 7 * 86_400.0
 _BACK: Final = 3 * _HALF_LIFE
 """How far outcomes count, in seconds; the oldest weigh an eighth."""

@@ -9,8 +9,6 @@ from homebot.discovery.source_record import SourceKey
 from homebot.messages import Time
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["PendingReports"]
-
 _MAX_KEYS = 1000
 _MAX_FORGOTTEN = 10_000
 _MAX_ADDRESSES = 16

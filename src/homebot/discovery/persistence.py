@@ -33,8 +33,6 @@ from homebot.support.kept_file import KeptFile
 if TYPE_CHECKING:
     from homebot.discovery.store import IndexFile
 
-__all__ = ["IndexPersistence"]
-
 T = TypeVar("T")
 
 LOADED = "discovery.index_file_loaded"

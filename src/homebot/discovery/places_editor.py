@@ -15,8 +15,6 @@ from homebot.places import FactName, OwnerFact, check_name, stated_position
 from homebot.places.facts import TAG_ERROR
 from homebot.support.folding import fold, is_room_typo
 
-__all__ = ["PlacesEditor"]
-
 _MOST = 50
 """Most aliases, and most tags, of a device."""
 

@@ -17,8 +17,6 @@ from homebot.places.geojson import geojson_table
 from homebot.support.folding import fold
 from homebot.support.toml_file import parse_toml
 
-__all__ = ["Imported", "PlacesExchange", "parse_places"]
-
 SOURCE = "the places file"
 
 

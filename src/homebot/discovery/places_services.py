@@ -26,8 +26,6 @@ from homebot.places import HouseDoor, HouseRoom
 from homebot.places.plan import Point
 from homebot.support.folding import fold
 
-__all__ = ["OwnerRequests", "PlacesServices"]
-
 RequestT = TypeVar("RequestT", bound=Message)
 AnswerT = TypeVar("AnswerT", bound=ServiceAnswer)
 

@@ -18,8 +18,6 @@ from homebot.graph import Node, QoSProfile
 from homebot.log import LogLimit, more_like_this
 from homebot.support.isolation import isolated
 
-__all__ = ["Burst", "ChangePublisher"]
-
 BURST = 50
 """Most log lines per kind of change in ten seconds; the rest of a flood is counted."""
 

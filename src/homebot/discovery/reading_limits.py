@@ -10,8 +10,6 @@ from homebot.devices.value import Reading
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["LimitSettings", "LimitsOfDevices", "ReadingLimits"]
-
 _Number: TypeAlias = Annotated[float, Field(allow_inf_nan=False)]
 _Bounds: TypeAlias = tuple[_Number, _Number]
 

@@ -17,8 +17,6 @@ from homebot.errors import InvalidNameError, WireError
 from homebot.messages import Time
 from homebot.names import validate_node_name
 
-__all__ = ["MAX_RECORD", "Records", "entry_record", "read_entry", "read_tombstone", "tombstone_record"]
-
 MAX_RECORD = 4_000_000
 """Most characters of one record; longer ones are not read."""
 

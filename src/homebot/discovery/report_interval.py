@@ -6,8 +6,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import final
 
-__all__ = ["ReportInterval"]
-
 _KEPT = 8
 
 _BURST = 1.0

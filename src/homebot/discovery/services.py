@@ -32,9 +32,6 @@ from homebot.support.similar import did_you_mean
 if TYPE_CHECKING:
     from homebot.discovery.nearness import Nearness
 
-__all__ = ["DirectoryServices"]
-
-
 _KIND = attrgetter("kind")
 
 _FEW = 10

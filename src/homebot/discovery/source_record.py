@@ -11,16 +11,6 @@ from homebot.devices import Fact, Sighting
 from homebot.discovery.search.columns import StoredValue
 from homebot.messages import Time
 
-__all__ = [
-    "LostLink",
-    "Reach",
-    "SourceKey",
-    "SourceRecord",
-    "is_described_anew",
-    "preference",
-    "record_description",
-]
-
 KeyT = TypeVar("KeyT")
 ValueT = TypeVar("ValueT")
 

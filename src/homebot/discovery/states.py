@@ -27,9 +27,6 @@ from homebot.messages import Time
 if TYPE_CHECKING:
     from homebot.discovery.reading_limits import LimitsOfDevices
 
-__all__ = ["SettingChanges", "StateRecorder", "has_capability", "is_denied", "store_reachability"]
-
-
 _NAME = attrgetter("name")
 _CAPABILITY = attrgetter("capability")
 

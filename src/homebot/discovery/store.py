@@ -11,8 +11,6 @@ from homebot.names import escape_token
 from homebot.support.data_folder import data_directory
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
-__all__ = ["INDEX_FILE", "INDEX_SCHEMA", "VERSION", "IndexFile", "index_path"]
-
 INDEX_FILE = "index.sqlite"
 
 VERSION = 3

@@ -14,8 +14,6 @@ from typing import TypeAlias, cast
 from homebot.errors import RefusedError
 from homebot.support.addresses import parse_address
 
-__all__ = ["AddressGuard", "OwnAddressError", "ThisComputerGuard", "guard_for"]
-
 SocketAddress: TypeAlias = tuple[str, int] | tuple[str, int, int, int]
 
 

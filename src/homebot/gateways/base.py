@@ -72,8 +72,6 @@ from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, qos_profile
 from homebot.log import LogLimit
 from homebot.units import Seconds
 
-__all__ = ["AVAILABLE", "UNAVAILABLE", "Delivery", "Gateway", "GatewayContext", "GatewaySettings", "HostService"]
-
 ServiceT = TypeVar("ServiceT")
 ServiceT_co = TypeVar("ServiceT_co", covariant=True)
 

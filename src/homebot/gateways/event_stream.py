@@ -8,8 +8,6 @@ from dataclasses import dataclass
 
 from homebot.errors import WireError
 
-__all__ = ["EventStreamParser", "ServerEvent"]
-
 _BOM = "\ufeff"
 
 

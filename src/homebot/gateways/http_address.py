@@ -10,8 +10,6 @@ from homebot.errors import WireError
 if TYPE_CHECKING:
     from yarl import URL
 
-__all__ = ["http_origin", "parse_url", "shown_url"]
-
 
 def http_origin(address: str, port: int, scheme: Literal["http", "https"] = "http") -> str:
     """Return the origin of a server: ``http://10.0.0.7``, ``https://[fe80::1%eth0]:8443``.

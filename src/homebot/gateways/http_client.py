@@ -32,8 +32,6 @@ from homebot.gateways.http_streams import EventStream, WebSocket
 from homebot.gateways.password_settings import HttpLogin
 from homebot.support.unanswered import SENT_REQUESTS
 
-__all__ = ["MAX_ANSWER_BYTES", "HttpAnswer", "HttpClient"]
-
 MAX_ANSWER_BYTES: Final = 256 * 1024
 """Default for the longest answer, frame and event, in bytes."""
 

@@ -14,8 +14,6 @@ from homebot.errors import BusyError, CertificateError, LinkError, RefusedError,
 from homebot.gateways.address_guard import OwnAddressError
 from homebot.support.connect_errors import connect_problem
 
-__all__ = ["check_status", "translated_errors"]
-
 _LATER: Final = frozenset({408, 425, 429, 502, 503, 504})
 _NO_ACCESS: Final = frozenset({401, 403, 407})
 

@@ -23,8 +23,6 @@ from homebot.gateways.password_settings import HttpLogin
 if TYPE_CHECKING:
     from aiohttp.client_middlewares import ClientHandlerType, ClientMiddlewareType
 
-__all__ = ["authentication", "follow_own_redirects", "staying_at"]
-
 _asked: ContextVar[URL | None] = ContextVar("homebot_http_asked", default=None)
 
 

@@ -15,8 +15,6 @@ from homebot.errors import LinkError, WireError
 from homebot.gateways.event_stream import EventStreamParser, ServerEvent
 from homebot.gateways.http_errors import translated_errors
 
-__all__ = ["EventStream", "WebSocket"]
-
 MOST_INVALID: Final = 20
 """Invalid messages in a row after which nothing more is read."""
 

@@ -13,8 +13,6 @@ from homebot.graph import Node
 from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, WRONG_ANSWER_BACKOFF, BackoffCounter
 from homebot.support.isolation import run_as
 
-__all__ = ["LinkedGateway"]
-
 STEADY_AFTER: Final = 60.0
 """Seconds after which a link that is lost counts as a first failure."""
 

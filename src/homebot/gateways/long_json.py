@@ -6,8 +6,6 @@ import anyio.lowlevel
 
 from homebot.conventions.long_json import parse_in_slices
 
-__all__ = ["parse_long_json"]
-
 _TURN: Final = 64 * 1024
 """Characters that are parsed before other tasks get their turn; a longer member is parsed without a pause."""
 

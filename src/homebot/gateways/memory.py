@@ -24,8 +24,6 @@ from homebot.gateways.announced.published_devices import MAX_DEVICES, PublishedD
 from homebot.gateways.base import Gateway, GatewayContext, GatewaySettings
 from homebot.graph import Node
 
-__all__ = ["MemoryGateway", "MemoryGatewaySettings"]
-
 KEPT = 1000
 """Commands that are remembered; the oldest goes."""
 

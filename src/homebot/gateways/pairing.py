@@ -17,20 +17,6 @@ from homebot.messages.message import Message, ServiceAnswer, ServiceType
 from homebot.support.file_access import check_secret_file
 from homebot.support.installation import Installation
 
-__all__ = [
-    "ActingGateway",
-    "Pair",
-    "PairRequest",
-    "PairResponse",
-    "PairingFile",
-    "PairingGateway",
-    "PairingRequests",
-    "PairingServices",
-    "Unpair",
-    "UnpairRequest",
-]
-
-
 _LONGEST: Final = 4 * 1024 * 1024
 
 

@@ -11,8 +11,6 @@ import anyio.lowlevel
 from homebot.errors import LinkError
 from homebot.support.unanswered import awaiting_answer
 
-__all__ = ["PendingCalls"]
-
 Answer = TypeVar("Answer")
 
 

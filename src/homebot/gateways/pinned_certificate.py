@@ -13,8 +13,6 @@ from homebot.errors import LinkError
 from homebot.gateways.http_address import parse_url, shown_url
 from homebot.support.connect_errors import connect_problem
 
-__all__ = ["fetch_certificate", "only_certificate"]
-
 ANSWER_WITHIN: Final = 6.0
 
 

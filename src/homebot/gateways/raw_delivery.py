@@ -16,8 +16,6 @@ from homebot.graph import EntityKind, Node, Publisher, QoSProfile
 from homebot.log import LogLimit
 from homebot.messages import Time
 
-__all__ = ["LateText", "PartTexts", "RawDelivery", "begin_of", "missed"]
-
 SLOW_LISTENER = "gateway.slow_listener"
 
 FULL_INBOX_WAIT = 0.2

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from homebot.goals.achievement import Move
     from homebot.graph import Node
 
-__all__ = ["AchieveServer"]
-
 CUT_OFF = "goals.cut_off"
 
 _MOST_DEVICES: Final = 200

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
     from homebot.graph import Client
 
-__all__ = ["Achievement", "Move"]
-
 _MOST_PLANS: Final = 4
 """The first plan, and three more."""
 

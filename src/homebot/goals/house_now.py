@@ -23,8 +23,6 @@ from homebot.routines.robot_drive import check_move
 from homebot.routines.steps import SendRobot
 from homebot.support.folding import fold
 
-__all__ = ["OPENINGS", "Assumed", "HouseNow", "HouseReader"]
-
 Assumed = MutableMapping[tuple[str, str], dict[str, PlainValue]]
 """Values that parts got without reporting them, by device and part."""
 

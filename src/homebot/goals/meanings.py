@@ -20,8 +20,6 @@ from homebot.goals.house_now import HouseReader
 from homebot.goals.wishes import RobotWish, RoomWish, SceneWish, StateWish, Wish, read_wishes
 from homebot.support.folding import fold
 
-__all__ = ["Meant", "UnderstoodGoal", "understood"]
-
 _LEAVING: Final[Mapping[PlainValue, StateIs]] = {
     "closing": StateIs("movement", "=", "open"),
     "opening": StateIs("movement", "=", "closed"),

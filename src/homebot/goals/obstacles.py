@@ -4,8 +4,6 @@ from collections.abc import Iterable
 
 from homebot.goals.operators import GoalProblem, Operator, reachable
 
-__all__ = ["why_not"]
-
 _MOST_NAMED = 3
 
 

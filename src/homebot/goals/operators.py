@@ -7,17 +7,6 @@ from typing import Literal, TypeAlias
 
 from homebot.devices.value import PlainValue
 
-__all__ = [
-    "GoalProblem",
-    "Operator",
-    "PartSettings",
-    "PlanStep",
-    "Settings",
-    "is_plan",
-    "reachable",
-]
-
-
 Settings: TypeAlias = tuple[tuple[str, PlainValue], ...]
 """Values by capability."""
 

@@ -13,8 +13,6 @@ from homebot.errors import UsageError
 from homebot.goals.operators import GoalProblem, Operator, is_plan, reachable
 from homebot.plugins import check_extra
 
-__all__ = ["find_plan"]
-
 _ENGINE: Final = "pyperplan"
 _ANY: Final = Operator(frozenset(), frozenset())
 

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from homebot.devices.places_messages import DoorInfo
     from homebot.devices.scene_messages import SceneInfo
 
-__all__ = ["Asker", "Blocked", "Preview", "build_problem"]
-
 Preview: TypeAlias = Callable[[CommandRequest, Device, DevicePart], "Refused | None"]
 """Returns the refusal of a command by rights and policies, if it were given now."""
 

@@ -14,8 +14,6 @@ from homebot.routines.steps import Do, SendRobot, read_step
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["DOCK", "KnownNames", "RobotWish", "RoomWish", "SceneWish", "StateWish", "Wish", "read_wishes"]
-
 DOCK: Final = "dock"
 """The room of a wish for a robot in its dock."""
 

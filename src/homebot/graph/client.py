@@ -21,8 +21,6 @@ from homebot.graph.service import HandlerRun, Service, ServiceSlot
 from homebot.messages.message import Message, ServiceType
 from homebot.support.time_limits import TimeLimits
 
-__all__ = ["Client"]
-
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT")
 

@@ -8,8 +8,6 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Final, final
 
-__all__ = ["CURRENT_CAUSE", "CallCause", "TimerCause"]
-
 
 @final
 @dataclass(frozen=True, slots=True)

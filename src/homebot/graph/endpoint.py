@@ -7,8 +7,6 @@ from typing import Any, Literal, NamedTuple, TypeAlias, final
 
 from homebot.graph.qos import QoSProfile
 
-__all__ = ["ActionInfo", "EndpointIndex", "EndpointInfo", "EntityKind", "GraphChange", "GraphEntity", "OfferedEntity"]
-
 
 class EntityKind(StrEnum):
     """The kinds of entities on the graph."""

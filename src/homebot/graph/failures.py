@@ -10,8 +10,6 @@ from homebot.log import LogLimit, more_like_this
 from homebot.support.isolation import Place, error_text, place_of
 from homebot.support.logger import get_logger
 
-__all__ = ["CallbackFailure", "Failures"]
-
 CALLBACK_FAILED = "graph.callback_failed"
 ANSWER_LATE = "graph.answer_late"
 

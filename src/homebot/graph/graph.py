@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from homebot.messages.action import ActionType
     from homebot.messages.interfaces import Interfaces
 
-__all__ = ["Graph"]
-
 WATCH_DEPTH = 10_000  # a house has a few thousand entities; after losses a watcher lists them again
 
 

@@ -16,8 +16,6 @@ import anyio.lowlevel
 
 from homebot.errors import ClosedError, UsageError
 
-__all__ = ["TURN", "BoundedQueue", "KeyedQueue", "Mailbox", "Queue", "keyed_queue"]
-
 T = TypeVar("T")
 
 TURN = 256  # items read before a reader that never waits yields to other tasks

@@ -46,8 +46,6 @@ from homebot.names import expand_name, full_node_name
 from homebot.support.isolation import crash_of, uncancel
 from homebot.support.logger import get_logger
 
-__all__ = ["Node"]
-
 MessageT = TypeVar("MessageT", bound=Message)
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT")

@@ -12,8 +12,6 @@ from anyio.abc import TaskGroup
 from homebot.errors import UsageError
 from homebot.support.isolation import is_cancelled, isolated, only_cause
 
-__all__ = ["NodeTasks"]
-
 _Function: TypeAlias = Callable[[], Coroutine[object, object, None]]
 
 

@@ -14,8 +14,6 @@ from homebot.graph.parameters import PARAMETER_SERVICES, ParameterSet, value_of
 from homebot.messages.interfaces import find_message, find_service
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["parameter_service", "refusal", "set_parameters"]
-
 _RANGES: Final = {
     2: ("integer_range", "IntegerRange", -(2**63), 2**63 - 1),
     3: ("floating_point_range", "FloatingPointRange", -math.inf, math.inf),

@@ -16,8 +16,6 @@ from homebot.messages.rcl_interfaces import ParameterValue
 from homebot.support.isolation import crash_of, error_text
 from homebot.support.similar import did_you_mean
 
-__all__ = ["PARAMETER_SERVICES", "Parameter", "ParameterDescriptor", "ParameterSet", "Value", "value_of"]
-
 Value: TypeAlias = bool | int | float | str | bytes | Sequence[bool] | Sequence[int] | Sequence[float] | Sequence[str]
 Kind: TypeAlias = Literal["new", "changed"]
 

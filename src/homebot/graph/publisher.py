@@ -14,8 +14,6 @@ from homebot.graph.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, Re
 from homebot.graph.subscription import Expiring, Subscription
 from homebot.messages.message import Message
 
-__all__ = ["History", "Publisher"]
-
 if TYPE_CHECKING:
     from homebot.graph.qos_events import (
         EventWatcher,

@@ -9,23 +9,6 @@ from typing import TypeAlias
 
 from homebot.errors import QosError
 
-__all__ = [
-    "DurabilityPolicy",
-    "HistoryPolicy",
-    "LivelinessPolicy",
-    "QoSLike",
-    "QoSProfile",
-    "ReliabilityPolicy",
-    "qos_incompatibilities",
-    "qos_profile_default",
-    "qos_profile_latched",
-    "qos_profile_parameter_events",
-    "qos_profile_rosout",
-    "qos_profile_sensor_data",
-    "qos_profile_services_default",
-    "to_qos_profile",
-]
-
 KEEP_ALL_LIMIT = 65_536  # bounds KEEP_ALL
 
 

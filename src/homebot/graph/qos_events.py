@@ -17,17 +17,6 @@ from typing import Any, Final, Generic, Protocol, Self, TypeVar
 from homebot.graph.qos import LivelinessPolicy, QoSProfile
 from homebot.support.time_limits import TimeLimits
 
-__all__ = [
-    "EventWatcher",
-    "LivelinessChangedStatus",
-    "LivelinessLostStatus",
-    "MatchedStatus",
-    "OfferedDeadlineMissedStatus",
-    "QosStatus",
-    "RequestedDeadlineMissedStatus",
-    "TopicEnd",
-]
-
 StatusT = TypeVar("StatusT", bound="QosStatus")
 
 

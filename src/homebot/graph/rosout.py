@@ -12,8 +12,6 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.rcl_interfaces import Log
 from homebot.support.logger import sentence
 
-__all__ = ["RosoutFeed"]
-
 _LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40, "critical": 50}
 
 

@@ -29,8 +29,6 @@ from homebot.graph.failures import Failures
 from homebot.messages.message import Message, ServiceType
 from homebot.support.isolation import crash_of, error_text, is_end_of, uncancel
 
-__all__ = ["Handler", "HandlerRun", "Service", "ServiceSlot"]
-
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT")
 

@@ -21,8 +21,6 @@ from homebot.graph.qos import QoSProfile
 from homebot.messages.message import Message
 from homebot.support.isolation import is_end_of
 
-__all__ = ["OTHERS", "Callback", "Expiring", "Subscription", "key_of"]
-
 if TYPE_CHECKING:
     from homebot.graph.qos_events import (
         EventWatcher,

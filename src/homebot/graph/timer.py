@@ -14,8 +14,6 @@ from homebot.errors import UsageError
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.support.isolation import is_end_of
 
-__all__ = ["Timer"]
-
 
 class Timer:
     """Calls a function once per period while its node runs.

@@ -10,8 +10,6 @@ from homebot.log import LogLimit
 from homebot.messages.message import Message
 from homebot.support.logger import get_logger
 
-__all__ = ["Topic"]
-
 _log = get_logger()
 
 QOS_INCOMPATIBLE = "graph.qos_incompatible"

@@ -10,8 +10,6 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Final, final
 
-__all__ = ["DAY", "LEAST_DAYS", "Days", "Happening", "Happenings"]
-
 DAY: Final = 86_400.0
 LEAST_DAYS: Final = 5
 """Days on which people did something, for it to be a habit."""

@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from math import comb, sqrt
 
-__all__ = ["FoundHabit", "Occasion", "luck", "sure_share"]
-
 
 @dataclass(frozen=True, slots=True)
 class Occasion:

@@ -14,8 +14,6 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.routines.text import routine_text
 from homebot.routines.times import DaysAndTime, SunMoment
 
-__all__ = ["UNDONE", "Undone", "is_same", "proposal_of", "undone_commands"]
-
 _QUOTED: Final = re.compile(r'name="([^"]+)"')
 _LONGEST: Final = 100
 _MOST_OCCASIONS: Final = 100

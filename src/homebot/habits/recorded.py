@@ -22,8 +22,6 @@ from homebot.devices.value import PlainValue
 from homebot.habits.days import DAY, LEAST_DAYS, Days, Happening
 from homebot.habits.words import HabitWords, WatchedRoom, rounded
 
-__all__ = ["MOST_HAPPENINGS", "Home", "is_persons", "recorded_days"]
-
 MOST_HAPPENINGS: Final = 200_000
 """The largest number that is searched, about 40 MB; the newest count."""
 

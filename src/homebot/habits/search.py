@@ -18,8 +18,6 @@ from typing import Final
 from homebot.habits.days import DAY, LEAST_DAYS, Days, Happenings
 from homebot.habits.habit import FoundHabit, Occasion, luck, sure_share
 
-__all__ = ["find_habits", "occasions_of"]
-
 _WITHIN: Final = (60.0, 300.0, 900.0)
 """Seconds within which people act after a trigger."""
 

@@ -23,8 +23,6 @@ from homebot.routines.steps import Do, read_step
 from homebot.routines.triggers import Becomes, PersonMoves, Press, read_trigger
 from homebot.support.folding import fold
 
-__all__ = ["HabitWords", "WatchedRoom", "rounded"]
-
 _LONGEST: Final = 80
 _STEPS: Final = {"%": 5.0, "°C": 0.5}
 _PEOPLE: Final = {"x_person": ("{} has left", "{} arrives"), "x_household": ("everybody has left", "somebody arrives")}

@@ -6,8 +6,6 @@ from array import array
 from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
-__all__ = ["Batch", "Place", "Series", "StateRow", "StoredState"]
-
 Place: TypeAlias = tuple[str, str, str]
 """The ids of a device and of its part, and a capability."""
 

@@ -3,8 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final, NamedTuple
 
-__all__ = ["COUNTERS", "FIVE_MINUTES", "HOUR", "Bucket", "buckets_of", "combined", "wider"]
-
 FIVE_MINUTES: Final = 300_000
 HOUR: Final = 3_600_000
 """Milliseconds."""

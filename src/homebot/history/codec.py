@@ -16,15 +16,6 @@ from typing import Any, Final
 from homebot.errors import WireError
 from homebot.history.buckets import Bucket
 
-__all__ = [
-    "decode_batch",
-    "decode_buckets",
-    "decode_values",
-    "encode_batch",
-    "encode_buckets",
-    "encode_values",
-]
-
 _VERSION: Final = b"\x01"
 _LEVEL: Final = 1
 _COLUMNS: Final = "ddfdff"

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from homebot.devices.device import Device, DeviceChange, StateChange
     from homebot.devices.value import PlainValue
 
-__all__ = ["Collector"]
-
 MOST_WAITING: Final = 100_000
 """The limit of values that wait for the disk; beyond it the oldest are lost and counted. 18 bytes each."""
 

@@ -16,8 +16,6 @@ from homebot.history.codec import (
 )
 from homebot.history.sealing import BITS, FIVES, HOURS, MASK, Points, key_of, read_blob
 
-__all__ = ["Correction", "correct"]
-
 _DAY: Final = HOUR * HOURS
 
 

@@ -3,8 +3,6 @@
 import math
 from typing import Final, final
 
-__all__ = ["CounterTotal"]
-
 _NEAR: Final = 0.9
 """The share of a total above which a lower one is jitter, or back from a glitch: Home Assistant's limit of a reset."""
 

@@ -21,8 +21,6 @@ from homebot.history.settings import HistorySettings
 from homebot.support.counters import Severity
 from homebot.support.isolation import run_as
 
-__all__ = ["HISTORY_FILE", "HistoryKeeper", "keep_history"]
-
 HISTORY_FILE: Final = "history.sqlite"
 """The name of the file, beside the index file."""
 

@@ -27,8 +27,6 @@ from homebot.log import LogLimit
 from homebot.support.kept_file import KeptFile
 from homebot.support.sqlite_file import IN_MEMORY, SqliteFile, SqliteSchema
 
-__all__ = ["HISTORY_SCHEMA", "HistoryFile", "HistoryStore", "StoredSeries"]
-
 HISTORY_SCHEMA: Final = SqliteSchema(
     "history",
     1,

@@ -29,8 +29,6 @@ from homebot.history.reading import HistoryReader, Numbers, Span, StoredStates
 from homebot.messages import Time
 from homebot.support.similar import did_you_mean
 
-__all__ = ["HistoryService"]
-
 _NOTHING: Final = (
     "there are no numbers in that time, or only summaries of a longer one: "
     "older numbers are kept as five minutes, then as hours"

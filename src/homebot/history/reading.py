@@ -13,8 +13,6 @@ from homebot.history.codec import decode_buckets, decode_values
 from homebot.history.sealing import BITS, FIVES, HOURS, MASK, Points, key_of, points_of, read_blob, read_recent
 from homebot.history.settings import KeepSettings
 
-__all__ = ["HistoryReader", "Numbers", "Span", "StoredStates"]
-
 _DAY: Final = HOUR * HOURS
 _HOUR_SECONDS: Final = 3600
 _MOST_STATES: Final = 5000

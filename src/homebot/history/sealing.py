@@ -9,20 +9,6 @@ from typing import Final, TypeAlias
 from homebot.history.buckets import FIVE_MINUTES, HOUR, Bucket, buckets_of, combined, wider
 from homebot.history.codec import decode_batch, decode_buckets, decode_values, encode_buckets, encode_values
 
-__all__ = [
-    "BITS",
-    "FIVES",
-    "HOURS",
-    "MASK",
-    "Points",
-    "key_of",
-    "points_of",
-    "read_blob",
-    "read_recent",
-    "seal_day",
-    "seal_hours",
-]
-
 BITS: Final = 16
 MASK: Final = 0xFFFF
 FIVES: Final = 12

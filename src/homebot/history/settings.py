@@ -6,8 +6,6 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from homebot.units import Seconds
 
-__all__ = ["HistorySettings", "KeepSettings"]
-
 _DAY: Final = 86_400.0
 
 

@@ -14,8 +14,6 @@ from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.virtual_radio import GattValue, VirtualPeripheral, VirtualRadio
 
-__all__ = ["EVERY", "FLAGS", "BluetoothLight", "RadioDevice", "address_of"]
-
 EVERY = 1.0
 """Seconds between advertisements."""
 

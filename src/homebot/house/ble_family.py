@@ -6,8 +6,6 @@ from random import Random
 
 from homebot.house.family import FamilyNetwork, ServedFamily
 
-__all__ = ["BleFamily", "BleNetwork", "BluetoothLightFamily"]
-
 
 class BleNetwork(FamilyNetwork):
     """A virtual radio, with an adapter for homebot."""

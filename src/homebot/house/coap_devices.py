@@ -20,8 +20,6 @@ from homebot.house.wire import lamp_order
 from homebot.support.isolation import run_as
 from homebot.support.numbers import to_number
 
-__all__ = ["CoapDevice"]
-
 TEXT, LINK_FORMAT, JSON, TD = 0, 40, 50, 432
 _LIFETIME = 60
 

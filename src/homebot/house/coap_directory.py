@@ -8,8 +8,6 @@ import aiocoap
 import anyio
 from aiocoap.cli.rd import StandaloneResourceDirectory
 
-__all__ = ["served_directory"]
-
 
 @asynccontextmanager
 async def served_directory(host: str, port: int) -> AsyncIterator[None]:

@@ -7,8 +7,6 @@ from random import Random
 
 from homebot.house.family import LOOPBACK, FamilyNetwork, ServedFamily, free_port
 
-__all__ = ["CoapFamily", "CoapNetwork"]
-
 
 class CoapNetwork(FamilyNetwork):
     """A resource directory."""

@@ -9,8 +9,6 @@ from anyio.abc import TaskStatus
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.support.isolation import run_as
 
-__all__ = ["ConnectedDevice", "HubDevice", "ServedDevice"]
-
 
 class ConnectedDevice(ABC):
     """A simulated device on its network, which does not know homebot."""

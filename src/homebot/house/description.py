@@ -54,8 +54,6 @@ from homebot.support.similar import unknown_key
 from homebot.support.toml_file import read_toml
 from homebot.units import DURATION
 
-__all__ = ["load_world", "parse_world"]
-
 Metres = Annotated[float, Field(allow_inf_nan=False)]
 _Extent = Annotated[float, Field(ge=0.0, le=1000.0, allow_inf_nan=False)]
 

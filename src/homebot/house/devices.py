@@ -7,8 +7,6 @@ from typing import ClassVar
 
 from homebot.house.simulated_device import SimulatedDevice, number, number_text
 
-__all__ = ["CoverMotor", "SimulatedDoorLock", "SimulatedLamp", "SimulatedThermostat", "WindowMotor"]
-
 KELVIN = (1500.0, 9000.0)
 """From candle light to a blue sky."""
 

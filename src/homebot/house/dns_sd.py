@@ -12,8 +12,6 @@ from anyio.abc import TaskStatus
 from zeroconf import IPVersion, ServiceInfo
 from zeroconf.asyncio import AsyncZeroconf
 
-__all__ = ["DnsSdService", "announce_service"]
-
 
 @dataclass(frozen=True, slots=True)
 class DnsSdService:

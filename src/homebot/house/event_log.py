@@ -6,8 +6,6 @@ from typing import Literal, NamedTuple
 
 from homebot.house.rooms import DAY
 
-__all__ = ["Event", "Verb", "WorldLog"]
-
 Verb = Literal["says", "told", "switch", "power", "enters", "sleeps"]
 
 

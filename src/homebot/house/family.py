@@ -17,20 +17,6 @@ from homebot.errors import PluginError
 from homebot.house.dialect import Dialect
 from homebot.plugins import has_plugin, load_plugin, plugin_names
 
-__all__ = [
-    "ALL_KINDS",
-    "LOOPBACK",
-    "FamilyNetwork",
-    "LoopbackMdns",
-    "ServedFamily",
-    "announces",
-    "dialects",
-    "family_names",
-    "family_of",
-    "free_port",
-    "kinds_of",
-]
-
 GROUP: Final = "homebot.simulated"
 LOOPBACK: Final = "127.0.0.1"
 

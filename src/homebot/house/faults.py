@@ -12,23 +12,6 @@ from dataclasses import dataclass, field
 
 from homebot.house.simulated_device import SimulatedDevice
 
-__all__ = [
-    "Chatterbox",
-    "Deaf",
-    "DeviceFault",
-    "EchoingBridge",
-    "Flapper",
-    "Late",
-    "Liar",
-    "Lossy",
-    "Reverter",
-    "Silent",
-    "Slow",
-    "Stuck",
-    "Unplugged",
-    "unwrap",
-]
-
 HELD = 1000
 """Most commands, or reports, that a fault holds back; beyond that the oldest is lost and counted."""
 

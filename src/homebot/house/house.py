@@ -35,8 +35,6 @@ from homebot.mqtt.packets import Will
 from homebot.mqtt.topics import validate_filter
 from homebot.support.isolation import run_as
 
-__all__ = ["HEARTBEAT", "SimulatedHouse"]
-
 HEARTBEAT = 2.0
 """Seconds between heartbeats, short enough to watch."""
 

@@ -9,8 +9,6 @@ from typing import NamedTuple, Protocol
 from homebot.house.rooms import DAY, OUTSIDE, Rooms
 from homebot.support.timer_queue import TimerQueue
 
-__all__ = ["MOVES", "Habit", "Household", "MovementObserver", "Person", "Visit"]
-
 MOVES = 20.0
 """Seconds of movement of a sitting person, after coming in and each time in between."""
 

@@ -19,8 +19,6 @@ from homebot.house.simulated_device import SimulatedDevice
 from homebot.house.tag import SimulatedTag
 from homebot.units import DURATION, Seconds
 
-__all__ = ["FAULTS", "KINDS", "FaultSettings", "KindSettings", "Surroundings"]
-
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]

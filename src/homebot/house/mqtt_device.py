@@ -21,8 +21,6 @@ from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.support.isolation import run_as
 from homebot.support.logger import get_logger
 
-__all__ = ["HouseCounters", "MqttDevice"]
-
 REFUSED = "house.publish_refused"
 
 QUEUED = 100

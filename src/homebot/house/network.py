@@ -13,8 +13,6 @@ from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.family import family_of
 from homebot.plugins import check_extra
 
-__all__ = ["HouseNetwork"]
-
 OnCommand: TypeAlias = Callable[[str], None]
 
 

@@ -11,8 +11,6 @@ from homebot.places import read_position
 from homebot.places.plan import Point
 from homebot.places.rigid import MapPose
 
-__all__ = ["Robot"]
-
 
 class _Leg(NamedTuple):
     """A straight piece of a path: its end, and the room there."""

@@ -14,8 +14,6 @@ from homebot.messages.interfaces import find_action
 from homebot.messages.message import Message
 from homebot.places.plan import Point
 
-__all__ = ["RobotActions"]
-
 _EVERY: Final = 0.2
 """Seconds between feedback messages."""
 

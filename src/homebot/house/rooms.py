@@ -8,8 +8,6 @@ from typing import NamedTuple
 
 from homebot.errors import UsageError
 
-__all__ = ["DAY", "DOOR_WIDTH", "OUTSIDE", "REAL_TIME", "Room", "Rooms", "WorldTime", "daylight", "weather"]
-
 DAY = 86_400.0
 NOON_LUX = 100_000.0
 """A clear sky with the sun overhead."""

@@ -28,8 +28,6 @@ from homebot.messages.std_msgs import Header
 from homebot.messages.tf2_msgs import TFMessage
 from homebot.places.rigid import MapPose
 
-__all__ = ["RosRobot", "occupancy_grid", "ros_pose"]
-
 _CELL: Final = 0.05
 """Width of a cell of the map in metres."""
 

@@ -6,8 +6,6 @@ from typing import ClassVar, Final
 from homebot.house.simulated_device import SimulatedDevice, number_text
 from homebot.support.numbers import to_number
 
-__all__ = ["LuxSensor", "MotionSensor", "PowerMeter", "PresenceSensor", "SimulatedContactSensor"]
-
 _MEASURE: Final = "measure"
 _STAYS: Final = "motion stays"
 _LEFT: Final = "motion left"

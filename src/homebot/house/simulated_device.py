@@ -6,8 +6,6 @@ from typing import ClassVar, Final, NamedTuple
 
 from homebot.support.numbers import to_number
 
-__all__ = ["Drive", "Placed", "ScheduledCommand", "SimulatedDevice", "number", "number_text"]
-
 
 class Drive(NamedTuple):
     """The room of a self-driving device, and whether it is driving."""

@@ -5,8 +5,6 @@ from typing import ClassVar, Final
 
 from homebot.house.simulated_device import SimulatedDevice
 
-__all__ = ["AWAY", "SimulatedTag"]
-
 AWAY: Final = "away"
 
 

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from bumble.device import Advertisement as BumbleAdvertisement
     from bumble.device import Connection
 
-__all__ = ["backend_of"]
-
 CONNECT_WITHIN = 5.0
 MTU = 247
 _PROPERTIES = (

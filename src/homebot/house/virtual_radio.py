@@ -37,8 +37,6 @@ from bumble.transport.common import AsyncPipeSink
 if TYPE_CHECKING:
     from bumble.device import Connection
 
-__all__ = ["GattValue", "VirtualPeripheral", "VirtualRadio"]
-
 HUB = "F0:F0:F0:F0:F0:FF"
 RSSI = -60.0
 JITTER = 3.0

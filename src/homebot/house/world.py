@@ -21,8 +21,6 @@ from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, PresenceS
 from homebot.house.simulated_device import Drive, Placed, ScheduledCommand, SimulatedDevice
 from homebot.support.timer_queue import TimerQueue
 
-__all__ = ["World"]
-
 SAMPLE = 300.0
 """Seconds between updates of sun and weather."""
 

@@ -15,8 +15,6 @@ from dataclasses import dataclass
 from math import erf, exp, inf, log, pi, sqrt
 from typing import Final, final
 
-__all__ = ["Belief", "Seen", "begun", "is_brightening", "is_brighter"]
-
 _IN_VIEW: Final = (0.45, 1.3)
 """The effects of what is in view, as shares of the family's."""
 

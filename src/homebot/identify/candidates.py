@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from homebot.devices.outcomes import Refused
     from homebot.graph import Node
 
-__all__ = ["NIGHT", "CandidatePart", "Preview", "check_beds", "check_time", "find_candidates"]
-
 Preview: TypeAlias = Callable[[CommandRequest, Device, DevicePart], "Refused | None"]
 """Returns the refusal of a command by rights and policies, if it were given now."""
 

@@ -5,8 +5,6 @@ from typing import Final
 
 from homebot.identify.belief import Belief
 
-__all__ = ["next_code"]
-
 _TRIED: Final = 60
 
 

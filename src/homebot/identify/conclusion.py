@@ -4,8 +4,6 @@ from typing import Final, final
 
 from homebot.identify.belief import Belief
 
-__all__ = ["Conclusion"]
-
 _LEAST: Final = 4
 """Looks before a conclusion: in fewer, a lamp of somebody else may look like a candidate."""
 

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from homebot.identify.kept_values import KeptValues
     from homebot.identify.sight import Sight
 
-__all__ = ["Identification"]
-
 _FADES: Final = 6.0
 """Seconds after which a look begins though a candidate still reports changes, as one with an effect does for ever."""
 

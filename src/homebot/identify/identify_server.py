@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from homebot.devices.device import KeyValue
     from homebot.graph import Node
 
-__all__ = ["IdentifyServer"]
-
 _TELLING: Final = 5.0
 """Seconds for which an identification waits until people are told."""
 

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from homebot.graph import Node
     from homebot.identify.candidates import CandidatePart
 
-__all__ = ["KeptValues"]
-
 LEFT = "identify.left"
 PUT_BACK = "identify.put_back"
 

@@ -10,8 +10,6 @@ from typing import Any, Final, NamedTuple, TypeAlias
 from homebot.errors import UsageError
 from homebot.plugins import check_extra
 
-__all__ = ["Region", "brightness", "compressed_brightness"]
-
 Region: TypeAlias = tuple[int, ...]
 """x, y, width and height in pixels; empty for the whole picture."""
 

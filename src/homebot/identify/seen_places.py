@@ -11,8 +11,6 @@ from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
 from homebot.errors import ServiceError, UsageError
 from homebot.graph import Node
 
-__all__ = ["check_robot", "keep_seen"]
-
 _ERROR: Final = 0.1
 """Metres by which a sighting may be wrong, and metres for each metre of distance."""
 

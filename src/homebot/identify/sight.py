@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from homebot.graph import Node
     from homebot.messages.message import Message
 
-__all__ = ["Noise", "Sight", "open_sight"]
-
 _LOOK: Final = 1.0
 """Seconds of a look."""
 

@@ -7,8 +7,6 @@ from homebot.devices.outcomes import Refused
 from homebot.journal.store import JournalNote
 from homebot.support.limiter import Limiter, LimitInterval
 
-__all__ = ["IN_FULL", "MOST_OF_ISSUER", "CommandFolding"]
-
 IN_FULL: Final = 10
 """Equal commands of one issuer to one part in each minute that are stored in full."""
 

@@ -20,8 +20,6 @@ from homebot.journal.store import JournalNote, JournalStore, LearntRow, with_new
 from homebot.log import LogLimit
 from homebot.support.kept_file import KeptFile
 
-__all__ = ["FileStore"]
-
 _WRITE_AFTER: Final = 120.0
 """Seconds for which entries are gathered, and which a power cut loses: each write costs whole blocks, which wear out an
 SD card."""

@@ -14,8 +14,6 @@ from homebot.journal.store import JournalNote, LearntRow
 from homebot.messages import Time
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 
-__all__ = ["JOURNAL_SCHEMA", "JournalFile"]
-
 _LEARNT: Final = (
     "CREATE TABLE learnt (kind TEXT NOT NULL, name TEXT NOT NULL, record TEXT NOT NULL, at REAL NOT NULL, "
     "command TEXT NOT NULL, PRIMARY KEY (kind, name))"

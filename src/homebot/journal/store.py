@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
     from homebot.devices.trigger import Trigger
 
-__all__ = ["JournalNote", "JournalStore", "LearntRow", "with_newer"]
-
 _SHARE: Final = 0.1
 """The share of the largest issuer's entries that is dropped at once; see :mod:`.journal_file`."""
 

@@ -6,8 +6,6 @@ from typing import Final
 
 from homebot.errors import UsageError
 
-__all__ = ["load_certificate"]
-
 _NO_PASSPHRASE: Final = "-"  # noqa: S105 - no secret; given none, OpenSSL asks for one on the terminal
 
 

@@ -13,8 +13,6 @@ from homebot.mqtt.options import MqttOptions
 if TYPE_CHECKING:
     from homebot.mqtt.memory_broker import MemoryBroker
 
-__all__ = ["HostedBroker", "MqttClientName", "client_maker"]
-
 MqttClientName: TypeAlias = Literal["aiomqtt", "native"]
 
 

@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from typing import Generic, TypeVar, final
 
-__all__ = ["FilterIndex", "FilterTree", "has_wildcard"]
-
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 

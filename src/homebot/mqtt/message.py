@@ -4,8 +4,6 @@ from typing import NamedTuple
 
 from homebot.mqtt.packets import NO_PROPERTIES, Properties
 
-__all__ = ["MqttMessage"]
-
 
 class MqttMessage(NamedTuple):
     """One received message.

@@ -13,8 +13,6 @@ from pydantic import SecretStr
 from homebot.errors import UsageError
 from homebot.mqtt.packets import Will
 
-__all__ = ["MqttOptions", "MqttProtocol"]
-
 MqttProtocol = Literal["auto", "5", "3.1.1"]
 
 _PORTS: Final = {"mqtt": 1883, "mqtts": 8883}

@@ -8,8 +8,6 @@ import anyio
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription
 
-__all__ = ["SubscriptionSet", "batches"]
-
 MOST = 100
 MOST_CHARACTERS = 16_384
 

@@ -12,8 +12,6 @@ from homebot.errors import HomebotError
 from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.options import MqttOptions
 
-__all__ = ["TopicCensus"]
-
 LISTENS_FOR: Final = 60.0
 LISTENS_EVERY: Final = 3600.0
 _ENDS_WITHIN: Final = 1.0

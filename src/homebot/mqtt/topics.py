@@ -10,15 +10,6 @@ from typing import NamedTuple
 
 from homebot.errors import InvalidNameError
 
-__all__ = [
-    "MAX_TOPIC_BYTES",
-    "SharedFilter",
-    "parse_shared_filter",
-    "topic_matches",
-    "validate_filter",
-    "validate_topic",
-]
-
 MAX_TOPIC_BYTES = 65_535
 """Length limit of a topic name or filter in UTF-8, in bytes (MQTT 5.0, section 1.5.4)."""
 

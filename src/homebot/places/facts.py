@@ -7,18 +7,6 @@ from typing import Literal, NamedTuple, TypeAlias
 from homebot.errors import UsageError
 from homebot.places.plan import HouseDoor, HouseRoom
 
-__all__ = [
-    "CLOSED_DOOR",
-    "NO_PLACES",
-    "OWNER_ERROR",
-    "TAG_ERROR",
-    "FactName",
-    "OwnerFact",
-    "Places",
-    "Position",
-    "read_position",
-]
-
 OWNER_ERROR = 0.1
 """The default error of a position stated by the owner, in metres."""
 

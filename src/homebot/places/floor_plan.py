@@ -15,8 +15,6 @@ from homebot.places.polygon import Point, Polygon
 from homebot.places.room_sight import RoomSight
 from homebot.support.folding import fold
 
-__all__ = ["FloorPlan", "RoomAt"]
-
 _HYSTERESIS = 0.2
 """Metres that a robot must be away from its last room to be in another one."""
 

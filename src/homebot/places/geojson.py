@@ -16,8 +16,6 @@ from homebot.places.plan import OUTSIDE, HousePlan, HouseRoom, Point
 from homebot.places.settings import read_places
 from homebot.support.strict_json import parse_strict
 
-__all__ = ["geojson_table"]
-
 _Table: TypeAlias = dict[str, object]
 
 _DEGREE = 111_195.0

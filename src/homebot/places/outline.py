@@ -8,8 +8,6 @@ from typing import Final, TypeAlias
 from homebot.errors import UsageError
 from homebot.places.polygon import Point, Polygon, foot, signed_area
 
-__all__ = ["MOST_CORNERS", "simplified", "traced"]
-
 _TOLERANCES: Final = (0.15, 0.3, 0.5)
 MOST_CORNERS: Final = 30
 """The number of corners above which distances through a room take over a millisecond."""

@@ -12,8 +12,6 @@ from typing import Final, NamedTuple, TypeAlias, final
 from homebot.places.polygon import Point
 from homebot.places.room_sight import RoomSight
 
-__all__ = ["HALF_HOP", "Crossing", "Doorway", "PathFinder", "Spot", "Way"]
-
 HALF_HOP = 2.0
 """Metres between a door and a place in a room of unknown shape."""
 

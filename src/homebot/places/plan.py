@@ -13,20 +13,6 @@ from homebot.errors import ConfigError
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = [
-    "MAX_ROOMS",
-    "NO_AREAS",
-    "OUTSIDE",
-    "STAIRS",
-    "WIDTH",
-    "HouseDoor",
-    "HousePlan",
-    "HouseRoom",
-    "Point",
-    "Rings",
-    "door_name",
-]
-
 MAX_ROOMS = 1000
 """The limit of rooms of one house."""
 

@@ -10,8 +10,6 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
-__all__ = ["IDENTITY", "MapPose", "Rigid", "fitted_pose", "yaw_of"]
-
 Vector: TypeAlias = tuple[float, float, float]
 Quaternion: TypeAlias = tuple[float, float, float, float]
 

@@ -8,8 +8,6 @@ from typing import final
 from homebot.places.outline import MOST_CORNERS, simplified
 from homebot.places.polygon import Point, Polygon
 
-__all__ = ["RoomSight"]
-
 
 @final
 class RoomSight:

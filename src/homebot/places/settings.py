@@ -13,16 +13,6 @@ from homebot.places.plan import OUTSIDE, WIDTH, HouseDoor, HousePlan, HouseRoom,
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = [
-    "DeviceSettings",
-    "HouseDoorSettings",
-    "PlacesSettings",
-    "RoomSettings",
-    "check_name",
-    "read_places",
-    "stated_position",
-]
-
 _LONGEST = 100
 _MOST = 50
 """The limit of doors of a room, and of aliases, tags or identifiers of a device."""

@@ -9,8 +9,6 @@ from homebot.places.plan import OUTSIDE, WIDTH, HouseDoor, HousePlan, HouseRoom
 from homebot.support.folding import fold
 from homebot.support.toml_text import toml_value
 
-__all__ = ["places_text"]
-
 
 def places_text(plan: HousePlan, devices: Iterable[tuple[str, tuple[OwnerFact, ...], tuple[str, ...]]] = ()) -> str:
     """Return the text of a places file.

@@ -15,17 +15,6 @@ from homebot.messages.geometry_msgs import Quaternion, Transform, TransformStamp
 from homebot.messages.std_msgs import Header
 from homebot.places.rigid import IDENTITY, Rigid
 
-__all__ = [
-    "ConnectivityException",
-    "ExtrapolationException",
-    "InvalidArgumentException",
-    "LookupException",
-    "Sample",
-    "TransformBuffer",
-    "TransformException",
-    "rigid_of",
-]
-
 CACHE_TIME = 10_000_000_000
 """Nanoseconds for which transforms are kept, counted back from the newest one of the frame."""
 

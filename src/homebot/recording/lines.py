@@ -44,22 +44,6 @@ from homebot.recording.secrets import without_secrets
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.strict_json import parse_strict
 
-__all__ = [
-    "FORMAT",
-    "CommandNews",
-    "GatewayNews",
-    "LeaseNews",
-    "LostLines",
-    "RecordedApp",
-    "RecordedCommand",
-    "RecordedLeaseStep",
-    "RecordingEnd",
-    "RecordingHeader",
-    "RecordingLine",
-    "line_text",
-    "read_line",
-]
-
 FORMAT: Final = 2
 """The version of the format; a reader refuses a newer one. Format 1 lacked the kinds index, owner and lease."""
 

@@ -35,8 +35,6 @@ from homebot.recording.lines import (
 from homebot.recording.repetitions import Repetitions
 from homebot.recording.secrets import without_secrets
 
-__all__ = ["LineBuffer", "Recorder"]
-
 _MOST_LINES: Final = 50_000
 _MOST_BYTES: Final = 64 * 1024 * 1024
 

@@ -28,8 +28,6 @@ from homebot.recording.lines import (
 )
 from homebot.recording.repetitions import Repetitions
 
-__all__ = ["RecordedEvent", "Recording", "TimedCommand", "load_recording", "read_recording"]
-
 _LONGEST_LINE: Final = 16 * 1024 * 1024
 _MOST_BYTES: Final = 4 * 1024**3
 _MOST_RATIO: Final = 200

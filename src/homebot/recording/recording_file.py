@@ -10,8 +10,6 @@ from anyio import to_thread
 from homebot.recording.lines import LostLines, RecordingEnd, RecordingLine, line_text
 from homebot.support.new_file import create_file, told_if_not_created
 
-__all__ = ["DEFAULT_MEGABYTES", "FileSink", "LineSink", "RecordingFile"]
-
 DEFAULT_MEGABYTES: Final = 500.0
 
 _END_BYTES: Final = 1024

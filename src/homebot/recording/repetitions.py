@@ -12,8 +12,6 @@ from homebot.messages import Time
 from homebot.messages.message import Message
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["Repetition", "Repetitions"]
-
 _MOST: Final = 20_000
 """The limit of sources with a known last message; the least recent is forgotten, and later recorded in full again."""
 

@@ -6,8 +6,6 @@ from typing import Final
 
 from pydantic import BaseModel, SecretBytes, SecretStr
 
-__all__ = ["HIDDEN", "is_secret_name", "public_settings", "without_secrets"]
-
 HIDDEN: Final = "***"
 """Replaces a secret."""
 

@@ -12,8 +12,6 @@ from homebot.recording.lines import RecordingHeader
 from homebot.recording.recorder import Recorder
 from homebot.recording.recording_file import LineSink
 
-__all__ = ["ReadRecording", "ReadRecordingRequest", "ReadRecordingResponse", "record_for_client", "record_into"]
-
 FAILED = "recording.failed"
 FULL = "recording.file_full"
 

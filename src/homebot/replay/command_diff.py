@@ -11,8 +11,6 @@ from homebot.devices.value import PlainValue
 from homebot.recording.lines import RecordedCommand
 from homebot.recording.recording import TimedCommand
 
-__all__ = ["CommandDiff", "CommandMatcher", "DifferentCommand", "command_diff", "is_carried_out"]
-
 _TOLERANCE: Final = 1.0
 """Seconds by which the same command may be earlier or later on a busy computer, without people noticing."""
 

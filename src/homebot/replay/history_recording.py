@@ -23,8 +23,6 @@ from homebot.recording.lines import FORMAT, RecordedCommand, RecordingHeader
 from homebot.recording.recording import RecordedEvent, Recording, TimedCommand
 from homebot.version import __version__
 
-__all__ = ["history_recording"]
-
 _GATEWAY: Final = "history"
 _FOREVER: Final = 400 * 86_400.0
 _FLAGS: Final = {"true": True, "false": False}

@@ -37,8 +37,6 @@ from homebot.replay.replay_people import ReplayPeople
 from homebot.runtime import Runtime
 from homebot.runtime.app_host import RehearsedAct
 
-__all__ = ["Replayed", "replay", "replay_config"]
-
 _GATEWAY = "homebot.replay.replay_gateway:ReplayGateway"
 
 

@@ -11,8 +11,6 @@ from homebot.names import snake_case
 from homebot.plugins import installed_plugin, is_file, load_plugin, name_in_file
 from homebot.recording.lines import RecordedApp
 
-__all__ = ["app_tables", "as_table", "recorded_table"]
-
 _APPS: Final = "homebot.apps"
 _SHOWN: Final = 60
 _MOST_SHOWN: Final = 3

@@ -29,8 +29,6 @@ from homebot.messages.message import Message
 from homebot.recording.lines import GatewayNews
 from homebot.recording.recording import Recording
 
-__all__ = ["ReplayFeed", "ReplayGateway", "Tell"]
-
 _ACTIVE = GatewayState(state="active", reason="", acts=True)
 
 _MOMENT: Final = 1e-6

@@ -40,8 +40,6 @@ from homebot.replay.command_diff import is_carried_out
 from homebot.replay.replay_gateway import ReplayFeed
 from homebot.support.strict_json import parse_strict
 
-__all__ = ["OWNER_SERVICES", "ReplayPeople"]
-
 _LONGEST: Final = 900.0
 _RENEWED_AFTER: Final = LONGEST_TTL / 3
 

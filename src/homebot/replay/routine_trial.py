@@ -14,8 +14,6 @@ from homebot.replay.replay import Replayed, replay_config
 from homebot.routine_tables import located
 from homebot.runtime.plan import plan_errors
 
-__all__ = ["TriedCommand", "routines_of", "trial_config", "tried"]
-
 _AGAINST: Final = 600.0
 """Seconds after a command in which a person's change of the same part says something about it."""
 

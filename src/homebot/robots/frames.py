@@ -18,8 +18,6 @@ from homebot.places.transforms import (
 )
 from homebot.robots.robot import TrackedRobot
 
-__all__ = ["RobotFrames"]
-
 _FARTHEST: Final = 1e6
 """The largest distance from the origin of the map, in metres."""
 

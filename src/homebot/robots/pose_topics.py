@@ -27,8 +27,6 @@ from homebot.places.transforms import TransformException
 from homebot.robots.frames import RobotFrames
 from homebot.robots.robot import TAG_LIMIT, TrackedRobot
 
-__all__ = ["PACE", "PoseTopics"]
-
 REFUSED = "robots.refused"
 
 PACE: Final = 0.1

@@ -10,8 +10,6 @@ from homebot.places.rigid import MapPose
 from homebot.robots.settings import RobotSettings
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["MOTION_LIMIT", "TAG_LIMIT", "TrackedRobot"]
-
 MOTION_LIMIT: Final = 60.0
 TAG_LIMIT: Final = 600.0
 """Seconds for which a room is valid: from a motion sensor, and from a tag or the robot itself."""

@@ -19,8 +19,6 @@ from homebot.robots.robot import MOTION_LIMIT, TAG_LIMIT, TrackedRobot
 from homebot.robots.settings import JsonPose
 from homebot.support.folding import fold
 
-__all__ = ["follow_motion", "listen", "read_poses", "read_tags"]
-
 NOT_READ = "robots.not_read"
 
 _LONGEST_POSE = 4096

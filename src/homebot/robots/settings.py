@@ -11,8 +11,6 @@ from homebot.devices.robot_owners import MAP, check_robot_name
 from homebot.errors import ConfigError, UsageError
 from homebot.units import Seconds
 
-__all__ = ["JsonPose", "RobotSettings", "read_robots"]
-
 _Metres: TypeAlias = Annotated[float, Field(ge=-10_000, le=10_000, allow_inf_nan=False)]
 _Radians: TypeAlias = Annotated[float, Field(ge=-7, le=7, allow_inf_nan=False)]
 _Frame: TypeAlias = Annotated[str, AfterValidator(lambda frame: frame.removeprefix("/"))]

@@ -27,8 +27,6 @@ from homebot.robots.vacuum import Vacuum
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["RobotTracker"]
-
 UNSURE = "robots.unsure"
 EXPIRED = "robots.expired"
 

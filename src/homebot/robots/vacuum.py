@@ -25,8 +25,6 @@ from homebot.robots.robot import TrackedRobot
 from homebot.robots.sensors import listen
 from homebot.support.folding import fold
 
-__all__ = ["Vacuum"]
-
 MAP_REFUSED = "robots.map_refused"
 MAP_CHANGED = "robots.map_changed"
 NO_ROOMS = "robots.no_rooms"

@@ -25,8 +25,6 @@ from homebot.routines.times import DaysAndTime, SunMoment, SunSpan, TimeSpan
 from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, read_trigger
 from homebot.routines.watches import ArrivalWatch, PersonWatch, PressWatch, begun, is_press
 
-__all__ = ["RoutineBase"]
-
 DONE: Final = "routine.step_done"
 HELD_BACK: Final = "routine.held_back"
 FAILED: Final = "routine.step_failed"

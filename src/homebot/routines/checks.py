@@ -37,8 +37,6 @@ from homebot.routines.steps import APPLY, Dim, Do, SendRobot, Wait, WaitUntil
 from homebot.routines.triggers import Becomes, PersonMoves, Press, RobotArrival, Trigger, button_names, read_trigger
 from homebot.support.folding import fold
 
-__all__ = ["HouseChecks", "asked_about"]
-
 _MOST: Final = 200
 """Devices with events that are compared with that of a trigger."""
 _MOST_NAMED: Final = 3

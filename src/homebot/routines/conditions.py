@@ -24,18 +24,6 @@ from homebot.routines.triggers import (
     read_state,
 )
 
-__all__ = [
-    "AnyOf",
-    "Condition",
-    "Matches",
-    "OnDays",
-    "SunIs",
-    "check_possible",
-    "exclude_each_other",
-    "read_condition",
-    "single_conditions",
-]
-
 _PRESENCE: Final = "motion occupied in"
 _IN_BED: Final = "tag=bed occupied in"
 """Sensors that the owner tagged as those of a bed, such as a Withings Sleep mat or a zone of an Aqara FP2."""

@@ -15,8 +15,6 @@ from homebot.graph import Node
 from homebot.routines.steps import Dim
 from homebot.routines.watches import PressWatch
 
-__all__ = ["MOST_DIMMED", "dim"]
-
 MOST_DIMMED: Final = 10.0
 """Seconds; a release may get lost."""
 

@@ -19,8 +19,6 @@ from homebot.routines.conditions import Condition, exclude_each_other
 from homebot.routines.times import DaysAndTime
 from homebot.routines.triggers import Becomes, PersonMoves, Press, Trigger
 
-__all__ = ["Effect", "RoutineEffects", "fights", "loops"]
-
 _NEAR: Final = 0.01
 
 

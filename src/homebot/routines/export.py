@@ -11,8 +11,6 @@ from homebot.routines.settings import RoutineSettings
 from homebot.routines.text import read_settings
 from homebot.support.folding import words_of
 
-__all__ = ["app_files", "app_text", "class_name", "module_name", "pytest_text"]
-
 _TAKEN: Final = frozenset({"homebot", "pytest"})
 _INDENT: Final = " " * 8
 _MOST_CHOICES: Final = 3

@@ -6,8 +6,6 @@ from typing import Final, NamedTuple, Protocol
 from homebot.devices.device import Device
 from homebot.support.located import Located
 
-__all__ = ["IMPORTERS", "AutomationReader", "ImportedRoutines", "Refusal"]
-
 IMPORTERS: Final = "homebot.automation_readers"
 """The entry-point group."""
 

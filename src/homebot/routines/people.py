@@ -8,8 +8,6 @@ from homebot.devices.query.vocabulary import HOUSEHOLD, HOUSEHOLD_FACTS
 from homebot.errors import UsageError
 from homebot.support.folding import fold
 
-__all__ = ["HOME_FACTS", "PersonState", "check_known", "may_begin", "read_move", "read_person"]
-
 AT_HOME: Final = "at_home"
 _ALL_AT_HOME: Final = "all_at_home"
 HOME_FACTS: Final = frozenset({AT_HOME, _ALL_AT_HOME})

@@ -11,20 +11,6 @@ from homebot.errors import ConfigError
 from homebot.routines.conditions import Condition, read_condition
 from homebot.routines.steps import Step, read_step
 
-__all__ = [
-    "MOST",
-    "Branch",
-    "Choice",
-    "ConditionText",
-    "Instruction",
-    "Line",
-    "Skip",
-    "StepSetting",
-    "Text",
-    "conditions_of",
-    "program_of",
-]
-
 MOST = 50
 _LONGEST = 300
 

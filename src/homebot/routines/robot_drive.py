@@ -23,8 +23,6 @@ from homebot.routines.triggers import RobotArrival
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["check_move", "drive"]
-
 _LONGEST: Final = 900.0
 """Seconds after which a robot that is still on its way is called off."""
 

@@ -20,8 +20,6 @@ from homebot.routines.settings import RoutineSettings
 from homebot.routines.text import routine_text
 from homebot.support.isolation import error_text
 
-__all__ = ["Routine"]
-
 _MOST_RUNS_KEPT: Final = 10
 _KEPT: Final = "waiting"
 """The runs, in the store, each with the step that it takes."""

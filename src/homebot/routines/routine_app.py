@@ -18,8 +18,6 @@ from homebot.routines.run import RoutineRun
 from homebot.routines.steps import read_step
 from homebot.support.isolation import error_text
 
-__all__ = ["RoutineApp"]
-
 _STEP: Final = "_step"
 """The key of the step that a run takes."""
 

@@ -34,8 +34,6 @@ from homebot.routines.watches import begun
 if TYPE_CHECKING:
     from homebot.routines.checks import HouseChecks
 
-__all__ = ["RoutineOwner", "RoutineRun", "RunPlace"]
-
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
 

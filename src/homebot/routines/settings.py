@@ -15,8 +15,6 @@ from homebot.routines.times import SunMoment, SunSpan
 from homebot.routines.triggers import Becomes, Trigger, read_trigger
 from homebot.support.folding import fold
 
-__all__ = ["RoutineSettings"]
-
 
 def _trigger(text: str) -> str:
     with value_errors():

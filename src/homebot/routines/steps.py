@@ -19,8 +19,6 @@ from homebot.routines.triggers import Becomes, Press, read_press, read_state
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["APPLY", "Dim", "Do", "Notify", "SendRobot", "Step", "Undo", "Wait", "WaitUntil", "read_step"]
-
 _WAIT_UNTIL: Final = re.compile(r"wait until (?P<state>.+?),? at most (?P<most>.+)", re.IGNORECASE)
 _WAIT: Final = re.compile(r"wait (?P<length>\d.*)", re.IGNORECASE)
 _NOTIFY: Final = re.compile(r"notify:? (?P<text>.+)", re.IGNORECASE)

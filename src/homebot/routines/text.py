@@ -12,8 +12,6 @@ from homebot.routines.settings import RoutineSettings
 from homebot.support.toml_file import parse_toml
 from homebot.support.toml_text import toml_value
 
-__all__ = ["WrittenRoutine", "read_routines", "read_settings", "routine_text"]
-
 _HEAD: Final = re.compile(r"^(?=[ \t]*\[\[\s*routines\s*\]\])", re.MULTILINE)
 _WIDTH: Final = 100
 

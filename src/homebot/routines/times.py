@@ -10,19 +10,6 @@ from homebot.apps.wall_time import LONGEST_OFFSET, read_days, read_time
 from homebot.errors import UsageError
 from homebot.units import LONGEST_WAIT, parse_duration
 
-__all__ = [
-    "SUN_EVENTS",
-    "DaysAndTime",
-    "SunMoment",
-    "SunSpan",
-    "TimeSpan",
-    "longest",
-    "read_days_of_week",
-    "read_duration",
-    "read_span",
-    "time_kind",
-]
-
 SUN_EVENTS: Final = ("dawn", "sunrise", "noon", "sunset", "dusk")
 _SUN_HOURS: Final = {"dawn": (1, 9), "sunrise": (2, 10), "noon": (11, 14), "sunset": (14, 23), "dusk": (15, 24)}
 """The earliest and the latest hour of each event."""

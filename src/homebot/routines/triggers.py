@@ -19,23 +19,6 @@ from homebot.routines.people import HOME_FACTS, check_known, may_begin, read_mov
 from homebot.routines.times import DaysAndTime, SunMoment, read_days_of_week, read_duration, read_span, time_kind
 from homebot.support.folding import fold
 
-__all__ = [
-    "NOBODY",
-    "SUN",
-    "Becomes",
-    "PersonMoves",
-    "Press",
-    "RobotArrival",
-    "Trigger",
-    "button_names",
-    "check_alone",
-    "divided",
-    "is_no_state",
-    "read_press",
-    "read_state",
-    "read_trigger",
-]
-
 _LASTING: Final = re.compile(r"(?P<state>.+?) for (?P<length>\d[^,]*)")
 _PLACED_LIMIT: Final = re.compile(r" (?:below|above|under|over|<=?|>=?) ?\S")
 _LIMIT: Final = re.compile(

@@ -25,8 +25,6 @@ from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
 from homebot.support.timer_queue import TimerQueue
 
-__all__ = ["ArrivalWatch", "Begun", "OnStart", "PersonWatch", "PressWatch", "begun", "is_press"]
-
 OnStart: TypeAlias = Callable[[object], None]
 """Called with the cause."""
 

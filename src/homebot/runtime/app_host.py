@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from homebot.routines.routine import Routine
     from homebot.runtime.kept_routines import KeptRoutines
 
-__all__ = ["CUT_OFF_GOALS", "IDENTIFY_VALUES", "STORE_FILE", "AppHost", "RehearsedAct"]
-
 STORE_FILE = "apps.sqlite"
 """The name of the file of the app stores, beside the index file."""
 

@@ -23,8 +23,6 @@ from homebot.plugins import file_and_class, is_file
 from homebot.runtime.grants import scope_of
 from homebot.runtime.plan import APPS, PlannedComponent, planned_app
 
-__all__ = ["AppPlanner", "FreshCode", "source_of"]
-
 _OWN: Final = __name__.partition(".")[0]
 
 

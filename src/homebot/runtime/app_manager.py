@@ -70,8 +70,6 @@ if TYPE_CHECKING:
     from homebot.runtime.habit_services import HabitServices
     from homebot.runtime.routine_services import RoutineServices
 
-__all__ = ["AppManager", "PlannedApp"]
-
 LEFT_OUT = "app.left_out"
 LOADED = "app.loaded"
 UNLOADED = "app.unloaded"

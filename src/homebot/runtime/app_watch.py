@@ -18,8 +18,6 @@ from homebot.support.logger import get_logger
 if TYPE_CHECKING:
     from homebot.runtime.app_manager import PlannedApp
 
-__all__ = ["reload_changed_apps"]
-
 WATCHED: Final = "app.watched"
 
 _DEBOUNCE: Final = 200

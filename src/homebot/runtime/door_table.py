@@ -17,8 +17,6 @@ from homebot.errors import ConfigError, UsageError
 from homebot.support.addresses import is_loopback
 from homebot.support.file_access import read_secret
 
-__all__ = ["DoorTable", "read_access", "read_door"]
-
 
 class DoorTable(DoorSettings):
     """The keys of the table ``[door]``.

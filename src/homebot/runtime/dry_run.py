@@ -17,8 +17,6 @@ from homebot.graph.subscription import Callback, Expiring
 from homebot.messages.message import Message, ServiceType
 from homebot.runtime.grants import ACT
 
-__all__ = ["DryRun", "MutedNode", "observing"]
-
 MessageT = TypeVar("MessageT", bound=Message)
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT")

@@ -6,8 +6,6 @@ from homebot.config import Config, Table
 from homebot.devices.client_rights import read_scope
 from homebot.errors import ConfigError, UsageError
 
-__all__ = ["ACT", "grants_of", "scope_of", "without_act"]
-
 ACT = "act"
 """The key for the devices that an app may command, and for whether a gateway sends commands at all."""
 

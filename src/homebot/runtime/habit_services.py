@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from homebot.runtime.app_host import AppHost
     from homebot.runtime.routine_services import RoutineServices
 
-__all__ = ["HabitServices"]
-
 T = TypeVar("T")
 
 _DAYS: Final = 21

@@ -15,8 +15,6 @@ from homebot.runtime.supervisor import Supervisor
 from homebot.support.counters import Severity
 from homebot.support.production_loop import LoopWatch
 
-__all__ = ["RuntimeHealth"]
-
 _LONG = 300.0
 """Seconds for which a handler may continue after its caller has left; commissioning a device takes three minutes."""
 

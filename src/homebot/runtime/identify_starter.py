@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from homebot.graph import Node
     from homebot.runtime.app_host import AppHost
 
-__all__ = ["IdentifyStarter"]
-
 
 @final
 class IdentifyStarter:

@@ -24,8 +24,6 @@ from homebot.runtime.plan import JOURNAL_FILE
 from homebot.support.installation import INSTALLATION_FILE
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema, copy_database
 
-__all__ = ["KEPT_FILES", "check_unused", "copy_kept_files", "serve_copies"]
-
 KEPT_FILES: Final[Mapping[str, SqliteSchema]] = {
     INDEX_FILE: INDEX_SCHEMA,
     JOURNAL_FILE: JOURNAL_SCHEMA,

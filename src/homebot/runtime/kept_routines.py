@@ -8,8 +8,6 @@ from homebot.config import Config
 from homebot.errors import ConfigError, UsageError
 from homebot.routines.text import WrittenRoutine, read_routines
 
-__all__ = ["KeptRoutines"]
-
 _MOST: Final = 300
 _MOST_PROPOSED: Final = 20
 

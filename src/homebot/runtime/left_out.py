@@ -10,8 +10,6 @@ from homebot.routine_tables import located
 from homebot.runtime.grants import ACT
 from homebot.support.folding import fold
 
-__all__ = ["without_mistakes"]
-
 
 def without_mistakes(
     config: Config, planned: Mapping[str, Callable[[], object]], readers: Mapping[str, Callable[[Config], object]]

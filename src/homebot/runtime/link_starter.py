@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     from homebot.runtime.plan import Plan
     from homebot.support.owner_token import OwnerToken
 
-__all__ = ["LinkStarter", "read_rights"]
-
 NOT_LINKED = "ros2.not_linked"
 
 _AGAIN: Final = 30.0

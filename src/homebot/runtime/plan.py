@@ -36,15 +36,6 @@ if TYPE_CHECKING:
     from homebot.robots.settings import RobotSettings
     from homebot.scenes.settings import SceneSettings
 
-__all__ = [
-    "Plan",
-    "PlannedComponent",
-    "make_plan",
-    "plan_errors",
-    "planned_app",
-]
-
-
 GATEWAYS = "homebot.gateways"
 APPS = "homebot.apps"
 

@@ -25,8 +25,6 @@ from homebot.runtime.grants import ACT
 from homebot.runtime.plan import Plan
 from homebot.support.logger import get_logger
 
-__all__ = ["RunningParts", "keys_for_restart", "lost_keys", "reload_configuration"]
-
 RELOADED = "runtime.reloaded"
 
 _log = get_logger(node="/homebot")

@@ -17,8 +17,6 @@ from homebot.support.isolation import run_as
 if TYPE_CHECKING:
     from homebot.graph.endpoint import EndpointInfo
 
-__all__ = ["track_robots"]
-
 
 async def track_robots(
     graph: Graph, plan: Plan, rooms: Callable[[], HousePlan], *, task_status: TaskStatus[None]

@@ -22,8 +22,6 @@ from homebot.support.folding import fold
 from homebot.support.logger import get_logger
 from homebot.support.similar import did_you_mean
 
-__all__ = ["RoutineServices"]
-
 CHANGED: Final = "routine.changed"
 
 _SOURCE: Final = "the text"

@@ -26,8 +26,6 @@ from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.isolation import run_as
 from homebot.version import __version__
 
-__all__ = ["RunRecording"]
-
 BUSY = "another client is recording; homebot makes one recording for clients at a time"
 
 _READY_WITHIN = 10.0

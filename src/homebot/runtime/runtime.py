@@ -70,8 +70,6 @@ if TYPE_CHECKING:
     from homebot.runtime.simulated_house import HouseOfRun
     from homebot.scenes.scene_services import SceneServices
 
-__all__ = ["Runtime"]
-
 RUNNING = "runtime.running"
 APPS = "runtime.apps"
 NO_OWNER = "runtime.no_owner_token"

@@ -15,8 +15,6 @@ from pydantic_core import to_json
 from homebot.errors import ParameterError
 from homebot.graph import Node, ParameterDescriptor
 
-__all__ = ["declare_settings"]
-
 _ATTRIBUTE: Final = re.compile(r"^ {4}(\w+): (.+(?:\n {8}.+)*)", re.MULTILINE)
 _LOGIN: Final = re.compile(r'(?<=://)[^/\s"]*@')
 

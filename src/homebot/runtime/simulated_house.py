@@ -23,8 +23,6 @@ from homebot.places.plan import door_name
 from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.isolation import run_as
 
-__all__ = ["HouseOfRun", "identifiers"]
-
 ROBOT = "house.robot"
 
 _STATED = ("configuration", 0.0)

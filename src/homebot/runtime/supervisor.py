@@ -22,8 +22,6 @@ from homebot.errors import UsageError
 from homebot.support.isolation import Place, error_text, first_cause, is_cancelled, place_of, run_as
 from homebot.support.logger import get_logger
 
-__all__ = ["ComponentCrashes", "Supervisor", "Work"]
-
 CRASHED = "runtime.crashed"
 ENDED = "runtime.ended"
 GIVEN_UP = "runtime.given_up"

@@ -22,8 +22,6 @@ from homebot.scenes.scene_words import values_text
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["HouseScenes", "Place", "Scene", "place_of"]
-
 Place: TypeAlias = tuple[str, str]
 """The ids of a device and of its part."""
 

@@ -30,8 +30,6 @@ from homebot.graph import Node
 from homebot.scenes.scene import HouseScenes, Place, Scene, place_of
 from homebot.scenes.scene_book import SceneBook
 
-__all__ = ["SceneApplying"]
-
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
 

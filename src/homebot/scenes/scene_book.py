@@ -11,8 +11,6 @@ from homebot.errors import RefusedError, UsageError, WireError
 from homebot.support.folding import fold
 from homebot.support.printable import printable
 
-__all__ = ["AppliedScene", "KeptScene", "SceneBook", "check_scene_name"]
-
 _MOST_SCENES: Final = 300
 _MOST_PARTS: Final = 10_000
 _MOST_APPLIED: Final = 100

@@ -23,8 +23,6 @@ from homebot.scenes.settings import SceneSettings
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["SceneChanges"]
-
 _MOST_NAMED: Final = 5
 _NOW: Final = "now"
 """The word for the present values, in place of values in words."""

@@ -32,8 +32,6 @@ from homebot.scenes.scene_changes import SceneChanges
 from homebot.scenes.settings import SceneSettings
 from homebot.support.folding import fold
 
-__all__ = ["SceneKeeper", "SceneServices"]
-
 UNREADABLE = "scenes.unreadable"
 
 _PLAIN: Final = re.compile(r"[^\"'\\,]+")

@@ -15,8 +15,6 @@ from homebot.devices.value import PlainValue
 from homebot.devices.wording.values import value_text
 from homebot.errors import RefusedError
 
-__all__ = ["present_values", "read_values", "values_text"]
-
 _SAVED: Final = (*RESTORED, "thermostat_mode", "fan_mode", "preset_mode", "effect")
 """The capabilities of a saved scene, in the order of sending."""
 

@@ -12,8 +12,6 @@ from homebot.errors import ConfigError, UsageError
 from homebot.scenes.scene_book import check_scene_name
 from homebot.support.folding import fold
 
-__all__ = ["SceneSettings", "read_scenes"]
-
 _Words = Annotated[str, Field(min_length=1, max_length=1000)]
 
 

@@ -5,8 +5,6 @@ from functools import lru_cache
 from typing import Final
 from urllib.parse import urljoin, urlsplit
 
-__all__ = ["ip_version", "is_loopback", "network_of", "parse_address", "resolve_uri"]
-
 _IPV6_PREFIX: Final = 64
 """Bits of an IPv6 address that identify one household; the rest can be chosen freely."""
 

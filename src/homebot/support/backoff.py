@@ -6,16 +6,6 @@ from typing import Final, NamedTuple
 
 from homebot.clock import Clock
 
-__all__ = [
-    "DEVICE_BACKOFF",
-    "DEVICE_REFUSED_BACKOFF",
-    "LINK_BACKOFF",
-    "REFUSED_BACKOFF",
-    "WRONG_ANSWER_BACKOFF",
-    "Backoff",
-    "BackoffCounter",
-]
-
 
 class Backoff(NamedTuple):
     """Delays that grow up to a cap, with jitter so that clients do not all return at the same moment.

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-__all__ = ["BleBackend"]
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BleBackend:

@@ -4,8 +4,6 @@ from collections import OrderedDict
 from collections.abc import Callable
 from typing import TypeVar
 
-__all__ = ["BoundedMap"]
-
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 

@@ -3,8 +3,6 @@
 from collections.abc import Callable, Iterable
 from typing import Generic, TypeVar, final
 
-__all__ = ["ByteAccount"]
-
 Client = TypeVar("Client")
 
 

@@ -5,8 +5,6 @@ import os
 import socket
 from typing import Final
 
-__all__ = ["connect_problem"]
-
 _KNOWN: Final = {
     errno.ECONNREFUSED: "nothing is listening there (connection refused): start it, or correct the address",
     errno.ENETUNREACH: "no route to that network",

@@ -3,8 +3,6 @@
 from dataclasses import field
 from enum import StrEnum
 
-__all__ = ["Severity", "fault", "loss"]
-
 
 class Severity(StrEnum):
     """Meaning of a count above 0.

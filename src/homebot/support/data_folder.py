@@ -5,8 +5,6 @@ from pathlib import Path
 
 from platformdirs import user_data_path
 
-__all__ = ["data_directory"]
-
 
 def data_directory() -> Path:
     """Return ``HOMEBOT_DATA``, or the user's data directory."""

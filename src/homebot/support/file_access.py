@@ -19,8 +19,6 @@ if sys.platform != "win32":
     import grp
     import pwd
 
-__all__ = ["check_secret_file", "open_now", "read_secret", "readable_by_others", "why_not_private", "why_not_trusted"]
-
 READABLE = "config.secret_readable"
 
 _LONGEST_SECRET = 65_536

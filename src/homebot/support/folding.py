@@ -4,8 +4,6 @@ import re
 import unicodedata
 from functools import lru_cache
 
-__all__ = ["MAX_WORD", "WORD_TYPO", "fold", "is_room_typo", "is_typo", "may_be_typo", "words_of"]
-
 MAX_WORD = 40
 """Characters of a word that count."""
 

@@ -4,8 +4,6 @@ from typing import Final, final
 
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["GuessDelays"]
-
 _FREE: Final = 3  # wrong secrets without a delay: people mistype
 _FIRST: Final = 0.5
 _LONGEST: Final = 8.0

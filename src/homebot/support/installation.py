@@ -18,8 +18,6 @@ if sys.platform == "win32":
 else:
     import fcntl
 
-__all__ = ["INSTALLATION_FILE", "Installation"]
-
 INSTALLATION_FILE: Final = "installation.json"
 """The name of the file, beside the index file."""
 

@@ -18,22 +18,6 @@ import anyio
 
 from homebot.errors import AbortError, ExitError, LinkError, PeerError
 
-__all__ = [
-    "Place",
-    "crash_of",
-    "error_text",
-    "first_cause",
-    "frames_of",
-    "is_cancelled",
-    "is_end_of",
-    "isolated",
-    "only_cause",
-    "place_of",
-    "run_as",
-    "uncancel",
-    "ungrouped",
-]
-
 
 @contextmanager
 def isolated(owner: str) -> Iterator[None]:

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
     from homebot.support.sqlite_file import SqliteFile
 
-__all__ = ["KeptFile"]
-
 DAMAGED: Final = "file.damaged"
 REMOVED: Final = "file.removed"
 NOT_WRITTEN: Final = "file.not_written"

@@ -9,8 +9,6 @@ TYPE_CHECKING = False  # the one of typing would import typing
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-__all__ = ["lazy_names"]
-
 
 def lazy_names(package: str, modules: Mapping[str, str]) -> Callable[[str], object]:
     """Return a ``__getattr__`` for *package* with the names of other *modules*.

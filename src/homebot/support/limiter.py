@@ -7,8 +7,6 @@ from typing import Generic, TypeVar, final
 
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["LimitInterval", "Limiter"]
-
 Kind = TypeVar("Kind")
 Item = TypeVar("Item")
 

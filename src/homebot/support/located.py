@@ -2,8 +2,6 @@
 
 from typing import NamedTuple
 
-__all__ = ["Located"]
-
 
 class Located(NamedTuple):
     """A value of a file of YAML.

@@ -15,8 +15,6 @@ from structlog.typing import EventDict, FilteringBoundLogger, Processor, Wrapped
 
 from homebot.support.output import CONTROL, CleanText
 
-__all__ = ["ConsoleRenderer", "LineWriter", "get_logger", "observed_lines", "sentence", "with_local_time"]
-
 _COLOURS = {"debug": "2", "warning": "33", "error": "31", "critical": "1;31"}
 _LONGEST = 1000
 _MOST_LINES = 400

@@ -4,8 +4,6 @@ import re
 from collections.abc import Iterable
 from functools import lru_cache
 
-__all__ = ["fits_any"]
-
 
 def fits_any(name: str, patterns: Iterable[str]) -> bool:
     """Return whether the full name *name*, or that of the action of which it is a part, fits one of *patterns*."""

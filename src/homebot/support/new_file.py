@@ -8,8 +8,6 @@ from typing import IO
 
 from homebot.errors import UsageError
 
-__all__ = ["create_file", "told_if_not_created"]
-
 
 def create_file(path: Path) -> IO[bytes]:
     """Create and open *path*.

@@ -2,8 +2,6 @@
 
 from typing import Final
 
-__all__ = ["finite_number", "to_number", "whole_number"]
-
 _HUGE: Final = 2.0**64
 _LONGEST: Final = 40
 _UNDERSCORE: Final = ord("_")

@@ -18,17 +18,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Final, TextIO, cast, final
 
-__all__ = [
-    "CONTROL",
-    "CleanText",
-    "OutputQueue",
-    "QueuedText",
-    "clean_output",
-    "is_journal",
-    "queued_output",
-    "wants_colour",
-]
-
 # Control characters, line and paragraph separators, and those that turn the direction of text.
 CONTROL: Final = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
 _CONTROL_BUT_LINES: Final = re.compile(CONTROL.pattern.replace(r"\x00-\x1f", r"\x00-\x09\x0b-\x1f"))

@@ -14,8 +14,6 @@ from typing import Final
 from homebot.errors import UsageError
 from homebot.support.file_access import read_secret, why_not_trusted
 
-__all__ = ["OWNER_FILE", "OWNER_HEADER", "OwnerToken", "is_owner_proof", "make_owner_token", "owner_proof"]
-
 OWNER_FILE: Final = "owner.token"
 
 OWNER_HEADER: Final = "Homebot-Owner"

@@ -19,18 +19,6 @@ from typing import Any, Final, Protocol, Self, TypeVar, final
 
 from homebot.support.logger import get_logger
 
-__all__ = [
-    "BLOCKED_AFTER",
-    "BusyLoop",
-    "LoopWatch",
-    "ProductionLoop",
-    "WatchedSelector",
-    "is_ours",
-    "is_ours_or_the_users",
-    "own_time",
-    "place_of_frame",
-]
-
 BLOCKED = "runtime.loop_blocked"
 FREE_AGAIN = "runtime.loop_free_again"
 EXITED = "runtime.task_exited"

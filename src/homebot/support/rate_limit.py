@@ -3,8 +3,6 @@
 import math
 from typing import final
 
-__all__ = ["RateLimit"]
-
 
 @final
 class RateLimit:

@@ -4,8 +4,6 @@ from collections.abc import Iterable
 
 from homebot.support.folding import fold
 
-__all__ = ["did_you_mean", "similar_to", "unknown_key"]
-
 _CUTOFF = 0.5
 _MOST = 3
 

@@ -18,8 +18,6 @@ from weakref import WeakSet
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.support.file_access import why_not_trusted
 
-__all__ = ["IN_MEMORY", "SqliteFile", "SqliteSchema", "copy_database", "why_not_readable"]
-
 _FILES = ("", "-wal", "-shm", "-journal")
 """The suffixes of the files of one database."""
 

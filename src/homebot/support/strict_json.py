@@ -5,8 +5,6 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["DuplicateKeyError", "duplicate_key_hook", "in_ascii", "parse_strict"]
-
 _ESCAPE = "homebot.json"
 
 

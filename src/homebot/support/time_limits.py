@@ -7,8 +7,6 @@ from collections.abc import Callable
 from contextvars import Context
 from typing import Final, final
 
-__all__ = ["TimeLimits"]
-
 _SLACK: Final = 64
 """Discarded limits allowed in the heap, in addition to the number of valid ones, before it is rebuilt."""
 

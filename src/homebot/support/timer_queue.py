@@ -4,8 +4,6 @@ import heapq
 import math
 from typing import Generic, TypeAlias, TypeVar, final
 
-__all__ = ["TimerQueue"]
-
 Key = TypeVar("Key")
 Item = TypeVar("Item")
 

@@ -10,8 +10,6 @@ from typing import TypeAlias
 from homebot.errors import ConfigError
 from homebot.support.file_access import open_now
 
-__all__ = ["TomlTable", "parse_toml", "read_toml"]
-
 TomlTable: TypeAlias = dict[str, object]
 
 _MOST = 2**63

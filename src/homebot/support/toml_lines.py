@@ -6,8 +6,6 @@ from collections import Counter
 from contextlib import suppress
 from typing import Final
 
-__all__ = ["line_of"]
-
 _NAME: Final = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
 _PATH: Final = rf"{_NAME}(?:\s*\.\s*{_NAME})*"
 _HEAD: Final = re.compile(rf"\s*(?P<bracket>\[\[?)\s*(?P<path>{_PATH})\s*\]")

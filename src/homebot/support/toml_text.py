@@ -8,8 +8,6 @@ import re
 from collections.abc import Mapping
 from typing import Final
 
-__all__ = ["toml_value"]
-
 _BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
 
 

@@ -9,8 +9,6 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Final, TypeAlias, final
 
-__all__ = ["SHARE", "Job", "TurnBudget"]
-
 SHARE: Final = 0.005
 """Seconds of one turn of the event loop; twice as many in a turn in which an earlier share ends."""
 

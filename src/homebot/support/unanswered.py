@@ -11,8 +11,6 @@ from typing import Final, final
 
 from homebot.errors import BusyError, PeerError
 
-__all__ = ["SENT_REQUESTS", "SentRequests", "awaiting_answer"]
-
 
 @final
 class SentRequests:

@@ -23,8 +23,6 @@ from anyio import to_thread
 from homebot.errors import UsageError
 from homebot.support.isolation import frames_of
 
-__all__ = ["LoopLimits", "VirtualTimeLoop"]
-
 Ts = TypeVarTuple("Ts")
 ResultT = TypeVar("ResultT")
 

@@ -13,8 +13,6 @@ from structlog.typing import EventDict, WrappedLogger
 from homebot.clock import Clock
 from homebot.support.logger import ConsoleRenderer, with_local_time
 
-__all__ = ["hold_open", "in_background", "plain_logs"]
-
 
 @asynccontextmanager
 async def in_background(*works: Callable[[], Coroutine[object, object, None]]) -> AsyncIterator[None]:

@@ -43,8 +43,6 @@ from homebot.units import parse_duration
 if TYPE_CHECKING:
     from homebot.testing.virtual_house import VirtualHouse
 
-__all__ = ["Day"]
-
 HAPPENINGS = "happenings"
 HEAD = "day"
 

@@ -18,8 +18,6 @@ try:
 except ModuleNotFoundError as exc:
     raise ImportError("days of a house need tomli-w: pip install 'homebot[testing]'") from exc
 
-__all__ = ["HAPPENINGS", "LONGEST", "DayEvent", "What", "read_time", "write_duration", "write_tables", "write_time"]
-
 LONGEST: Final = 7 * 86_400.0
 """Latest time in a day, in seconds: a week after its midnight."""
 

@@ -15,8 +15,6 @@ from homebot.testing.day import Day
 from homebot.testing.day_event import DayEvent, write_time
 from homebot.testing.virtual_house import HEARTBEAT, START, VirtualHouse, parse_time, virtual_house_of
 
-__all__ = ["live", "live_day"]
-
 ROOT = "home425"
 
 

@@ -31,8 +31,6 @@ from homebot.testing.contexts import in_background
 from homebot.testing.house import TestHouse
 from homebot.testing.virtual_house import VirtualHouse
 
-__all__ = ["EventLog", "HouseEvent", "house_report"]
-
 MAX_EVENTS = 100_000
 
 NODE = "event_log"

@@ -15,8 +15,6 @@ from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 from homebot.units import parse_duration
 
-__all__ = ["Expectation"]
-
 _UNKNOWN: Final = object()
 _KINDS: Final = tuple(
     kind

@@ -10,8 +10,6 @@ from homebot.gateways.base import GatewayContext
 from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
 from homebot.graph import Node
 
-__all__ = ["FakeGateway", "FakeGatewaySettings"]
-
 
 class FakeGatewaySettings(MemoryGatewaySettings):
     """The settings of the fake."""

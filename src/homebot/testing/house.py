@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from homebot.apps.notifier import Notification
     from homebot.testing.event_log import EventLog
 
-__all__ = ["TestHouse", "house_config", "house_of", "mqtt_gateway_of"]
-
 GATEWAYS = "homebot.gateways"
 
 LOGIN: Final = frozenset({"user", "password_file", "password_env", "ca_file", "cert_file", "key_file", "client_id"})

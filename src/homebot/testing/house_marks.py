@@ -20,8 +20,6 @@ from homebot.testing.loop_guard import LoopGuard
 from homebot.testing.virtual_house import VirtualHouse, parse_time, virtual_house_of
 from homebot.units import parse_duration
 
-__all__ = ["config_of", "house_of_test"]
-
 ALLOW_CRASHES: Final = "allow_crashes"
 HOUSE: Final = frozenset({"world", "config", "root", "start", "seed", "heartbeat", ALLOW_CRASHES})
 HOMEBOT: Final = frozenset({"config", "root", ALLOW_CRASHES})

@@ -10,8 +10,6 @@ from typing import Any, Final, Self, final
 from homebot.errors import UsageError
 from homebot.support.production_loop import LoopWatch, is_ours, is_ours_or_the_users, place_of_frame
 
-__all__ = ["LoopGuard"]
-
 _SIGNAL: Final[Any] = getattr(signal, "SIGURG", None)  # the default is to ignore it, and no library uses it
 _DEBUGGERS: Final = ("bdb", "pdb", "pydevd", "_pydevd", "debugpy")
 

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from homebot.testing.mqtt import BlockingTestBroker, TestBroker
     from homebot.testing.mqtt.fixture_brokers import FixtureBrokers
 
-__all__ = ["mqtt_broker", "mqtt_broker_session", "mqtt_broker_thread"]
-
 pytest_plugins = ("homebot.testing.house_fixtures",)
 
 _MARK_HELP = (

@@ -18,16 +18,6 @@ import pytest
 if TYPE_CHECKING:
     from homebot.support.virtual_time import VirtualTimeLoop
 
-__all__ = [
-    "VIRTUAL_TIME",
-    "close_virtual_loop",
-    "loop_of",
-    "own_runner",
-    "use_loop_of_its_own",
-    "use_virtual_loop",
-    "virtual_loop_of",
-]
-
 ResultT = TypeVar("ResultT")
 
 VIRTUAL_TIME = "_homebot_virtual_time"

@@ -4,8 +4,6 @@ from collections.abc import Collection
 
 from homebot.routines.routine_app import RoutineApp
 
-__all__ = ["steps_of"]
-
 
 async def steps_of(kind: type[RoutineApp], holds: Collection[str] = ()) -> list[str]:
     """Return the steps that an app takes in one run, without a house.

@@ -32,8 +32,6 @@ from homebot.testing.contexts import in_background, plain_logs
 from homebot.testing.house import DEFAULT_WAIT, EVERYTHING, TestHouse, house_config
 from homebot.units import parse_duration
 
-__all__ = ["START", "VirtualHouse", "next_moment", "parse_time", "virtual_house_of"]
-
 _TIME_OF_DAY: Final = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d))?", re.ASCII)
 
 

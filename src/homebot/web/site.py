@@ -12,8 +12,6 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.outcomes import OUTCOMES
 from homebot.devices.wording.values import flag_texts
 
-__all__ = ["answer"]
-
 _TYPES: Final = {
     "": ("index.html", "text/html; charset=utf-8"),
     "icon.png": ("icon.png", "image/png"),

@@ -47,20 +47,6 @@ if TYPE_CHECKING:
     from homebot.devices.scene_messages import ScenesResponse
     from homebot.devices.services import ListedDevice
 
-__all__ = [
-    "achieve",
-    "apply_scene",
-    "command",
-    "device_details",
-    "find_devices",
-    "history",
-    "home_in_short",
-    "list_habits",
-    "list_scenes",
-    "propose_routine",
-    "why",
-]
-
 _MOST_STEPS: Final = 12
 _MOST_NAMED: Final = 20
 _WIDEST: Final = 100

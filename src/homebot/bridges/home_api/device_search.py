@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from homebot.devices import Device
     from homebot.devices.services import ListDevicesResponse, ListedDevice
 
-__all__ = ["HomeCalls", "MeantDevice", "all_listed", "listed", "meant_device"]
-
 _MOST_PAGES = 10
 _MOST_NAMED = 10
 _MOST_SIMILAR = 3

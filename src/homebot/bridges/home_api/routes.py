@@ -19,8 +19,6 @@ from homebot.bridges.home_api.shapes import PROBLEMS, Problem, ProblemError
 from homebot.errors import HomebotError, UsageError
 from homebot.version import __version__
 
-__all__ = ["ROUTES", "ApiAnswer", "ApiRequest", "ApiRoute", "answer", "openapi_text", "problem_body"]
-
 _JSON: Final = "application/json"
 _OPENAPI: Final = "/api/openapi.json"
 _REFERENCE: Final = "#/components/schemas/{model}"

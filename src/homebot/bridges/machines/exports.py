@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from homebot.bridges.machines.wire import MachineWire
     from homebot.messages.message import Message
 
-__all__ = ["serve_gateways"]
-
 _MOST_AT_ONCE: Final = 50
 """Messages in an answer: a millisecond or two of writing."""
 

@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, final
 if TYPE_CHECKING:
     from homebot.bridges.ros2.session import ZenohSession
 
-__all__ = ["MachinesOnWire"]
-
 
 @final
 class MachinesOnWire:

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from homebot.graph import Node, Subscription
     from homebot.messages.message import Message
 
-__all__ = ["MOST_OF_EACH", "WaitingNews"]
-
 _QOS: Final = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _MOST: Final = {GatewayState: 1, CommandAnswer: 1000, RawMessage: 1000}
 MOST_OF_EACH: Final = 500_000

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from homebot.bridges.ros2.session import WireQuery, ZenohSession
     from homebot.graph import Node
 
-__all__ = ["MachineWire"]
-
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
 

@@ -8,8 +8,6 @@ from typing import NamedTuple, Self
 
 from homebot.errors import TypeMismatchError
 
-__all__ = ["Attachment"]
-
 _FORM = struct.Struct("<qqB16s")
 _OLD_FORM = struct.Struct("<16sq17sq11sB16s")
 _OLD_NAMES = (b"\x0fsequence_number", b"\x10source_timestamp", b"\x0asource_gid")

@@ -14,8 +14,6 @@ from cryptography.x509.oid import NameOID
 from homebot.errors import UsageError
 from homebot.support.addresses import parse_address
 
-__all__ = ["make_certificate"]
-
 _THIS_COMPUTER: Final = ("localhost", "127.0.0.1", "::1")
 _VALID: Final = timedelta(days=3650)
 _EARLIER: Final = timedelta(days=1)

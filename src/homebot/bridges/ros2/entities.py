@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from homebot.bridges.ros2.session import ZenohSession
 
-__all__ = ["OwnEntities", "WireEntity"]
-
 
 class WireEntity:
     """One entity that the others see from :meth:`announce` until it is closed.

@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from homebot.bridges.ros2.session import WireQuery
     from homebot.bridges.ros2.tokens import EntityToken
 
-__all__ = ["Exports"]
-
 _MOST_CALLS = 100
 """Calls at a time, as of one client of the door."""
 

@@ -18,8 +18,6 @@ from homebot.messages.message import Message
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.access import ClientAccess
 
-__all__ = ["Caller", "RobotGoals"]
-
 _Client = ActionClient[Any, Any, Any]
 _Goal = ClientGoal[Any, Any]
 _NO_ID: Final = bytes(16)

@@ -10,8 +10,6 @@ from homebot.graph import Node
 from homebot.log import LogLimit
 from homebot.support.counters import Severity
 
-__all__ = ["LinkHealth"]
-
 _MOST_SHOWN = 20
 
 NOT_IMPORTED = "ros2.not_imported"

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from homebot.bridges.ros2.session import WireSample
     from homebot.bridges.rosbridge.access import ClientAccess
 
-__all__ = ["MAX_TOKENS_OF_ONE", "Imports"]
-
 KeyT = TypeVar("KeyT")
 
 _MOST_TOKENS = 10_000

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from homebot.bridges.ros2.session import ZenohSession
     from homebot.messages.interfaces.settings import RosSettings
 
-__all__ = ["serve_link"]
-
 
 async def serve_link(
     node: Node,

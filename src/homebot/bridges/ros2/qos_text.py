@@ -9,8 +9,6 @@ from typing import Final, TypeVar
 from homebot.errors import TypeMismatchError
 from homebot.graph.qos import QoSProfile
 
-__all__ = ["qos_from_text", "qos_to_text"]
-
 PolicyT = TypeVar("PolicyT", bound=IntEnum)
 
 _DEFAULT: Final = QoSProfile()

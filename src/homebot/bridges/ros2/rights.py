@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from homebot.bridges.rosbridge import DoorSettings
     from homebot.messages.interfaces.settings import RosSettings
 
-__all__ = ["WireRights", "WireRule", "check_apart"]
-
 _Words: TypeAlias = tuple[str, ...]
 
 _FROM, _TO = ("ingress",), ("egress",)

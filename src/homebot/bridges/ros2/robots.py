@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from homebot.bridges.rosbridge import DoorSettings
     from homebot.devices.robot_owners import RobotOwners
 
-__all__ = ["RobotsOnWire", "token_of"]
-
 
 @final
 class RobotsOnWire:

@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from homebot.bridges.ros2.rights import WireRights
     from homebot.messages.interfaces.settings import RosSettings
 
-__all__ = ["Declared", "WirePublisher", "WireQuery", "WireSample", "ZenohSession", "open_session"]
-
 LOST = "ros2.lost"
 
 _log = get_logger(node="/ros2")

@@ -15,8 +15,6 @@ from homebot.graph.endpoint import EndpointInfo, EntityKind
 from homebot.graph.qos import QoSProfile
 from homebot.names import full_node_name, validate_full_name
 
-__all__ = ["ALL_TOKENS", "NO_HASH", "EntityToken", "data_key"]
-
 ALL_TOKENS: Final = "@ros2_lv/{domain}/**"
 """The key expression of all tokens of a domain."""
 

@@ -37,8 +37,6 @@ from homebot.messages.message import Message, ServiceType, UInt32
 from homebot.support.counters import Severity
 from homebot.support.folding import fold
 
-__all__ = ["gateway_finding", "health_findings", "serve"]
-
 _ANSWERS_WITHIN = 2.0
 """Seconds for the state of a gateway that has just started, which is kept for late joiners, and for a node's health."""
 

@@ -7,8 +7,6 @@ from homebot.errors import RefusedError
 from homebot.graph import EndpointInfo, EntityKind, Graph, Node
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["FindEndpoints", "serve"]
-
 
 class EndpointDetails(Message):
     """One node, or one end of a topic or service.

@@ -8,8 +8,6 @@ from typing import Final, final
 from homebot.graph import Node, Publisher, Subscription
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["LoadMeter", "MeasureLoad", "serve"]
-
 _TICK: Final = 0.05
 """Seconds between two looks at the lag of the loop."""
 

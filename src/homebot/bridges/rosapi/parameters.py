@@ -11,8 +11,6 @@ from homebot.names import absolute_name
 from homebot.support.similar import did_you_mean
 from homebot.support.strict_json import parse_strict
 
-__all__ = ["delete_parameter", "get_parameter", "has_parameter", "list_parameters", "set_parameter"]
-
 
 def get_parameter(graph: Graph, request: Any) -> Mapping[str, object]:
     """Return a value; if there is none, the caller's default."""

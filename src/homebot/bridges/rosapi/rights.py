@@ -5,8 +5,6 @@ from typing import Final
 from homebot.graph import Node
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["GetRights", "serve"]
-
 
 class GetRightsRequest(Message):
     """A question for the client's own rights.

@@ -28,8 +28,6 @@ from homebot.messages.definition import FieldDefinition, definition_text, fields
 from homebot.messages.message import Int32, Message, ServiceType, UInt8, UInt32
 from homebot.names import absolute_name, is_hidden
 
-__all__ = ["RosApi"]
-
 _Answer: TypeAlias = Mapping[str, object]
 _Answerer: TypeAlias = Callable[[Graph, Any], object]
 

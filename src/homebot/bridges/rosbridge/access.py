@@ -26,8 +26,6 @@ from homebot.messages.message import Message
 if TYPE_CHECKING:
     from homebot.devices.robot_owners import RobotOwners
 
-__all__ = ["ClientAccess", "MissingRightError", "right_to_call", "right_to_publish"]
-
 MessageT = TypeVar("MessageT", bound=Message)
 
 _READING: Final = frozenset(

@@ -6,8 +6,6 @@ from typing import Final, Protocol, final
 
 from homebot.support.byte_account import ByteAccount
 
-__all__ = ["Arrival", "Arrivals"]
-
 _MOST_ARRIVING: Final = 64
 """Most connections without a session; one more closes the oldest."""
 

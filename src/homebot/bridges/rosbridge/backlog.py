@@ -21,8 +21,6 @@ from homebot.messages.message import Message
 from homebot.messages.numeric_array import NumericArray
 from homebot.support.byte_account import ByteAccount
 
-__all__ = ["Backlog", "DoorBacklog", "FeedQueue"]
-
 Item: TypeAlias = Message | Expiring[Message]
 
 _OBJECT = 64

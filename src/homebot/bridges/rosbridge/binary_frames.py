@@ -10,8 +10,6 @@ from homebot.messages.definition import FieldDefinition, fields_of
 from homebot.messages.message import Message
 from homebot.messages.numeric_array import NumericArray
 
-__all__ = ["publish_cbor", "publish_cbor_raw"]
-
 _BYTES, _ARRAY, _MAP, _TAG = 2, 4, 5, 6
 _TYPED_ARRAYS = {  # tag, layout; as in the original, all little-endian
     "int8": (72, "b"),

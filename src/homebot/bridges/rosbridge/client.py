@@ -11,8 +11,6 @@ from homebot.devices.names import ACCESS_REFUSALS
 from homebot.graph import QoSProfile
 from homebot.messages import Time
 
-__all__ = ["OutsideClient", "operation_text"]
-
 _QOS: Final = QoSProfile(depth=100)
 _LONGEST_NAME: Final = 247
 _SHOWN: Final = 100

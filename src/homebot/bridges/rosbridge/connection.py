@@ -29,8 +29,6 @@ from homebot.errors import LinkError, WireError
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.posted_request import PostedRequest
 
-__all__ = ["DoorConnection", "client_frames", "http_response", "is_roslibpy"]
-
 _READ = 2048
 """Bytes read at once: up to 340 of the smallest frames, about 5 ms of work for the library."""
 

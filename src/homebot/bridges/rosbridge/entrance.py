@@ -30,8 +30,6 @@ from homebot.support.owner_token import OWNER_HEADER, OwnerToken, is_owner_proof
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.access import ClientAccess
 
-__all__ = ["LOG_IN", "Entrance", "Site", "address_of", "is_for_api", "is_for_websocket", "token_in"]
-
 LOG_IN: Final = Subprotocol("homebot.log_in")
 """The WebSocket subprotocol of homebot's own page, whose first frame is ``{"op": "auth", "token": "…"}``."""
 

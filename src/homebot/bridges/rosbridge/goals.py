@@ -28,8 +28,6 @@ from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.messages.json import JsonObject, message_to_text
 from homebot.messages.message import Message
 
-__all__ = ["ProvidedActions", "SentGoals"]
-
 _MOST_TURNS = 100
 """Turns for which the result of a goal waits for its feedback."""
 

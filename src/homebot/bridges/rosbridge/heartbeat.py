@@ -12,8 +12,6 @@ from homebot.devices.names import RELEASE_LEASE, RENEW_LEASE
 from homebot.graph import Client, Node
 from homebot.messages.message import Message
 
-__all__ = ["Heartbeat", "OwnedLeases"]
-
 
 @final
 class Heartbeat:

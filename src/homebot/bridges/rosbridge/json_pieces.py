@@ -10,8 +10,6 @@ from typing import Any, Final
 
 from homebot.support.strict_json import parse_strict
 
-__all__ = ["MAX_NESTING", "RefusedJsonError", "parse_in_pieces"]
-
 MAX_NESTING: Final = 100  # no message is this deep, and code that walks a value may recurse
 MAX_VALUES: Final = 20_000
 MAX_NUMBERS: Final = 1_000_000

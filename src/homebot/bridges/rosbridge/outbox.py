@@ -14,8 +14,6 @@ import anyio
 from homebot.bridges.rosbridge.packing import PLAIN, Packing
 from homebot.bridges.turns import ServerTurns
 
-__all__ = ["MessageSource", "Outbox"]
-
 _ANSWER_FACTOR = 4
 
 

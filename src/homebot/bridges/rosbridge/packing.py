@@ -17,8 +17,6 @@ from typing import Final, final
 
 from homebot.bridges.rosbridge.protocol import Fragment, FrameError, Identifier, Operation, Request, parse_frame
 
-__all__ = ["PLAIN", "FrameAssembler", "Packing"]
-
 _MOST_OPEN: Final = 10
 
 _MOST_FRAGMENTS: Final = 1000

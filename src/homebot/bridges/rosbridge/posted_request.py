@@ -10,8 +10,6 @@ import h11
 
 from homebot.errors import WireError
 
-__all__ = ["PostedRequest"]
-
 MOST_BYTES: Final = 65_536
 """Most bytes of a body."""
 

@@ -29,8 +29,6 @@ from homebot.graph import DurabilityPolicy, Publisher, QoSProfile
 from homebot.graph.subscription import key_of
 from homebot.messages.message import Message
 
-__all__ = ["Publications"]
-
 # As in the original bridge: compatible with every request, and late subscribers miss nothing.
 _QOS = QoSProfile(durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

@@ -41,8 +41,6 @@ if TYPE_CHECKING:
     from homebot.devices.access_messages import ListTokensRequest, ListTokensResponse
     from homebot.devices.robot_owners import RobotOwners
 
-__all__ = ["Door"]
-
 SERVICE_TYPE = "_rosbridge._tcp"
 """The DNS-SD service type by which apps find robots; ROS's own server announces nothing."""
 

@@ -40,18 +40,6 @@ from homebot.messages.definition import fields_of
 from homebot.messages.json import message_to_pieces, message_to_text
 from homebot.messages.message import Message, ServiceType
 
-__all__ = [
-    "ProvidedServices",
-    "call_service",
-    "cause_of_call",
-    "missing_service",
-    "named_values",
-    "parse_queries",
-    "refusal",
-    "similar_name",
-    "usual_timeout",
-]
-
 
 def named_values(message_type: type[Message], values: object) -> dict[str, Any]:
     """Return *values* by field name; a list has them in order."""

@@ -32,8 +32,6 @@ from homebot.support.rate_limit import RateLimit
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.goals import SentGoals
 
-__all__ = ["ClientSession", "DoorLink"]
-
 _SEVERITY: dict[protocol.Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 _OPENING = frozenset({"advertise", "advertise_action", "advertise_service", "subscribe"})
 _ANSWERS = 1_048_576

@@ -18,8 +18,6 @@ from homebot.units import Seconds
 if TYPE_CHECKING:
     from homebot.devices.robot_owners import RobotOwners
 
-__all__ = ["ClientToken", "DoorSettings", "Scope", "check_token_name"]
-
 _NAME: Final = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from homebot.graph import Service
     from homebot.graph.actions import ActionServer
 
-__all__ = ["DoorCounters", "ExpectedTopics", "Provisions", "SharedState"]
-
 _MOST_ADVERTISED: Final = 1000
 _Server: TypeAlias = "Service[Any, Any] | ActionServer[Any, Any, Any]"
 

@@ -30,8 +30,6 @@ from homebot.graph.subscription import key_of
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 
-__all__ = ["Feed", "Subscriptions"]
-
 _BINARY: frozenset[Compression] = frozenset({"cbor", "cbor-raw"})
 
 

@@ -27,22 +27,6 @@ if TYPE_CHECKING:
     from homebot.messages import Interfaces
     from homebot.messages.action import ActionType
 
-__all__ = [
-    "OWN_MODULES",
-    "action_type_of",
-    "define_type",
-    "find_action_type",
-    "find_message_type",
-    "find_service_type",
-    "interfaces_of",
-    "message_from_client",
-    "message_type_of_topic",
-    "partial_message_from_client",
-    "request_from_client",
-    "same_type",
-    "service_type_of",
-]
-
 InterfaceT = TypeVar("InterfaceT", type[Message], ServiceType[Any, Any], "ActionType[Any, Any, Any]")
 
 OWN_MODULES: Final = (

@@ -18,8 +18,6 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices.achieve_messages import AchieveFeedback, AchieveResult
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES = """\
   homebot achieve 'kitchen lit and rosie in kitchen' --dry-run
   homebot achieve 'hall dark and front door closed'

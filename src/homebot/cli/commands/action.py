@@ -13,8 +13,6 @@ from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
 from homebot.names import absolute_name
 
-__all__ = ["add_arguments"]
-
 _SUCCEEDED: Final = "SUCCEEDED"
 _STATES: Final = ("UNKNOWN", "ACCEPTED", "EXECUTING", "CANCELING", _SUCCEEDED, "CANCELED", "ABORTED")
 _CANCEL_WITHIN: Final = 5.0

@@ -17,8 +17,6 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices.question_messages import OpenQuestions
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES = """\
   homebot answer
   homebot answer 6926f1a3-14 yes

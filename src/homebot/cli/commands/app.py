@@ -23,8 +23,6 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices.app_messages import AppInfo, AppJob, AppsResponse
 
-__all__ = ["add_arguments", "add_reload_arguments"]
-
 _EXAMPLES = """\
   homebot app list                the apps, with the next calls of their jobs
   homebot app load hall.py        start an app from a file in the running homebot

@@ -27,8 +27,6 @@ from homebot.support.data_folder import data_directory
 from homebot.support.sqlite_file import why_not_readable
 from homebot.version import __version__
 
-__all__ = ["add_arguments", "add_restore_arguments", "copies_in"]
-
 _EXAMPLES = """\
   homebot backup villa.tar
   homebot backup villa.tar --with-tokens      with passwords and tokens; store it as safely as those

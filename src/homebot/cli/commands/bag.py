@@ -9,8 +9,6 @@ from homebot.cli.arguments import Commands, add_time_limit, add_verb, add_verbs,
 from homebot.cli.door_client import set_door_command
 from homebot.plugins import check_extra
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES: Final = """\
   homebot bag record -o day
   homebot bag info day

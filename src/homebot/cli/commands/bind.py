@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from homebot.devices import DevicePart
     from homebot.devices.services import QueryDevicesResponse
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES: Final = """\
   homebot bind 'Hall button' single 'hall lamp' toggle
   homebot bind 'Hall button' double scene Film

@@ -21,8 +21,6 @@ from homebot.support.file_access import read_secret
 from homebot.support.logger import get_logger
 from homebot.support.output import queued_output
 
-__all__ = ["add_arguments", "broker", "make_broker"]
-
 SERVING = "broker.serving"
 ENDED = "broker.ended"
 

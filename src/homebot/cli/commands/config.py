@@ -23,8 +23,6 @@ from homebot.runtime.plan import Plan, PlannedComponent, make_plan
 from homebot.support.file_access import readable_by_others, why_not_trusted
 from homebot.support.sqlite_file import why_not_readable
 
-__all__ = ["add_arguments", "offline_findings", "plan_of"]
-
 _EXAMPLES = """\
   homebot config check                            check homebot.toml
   homebot config check --config villa.toml        check another file

@@ -21,8 +21,6 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices import Device
 
-__all__ = ["add_arguments"]
-
 T = TypeVar("T")
 
 _HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "STATE", "GATEWAY", "COMMAND TOPIC", "AVAILABILITY", "LAST SEEN")

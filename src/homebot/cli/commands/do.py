@@ -21,8 +21,6 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices.command_messages import CommandDevicesResponse
 
-__all__ = ["add_arguments", "add_options_of_commands", "command_house"]
-
 _EXAMPLES = """\
   homebot do 'Kitchen lamp' on
   homebot do 'lamp near robot' toggle

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from homebot.bridges.rosapi.doctor import ExamineResponse
     from homebot.devices.findings import Finding
 
-__all__ = ["add_arguments", "print_finding"]
-
 _LONGEST = 60.0
 """Seconds to wait for the answer, which is as slow as the slowest component."""
 

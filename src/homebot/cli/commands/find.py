@@ -19,8 +19,6 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices.services import QueryDevicesResponse
 
-__all__ = ["add_arguments"]
-
 _HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "STATE", "AVAILABILITY")
 _IF_ANY = ("AREA", "STATE")
 _WIDEST = 300

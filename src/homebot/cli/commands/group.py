@@ -16,8 +16,6 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices.group_messages import GroupInfo, ListGroupsResponse
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES: Final = """\
   homebot group list                    the groups of the configuration, and those of gateways
   homebot group show 'Evening lamps'    its members, and the message that reaches all of them

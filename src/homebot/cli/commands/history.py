@@ -30,8 +30,6 @@ from homebot.support.similar import did_you_mean
 if TYPE_CHECKING:
     from homebot.devices.history_messages import CorrectHistoryResponse, EnergyOfDay, HistorySeries, ReadHistoryResponse
 
-__all__ = ["add_arguments", "plot_lines"]
-
 _ROWS = 24
 _MATCHES = 50
 _MOST = 5000

@@ -9,8 +9,6 @@ from homebot.config import load_config
 from homebot.log import configure_logging
 from homebot.runtime.home_folder import adopt_folder
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES = """\
   homebot home adopt homes/5f3c09a1d2e4b687      take these data; `homebot doctor` lists those not in use
 

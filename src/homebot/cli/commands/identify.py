@@ -20,8 +20,6 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices.identify_messages import IdentifyDeviceFeedback, IdentifyDeviceResult
 
-__all__ = ["add_arguments", "add_options", "identify"]
-
 _EXAMPLES = """\
   homebot identify 'lights in hall' --with /rosie/light
   homebot identify 'lights in hall' --with /rosie/image --region 200,120,80,80

@@ -27,8 +27,6 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices import DeviceChange
 
-__all__ = ["add_arguments", "thing_text", "to_device", "topic_level", "write_things"]
-
 _EXAMPLES = """\
   homebot import desk_lamp.td.json
   homebot import desk_lamp.td.json --name desk-lamp

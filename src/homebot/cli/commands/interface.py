@@ -14,8 +14,6 @@ from homebot.messages.interfaces.interface_text import Interface, messages_in
 from homebot.messages.interfaces.settings import read_interfaces
 from homebot.messages.type_hash import type_hash
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES = """\
   homebot interface list nav2_msgs
   homebot interface show nav2_msgs/action/NavigateToPose

@@ -24,8 +24,6 @@ from homebot.support.toml_file import parse_toml
 if TYPE_CHECKING:
     from homebot.runtime.plan import Plan
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES = """\
   homebot join --new attic                    on the first machine: print a code for the machine attic
   homebot join tls/villa.lan:7447             on the machine attic: ask for that code, and write its configuration

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
         ReadJournalResponse,
     )
 
-__all__ = ["add_arguments"]
-
 _NO_DEVICE = "-"
 
 _EXAMPLES = """\

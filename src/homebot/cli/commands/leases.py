@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from homebot.devices.lease_messages import HeldPart, LeasesResponse
     from homebot.messages import Time
 
-__all__ = ["add_arguments", "add_release_arguments"]
-
 _HEAD = ("DEVICE", "HELD", "BY", "ISSUER", "FOR", "BECAUSE", "OUTRANKED")
 _SEVERAL = 2
 _EXAMPLES = """\

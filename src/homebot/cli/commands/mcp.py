@@ -9,8 +9,6 @@ from homebot.cli.arguments import set_client_command
 from homebot.cli.door_address import door_of
 from homebot.plugins import check_extra
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES = """\
   homebot mcp --token-file agent.token
 

@@ -16,8 +16,6 @@ from homebot.cli.commands.service import unit_text
 from homebot.errors import UsageError
 from homebot.plugins import has_plugin
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES = """\
   homebot new hall_light          hall_light/ with an app HallLight, its test, configuration, house and service
   cd hall_light && pytest && homebot config check && homebot run --house house.toml

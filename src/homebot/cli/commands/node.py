@@ -8,8 +8,6 @@ from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import entities, is_hidden, not_found
 from homebot.names import absolute_name
 
-__all__ = ["add_arguments"]
-
 _SECTIONS = {
     "subscription": "Subscribers",
     "publisher": "Publishers",

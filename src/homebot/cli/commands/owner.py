@@ -33,17 +33,6 @@ if TYPE_CHECKING:
     from homebot.devices.places_messages import AliasDeviceResponse, PlaceDeviceResponse
     from homebot.devices.services import ForgetDeviceResponse, MergeDevicesResponse, SplitDeviceResponse
 
-__all__ = [
-    "add_alias_arguments",
-    "add_approve_arguments",
-    "add_forget_arguments",
-    "add_merge_arguments",
-    "add_pair_arguments",
-    "add_place_arguments",
-    "add_split_arguments",
-    "add_trust_arguments",
-]
-
 _Statement: TypeAlias = "Callable[[DoorClient, Device, argparse.Namespace], None]"
 
 _PAIRED_WITHIN: Final = 90.0

@@ -15,8 +15,6 @@ from homebot.plugins import check_extra
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 
-__all__ = ["add_arguments"]
-
 _TYPES: Final = ("", "bool", "integer", "double", "string", "byte[]", "bool[]", "integer[]", "double[]", "string[]")
 
 _EXAMPLES = """\

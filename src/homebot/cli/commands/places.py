@@ -34,8 +34,6 @@ if TYPE_CHECKING:
         ImportPlacesResponse,
     )
 
-__all__ = ["add_arguments"]
-
 _HEAD = ("ROOM", "FLOOR", "DOORS", "DEVICES")
 _MAX_BYTES = 800_000
 _MOST_NAMED = 5

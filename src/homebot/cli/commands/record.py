@@ -12,8 +12,6 @@ from homebot.devices.names import READ_RECORDING, START_RECORDER
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.recording.recording_file import DEFAULT_MEGABYTES, RecordingFile
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES = """\
   homebot record day.jsonl.gz
   homebot record day.jsonl.gz --for 86400

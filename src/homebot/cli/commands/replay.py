@@ -27,8 +27,6 @@ from homebot.support.virtual_time import VirtualTimeLoop
 if TYPE_CHECKING:
     from homebot.recording.lines import RecordedCommand
 
-__all__ = ["add_arguments", "command_text", "difference_text"]
-
 _TROUBLE: Final = 2
 
 _SIGNS = {"added": "+", "gone": "-"}

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from homebot.bridges.ros2.rights import WireRights
     from homebot.messages.interfaces.settings import RosSettings
 
-__all__ = ["add_arguments"]
-
 SERVING = "router.serving"
 NOT_RELOADED = "router.not_reloaded"
 

@@ -26,8 +26,6 @@ from homebot.support.similar import did_you_mean
 if TYPE_CHECKING:
     from homebot.devices.app_messages import RoutineInfo, RoutinesResponse
 
-__all__ = ["add_arguments", "show"]
-
 _EXAMPLES = """\
   homebot routine list                     the routines, and when a time starts each next
   homebot routine show 'Hall light'        its text, and what happened the last times

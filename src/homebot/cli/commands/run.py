@@ -42,8 +42,6 @@ if TYPE_CHECKING:
 _View: TypeAlias = "Callable[[Runtime], AbstractAsyncContextManager[None]]"
 """Enters a runtime, perhaps with a live view."""
 
-__all__ = ["add_arguments", "config_errors", "configuration", "run", "run_configured", "with_environment"]
-
 _WRONG_CONFIGURATION = 2
 """Exit code of a service with a wrong configuration: restarting it does not help."""
 

@@ -26,8 +26,6 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices.scene_messages import ChangeSceneResponse, SceneInfo, ScenePart, ScenesResponse
 
-__all__ = ["add_arguments", "show"]
-
 _EXAMPLES = """\
   homebot scene list                             the scenes, yours and those that bridges keep
   homebot scene save Film 'lights in living'     take the present values of these

@@ -22,8 +22,6 @@ from homebot.cli.yaml import to_yaml
 from homebot.errors import UsageError
 from homebot.support.printable import printable
 
-__all__ = ["add_arguments", "unit_text"]
-
 _REQUEST = "/rosapi/service_request_details"
 
 _EXAMPLES = """\

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from homebot.devices import Device, DevicePart, Endpoint, Fact, Route, State
     from homebot.devices.part import Capability
 
-__all__ = ["add_arguments"]
-
 _USES = {(True, True): "read and set", (True, False): "read", (False, True): "set", (False, False): ""}
 _STATED_BY = {"configuration": ", in the configuration", "import": ", in an imported file"}
 

@@ -21,8 +21,6 @@ from homebot.support.printable import printable
 if TYPE_CHECKING:
     from homebot.devices.habit_messages import HabitOccasion, HabitProposal, SuggestHabitsResponse
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES: Final = """\
   homebot suggest                     what people did again and again in the last 21 days, as routines
   homebot suggest --days 40 --each    the same of 40 days, with each occasion

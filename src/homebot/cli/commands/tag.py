@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from homebot.devices.places_messages import TagDeviceResponse, TeachPlaceResponse
     from homebot.devices.tags import ReadTagResponse, ScanCodeResponse, WriteTagResponse
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES = """\
   homebot tag add 'Kitchen lamp' night
   homebot tag read

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from homebot.devices.access_messages import ListedToken, ListTokensResponse
     from homebot.runtime.plan import Plan
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES = """\
   homebot token new rosie --scope read --scope 'act: harmless' --scope 'robot: rosie'
   homebot token new wall_panel --scope read

@@ -12,8 +12,6 @@ from typing import Final, cast
 from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import is_terminal, print_line, print_table, rich_terminal
 
-__all__ = ["Load", "TopicRow", "add_arguments", "samples"]
-
 HEADINGS: Final = ("TOPIC", "MSG/S", "WAITING", "LOST", "SLOWEST", "BY")
 _MILLI: Final = 1000.0
 _FRAME: Final = 0.5

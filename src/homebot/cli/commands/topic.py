@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from homebot.bridges.rosapi.endpoints import EndpointDetails
     from homebot.devices import Device
 
-__all__ = ["add_arguments", "rate_text"]
-
 _EXAMPLES = """\
   homebot topic list -t
   homebot topic echo /rosout

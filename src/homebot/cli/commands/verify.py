@@ -6,8 +6,6 @@ from functools import partial
 from homebot.cli.arguments import set_client_command
 from homebot.cli.commands.identify import add_options, identify
 
-__all__ = ["add_arguments"]
-
 _EXAMPLES = """\
   homebot verify 'Hall lamp' --with /rosie/light
 

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from homebot.devices import Device, DeviceChange, StateChange
     from homebot.devices.journal_messages import JournalEntry
 
-__all__ = ["add_arguments"]
-
 MOST_LINES: Final = 50
 """The limit of lines per second; the others are counted."""
 

@@ -43,8 +43,6 @@ if TYPE_CHECKING:
         ExplainMissingStateResponse,
     )
 
-__all__ = ["add_arguments", "add_why_not_arguments", "sent_by_routines"]
-
 _MOST = 10
 
 _EXAMPLES = """\

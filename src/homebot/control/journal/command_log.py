@@ -19,8 +19,6 @@ from homebot.graph import Node
 from homebot.journal.store import JournalNote
 from homebot.log import LogLimit, more_like_this
 
-__all__ = ["CommandChain", "CommandLog"]
-
 COMMAND: Final = "control.command"
 CHANGED: Final = "control.changed"
 FIGHT: Final = "control.fight"

@@ -12,8 +12,6 @@ from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.support.limiter import Limiter, LimitInterval
 
-__all__ = ["DeniedRequests"]
-
 MOST_ENTRIES: Final = 20
 """Entries for one client in an hour; one more entry counts further requests."""
 

@@ -15,8 +15,6 @@ from homebot.devices.wording.journal_words import settings_text
 from homebot.messages import Time
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["Fights", "Turn", "is_fight"]
-
 _TURNS: Final = 4
 _LONGEST: Final = 600.0
 _QUICK: Final = 30.0

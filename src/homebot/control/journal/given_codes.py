@@ -11,8 +11,6 @@ from homebot.devices.command_messages import Setting
 from homebot.devices.part import Part
 from homebot.devices.value import Value
 
-__all__ = ["CODE_GIVEN", "MOST_NOTED", "UNREAD", "is_for_code", "public_text", "without_codes"]
-
 CODE_GIVEN: Final = "a code"
 """Replaces the value of a code."""
 

@@ -16,8 +16,6 @@ from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
 if TYPE_CHECKING:
     from homebot.control.control_layer import ControlLayer
 
-__all__ = ["HouseWatch"]
-
 _SETTINGS: Final = QoSProfile(depth=100)
 """Each message has the changes of half a second; in a flood the oldest is dropped."""
 

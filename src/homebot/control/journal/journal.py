@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
     from homebot.journal.store import JournalStore
 
-__all__ = ["CommandJournal", "LeaseStep"]
-
 LeaseStep: TypeAlias = Literal["held", "released", "ended", "expired", "outranked", "handed_back"]
 
 _DEPTH = 1000

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from homebot.control.timelines import Timelines
     from homebot.devices.device import ChangedSetting
 
-__all__ = ["ReportLog"]
-
 _MAX_ENTRIES: Final = 200
 """Entries of one device that are read: some twenty commands."""
 

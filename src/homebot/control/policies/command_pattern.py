@@ -19,8 +19,6 @@ from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.similar import did_you_mean
 
-__all__ = ["VERBS", "CommandPattern", "Patterns", "QueryText", "pattern_of_type", "read_pattern"]
-
 _Does: TypeAlias = Callable[[str, PlainValue, PlainValue], bool]
 """Returns whether setting a capability to a value is the action, given the value before, or None if it is unknown."""
 

@@ -15,8 +15,6 @@ from homebot.devices import Device, DevicePart
 from homebot.devices.query.terms import Query
 from homebot.devices.value import PlainValue
 
-__all__ = ["FactUsed", "Facts", "PolicyTable", "Verdict"]
-
 
 class Facts(NamedTuple):
     """A read-only view of the house at one moment.

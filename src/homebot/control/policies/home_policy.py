@@ -15,8 +15,6 @@ from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.plugins import has_plugin, load_plugin, plugin_names
 from homebot.support.similar import did_you_mean
 
-__all__ = ["POLICIES", "HomePolicy", "PolicyTables", "check_tables", "home_policies"]
-
 POLICIES: Final = "homebot.policies"
 """The entry-point group."""
 

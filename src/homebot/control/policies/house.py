@@ -14,8 +14,6 @@ from homebot.errors import WireError
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
 
-__all__ = ["DETECTION", "OCCUPANCY", "PRESENCE", "Detections", "House", "SensorReading"]
-
 OCCUPANCY: Final = "occupancy"
 """The capability of motion sensors."""
 

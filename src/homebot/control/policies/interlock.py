@@ -14,8 +14,6 @@ from homebot.devices.query.exact import parse_cautious_query
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import And, Not, Or, Query, StateIs, leaves
 
-__all__ = ["Interlock"]
-
 NAME: Final = "interlock"
 
 

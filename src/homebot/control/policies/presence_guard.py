@@ -13,8 +13,6 @@ from homebot.devices.query.terms import CanDo, Or, Query
 from homebot.support.folding import fold
 from homebot.units import Seconds
 
-__all__ = ["AbsentAfter", "Presence", "PresenceGuardSettings", "presence_in", "remaining_person"]
-
 Presence: TypeAlias = Literal["present", "absent", "unknown"]
 
 NAME: Final = "presence_guard"

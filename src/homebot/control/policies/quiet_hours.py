@@ -9,8 +9,6 @@ from homebot.control.command import IssuedCommand
 from homebot.control.policies.command_pattern import Patterns
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 
-__all__ = ["LocalTime", "QuietHours", "is_within"]
-
 NAME: Final = "quiet_hours"
 
 

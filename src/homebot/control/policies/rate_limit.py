@@ -16,8 +16,6 @@ from homebot.devices.obedience import POWERS
 from homebot.devices.value import PlainValue
 from homebot.units import Seconds
 
-__all__ = ["RateLimitSettings", "count_turns"]
-
 NAME: Final = "rate_limit"
 
 _WITHIN: Final = Verdict(NAME, allowed=True)

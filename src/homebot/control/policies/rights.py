@@ -35,8 +35,6 @@ from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.toml_text import toml_value
 
-__all__ = ["check_approval", "check_grants", "client_refusal", "is_safe", "must_ask", "names_it"]
-
 GRANTS: Final = "grants"
 ALWAYS_ASK: Final = "always_ask"
 APPROVAL: Final = "approval"

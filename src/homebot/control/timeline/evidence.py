@@ -11,8 +11,6 @@ from homebot.control.timeline.transmission import Transmission
 from homebot.devices.obedience import value_text
 from homebot.devices.outcomes import AlreadySo, Confirmed, Contradicted, Evidence, NoAnswer, Outcome, Superseded
 
-__all__ = ["SendingPlan", "Step", "next_step", "outcome_of"]
-
 
 class Step(NamedTuple):
     """The next action for a command.

@@ -10,23 +10,6 @@ from homebot.devices.capabilities import acts_each_time
 from homebot.devices.outcomes import Outcome
 from homebot.devices.value import PlainValue, SetBy
 
-__all__ = [
-    "Answered",
-    "Asked",
-    "Attribution",
-    "Cause",
-    "CommandFact",
-    "Decided",
-    "LinkLost",
-    "Order",
-    "PartRef",
-    "ReportRole",
-    "Reported",
-    "SendingEnded",
-    "Sent",
-    "Withheld",
-]
-
 PartRef: TypeAlias = tuple[str, str]
 """The ids of a device and of one of its parts."""
 

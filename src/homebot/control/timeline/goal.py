@@ -11,8 +11,6 @@ from homebot.control.timeline.profile import DeviceProfile
 from homebot.devices.obedience import END_POSITIONS, STOPPED, changes, fits, is_same, related
 from homebot.devices.value import PlainValue
 
-__all__ = ["NOTHING", "STEP", "Motion", "Nothing", "WantedValue", "side_role"]
-
 
 class Nothing(Enum):
     """The absence of a value, since None is a value."""

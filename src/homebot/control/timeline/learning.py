@@ -9,8 +9,6 @@ from homebot.control.timeline.settling import Undoing
 from homebot.devices.obedience import fits
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
 
-__all__ = ["learn_failure", "learn_late_answer", "learn_outcome", "learn_settled"]
-
 
 def learn_outcome(progress: CommandProgress, profile: DeviceProfile, first: float) -> None:
     """Learn from a confirmed command."""

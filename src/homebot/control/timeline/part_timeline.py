@@ -30,8 +30,6 @@ from homebot.devices.obedience import changes, fits, related
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer
 from homebot.devices.value import PlainValue, SetBy
 
-__all__ = ["MOST_REPORTS", "PartTimeline"]
-
 MOST_REPORTS: Final = 128
 _MOST_SENT: Final = 2000
 """As many as a rate limit needs, which counts up to 1,000 changes, and repetitions."""

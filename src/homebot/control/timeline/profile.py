@@ -14,8 +14,6 @@ from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.obedience import departs, fits, is_other_end, is_same
 from homebot.devices.value import PlainValue
 
-__all__ = ["ENOUGH", "KEPT", "DeviceProfile", "Return"]
-
 KEPT: Final = 16
 _KEPT_ANSWERS: Final = 8
 """The limit of answers to different values, for each capability."""

@@ -27,8 +27,6 @@ from homebot.devices.obedience import STOPPED, changes, is_intermediate, is_same
 from homebot.devices.outcomes import Confirmed, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 
-__all__ = ["CommandProgress"]
-
 _POSITIONS: Final = frozenset({"position", "tilt"})
 _GIVEN_UP: Final = frozenset({"lock", "alarm"})
 """Capabilities that end their way with any other state, as a lock that jams; a cover may be open on its way."""

@@ -10,8 +10,6 @@ from homebot.control.timeline.goal import STEP, WantedValue, side_role
 from homebot.devices.obedience import is_intermediate
 from homebot.devices.value import PlainValue
 
-__all__ = ["Settling", "Undoing"]
-
 FadeSign: TypeAlias = Literal["fading", "back", "unknown"]
 
 _ON: Final = "on_off"

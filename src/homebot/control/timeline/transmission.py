@@ -5,8 +5,6 @@ from typing import final
 
 from homebot.control.timeline.facts import Answered, Asked, CommandFact, LinkLost, SendingEnded, Sent, Withheld
 
-__all__ = ["Transmission"]
-
 
 @final
 class Transmission:

@@ -10,8 +10,6 @@ from uuid import UUID
 from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, full_uuid
 from homebot.errors import WireError
 
-__all__ = ["BeaconParser"]
-
 APPLE = 0x004C
 EDDYSTONE = full_uuid("feaa")
 _IBEACON = b"\x02\x15"

@@ -12,8 +12,6 @@ from homebot.conventions.units import sensor_type
 from homebot.devices.part import Capability, Category, Part
 from homebot.devices.value import PlainValue
 
-__all__ = ["Advertisement", "Broadcast", "BroadcastParser", "BroadcastValue", "full_uuid", "sensor_part"]
-
 _BASE = "-0000-1000-8000-00805f9b34fb"
 _SHORT = 4
 _MEDIUM = 8

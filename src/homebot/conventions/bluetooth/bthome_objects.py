@@ -9,28 +9,6 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
-__all__ = [
-    "BTHOME_OBJECTS",
-    "BUTTON",
-    "BUTTON_PRESSES",
-    "COMMAND",
-    "COMMANDS",
-    "DEVICE_TYPE",
-    "DIMMER",
-    "DIMMER_TURNS",
-    "FIRMWARE_3",
-    "FIRMWARE_4",
-    "MODELS",
-    "PACKET_ID",
-    "RAW",
-    "TAGS",
-    "TEXT",
-    "TIMESTAMP",
-    "BTHomeObject",
-    "BluModel",
-    "model_called",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class BTHomeObject:

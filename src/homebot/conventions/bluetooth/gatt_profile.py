@@ -19,8 +19,6 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
-__all__ = ["BUILT_IN", "GattProfile", "GattState"]
-
 Uuid: TypeAlias = Annotated[str, AfterValidator(full_uuid)]
 GattType: TypeAlias = Literal["light", "plug", "switch", "fan", "siren"]
 

@@ -10,8 +10,6 @@ times out of three. A median over some seconds removes fading, which changes fro
 from collections import deque
 from statistics import median
 
-__all__ = ["DISTANCE_FACTOR", "RSSI_AT_1M", "Presence", "SignalFilter", "distance_of"]
-
 RSSI_AT_1M = -59.0
 """Signal strength of most small devices at one metre, in dBm."""
 

@@ -10,18 +10,6 @@ from homebot.devices.identity import identifiers
 from homebot.errors import WireError
 from homebot.support.addresses import resolve_uri
 
-__all__ = [
-    "CONFIGURED",
-    "SCHEMES",
-    "CoapEndpoint",
-    "authority_of",
-    "check_uri",
-    "endpoint_at",
-    "endpoint_of_link",
-    "host_of",
-    "static_endpoint",
-]
-
 SCHEMES = frozenset({"coap", "coaps", "coap+tcp", "coaps+tcp"})
 
 CONFIGURED = "the configuration"

@@ -11,8 +11,6 @@ from typing import Final
 from homebot.conventions.payload import shown
 from homebot.errors import WireError
 
-__all__ = ["LINK_FORMAT", "MAX_LINKS", "MAX_LINK_FORMAT_BYTES", "WebLink", "parse_links"]
-
 LINK_FORMAT: Final = 40
 """The number of this content format (IANA, "CoAP Content-Formats")."""
 

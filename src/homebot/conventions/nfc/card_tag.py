@@ -12,8 +12,6 @@ from typing import Final, NamedTuple, TypeAlias
 
 from homebot.conventions.nfc.ndef_message import MAX_MESSAGE, TagContent, TagError
 
-__all__ = ["CardTag", "Transmit"]
-
 Transmit: TypeAlias = Callable[[bytes], tuple[bytes, int]]
 """Sends an APDU and returns the answer with its status word; raises :class:`TagError` where the card was taken away."""
 

@@ -12,17 +12,6 @@ from typing import Any, Final, Literal, TypeAlias
 from homebot.devices.tags import TagProblem
 from homebot.errors import PeerError, WireError
 
-__all__ = [
-    "MAX_MESSAGE",
-    "NdefKind",
-    "NdefRecord",
-    "TagContent",
-    "TagError",
-    "load_ndef",
-    "read_ndef",
-    "write_ndef",
-]
-
 NdefKind: TypeAlias = Literal["uri", "text", "media", "external"]
 
 _MAX_RECORDS: Final = 32

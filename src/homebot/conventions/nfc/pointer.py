@@ -20,8 +20,6 @@ from homebot.conventions.nfc.ndef_message import NdefRecord
 from homebot.conventions.payload import clean_text, parse_object
 from homebot.errors import WireError
 
-__all__ = ["Pointer", "pointer_of_code", "pointer_of_device", "pointer_of_records", "records_for"]
-
 _DEVICE: Final = "homebot:device/"
 _EXTERNAL: Final = "homebot:device"
 _THING: Final = "application/td+json"

@@ -10,8 +10,6 @@ from homebot.devices.handles.handle_query import CommonFilters, HandleQuery
 if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
 
-__all__ = ["AirConditioner", "LawnMower", "RoboticVacuumCleaner", "Thermostat"]
-
 
 class Thermostat(Handle):
     """A thermostat, or another device that keeps a room at a temperature."""

@@ -29,8 +29,6 @@ from homebot.units import parse_duration
 if TYPE_CHECKING:
     from homebot.devices.gateway_messages import RawMessage
 
-__all__ = ["Became", "FollowHandles", "HandleChange"]
-
 HandleT = TypeVar("HandleT", bound=Handle)
 HandleT_co = TypeVar("HandleT_co", bound=Handle, covariant=True)
 

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from homebot.devices.hold import Hold
     from homebot.devices.outcomes import Outcome
 
-__all__ = ["Handle"]
-
 _NONE: Mapping[str, Any] = MappingProxyType({})
 
 

@@ -42,8 +42,6 @@ from homebot.support.similar import did_you_mean
 if TYPE_CHECKING:
     from homebot.devices.handles.handle import Handle
 
-__all__ = ["CommonFilters", "HandleQuery", "HandleType", "Term"]
-
 HandleT = TypeVar("HandleT", bound="Handle")
 P = ParamSpec("P")
 

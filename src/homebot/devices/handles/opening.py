@@ -11,8 +11,6 @@ from homebot.devices.query.terms import StateIs
 if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
 
-__all__ = ["AlarmPanel", "Closure", "DoorLock", "WaterValve", "WindowCovering"]
-
 
 class _Opening(Handle):
     moves_by: ClassVar[str] = "movement"

@@ -5,18 +5,6 @@ from typing import ClassVar, Self, Unpack
 from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import CommonFilters, HandleQuery
 
-__all__ = [
-    "ContactSensor",
-    "ElectricalMeter",
-    "HumiditySensor",
-    "LightSensor",
-    "OccupancySensor",
-    "PressureSensor",
-    "SmokeAlarm",
-    "TemperatureSensor",
-    "WaterLeakDetector",
-]
-
 
 class ContactSensor(Handle):
     """A contact sensor at a door or window."""

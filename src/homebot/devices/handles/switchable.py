@@ -12,8 +12,6 @@ from homebot.errors import RefusedError
 if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
 
-__all__ = ["Fan", "Light", "MediaPlayer", "Plug", "Siren", "Switch"]
-
 _OFF = "off"
 
 

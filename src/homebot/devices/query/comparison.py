@@ -31,8 +31,6 @@ from homebot.errors import UsageError
 from homebot.support.folding import fold, words_of
 from homebot.support.similar import did_you_mean, similar_to
 
-__all__ = ["UNITS", "comparison"]
-
 _SYMBOLS = (
     *("%", "K", "°C", "C", "°F", "F", "W", "mW", "kW", "Wh", "kWh", "MWh", "V", "mV", "A", "mA", "Hz", "dB", "dBm"),
     *("lx", "hPa", "kPa", "Pa", "mbar", "bar", "ppm", "ppb", "µg/m³", "m³/h", "l/min", "m/s", "km/h", "kg"),

@@ -8,8 +8,6 @@ from homebot.devices.query.vocabulary import CAPABILITY_WORDS, TYPE_WORDS
 from homebot.errors import UsageError
 from homebot.support.folding import is_typo
 
-__all__ = ["parse_cautious_query", "parse_exact_query", "parse_lasting_query"]
-
 
 def parse_exact_query(text: str) -> Query:
     """Parse *text* as a query of types, capabilities, rooms and other fields.

@@ -15,8 +15,6 @@ from homebot.devices.value import PlainValue
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold, words_of
 
-__all__ = ["Facets", "facets_of", "shared_facets_of"]
-
 _CONVENTION = attrgetter("convention")
 _GATEWAY = attrgetter("gateway")
 _MAX_WORDS = 48

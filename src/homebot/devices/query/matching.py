@@ -34,8 +34,6 @@ from homebot.devices.query.terms import (
 from homebot.devices.value import PlainValue
 from homebot.support.folding import fold, is_typo
 
-__all__ = ["COMPARISONS", "PartFacets", "compares", "fits", "groups_of", "is_spelled", "matches_kind"]
-
 
 def groups_of(device: Device, part_id: str) -> list[str]:
     """Return the names of the groups of which a part of *device* is a member."""

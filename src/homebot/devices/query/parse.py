@@ -68,8 +68,6 @@ from homebot.errors import UsageError
 from homebot.support.folding import MAX_WORD, fold, words_of
 from homebot.support.similar import did_you_mean
 
-__all__ = ["Term", "names_in", "parse_alternatives", "parse_query"]
-
 Term: TypeAlias = tuple[Query, str, bool]
 """A term with its text, and whether ``and``, ``but`` or a comma precedes it."""
 

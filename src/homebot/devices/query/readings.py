@@ -11,8 +11,6 @@ from typing import Literal, TypeAlias
 from homebot.devices.query.parse import Term, parse_alternatives
 from homebot.devices.query.terms import And, HasText, InArea, Or, Query, TypeIs
 
-__all__ = ["Readings", "readings_of"]
-
 _Kind: TypeAlias = Literal["type", "area", "words", "group", "other"]
 _Unit: TypeAlias = tuple[_Kind, str]
 """A term, or consecutive words, with its text."""

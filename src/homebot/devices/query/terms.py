@@ -12,35 +12,6 @@ from homebot.devices.value import PlainValue
 from homebot.errors import UsageError
 from homebot.support.folding import fold
 
-__all__ = [
-    "OPENING_TAGS",
-    "And",
-    "AreaIs",
-    "CanDo",
-    "Exists",
-    "FactIs",
-    "FreshnessIs",
-    "GatewayIs",
-    "HasText",
-    "InArea",
-    "IsDisputed",
-    "IsNear",
-    "IsUnapproved",
-    "NameIs",
-    "Not",
-    "Operator",
-    "Or",
-    "Query",
-    "ReachableIs",
-    "StateIs",
-    "TextTerm",
-    "TypeIs",
-    "lasting",
-    "leaves",
-    "split_near",
-    "type_is",
-]
-
 Operator: TypeAlias = Literal["=", "!=", "<", "<=", ">", ">="]
 
 

@@ -6,8 +6,6 @@ from typing import Literal, TypeAlias
 
 from homebot.errors import UsageError
 
-__all__ = ["MAX_QUERY", "MAX_TOKENS", "Token", "quoted", "tokens_of"]
-
 MAX_QUERY = 1000
 """The limit of characters of a query."""
 

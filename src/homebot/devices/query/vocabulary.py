@@ -28,23 +28,6 @@ from homebot.devices.query.terms import (
 )
 from homebot.support.folding import fold
 
-__all__ = [
-    "ABILITIES",
-    "ADJECTIVES",
-    "CAPABILITY_WORDS",
-    "CONDITIONS",
-    "FACTS",
-    "FIELDS",
-    "FILLERS",
-    "KEYWORDS",
-    "NOT_UNDERSTOOD",
-    "RELATIVES",
-    "TYPE_WORDS",
-    "all_of",
-    "is_meaningful",
-    "meaning_of",
-]
-
 KEYWORDS = frozenset({"and", "or", "not", "in", "with", "without", "but"})
 
 _FILLERS = "the a an all any every everything each which what there device devices are is my of"

@@ -10,8 +10,6 @@ from homebot.devices.query.parse import names_in, parse_query
 from homebot.devices.query.terms import Query
 from homebot.support.folding import fold
 
-__all__ = ["WordsQuery"]
-
 
 @final
 class WordsQuery:

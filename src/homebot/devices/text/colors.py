@@ -8,8 +8,6 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-__all__ = ["COLORS", "WHITES"]
-
 COLORS: Final[Mapping[str, tuple[float, float]]] = {
     "red": (0.0, 100.0),
     "coral": (16.0, 69.0),

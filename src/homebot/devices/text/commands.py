@@ -13,16 +13,6 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
 
-__all__ = [
-    "accepts_text",
-    "command_address",
-    "decode_command",
-    "encode_command",
-    "main_part",
-    "others_at",
-    "part_at",
-]
-
 _WORDS: Final[Mapping[str, Mapping[str, PlainValue]]] = {
     word: {name: known.words[word] for name, known in CAPABILITIES.items() if word in known.words}
     for one in CAPABILITIES.values()

@@ -15,22 +15,6 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
 
-__all__ = [
-    "OPENING_WORDS",
-    "PRIORITY",
-    "Decoded",
-    "TextDecoder",
-    "bounds_of",
-    "decode_text",
-    "decoder_for",
-    "encode_state",
-    "encode_value",
-    "is_share",
-    "means_unknown",
-    "percent",
-]
-
-
 _UNKNOWN: Final = frozenset({"none", "null", "unknown", "unavailable"})
 
 _LONGEST_UNKNOWN: Final = 40

@@ -19,26 +19,6 @@ if TYPE_CHECKING:
     from homebot.devices.value import Reading
     from homebot.messages import Time
 
-__all__ = [
-    "Chain",
-    "ago_text",
-    "chain_lines",
-    "chains_of",
-    "clock_text",
-    "denial_text",
-    "entry_text",
-    "finding_text",
-    "issuer_text",
-    "name_text",
-    "reason_text",
-    "repeats",
-    "result_text",
-    "settings_text",
-    "step_text",
-    "trigger_text",
-    "was_obeyed",
-]
-
 Chain: TypeAlias = "list[JournalEntry]"
 """The entries of a command, oldest first, or the single entry of a change."""
 

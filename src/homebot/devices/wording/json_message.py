@@ -14,8 +14,6 @@ from homebot.errors import WireError
 if TYPE_CHECKING:
     from homebot.messages.message import Message
 
-__all__ = ["JsonMessage", "fields_of"]
-
 
 @final
 class JsonMessage:

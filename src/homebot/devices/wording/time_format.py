@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from homebot.messages import Time
 
-__all__ = ["age", "age_text", "ago", "from_seconds", "iso", "to_seconds"]
-
 _NANOSECONDS = 1_000_000_000
 _SPANS = ((86_400, "d"), (3600, "h"), (60, "min"), (1, "s"))
 

@@ -15,20 +15,6 @@ if TYPE_CHECKING:
     from homebot.devices.part import Capability
     from homebot.devices.value import Value
 
-__all__ = [
-    "flag_texts",
-    "is_topic",
-    "life",
-    "main_parts",
-    "plain_value",
-    "span",
-    "state_text",
-    "step_of",
-    "type_text",
-    "types",
-    "value_text",
-]
-
 PlainValue: TypeAlias = "bool | float | str | list[float] | tuple[float, ...] | None"
 
 _MOST = 4

@@ -9,8 +9,6 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from homebot.discovery.source_record import SourceKey
 from homebot.errors import RefusedError, WireError
 
-__all__ = ["MAX_DECISIONS", "OWNER", "MergeDecisions"]
-
 OWNER = "owner:"
 """Prefix of identifiers given by the owner."""
 

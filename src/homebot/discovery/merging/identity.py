@@ -27,8 +27,6 @@ from homebot.devices.identity import HOST
 from homebot.discovery.merging.decisions import OWNER, MergeDecisions
 from homebot.discovery.source_record import SourceKey
 
-__all__ = ["MAX_HOLDERS", "MAX_IDENTIFIERS", "REPEATED", "IdentityGraph", "is_generic"]
-
 REPEATED = "repeated:"
 """Prefix of identifiers for announcements of one part, whatever they call its device."""
 

@@ -12,8 +12,6 @@ from homebot.discovery.pending import PendingReports
 from homebot.discovery.source_record import SourceKey, SourceRecord, is_described_anew, record_description
 from homebot.discovery.states import StateRecorder
 
-__all__ = ["MAX_SOURCES", "SightingIntake"]
-
 MAX_SOURCES = 1000
 """Most announcements of one device; further ones are rejected."""
 

@@ -22,8 +22,6 @@ from typing import NamedTuple, TypeAlias
 from homebot.devices.part import Capability, Part
 from homebot.support.folding import fold
 
-__all__ = ["SETTING", "Candidate", "candidates", "match"]
-
 MAX_WORDS = 24
 """Words of an id that count, from the first."""
 

@@ -22,8 +22,6 @@ from homebot.discovery.states import is_denied
 from homebot.discovery.topics.use import topic_use
 from homebot.errors import RefusedError
 
-__all__ = ["DeviceMerger"]
-
 _MAX_EVIDENCE = 16
 _REACH, _FIRST_SEEN, _TIME = attrgetter("reach"), attrgetter("first_seen"), attrgetter("sec", "nanosec")
 

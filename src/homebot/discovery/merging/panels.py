@@ -12,8 +12,6 @@ from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.topics.use import bridge_of
 
-__all__ = ["find_panel"]
-
 _MOST: Final = 1000
 """Identifiers of alarm panels; those of further panels do not count."""
 

@@ -9,8 +9,6 @@ from homebot.devices.part import Capability, Part
 from homebot.discovery.merging.matching import SETTING
 from homebot.discovery.merging.part_ids import PartPlace
 
-__all__ = ["Origin", "Way", "described_part", "settable_by"]
-
 Origin: TypeAlias = tuple[bool, bool, str, str]
 """Whether it is claimed, whether it is not native, gateway, convention. Claimed origins sort last, so that they do not
 decide which parts of others are one."""

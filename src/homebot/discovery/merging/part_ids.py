@@ -4,8 +4,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
-__all__ = ["MAX_LOST", "NO_IDS", "Named", "PartIds", "PartPlace", "lost_ids", "part_ids"]
-
 PartPlace: TypeAlias = tuple[str, str, str]
 """Gateway, key, and id of the part there."""
 

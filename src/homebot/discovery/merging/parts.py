@@ -16,15 +16,6 @@ from homebot.discovery.merging.part_ids import NO_IDS, Named, PartIds, PartPlace
 from homebot.discovery.source_record import SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
 
-__all__ = [
-    "CONFIRM",
-    "MAX_PARTS",
-    "MergedParts",
-    "main_part",
-    "merge_parts",
-]
-
-
 # Looked up once, as `of_checked` says.
 _part_of, _route_of = DevicePart.of_checked, Route.of_checked
 

@@ -6,8 +6,6 @@ from typing import NamedTuple
 from homebot.discovery.entry import Entry
 from homebot.discovery.source_record import SourceKey, SourceRecord
 
-__all__ = ["Regrouped", "regroup"]
-
 
 class Regrouped(NamedTuple):
     """A device after regrouping.

@@ -27,21 +27,6 @@ from homebot.devices.device_types import CAN_HURT
 from homebot.devices.value import PlainValue
 from homebot.discovery.source_record import SourceRecord
 
-__all__ = [
-    "CHANGES_NEEDED",
-    "MAX_TRUSTED",
-    "NOBODY_TRUSTED",
-    "WINDOW",
-    "Agreement",
-    "Change",
-    "EndpointKey",
-    "can_hurt",
-    "command_endpoints",
-    "endpoint_of",
-    "judge",
-    "takes_commands",
-]
-
 EndpointKey: TypeAlias = tuple[str, str]
 """Gateway and key; the key is empty if the endpoint is the gateway as a whole."""
 

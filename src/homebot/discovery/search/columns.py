@@ -12,8 +12,6 @@ from homebot.devices.query.terms import StateIs
 from homebot.devices.value import UNKNOWN, PlainValue, Value
 from homebot.messages import Time
 
-__all__ = ["Column", "StoredValue"]
-
 _NEVER = Time(sec=0, nanosec=0)
 
 

@@ -13,8 +13,6 @@ from typing import NamedTuple, TypeAlias, final
 
 from homebot.places.path import Crossing, PathFinder, Spot, Way
 
-__all__ = ["CostTerm", "DoorState", "Doors", "NearDevice", "Terms", "cost_text", "nearest"]
-
 
 class CostTerm(NamedTuple):
     """A cost of a device or a door in metres, and its reason."""

@@ -36,8 +36,6 @@ from homebot.devices.value import PlainValue
 from homebot.discovery.search.columns import Column, StoredValue
 from homebot.support.folding import fold, is_typo, may_be_typo, words_of
 
-__all__ = ["Found", "PostedValue", "Postings"]
-
 Found: TypeAlias = frozenset[str] | set[str]
 PostedValue: TypeAlias = tuple[str, str, str, StoredValue]
 """The part, its type, the capability, and the stored value, which later reports update."""

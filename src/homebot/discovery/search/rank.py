@@ -25,8 +25,6 @@ from homebot.devices.value import PlainValue
 from homebot.discovery.search.postings import Postings
 from homebot.support.folding import is_typo, words_of
 
-__all__ = ["Ranked", "least_shortcoming", "rank", "reasons", "shortcomings"]
-
 Ranked: TypeAlias = tuple[float, str]
 """Score and id."""
 

@@ -29,8 +29,6 @@ from homebot.places import OUTSIDE, HousePlan
 from homebot.support.folding import fold, is_room_typo, is_typo, may_be_typo
 from homebot.support.similar import did_you_mean
 
-__all__ = ["area_problem", "check_words", "note_on"]
-
 _SHOWN = 12
 _PEOPLE = frozenset({"x_person", "x_household"})
 _WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CONDITIONS, *KEYWORDS, "near", "within"})

@@ -25,8 +25,6 @@ from homebot.devices.part import Part
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.topics.use import TopicUse, aliases_of, is_called
 
-__all__ = ["MAX_BELOW", "MAX_LEVELS", "MAX_TOPICS", "MAX_USERS", "NOBODY", "TopicOwnership"]
-
 MAX_TOPICS = 1000
 """Most topics of one announcement; it may not use further ones."""
 

@@ -21,8 +21,6 @@ from homebot.devices.words import ALL_THAT_ASK, matching_words
 from homebot.discovery.merging.identity import is_generic
 from homebot.discovery.source_record import SourceKey, SourceRecord
 
-__all__ = ["Place", "TopicUse", "aliases_of", "bridge_of", "is_called", "place_of", "topic_use"]
-
 _SHORTEST = 4
 _HARDWARE_TAIL = 6
 _ADDRESS = 12

@@ -22,8 +22,6 @@ from homebot.errors import WireError
 from homebot.gateways.raw_delivery import PartTexts
 from homebot.messages import Time
 
-__all__ = ["AnnouncedPart", "AvailabilityReader", "SharedReachability", "SightingKind", "StoredAnnouncement"]
-
 SightingKind: TypeAlias = Literal["appeared", "updated", "removed"]
 
 _NOTHING: Mapping[str, Any] = MappingProxyType({})

@@ -29,8 +29,6 @@ from homebot.gateways.announced.sent_commands import sent_commands
 from homebot.gateways.raw_delivery import begin_of
 from homebot.support.unanswered import SENT_REQUESTS, SentRequests
 
-__all__ = ["CommandServer", "Perform", "RawMessages", "Refresh"]
-
 COMMAND_REFUSED = "gateway.command_refused"
 COMMAND_FAILED = "gateway.command_failed"
 

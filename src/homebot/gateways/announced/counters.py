@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 from homebot.support.counters import fault, loss
 
-__all__ = ["GatewayCounters"]
-
 
 @dataclass(slots=True)
 class GatewayCounters:

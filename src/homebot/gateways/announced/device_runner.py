@@ -16,8 +16,6 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.support.backoff import DEVICE_REFUSED_BACKOFF, WRONG_ANSWER_BACKOFF, Backoff, BackoffCounter
 from homebot.support.isolation import error_text, first_cause, run_as
 
-__all__ = ["LISTED_WITHIN", "MAX_PROBLEMS", "DeviceRunner", "DriverHost", "problems_of"]
-
 FAILED = "device.failed"
 CRASHED = "device.crashed"
 

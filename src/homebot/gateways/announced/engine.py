@@ -16,8 +16,6 @@ from homebot.gateways.base import Gateway
 from homebot.gateways.raw_delivery import RawDelivery
 from homebot.support.counters import Severity
 
-__all__ = ["GatewayEngine"]
-
 MessageT = TypeVar("MessageT")
 
 _NOT_ANNOUNCED = (

@@ -10,8 +10,6 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.base import Gateway
 from homebot.graph import DurabilityPolicy, QoSProfile
 
-__all__ = ["ExposedDevices", "KnownStates", "PublishStates"]
-
 NOT_TAKEN = "gateway.offer_not_taken"
 
 MAX_OFFERS = 1000

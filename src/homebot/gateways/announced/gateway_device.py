@@ -13,8 +13,6 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.gateways.announced.announcement import StoredAnnouncement
 
-__all__ = ["GatewayDevice", "ShowingCodec", "can_report", "simple_part"]
-
 
 @dataclass(frozen=True, slots=True)
 class GatewayDevice:

@@ -23,8 +23,6 @@ from homebot.gateways.announced.registry import DeviceRegistry, RegistryLimits
 from homebot.gateways.base import Gateway, GatewaySettings
 from homebot.gateways.raw_delivery import PartTexts, missed
 
-__all__ = ["FindSource", "PublishedDevices", "SendRaw"]
-
 REFUSED = "gateway.reading_refused"
 TOO_MANY = "gateway.devices_refused"
 REJECTED = "gateway.message_rejected"

@@ -21,8 +21,6 @@ from homebot.messages import Time
 from homebot.support.byte_account import ByteAccount
 from homebot.support.isolation import crash_of
 
-__all__ = ["DeferredMessages", "PeerQuarantine"]
-
 MessageT = TypeVar("MessageT")
 
 QUARANTINED = "gateway.quarantined"

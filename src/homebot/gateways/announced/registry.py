@@ -15,19 +15,6 @@ from homebot.devices.part import Part, size_of_texts, texts_of
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
 
-__all__ = [
-    "LISTED",
-    "MAX_EXCESS",
-    "MAX_EXCESS_EACH",
-    "MAX_MEMORY",
-    "DerivedAnnouncements",
-    "DeviceRegistry",
-    "Readers",
-    "RegistryChange",
-    "RegistryLimits",
-    "excess_of",
-]
-
 MAX_EXCESS = 8 * 1024 * 1024
 """Bytes in total. In memory, texts of lists take twice as much and templates twelve times."""
 

@@ -13,8 +13,6 @@ from homebot.gateways.announced.announcement import SightingKind, StoredAnnounce
 from homebot.gateways.base import Gateway
 from homebot.messages import Time
 
-__all__ = ["REFRESH", "DeviceReporter"]
-
 REFRESH = 1.0
 """Seconds between two sightings of a talkative device; the precision of `last_seen`."""
 

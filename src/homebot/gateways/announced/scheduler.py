@@ -8,8 +8,6 @@ import anyio
 from homebot.clock import Clock, TimeSlice
 from homebot.support.timer_queue import TimerQueue
 
-__all__ = ["Scheduler"]
-
 
 class Scheduler:
     """A timer queue of callbacks, served by one task on the injected clock."""

@@ -10,8 +10,6 @@ from homebot.devices.text.states import bounds_of
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, WrongCodeError
 
-__all__ = ["MOST_LINES", "sent_commands"]
-
 MOST_LINES = 64
 """Settings shown of one part; no more are tried, as a template may take milliseconds."""
 

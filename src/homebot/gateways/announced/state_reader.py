@@ -29,8 +29,6 @@ from homebot.gateways.announced.unreadable_payloads import UnreadablePayloads
 from homebot.gateways.raw_delivery import RawDelivery
 from homebot.messages import Time
 
-__all__ = ["StateReader"]
-
 _new = tuple.__new__
 """Makes a named tuple in half the time of its constructor."""
 

@@ -13,8 +13,6 @@ from homebot.gateways.announced.reporter import DeviceReporter
 from homebot.gateways.announced.scheduler import Scheduler
 from homebot.log import LogLimit
 
-__all__ = ["UnreadablePayloads"]
-
 UNREADABLE: Final = "gateway.payload_unreadable"
 MAX_AT_ONCE: Final = 10
 """Most payloads of a part that are reported when they come; of further ones the last is, once a second."""

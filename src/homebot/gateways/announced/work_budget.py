@@ -14,8 +14,6 @@ from dataclasses import dataclass
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.rate_limit import RateLimit
 
-__all__ = ["MESSAGE_WORK", "WorkBudget", "WorkBudgets"]
-
 MESSAGE_WORK = 4096
 """Work of a message in addition to its length in bytes."""
 

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from bleak.backends.device import BLEDevice
     from bleak.backends.scanner import AdvertisementData, BaseBleakScanner
 
-__all__ = ["BleLink", "BleRadio"]
-
 CONNECT_WITHIN = 20.0
 ANSWER_WITHIN = 10.0
 """Both in seconds."""

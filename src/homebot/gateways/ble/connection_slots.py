@@ -4,8 +4,6 @@ from collections.abc import Callable
 
 import anyio
 
-__all__ = ["ConnectionSlots"]
-
 
 class ConnectionSlots:
     """Hands out a fixed number of connections: to devices with a command first, then in the order of asking.

@@ -30,8 +30,6 @@ from homebot.support.isolation import run_as
 if TYPE_CHECKING:
     from homebot.gateways.ble.bleak_adapter import BleLink, BleRadio
 
-__all__ = ["Connections"]
-
 COMMAND_WITHIN = 25.0
 """Seconds that a command waits for a connection."""
 

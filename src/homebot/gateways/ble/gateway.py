@@ -32,8 +32,6 @@ from homebot.support.rate_limit import RateLimit
 if TYPE_CHECKING:
     from homebot.gateways.ble.bleak_adapter import BleRadio
 
-__all__ = ["BleGateway"]
-
 QUIET = 30.0
 """Seconds without any advertisement after which the scan is restarted: an adapter that is gone does not say so."""
 

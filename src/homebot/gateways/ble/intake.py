@@ -10,8 +10,6 @@ from homebot.conventions.bluetooth.broadcast import Advertisement
 from homebot.errors import LinkError
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["BluetoothUnavailableError", "Intake"]
-
 EVERY = 1.0
 """Seconds between two identical advertisements of a device."""
 

@@ -11,8 +11,6 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.ble.settings import BleDeviceSettings
 
-__all__ = ["BATTERY", "KnownDevice"]
-
 BATTERY = "battery"
 SIGNAL = "signal"
 DISTANCE = "distance"

@@ -16,8 +16,6 @@ from homebot.gateways.password_settings import read_password
 from homebot.plugins import plugin_names
 from homebot.units import Seconds
 
-__all__ = ["PARSERS", "BleDeviceSettings", "BleGatewaySettings", "Listed"]
-
 PARSERS = "homebot.ble_parsers"
 """The plug-in group of parsers."""
 

@@ -30,8 +30,6 @@ from homebot.gateways.coap.settings import CoapCredentials
 from homebot.support.connect_errors import connect_problem
 from homebot.support.unanswered import SENT_REQUESTS, awaiting_answer
 
-__all__ = ["CoapAnswer", "CoapClient", "GroupAnswer", "limit_requests"]
-
 MAX_BODY: Final = 256 * 1024
 """Longest answer that is put together of blocks."""
 

@@ -29,8 +29,6 @@ from homebot.support.isolation import run_as, ungrouped
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapClient
 
-__all__ = ["DirectoryClient"]
-
 RETRY: Final = Backoff(first=1.0, factor=2.0, cap=5.0, late_cap=30.0, late_after=300.0, jitter=0.5)
 
 CHECK_EVERY = 20.0

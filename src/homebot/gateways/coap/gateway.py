@@ -34,8 +34,6 @@ from homebot.support.isolation import run_as
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapClient, GroupAnswer
 
-__all__ = ["CoapGateway"]
-
 DESCRIBED_AT_ONCE, DESCRIBED_PER_HOST = 8, 2
 """Endpoints that are described at the same time, and of those at one address; the others wait."""
 

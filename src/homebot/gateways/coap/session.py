@@ -19,8 +19,6 @@ from homebot.support.backoff import DEVICE_BACKOFF
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapClient
 
-__all__ = ["EndpointSession"]
-
 
 class EndpointSession(DeviceRunner):
     """Describes the devices of one endpoint and runs them; ends if it only answered a multicast question once.

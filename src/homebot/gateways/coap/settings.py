@@ -10,9 +10,6 @@ from homebot.conventions.coap.endpoint import check_uri
 from homebot.gateways.base import GatewaySettings
 from homebot.units import Seconds
 
-__all__ = ["CoapCredentials", "CoapGatewaySettings", "CoapUri"]
-
-
 CoapUri = Annotated[str, AfterValidator(check_uri)]
 """An address such as ``coap://192.168.1.20`` or ``coap://[fe80::1%25eth0]/things/lamp``."""
 

@@ -19,8 +19,6 @@ from homebot.gateways.drivers import Driver, DriverSettings
 from homebot.plugins import load_plugin, plugin_names
 from homebot.support.backoff import Backoff
 
-__all__ = ["DRIVERS", "LOST_BACKOFF", "DriverRunner", "UsableDriver", "find_drivers"]
-
 DRIVERS = "homebot.drivers"
 
 LOST_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=15.0, late_cap=60.0, late_after=300.0, jitter=0.5)

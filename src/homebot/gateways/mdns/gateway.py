@@ -35,8 +35,6 @@ from homebot.support.isolation import run_as, ungrouped
 if TYPE_CHECKING:
     from homebot.gateways.mdns.zeroconf_network import MdnsNetwork
 
-__all__ = ["MdnsGateway"]
-
 DRIVER_NOT_USED = "mdns.driver_not_used"
 
 MAX_ASLEEP = 100

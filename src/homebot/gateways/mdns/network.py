@@ -18,8 +18,6 @@ from homebot.conventions.dns_sd import FoundService
 if TYPE_CHECKING:
     from ifaddr import Adapter
 
-__all__ = ["Interfaces", "NetworkInterfaces", "OwnService", "ResolvedService", "ServiceNetwork", "ServiceNews"]
-
 Interfaces: TypeAlias = tuple[str | int, ...]
 """IPv4 addresses, and the indexes of interfaces that have IPv6: as zeroconf wants them."""
 

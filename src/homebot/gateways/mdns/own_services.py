@@ -30,8 +30,6 @@ from homebot.support.installation import Installation
 if TYPE_CHECKING:
     from homebot.gateways.mdns.zeroconf_network import MdnsNetwork
 
-__all__ = ["HOMEBOT", "OwnServices"]
-
 ANNOUNCE_FAILED = "mdns.announce_failed"
 NAME_TAKEN = "mdns.name_taken"
 ID_TAKEN = "mdns.id_taken"

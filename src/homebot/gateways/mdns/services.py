@@ -22,8 +22,6 @@ from homebot.support.bounded_map import BoundedMap
 from homebot.support.isolation import isolated
 from homebot.support.rate_limit import RateLimit
 
-__all__ = ["ServiceHandler", "Services"]
-
 ANSWER_WITHIN = 3.0
 """Seconds in which a service may answer; the query is sent four times."""
 

@@ -11,8 +11,6 @@ from homebot.conventions.dns_sd import ENUMERATION, full_type, is_service_type
 from homebot.gateways.base import GatewaySettings
 from homebot.units import Seconds
 
-__all__ = ["KNOWN_TYPES", "MdnsGatewaySettings"]
-
 KNOWN_TYPES = tuple(
     f"{name}.local."
     for name in (

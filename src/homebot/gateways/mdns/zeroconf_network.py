@@ -36,8 +36,6 @@ from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.mdns.network import Interfaces, OwnService, ResolvedService, ServiceNetwork, ServiceNews
 from homebot.support.addresses import is_loopback
 
-__all__ = ["MdnsNetwork"]
-
 MAX_TYPES = 100
 """Service types that are browsed at once; a house has up to fifty."""
 

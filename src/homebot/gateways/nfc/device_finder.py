@@ -16,8 +16,6 @@ from homebot.graph import Node
 from homebot.log import LogLimit
 from homebot.support.folding import fold
 
-__all__ = ["DeviceFinder", "PointedAt", "RoomTagger"]
-
 TAUGHT: Final = "nfc.place_taught"
 NOT_TAUGHT: Final = "nfc.place_not_taught"
 

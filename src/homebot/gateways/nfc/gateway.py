@@ -42,8 +42,6 @@ from homebot.support.backoff import Backoff, BackoffCounter
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.isolation import run_as
 
-__all__ = ["NfcGateway"]
-
 READER_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=10.0, late_cap=30.0, late_after=300.0, jitter=0.5)
 """For a reader that is not connected."""
 

@@ -9,8 +9,6 @@ from homebot.conventions.nfc.ndef_message import MAX_MESSAGE, TagContent, TagErr
 from homebot.errors import LinkError
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader
 
-__all__ = ["NfcpyReader"]
-
 _TECHNOLOGIES = ("106A", "106B", "212F")
 _POLL = 0.1
 """Seconds between two polls for a tag, or for whether it is still there."""

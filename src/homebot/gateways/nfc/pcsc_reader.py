@@ -14,8 +14,6 @@ from homebot.conventions.nfc.ndef_message import TagError
 from homebot.errors import LinkError
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader
 
-__all__ = ["PcscReader"]
-
 _ANY_CHANGE: Final = "\\\\?PnP?\\Notification"
 """The name under which the service reports that a reader was plugged in or out."""
 

@@ -16,19 +16,6 @@ from anyio import from_thread, to_thread
 from homebot.conventions.nfc.ndef_message import TagContent, TagError
 from homebot.errors import LinkError
 
-__all__ = [
-    "PresentTag",
-    "ReaderDesk",
-    "ReaderNews",
-    "ReadersFound",
-    "TagLeft",
-    "TagReader",
-    "TagReaders",
-    "TagSeen",
-    "WriteOrder",
-    "read_tags",
-]
-
 
 class PresentTag(Protocol):
     """A tag that is at a reader now. Its methods block; only the reader's thread calls them."""

@@ -9,8 +9,6 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 from homebot.gateways.base import GatewaySettings
 from homebot.units import Seconds
 
-__all__ = ["NfcGatewaySettings", "TagSettings"]
-
 _PATH = re.compile(r"(usb|tty|com|udp)(:.*)?")
 _UID = re.compile(r"(?:[0-9a-f]{2}){4,10}")
 _YEAR = 365 * 24 * 3600.0

@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from homebot.gateways.nfc.device_finder import DeviceFinder, PointedAt
     from homebot.graph import Node
 
-__all__ = ["TagServices"]
-
 _MAX_READING: Final = 16
 """Calls that may wait for a tag at once."""
 

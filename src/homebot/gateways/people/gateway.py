@@ -21,8 +21,6 @@ from homebot.graph import Node
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
 
-__all__ = ["PeopleGateway"]
-
 AT_HOME: Final = "at_home"
 ALL_AT_HOME: Final = "all_at_home"
 HOUSEHOLD: Final = "household"

@@ -8,8 +8,6 @@ from typing import Final, TypeAlias
 
 import anyio
 
-__all__ = ["Ping", "answers"]
-
 Ping: TypeAlias = Callable[[str], Awaitable[bool | None]]
 """Returns whether an address answers; None if there is no network to ask in."""
 

@@ -7,8 +7,6 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from homebot.gateways.base import GatewaySettings
 from homebot.units import Seconds
 
-__all__ = ["PeopleSettings", "PersonSettings"]
-
 _Name = Annotated[str, Field(min_length=1, max_length=100)]
 
 

@@ -15,8 +15,6 @@ from homebot.gateways.people.settings import PersonSettings
 from homebot.gateways.people.whereabouts import PLACE, Sign, sign_of
 from homebot.support.folding import fold
 
-__all__ = ["TrackerWatch"]
-
 
 @final
 class TrackerWatch(HouseWatcher):

@@ -7,8 +7,6 @@ from typing import Final, Literal, NamedTuple, TypeAlias
 from homebot.devices.device import Device, State
 from homebot.support.folding import fold
 
-__all__ = ["BEACON", "PLACE", "Sign", "Whereabouts", "sign_of", "where_is"]
-
 PLACE: Final = "place"
 """The capability of trackers."""
 

@@ -22,8 +22,6 @@ from homebot.messages.action_msgs import CancelGoal, CancelGoalRequest, CancelGo
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.unique_identifier_msgs import UUID
 
-__all__ = ["ActionClient", "ClientGoal"]
-
 _OnFeedback: TypeAlias = Callable[[FeedbackT], Awaitable[None] | None] | None
 _NO_TIME = Time(sec=0, nanosec=0)
 

@@ -32,8 +32,6 @@ from homebot.messages.unique_identifier_msgs import UUID
 from homebot.support.isolation import crash_of, is_end_of, uncancel
 from homebot.support.time_limits import TimeLimits
 
-__all__ = ["ActionServer", "Preemption"]
-
 MAX_ACTIVE: Final = 256
 MAX_ENDED: Final = 256
 _NO_ID: Final = bytes(16)

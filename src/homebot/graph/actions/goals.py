@@ -19,8 +19,6 @@ from homebot.messages.definition import zero_message
 from homebot.messages.message import Message
 from homebot.messages.unique_identifier_msgs import UUID
 
-__all__ = ["GoalState", "ServerGoal", "check_type", "endpoint_name"]
-
 MessageT = TypeVar("MessageT", bound=Message)
 
 

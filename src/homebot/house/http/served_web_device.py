@@ -11,8 +11,6 @@ from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dns_sd import DnsSdService, announce_service
 from homebot.house.http.web_server import WebDevice, WebServer
 
-__all__ = ["ServedWebDevice"]
-
 
 class ServedWebDevice(ServedDevice, WebDevice):
     """A device with a server of its own, at a free port for 0, which may announce itself by DNS-SD."""

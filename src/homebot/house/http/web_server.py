@@ -14,8 +14,6 @@ import anyio
 from aiohttp import WSMsgType, web
 from anyio.abc import TaskStatus
 
-__all__ = ["WebDevice", "WebPeer", "WebReply", "WebRequest", "WebServer"]
-
 QUEUED = 100
 LONGEST = 64 * 1024
 SHUTDOWN = 0.1

@@ -8,8 +8,6 @@ from random import Random
 from homebot.house.family import LOOPBACK, FamilyNetwork, ServedFamily, free_port
 from homebot.house.nfc.field import TagField
 
-__all__ = ["NfcNetwork", "TagFamily"]
-
 
 class NfcNetwork(FamilyNetwork):
     """The field of a reader."""

@@ -21,8 +21,6 @@ from homebot.house.nfc.type4_card import Type4Card
 from homebot.house.tag import AWAY
 from homebot.house.wire import hardware_address
 
-__all__ = ["ServedTag", "TagField"]
-
 _SENSE: Final = b"\x26"
 _SENSED: Final = b"\x44\x03"
 _CASCADE: Final = b"\x93\x95\x97"

@@ -2,8 +2,6 @@
 
 from typing import Final
 
-__all__ = ["Type4Card"]
-
 _APPLICATION: Final = bytes.fromhex("D2760000850101")
 _CONTAINER: Final = 0xE103
 _FILE: Final = 0xE104

@@ -2,8 +2,6 @@
 
 from homebot.house.ble_family import BleFamily
 
-__all__ = ["BTHomeFamily"]
-
 
 class BTHomeFamily(BleFamily):
     """Sensors."""

@@ -14,8 +14,6 @@ from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.virtual_radio import VirtualPeripheral, VirtualRadio
 from homebot.integrations.bthome.formats.encryption import seal
 
-__all__ = ["BroadcastingButton", "BroadcastingSensor"]
-
 PRESS_LASTS = 2.0
 """Seconds for which a button advertises that it was pressed."""
 

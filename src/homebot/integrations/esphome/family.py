@@ -4,8 +4,6 @@ from types import MappingProxyType
 
 from homebot.house.family import ALL_KINDS, LoopbackMdns, ServedFamily
 
-__all__ = ["EsphomeFamily"]
-
 
 class EsphomeFamily(ServedFamily):
     """Devices with ESPHome's native API."""

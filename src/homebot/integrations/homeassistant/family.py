@@ -11,8 +11,6 @@ import anyio
 
 from homebot.house.family import ALL_KINDS, LOOPBACK, FamilyNetwork, ServedFamily, free_port
 
-__all__ = ["HomeAssistantFamily", "HomeAssistantNetwork"]
-
 TOKEN = "HOMEBOT_SIMULATED_TOKEN"  # noqa: S105 - the name of a variable
 """Environment variable with the token of the simulated Home Assistant."""
 

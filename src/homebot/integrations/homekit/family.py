@@ -17,8 +17,6 @@ from homebot.house.family import ALL_KINDS, LOOPBACK, LoopbackMdns, ServedFamily
 if TYPE_CHECKING:
     from homebot.integrations.homekit.simulated.bridge import SimulatedHomekitBridge
 
-__all__ = ["HomekitFamily", "HomekitNetwork"]
-
 _BRIDGE = "homebot.integrations.homekit.simulated.bridge"
 
 

@@ -15,8 +15,6 @@ from homebot.house.simulated_device import number_text
 from homebot.house.wire import as_json, as_text, device_orders, hardware_address, mired_kelvin, scaled
 from homebot.support.numbers import to_number
 
-__all__ = ["HomieDialect"]
-
 PROFILE = "hc-smarthome/v2/cap"
 
 

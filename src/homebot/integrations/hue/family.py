@@ -10,8 +10,6 @@ from random import Random
 
 from homebot.house.family import LOOPBACK, FamilyNetwork, ServedFamily, free_port
 
-__all__ = ["HueFamily", "HueNetwork"]
-
 
 class HueNetwork(FamilyNetwork):
     """A bridge that is paired with homebot."""

@@ -10,8 +10,6 @@ import anyio
 
 from homebot.house.family import ALL_KINDS, LOOPBACK, FamilyNetwork, ServedFamily, free_port
 
-__all__ = ["BridgedMatterFamily", "MatterFamily", "MatterNetwork", "MatterPlugFamily"]
-
 
 class MatterNetwork(FamilyNetwork):
     """A Matter server with the nodes that it has commissioned."""

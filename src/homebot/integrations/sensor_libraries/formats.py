@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from habluetooth import BluetoothServiceInfoBleak
     from sensor_state_data import DeviceKey, Event, SensorDescription, SensorUpdate
 
-__all__ = ["SensorLibraryParser"]
-
 BASE = "bluetooth-sensor-state-data"
 ON_BATTERY = 300.0
 """Seconds for which a battery-powered device may be silent."""

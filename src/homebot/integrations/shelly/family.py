@@ -4,8 +4,6 @@ from types import MappingProxyType
 
 from homebot.house.family import LoopbackMdns, ServedFamily
 
-__all__ = ["ShellyHttpFamily"]
-
 
 class ShellyHttpFamily(ServedFamily):
     """Lamps and motors."""

@@ -22,8 +22,6 @@ from homebot.devices.part import Category, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
-__all__ = ["SwitchbotParser"]
-
 MAKER: Final = 0x0969
 SERVICES: Final = (full_uuid("fd3d"), full_uuid("0d00"))
 ON_BATTERY: Final = 300.0

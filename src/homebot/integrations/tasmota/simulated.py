@@ -18,8 +18,6 @@ from homebot.house.wire import (
 )
 from homebot.support.numbers import to_number
 
-__all__ = ["TasmotaDialect"]
-
 COLDEST, WARMEST = 153, 500
 """Mired, as far as a Tasmota lamp goes."""
 

@@ -28,9 +28,6 @@ from homebot.devices.device_types import wanted_types
 from homebot.devices.part import Capability, Part
 from homebot.errors import WireError
 
-__all__ = ["Thesis", "ThesisSettings", "thesis_part"]
-
-
 _OPENING = ("movement", "position")
 _SETTABLE: Mapping[str, tuple[str, ...]] = {
     "light": ("on_off", "level", "color_temperature"),

@@ -2,8 +2,6 @@
 
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 
-__all__ = ["ThesisDialect"]
-
 
 class ThesisDialect(Dialect):
     """Every kind of device; the layout announces none."""

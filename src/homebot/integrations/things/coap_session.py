@@ -40,8 +40,6 @@ from homebot.support.isolation import run_as, ungrouped
 if TYPE_CHECKING:
     from homebot.gateways.coap.aiocoap_client import CoapAnswer, CoapClient
 
-__all__ = ["COAP_BINDING", "CoapPort", "ThingEndpointSession", "with_own_forms"]
-
 COAP_BINDING: Final = RequestBinding(SCHEMES, ("cov:observe", "coap:observe", ""), coap_formats)
 
 NOT_ALLOWED: Final = 0x85

@@ -18,8 +18,6 @@ from homebot.conventions.vacuum_map import VacuumMap, VacuumSegment
 from homebot.errors import WireError
 from homebot.places.rigid import MapPose
 
-__all__ = ["ValetudoMaps", "read_map"]
-
 _MAX_PAYLOAD: Final = 2**20
 _MAX_JSON: Final = 2**23
 _MAX_NUMBERS: Final = 600_000

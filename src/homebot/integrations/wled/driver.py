@@ -25,8 +25,6 @@ from homebot.support.isolation import ungrouped
 if TYPE_CHECKING:
     from homebot.gateways.http_client import HttpClient
 
-__all__ = ["WledDriver"]
-
 MAX_BYTES: Final = 128 * 1024
 """Longest answer; with 32 segments it has about 12 kB."""
 

@@ -4,8 +4,6 @@ from types import MappingProxyType
 
 from homebot.house.family import LoopbackMdns, ServedFamily
 
-__all__ = ["WledFamily"]
-
 
 class WledFamily(ServedFamily):
     """Strips of lights."""

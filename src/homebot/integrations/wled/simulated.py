@@ -12,8 +12,6 @@ from homebot.house.http.web_server import WebPeer, WebReply, WebRequest
 from homebot.house.wire import as_json, hardware_address, json_value, lamp_order, scaled
 from homebot.support.numbers import to_number
 
-__all__ = ["EFFECTS", "ServedWled"]
-
 EFFECTS = ("Solid", "Blink", "Breathe", "Wipe", "RSVD", "Rainbow")
 PALETTES = ("Default", "* Random Cycle")
 FULL = 255

@@ -20,8 +20,6 @@ from homebot.house.wire import (
 )
 from homebot.support.numbers import to_number
 
-__all__ = ["EXPOSES", "Zigbee2MqttDialect"]
-
 PUBLISHED = 1
 SETTABLE = 2
 GETTABLE = 4

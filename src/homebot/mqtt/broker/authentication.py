@@ -13,8 +13,6 @@ from homebot.support.addresses import network_of
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.guess_delays import GuessDelays
 
-__all__ = ["Applicant", "Authentication", "LoginThrottle", "WaitingLogins", "host_of"]
-
 _NOBODYS = bytes(32)
 
 

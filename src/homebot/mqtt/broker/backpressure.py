@@ -16,8 +16,6 @@ from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.state import BrokerState, short
 from homebot.mqtt.packets import Packet, Publish, ReasonCode
 
-__all__ = ["Backpressure"]
-
 
 @final
 class Backpressure:

@@ -36,8 +36,6 @@ from homebot.mqtt.packets import (
     Unsubscribe,
 )
 
-__all__ = ["ClientPackets"]
-
 _REFUSED: Final = Receipt(ReasonCode.NOT_AUTHORIZED)
 _UNCHECKED: Final = 8  # packets handled before the clock is read
 

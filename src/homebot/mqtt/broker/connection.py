@@ -15,8 +15,6 @@ from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import ReasonCode
 from homebot.support.byte_account import ByteAccount
 
-__all__ = ["BrokerConnection", "Sockets"]
-
 _READ_AT_MOST = 16 * 1024
 _PER_CLIENT = 2  # logins must not keep others out, but need a bound
 

@@ -8,8 +8,6 @@ from typing import final
 
 from homebot.support.timer_queue import TimerQueue
 
-__all__ = ["BrokerTimers", "Deadline"]
-
 
 @final
 class Deadline:

@@ -17,8 +17,6 @@ from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.broker.stats import BrokerStats
 from homebot.support.logger import get_logger
 
-__all__ = ["EmbeddedBroker"]
-
 _log = get_logger()
 
 

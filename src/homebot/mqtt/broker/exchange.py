@@ -15,8 +15,6 @@ from homebot.mqtt.broker.subscriptions import ShareGroup, SubscriptionTree, Targ
 from homebot.mqtt.packets import MqttSubscription, ReasonCode
 from homebot.support.turn_budget import TurnBudget
 
-__all__ = ["MessageRouter", "Receipt"]
-
 
 class Receipt(NamedTuple):
     """The result of publishing a message.

@@ -10,8 +10,6 @@ from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import MqttSubscription, Suback, Subscribe, Unsuback, Unsubscribe
 
-__all__ = ["FilterRequests"]
-
 
 @final
 class FilterRequests:

@@ -12,8 +12,6 @@ from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.queue import QueuedMessage
 from homebot.mqtt.packets import PacketError, Pubrel, ReasonCode
 
-__all__ = ["InFlight"]
-
 _SMALL: Final = 1024  # bytes; smaller messages are not counted, because there are few
 
 

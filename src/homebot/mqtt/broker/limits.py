@@ -5,8 +5,6 @@ from dataclasses import dataclass, fields
 from homebot.errors import UsageError
 from homebot.mqtt.packets import MAX_PACKET_SIZE
 
-__all__ = ["BrokerLimits", "checked_keep_alive"]
-
 _MIB = 1024 * 1024
 
 

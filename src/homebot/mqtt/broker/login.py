@@ -16,8 +16,6 @@ from homebot.mqtt.packets import (
     encode,
 )
 
-__all__ = ["ConnectRequest", "accept", "connack", "expiry_of", "may_try_at", "refusal"]
-
 _SMALL_WILL = 1024  # bytes; smaller wills are not worth counting
 _NEVER = 0xFFFF_FFFF
 _DEFAULT_RECEIVE_MAXIMUM = 65_535

@@ -9,8 +9,6 @@ from homebot.mqtt.packets import NO_PROPERTIES, PacketType, Properties, Protocol
 from homebot.mqtt.packets.properties import encode_properties
 from homebot.mqtt.packets.publish import encode_publish_parts
 
-__all__ = ["BULKY", "ENTRY", "BrokerMessage", "size_of"]
-
 _PAIR = 160  # bytes of a user property in addition to its text
 BULKY: Final = 8 * 1024
 """Bytes from which copies of a message are not made all at once, nor kept encoded while it waits, as that would take

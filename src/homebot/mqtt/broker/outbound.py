@@ -23,8 +23,6 @@ from homebot.mqtt.packets import (
 from homebot.mqtt.packets.properties import encode_properties
 from homebot.mqtt.packets.publish import encode_publish_parts
 
-__all__ = ["Outbound", "goodbye", "unread_connect_answer"]
-
 _LONGEST_ALIASED = 512  # characters; each client remembers its topics
 
 

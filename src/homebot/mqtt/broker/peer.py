@@ -27,9 +27,6 @@ from homebot.mqtt.packets import (
     encode,
 )
 
-__all__ = ["Peer"]
-
-
 _CONNECT = b"\x10"
 _MOST_DEFERRED = 16 * 1024  # bytes waiting for a later turn
 _CUT_BY_A_READ = 4096  # bytes: one read may leave about that much of a packet

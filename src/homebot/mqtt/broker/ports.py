@@ -8,8 +8,6 @@ from typing import Final, Protocol, final
 from homebot.mqtt.packets import ReasonCode
 from homebot.mqtt.topics import topic_matches
 
-__all__ = ["BrokerPolicy", "ConnectedClient", "ConnectionHandler", "RefusedFilters", "Transport"]
-
 _BRIDGE_STATE: Final = "$SYS/broker/connection/+/state"
 
 

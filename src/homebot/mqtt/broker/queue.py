@@ -8,8 +8,6 @@ from typing import Final, NamedTuple, final
 from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.retained import Replay
 
-__all__ = ["REFUSED", "SLOW", "TAKEN", "DeliveryResult", "MessageQueue", "QueuedMessage"]
-
 
 class DeliveryResult(IntEnum):
     """The result for a message and one session: accepted; accepted, but slow down; refused."""

@@ -11,8 +11,6 @@ from homebot.mqtt.filter_tree import FilterTree
 from homebot.support.timer_queue import TimerQueue
 from homebot.support.turn_budget import TurnBudget
 
-__all__ = ["Owed", "Replay", "RetainedMessages"]
-
 _SWEEP: Final = 64  # removed entries that may always remain
 
 

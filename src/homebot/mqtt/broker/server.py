@@ -28,8 +28,6 @@ from homebot.support.addresses import ip_version, is_loopback
 if TYPE_CHECKING:
     from homebot.mqtt.broker.tls_socket import TlsSocket
 
-__all__ = ["Broker", "PortTakenError"]
-
 _BACKLOG = 512
 _REPORT_INTERVAL: Final = 10.0  # seconds between reports of losses
 _ACCEPTED_IN_A_TURN = 16  # asyncio accepts as many per turn of the loop

@@ -21,8 +21,6 @@ from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.packets import ReasonCode
 from homebot.support.turn_budget import TurnBudget
 
-__all__ = ["BrokerSession"]
-
 _UNCHECKED: Final = 16  # messages sent before the clock is read
 
 

@@ -5,8 +5,6 @@ from typing import NamedTuple, Self
 from homebot.mqtt.packets import MqttSubscription
 from homebot.mqtt.topics import parse_shared_filter
 
-__all__ = ["SessionSubscription"]
-
 
 class SessionSubscription(NamedTuple):
     """A filter with its options.

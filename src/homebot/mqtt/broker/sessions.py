@@ -18,8 +18,6 @@ from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.packets import Will
 from homebot.support.turn_budget import TurnBudget
 
-__all__ = ["Sessions", "will_size"]
-
 
 @final
 class Sessions:

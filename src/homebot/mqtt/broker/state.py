@@ -23,8 +23,6 @@ from homebot.support.byte_account import ByteAccount
 from homebot.support.logger import get_logger
 from homebot.support.turn_budget import SHARE, TurnBudget
 
-__all__ = ["BrokerState", "short"]
-
 _WARNINGS = 20  # per event in ten seconds: enough to distinguish a few clients
 _LONGEST_TEXT = 100  # a client may choose a name or topic of 65,535 bytes
 _log = get_logger()

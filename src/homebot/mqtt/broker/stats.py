@@ -8,8 +8,6 @@ from typing import Final, final
 
 from homebot.support.counters import fault, loss
 
-__all__ = ["BrokerStats", "Counters", "LossReport", "loss_text"]
-
 
 @dataclass(slots=True)
 class Counters:

@@ -10,8 +10,6 @@ from homebot.mqtt.filter_tree import FilterTree
 if TYPE_CHECKING:
     from homebot.mqtt.broker.session import BrokerSession
 
-__all__ = ["Recipients", "ShareGroup", "SubscriptionTree", "Target"]
-
 _MAX_CACHED_TOPICS = 4096  # enough for the busy topics of a house; beyond that the cache starts afresh
 _MOST_CACHED = 50_000  # targets of all cached topics
 _LONGEST_CACHED = 512  # characters of a topic

@@ -12,8 +12,6 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, Final, cast, final
 
-__all__ = ["TlsSocket"]
-
 _READ_AT_MOST: Final = 16 * 1024
 _ENCRYPT_AT_MOST: Final = 64 * 1024  # bytes, before they are passed on
 

@@ -43,8 +43,6 @@ from homebot.mqtt.client.tcp_transport import dial_error, make_tls_context
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import NO_PROPERTIES, MqttSubscription, PacketType, Properties, ReasonCode
 
-__all__ = ["AiomqttClient"]
-
 T = TypeVar("T")
 
 

@@ -20,8 +20,6 @@ from homebot.mqtt.packets import NO_PROPERTIES, MqttSubscription, Properties, Re
 from homebot.mqtt.topics import validate_filter, validate_topic
 from homebot.support.logger import get_logger
 
-__all__ = ["MqttClient"]
-
 _GOODBYE: Final = 1.0
 """Seconds that a clean close may take, as the broker may be gone already."""
 

@@ -3,8 +3,6 @@
 from enum import Enum
 from typing import final
 
-__all__ = ["KeepAlive", "LifeSign"]
-
 
 class LifeSign(Enum):
     """The next step of the keep-alive."""

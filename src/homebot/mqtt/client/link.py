@@ -16,8 +16,6 @@ from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import MqttSubscription, PacketType, Properties, ReasonCode
 from homebot.support.unanswered import SENT_REQUESTS
 
-__all__ = ["UNREADABLE", "ClientLink", "FrameReader"]
-
 UNREADABLE: Final = "the broker sent something unreadable"
 
 _IN_FLIGHT: Final = 100

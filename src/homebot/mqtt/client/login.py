@@ -8,17 +8,6 @@ from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets.reason import ReasonCode
 from homebot.support.logger import get_logger
 
-__all__ = [
-    "ClosedEarlyError",
-    "MqttVersion",
-    "SessionGrant",
-    "VersionChoice",
-    "disconnect_error",
-    "early_end",
-    "login_error",
-    "reason_text",
-]
-
 MqttVersion: TypeAlias = Literal["5", "3.1.1"]
 T = TypeVar("T")
 _log = get_logger()

@@ -14,8 +14,6 @@ from homebot.errors import LinkError
 from homebot.mqtt.broker import BrokerState, Peer
 from homebot.mqtt.client.transport import TransportUser
 
-__all__ = ["MemoryLink", "MemorySocket"]
-
 
 @final
 class MemoryLink:

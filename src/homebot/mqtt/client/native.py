@@ -41,8 +41,6 @@ from homebot.mqtt.packets.properties import decode_properties, encode_properties
 from homebot.mqtt.packets.publish import encode_publish_parts
 from homebot.mqtt.packets.reason import PacketError
 
-__all__ = ["ClientProtocol", "NativeClient", "answer_in"]
-
 _PUBREC: Final = PacketType.PUBREC
 _PINGRESP: Final = PacketType.PINGRESP
 _ANSWERS: Final = frozenset({PacketType.PUBACK, _PUBREC, PacketType.PUBCOMP, PacketType.SUBACK, PacketType.UNSUBACK})

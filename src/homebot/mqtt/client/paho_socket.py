@@ -24,8 +24,6 @@ from homebot.mqtt.client.tcp_transport import TcpTransport
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets.primitives import encode_varint
 
-__all__ = ["PahoSocket"]
-
 
 @final
 class PahoSocket:

@@ -17,16 +17,6 @@ from homebot.mqtt.client.login import MqttVersion, SessionGrant
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import MqttSubscription, Properties
 
-__all__ = [
-    "MOST_QOS",
-    "grant_of",
-    "packed_size",
-    "properties_of",
-    "publish_properties",
-    "settings_of",
-    "subscribe_options",
-]
-
 MOST_QOS: Final = 1
 """The highest QoS to publish with."""
 

@@ -17,8 +17,6 @@ from homebot.mqtt.packets.publish import decode_publish
 from homebot.support.counters import loss
 from homebot.support.logger import get_logger
 
-__all__ = ["DeliveryLedger", "Frame", "Inbox", "MqttCounters", "Receiver"]
-
 _PUBACK = b"\x40\x02"
 _PUBREC = b"\x50\x02"
 _PUBCOMP = b"\x70\x02"

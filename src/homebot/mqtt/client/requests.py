@@ -11,8 +11,6 @@ from typing import NamedTuple, TypeAlias, final
 from homebot.errors import LinkError
 from homebot.mqtt.packets import Publish, Pubrel
 
-__all__ = ["Answer", "Requests", "SendWindow"]
-
 Answer: TypeAlias = tuple[int, ...]
 """The raw reason codes of an answer: brokers also send others than the protocol defines."""
 

@@ -22,8 +22,6 @@ from homebot.mqtt.options import MqttOptions
 from homebot.support.addresses import ip_version
 from homebot.support.connect_errors import connect_problem
 
-__all__ = ["ReadAhead", "TcpTransport", "dial_error", "dial_tcp", "make_tls_context", "socket_error"]
-
 _PORTION: Final = 32 * 1024
 """Bytes parsed in one turn of the loop: a few hundred messages, a few milliseconds of work."""
 

@@ -6,8 +6,6 @@ from typing import Final, Protocol, TypeAlias
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.options import MqttOptions
 
-__all__ = ["SEND_BUFFER", "ClientTransport", "Dial", "TransportUser"]
-
 SEND_BUFFER: Final = 256 * 1024
 """Bytes waiting for the broker from which a publish of QoS 0 waits too."""
 

@@ -18,18 +18,6 @@ from homebot.mqtt.packets.properties import (
 )
 from homebot.mqtt.packets.reason import FAILURES, PacketError, ProtocolVersion, ReasonCode, by_number
 
-__all__ = [
-    "DECODERS",
-    "ENCODERS",
-    "Auth",
-    "Connack",
-    "Connect",
-    "Disconnect",
-    "Pingreq",
-    "Pingresp",
-    "Will",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class Will:

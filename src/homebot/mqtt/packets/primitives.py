@@ -5,8 +5,6 @@ from typing import final
 from homebot.errors import UsageError
 from homebot.mqtt.packets.reason import PacketError
 
-__all__ = ["MAX_UINT16", "MAX_VARINT", "Cursor", "encode_binary", "encode_text", "encode_uint16", "encode_varint"]
-
 MAX_VARINT = 268_435_455
 """The largest number that four bytes of variable-length coding hold."""
 

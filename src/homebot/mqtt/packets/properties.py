@@ -9,16 +9,6 @@ from homebot.errors import UsageError
 from homebot.mqtt.packets.primitives import Cursor, encode_binary, encode_text, encode_uint16, encode_varint
 from homebot.mqtt.packets.reason import PacketError, ReasonCode
 
-__all__ = [
-    "NO_PROPERTIES",
-    "PacketType",
-    "Properties",
-    "decode_properties",
-    "decode_reason",
-    "encode_properties",
-    "encode_reason",
-]
-
 
 class PacketType(IntEnum):
     """The type of a packet: the upper four bits of its first byte. WILL stands for a will's own properties."""

@@ -17,19 +17,6 @@ from homebot.mqtt.packets.properties import (
 )
 from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode, by_number
 
-__all__ = [
-    "DECODERS",
-    "ENCODERS",
-    "Acknowledgement",
-    "Puback",
-    "Pubcomp",
-    "Publish",
-    "Pubrec",
-    "Pubrel",
-    "decode_publish",
-    "encode_publish_parts",
-]
-
 
 class Publish(NamedTuple):
     """A message on its way. A tuple and not a dataclass: it is made for every message, four times as fast.

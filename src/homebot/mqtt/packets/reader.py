@@ -11,8 +11,6 @@ from homebot.mqtt.packets.publish import Acknowledgement, Puback, Publish, decod
 from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode
 from homebot.mqtt.packets.subscribe import Suback, Subscribe, Unsuback, Unsubscribe
 
-__all__ = ["MAX_PACKET_SIZE", "Packet", "PacketReader", "decode", "encode"]
-
 Packet: TypeAlias = (
     Connect
     | Connack

@@ -5,8 +5,6 @@ from typing import Final
 
 from homebot.errors import WireError
 
-__all__ = ["FAILURES", "PacketError", "ProtocolVersion", "ReasonCode", "by_number"]
-
 
 @unique
 class ProtocolVersion(IntEnum):

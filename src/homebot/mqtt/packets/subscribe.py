@@ -15,8 +15,6 @@ from homebot.mqtt.packets.properties import (
 from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode, by_number
 from homebot.mqtt.topics import validate_filter
 
-__all__ = ["DECODERS", "ENCODERS", "MqttSubscription", "Suback", "Subscribe", "Unsuback", "Unsubscribe"]
-
 
 class MqttSubscription(NamedTuple):
     """One topic filter and how its messages should come; before MQTT 5 the QoS alone counts.

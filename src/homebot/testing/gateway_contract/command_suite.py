@@ -22,8 +22,6 @@ from homebot.testing.gateway_contract.steps import (
 )
 from homebot.testing.gateway_contract.world import GatewayWorld
 
-__all__ = ["CommandSuite"]
-
 
 class CommandSuite(GatewayWorld):
     """Commands reach the device, or are refused."""

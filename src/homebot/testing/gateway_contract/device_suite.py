@@ -23,8 +23,6 @@ from homebot.testing.gateway_contract.steps import (
 )
 from homebot.testing.gateway_contract.world import GatewayWorld
 
-__all__ = ["DeviceSuite"]
-
 
 class DeviceSuite(GatewayWorld):
     """Devices come, report and go; the gateway starts, loses its link, has it again, and stops."""

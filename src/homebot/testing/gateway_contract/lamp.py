@@ -7,8 +7,6 @@ from typing import ClassVar
 from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
 
-__all__ = ["Lamp", "Neighbour"]
-
 
 class Lamp(ABC):
     """A lamp that can be turned on and off, in the world of a gateway: its broker, its folder, its radio.

@@ -23,8 +23,6 @@ from homebot.testing.gateway_contract.steps import (
 )
 from homebot.testing.gateway_contract.world import GatewayWorld, HeldClock
 
-__all__ = ["MessageSuite"]
-
 
 class MessageSuite(GatewayWorld):
     """Raw messages, misbehaving peers and exposed devices."""

@@ -14,8 +14,6 @@ from homebot.runtime.dry_run import MutedNode
 from homebot.testing.gateway_contract.lamp import Lamp, Neighbour
 from homebot.testing.pytest_loops import loop_of
 
-__all__ = ["GatewayWorld", "HeldClock", "running"]
-
 
 @asynccontextmanager
 async def running(gateway: Gateway) -> AsyncIterator[None]:

@@ -15,8 +15,6 @@ from homebot.testing.mqtt.packet_log import ProtocolViolation
 from homebot.testing.mqtt.settings import BrokerSettings, TestTls
 from homebot.testing.mqtt.thread import BrokerThread
 
-__all__ = ["BlockingTestBroker", "BrokerView", "TestBroker", "serve_broker"]
-
 
 class BrokerView:
     """The base of both kinds of brokers provided by fixtures.

@@ -20,8 +20,6 @@ from homebot.testing.mqtt.packet_log import PROTOCOL_NAMES, PacketLog, Violation
 from homebot.testing.mqtt.settings import BrokerSettings, TestTls
 from homebot.testing.mqtt.tap import Tap, TapDuties
 
-__all__ = ["BrokerCore", "ClientView"]
-
 _TURNS = 10  # of a loop: reading, handling and writing take four; a client may hand a message on a few times
 
 

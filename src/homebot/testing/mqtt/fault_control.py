@@ -9,8 +9,6 @@ from homebot.testing.mqtt.core import BrokerCore
 from homebot.testing.mqtt.faults import Fault, FaultKind
 from homebot.testing.mqtt.thread import BrokerThread
 
-__all__ = ["BlockingFaults", "Faults"]
-
 
 class _Rules:
     """The faults that are rules, caused and lifted without waiting."""

@@ -15,8 +15,6 @@ from homebot.mqtt.broker import BrokerPolicy
 from homebot.mqtt.packets import ReasonCode
 from homebot.mqtt.topics import topic_matches
 
-__all__ = ["Fault", "FaultKind", "FaultPolicy", "FaultRules"]
-
 
 class FaultKind(Enum):
     """The kinds of faults; acknowledgements are PUBACK, PUBREC and PUBCOMP."""

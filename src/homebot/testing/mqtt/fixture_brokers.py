@@ -17,8 +17,6 @@ from homebot.testing.mqtt.broker import BlockingTestBroker, BrokerT, TestBroker,
 from homebot.testing.mqtt.settings import BrokerSettings, TestTls
 from homebot.testing.mqtt.thread import BrokerThread, broker_thread
 
-__all__ = ["FixtureBrokers"]
-
 _MARK: Final = "mqtt_broker"
 _MAX_PACKETS_SHOWN: Final = 100
 _SHOWN = pytest.StashKey[bool]()

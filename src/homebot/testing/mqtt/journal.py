@@ -13,8 +13,6 @@ from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.packets import NO_PROPERTIES, Properties
 from homebot.mqtt.topics import topic_matches
 
-__all__ = ["Journal", "Payload", "PulseEvent", "RecordedMessage", "Wanted", "encode_payload", "payload_matches"]
-
 
 @final
 class PulseEvent:

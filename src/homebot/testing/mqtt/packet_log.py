@@ -27,8 +27,6 @@ from homebot.mqtt.packets import (
     Unsubscribe,
 )
 
-__all__ = ["PROTOCOL_NAMES", "PacketLog", "PacketRecord", "ProtocolViolation", "ViolationLog", "packet_text"]
-
 PROTOCOL_NAMES = {ProtocolVersion.V31: "3.1", ProtocolVersion.V311: "3.1.1", ProtocolVersion.V5: "5"}
 """Common names of the versions."""
 

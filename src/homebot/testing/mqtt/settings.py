@@ -14,8 +14,6 @@ from homebot.mqtt.certificate import load_certificate
 from homebot.mqtt.topics import validate_filter
 from homebot.support.similar import did_you_mean
 
-__all__ = ["BrokerSettings", "TestTls"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BrokerSettings:

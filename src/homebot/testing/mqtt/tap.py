@@ -12,8 +12,6 @@ from homebot.mqtt.packets import Connect, Packet, PacketError, PacketReader, Pac
 from homebot.mqtt.packets.primitives import Cursor
 from homebot.testing.mqtt.faults import Fault, FaultKind, FaultRules
 
-__all__ = ["Tap", "TapDuties"]
-
 _ACKS = (PacketType.PUBACK, PacketType.PUBREC, PacketType.PUBCOMP)
 
 

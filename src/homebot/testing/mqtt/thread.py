@@ -12,8 +12,6 @@ from typing import Any, Final, TypeVar, TypeVarTuple, Unpack, final
 
 from anyio.from_thread import start_blocking_portal
 
-__all__ = ["BrokerThread", "broker_thread"]
-
 _T = TypeVar("_T")
 _Ts = TypeVarTuple("_Ts")
 

@@ -16,8 +16,6 @@ from hypothesis.strategies import DrawFn, SearchStrategy
 from homebot.config import Table
 from homebot.errors import UsageError
 
-__all__ = ["MADE", "Settings", "chosen", "moments", "one_of", "optional", "several", "target"]
-
 MADE: Final = 1000
 """Strategies of one sort that are kept: to make one takes longer than to draw from it."""
 

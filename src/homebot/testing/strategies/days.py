@@ -17,8 +17,6 @@ from homebot.testing.strategies.devices import commands
 from homebot.testing.strategies.houses import houses
 from homebot.units import parse_duration
 
-__all__ = ["days", "saved_if_failing"]
-
 HOUR = 3600.0
 MAX_HAPPENINGS = 100
 

@@ -9,8 +9,6 @@ from hypothesis.strategies import DrawFn, SearchStrategy
 from homebot.config import Table
 from homebot.testing.strategies.choices import Settings, one_of, optional
 
-__all__ = ["FAULT_SETTINGS", "KIND_SETTINGS", "PAYLOADS", "commands", "devices"]
-
 MAX_FAULTS = 2
 """Faults that one device has at most: each wraps the others, and two show how they meet."""
 

@@ -15,8 +15,6 @@ from homebot.testing.day_event import write_time
 from homebot.testing.strategies.choices import MADE, chosen, moments, one_of, optional, several, target
 from homebot.testing.strategies.devices import FAULT_SETTINGS, KIND_SETTINGS, commands, devices
 
-__all__ = ["ROOMS", "houses"]
-
 ROOMS: Final = ("hall", "kitchen", "living", "bedroom", "bath", "study", "nursery", "attic", "cellar", "garage")
 PEOPLE: Final = ("anna", "ben", "clara", "david", "emma", "finn")
 NO_DOOR: Final = ""

@@ -16,8 +16,6 @@ from homebot.errors import WireError
 from homebot.integrations.bthome.formats.packet import BTHomeFrame
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["BindKey", "seal"]
-
 _UUID = b"\xd2\xfc"
 _CHECK = 4
 _COUNTER = 4

@@ -33,8 +33,6 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
-__all__ = ["BTHOME_UUID", "BTHomeFrame", "BTHomePacket", "Measured", "read_frame", "read_objects"]
-
 BTHOME_UUID = "0000fcd2-0000-1000-8000-00805f9b34fb"
 VERSION = 2
 _ADDRESS = 6

@@ -33,8 +33,6 @@ from homebot.integrations.bthome.formats.packet import (
 if TYPE_CHECKING:
     from homebot.integrations.bthome.formats.encryption import BindKey
 
-__all__ = ["BTHomeParser"]
-
 REPEATS_WITHIN = 4.0
 """Seconds."""
 

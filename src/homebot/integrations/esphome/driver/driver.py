@@ -24,8 +24,6 @@ from homebot.integrations.esphome.formats.device import EsphomeDevice
 if TYPE_CHECKING:
     from homebot.integrations.esphome.driver.connection import EsphomeConnection
 
-__all__ = ["EsphomeDriver", "StateQueue"]
-
 MAX_EVENTS = 100
 """Most events waiting to be reported; of states, only the newest of each entity waits."""
 

@@ -13,8 +13,6 @@ from homebot.errors import RefusedError, UsageError
 from homebot.gateways.drivers.base import DriverSettings
 from homebot.gateways.password_settings import PasswordSettings, read_password
 
-__all__ = ["KEY_ADVICE", "PASSWORD_ADVICE", "PLAINTEXT_ADVICE", "PLAIN_ADVICE", "EsphomeSecrets", "EsphomeSettings"]
-
 _KEY_BYTES = 32
 _TABLE = "gateways.mdns.drivers.esphome"
 

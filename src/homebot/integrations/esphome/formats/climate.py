@@ -22,8 +22,6 @@ from homebot.conventions.units import celsius_bounds, number_grid, percent_grid,
 from homebot.devices.value import PlainValue
 from homebot.integrations.esphome.formats.entity import choice_row, flag_row, listed, number_of, numbers_of, read_named
 
-__all__ = ["CLIMATE", "FAN", "WATER_HEATER"]
-
 _MODES = ("off", "heat_cool", "cool", "heat", "fan_only", "dry", "auto")
 _ACTIONS = {0: "off", 2: "cooling", 3: "heating", 4: "idle", 5: "drying", 6: "fan", 7: "defrosting"}
 _FAN_MODES = ("on", "off", "auto", "low", "medium", "high", "middle", "focus", "diffuse", "quiet")

@@ -11,8 +11,6 @@ from homebot.errors import RefusedError
 from homebot.integrations.esphome.formats.entity import EsphomeEntity, key_of
 from homebot.integrations.esphome.formats.kinds import KINDS
 
-__all__ = ["EsphomeDevice", "ListedEntity"]
-
 ListedEntity: TypeAlias = tuple[str, Fields]
 """Component and fields of an entity, as the device lists it."""
 

@@ -25,22 +25,6 @@ from homebot.devices.part import Category, Part
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number
 
-__all__ = [
-    "EsphomeEntity",
-    "choice_row",
-    "flag_row",
-    "key_of",
-    "listed",
-    "number_of",
-    "numbers_of",
-    "percent_row",
-    "read_named",
-    "read_percent",
-    "read_text",
-    "supports",
-    "write_percent",
-]
-
 _MOST_SECONDS = 4_000_000.0
 """Longest transition: ESPHome counts milliseconds with 32 bits."""
 

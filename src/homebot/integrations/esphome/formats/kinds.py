@@ -50,8 +50,6 @@ from homebot.integrations.esphome.formats.entity import (
 )
 from homebot.integrations.esphome.formats.light import LIGHT
 
-__all__ = ["KINDS"]
-
 _OPERATIONS = {1: "opening", 2: "closing"}
 _LOCK_STATES = dict(enumerate(("locked", "unlocked", "jammed", "locking", "unlocking", "opening", "open"), 1))
 _ALARMS = ("disarmed", "armed_home", "armed_away", "armed_night", "armed_vacation", "armed_custom_bypass")

@@ -14,8 +14,6 @@ from homebot.conventions.light_color import MIRED, KelvinRange, from_hue_saturat
 from homebot.devices.value import PlainValue
 from homebot.integrations.esphome.formats.entity import choice_row, flag_row, number_of, numbers_of, read_percent
 
-__all__ = ["LIGHT"]
-
 _BRIGHTNESS, _COLOR_TEMPERATURE, _COLD_WARM, _RGB = 2, 8, 16, 32
 _CHANNELS: Mapping[int, tuple[str, tuple[str, ...]]] = {
     35: ("rgb", ()),

@@ -21,8 +21,6 @@ from homebot.integrations.esphome.simulated.wire import (
     accept,
 )
 
-__all__ = ["EsphomeServedDevice"]
-
 OUTBOX = 100
 """Messages that wait to be sent to a client; one that reads more slowly is disconnected, as firmware does."""
 

@@ -8,8 +8,6 @@ from homebot.house.dialect import DeviceState
 from homebot.house.simulated_device import number_text
 from homebot.house.wire import lamp_order
 
-__all__ = ["ENTITIES", "EntityTemplate"]
-
 Fields: TypeAlias = Mapping[str, Any]
 MIRED = 1e6
 _COLOR_TEMPERATURE = 11

@@ -16,8 +16,6 @@ from anyio.streams.buffered import BufferedByteReceiveStream
 from cryptography.exceptions import InvalidTag
 from noise.connection import NoiseConnection
 
-__all__ = ["ApiMessage", "ClientRefusedError", "NativeApiStream", "ServerIdentity", "accept"]
-
 ApiMessage: TypeAlias = tuple[str, Mapping[str, Any]]
 """Name and fields of a message; unknown ones have an empty name."""
 

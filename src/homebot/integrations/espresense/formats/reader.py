@@ -16,8 +16,6 @@ from homebot.conventions.description import (
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import JsonMessage, Readings, parse_object, text_of
 
-__all__ = ["EspresenseReader"]
-
 _ROOT: Final = "espresense"
 _SILENT_AFTER: Final = 120.0
 """Seconds; a node repeats an unchanged distance every few seconds, and a phone may sleep for a minute."""

@@ -17,8 +17,6 @@ from homebot.routines.program import MOST
 from homebot.routines.steps import Do, Notify, read_step
 from homebot.support.located import Located
 
-__all__ = ["Actions", "Step"]
-
 Step = str | dict[str, object]
 """A step of a routine, or a choice between some."""
 

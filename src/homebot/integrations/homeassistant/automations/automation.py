@@ -10,8 +10,6 @@ from homebot.integrations.homeassistant.automations.entities import Entities
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.support.located import Located
 
-__all__ = ["Automation"]
-
 T = TypeVar("T")
 
 

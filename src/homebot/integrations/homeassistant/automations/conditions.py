@@ -15,8 +15,6 @@ from homebot.integrations.homeassistant.automations.states import STATES, state_
 from homebot.routines.times import read_span
 from homebot.support.located import Located
 
-__all__ = ["JOINTS", "NEVER", "Condition", "conditions_of", "texts_of"]
-
 Condition: TypeAlias = tuple[str, ...]
 """Texts of which at least one must hold. A query is in brackets."""
 

@@ -12,8 +12,6 @@ from homebot.devices.query.tokens import quoted
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError
 from homebot.support.folding import fold
 
-__all__ = ["Entities", "KnownEntity", "text_value"]
-
 _ID: Final = re.compile(r"[a-z_]+\.[a-z0-9_]+")
 _LISTED: Final = re.compile(r"(?P<id>[a-z_]+\.[a-z0-9_]+)(?: \((?P<unit>[^)]*)\))?")
 _ODD: Final = re.compile(r"[\"\\\n]|: |\b(?:for|in|press|pressed|presses)\b", re.IGNORECASE)

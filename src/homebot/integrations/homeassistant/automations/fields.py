@@ -11,8 +11,6 @@ from typing import Final, final
 from homebot.errors import UsageError
 from homebot.support.located import Located
 
-__all__ = ["NotCarriedError", "UnreadFields", "items_of", "shown", "walk"]
-
 _TEMPLATE: Final = re.compile(r"\{[{%#]")
 _TIME_OF_DAY: Final = re.compile(r"([01]?\d|2[0-3]):[0-5]\d(:[0-5]\d)?")
 _CLOCK: Final = re.compile(r"(?P<sign>[+-]?)(?P<hours>\d+):(?P<minutes>\d{1,2})(?::(?P<seconds>\d{1,2}))?")

@@ -20,8 +20,6 @@ from homebot.routines.imports import ImportedRoutines, Refusal
 from homebot.routines.text import read_routines, routine_text
 from homebot.support.located import Located
 
-__all__ = ["HomeAssistantAutomations"]
-
 _MODES: Final = frozenset({"single", "restart", "queued", "parallel"})
 _USUAL: Final[Mapping[str, object]] = {"if": [], "mode": "single", "enabled": True}
 _MOST_RUNS: Final = 10.0

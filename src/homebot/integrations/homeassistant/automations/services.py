@@ -11,8 +11,6 @@ from homebot.integrations.homeassistant.automations.entities import Entities, Kn
 from homebot.integrations.homeassistant.automations.fields import NotCarriedError, UnreadFields
 from homebot.routines.steps import Do, Notify, read_step
 
-__all__ = ["steps_of_service"]
-
 _ON_OFF: Final = ("light", "switch", "input_boolean", "fan", "siren", "humidifier", "media_player", "homeassistant")
 _WORDS: Final = {
     **{f"{one}.turn_on": "on_off on" for one in _ON_OFF},

@@ -20,8 +20,6 @@ from homebot.integrations.homeassistant.automations.fields import NotCarriedErro
 from homebot.routines.triggers import read_state
 from homebot.support.folding import fold
 
-__all__ = ["STATES", "SUN", "state_of_template", "state_texts", "sun_moment"]
-
 _IS_STATE: Final = re.compile(
     r"\{\{ *(?:is_state\( *'([\w.]+)' *, *'([^']+)' *\)|states\( *'([\w.]+)' *\) *== *'([^']+)') *\}\}"
 )

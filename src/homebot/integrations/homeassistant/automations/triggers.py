@@ -13,8 +13,6 @@ from homebot.integrations.homeassistant.automations.fields import NotCarriedErro
 from homebot.integrations.homeassistant.automations.states import STATES, state_texts, sun_moment
 from homebot.routines.triggers import Press, read_trigger
 
-__all__ = ["read_triggers"]
-
 _OPPOSITES: Final = {
     "on": "off",
     "off": "on",

@@ -7,8 +7,6 @@ changed its meaning.
 from collections.abc import Mapping
 from types import MappingProxyType
 
-__all__ = ["ABBREVIATIONS", "DEVICE_ABBREVIATIONS", "ORIGIN_ABBREVIATIONS", "full_keys"]
-
 _ALL = """
 act_stat_t=activity_state_topic act_t=action_topic act_tpl=action_template act_val_tpl=activity_value_template
 atype=automation_type aux_cmd_t=aux_command_topic aux_stat_t=aux_state_topic aux_stat_tpl=aux_state_template

@@ -14,8 +14,6 @@ from homebot.integrations.homeassistant.formats.components import BUILDERS
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.topics import DEVICE, ConfigTopic
 
-__all__ = ["MAX_COMPONENTS", "Announced", "read_announcement"]
-
 MAX_COMPONENTS = 300
 """Most components of one device: each may bring templates, which cost a millisecond at worst."""
 

@@ -32,8 +32,6 @@ from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.entity import Entity, Scale
 from homebot.integrations.homeassistant.formats.topics import CommandTopic, ValueSource
 
-__all__ = ["build_fan", "build_humidifier", "build_lawn_mower", "build_siren", "build_vacuum"]
-
 _LONGEST_MODE = 120
 _DIRECTIONS = ("forward", "reverse")
 _EMPTY_PAYLOADS = (b"", b"None")

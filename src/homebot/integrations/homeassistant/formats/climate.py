@@ -22,8 +22,6 @@ from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.entity import Entity
 from homebot.integrations.homeassistant.formats.topics import CommandTopic, ValueSource
 
-__all__ = ["build_climate", "build_water_heater"]
-
 _HEATER_MODES = ("eco", "electric", "gas", "heat_pump", "high_demand", "performance", "off")
 _HEATER_RANGE = (to_celsius(110.0), to_celsius(140.0))
 

@@ -5,8 +5,6 @@ Source of the actions: Home Assistant core 2026.11, ``components``: ``const.py``
 
 from collections.abc import Mapping
 
-__all__ = ["BUILDERS", "COMPONENTS", "LOCK_STATES", "MOWER_ACTIONS", "MOWER_STATES", "VACUUM_ACTIONS", "VACUUM_STATES"]
-
 BUILDERS: Mapping[str, tuple[str, str]] = {
     "alarm_control_panel": ("locks", "build_alarm_control_panel"),
     "binary_sensor": ("sensors", "build_binary_sensor"),

@@ -17,8 +17,6 @@ from homebot.integrations.homeassistant.formats.jinja import Template, compile_t
 from homebot.integrations.homeassistant.formats.topics import CommandTopic, ValueSource, valid_topic
 from homebot.mqtt.topics import validate_filter, validate_topic
 
-__all__ = ["MAX_OPTIONS", "DiscoveryConfig"]
-
 MAX_OPTIONS = 2_000
 """Most entries of a list in a config, such as the effects of a lamp."""
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from homebot.integrations.homeassistant.formats.publisher import HomeAssistantPublisher
     from homebot.integrations.homeassistant.formats.reader import HomeAssistantReader
 
-__all__ = ["HomeAssistantDiscovery", "HomeAssistantSettings"]
-
 
 class HomeAssistantSettings(ConventionSettings):
     """The table of this convention.

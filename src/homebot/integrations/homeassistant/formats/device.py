@@ -24,17 +24,6 @@ from homebot.integrations.homeassistant.formats.abbreviations import (
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.topics import ValueSource
 
-__all__ = [
-    "MAX_IDENTIFIERS",
-    "MAX_SOURCES",
-    "DeviceInfo",
-    "cached_availability",
-    "device_in",
-    "read_availability",
-    "read_device",
-]
-
-
 MAX_IDENTIFIERS = 64
 """Most identifiers and connections of one device."""
 

@@ -6,8 +6,6 @@ Source: Home Assistant core 2024.3, ``components/zeroconf/__init__.py``.
 from homebot.conventions.dns_sd import FoundService
 from homebot.conventions.ecosystem import Ecosystem
 
-__all__ = ["HomeAssistant"]
-
 _TOKEN = "a long-lived access token (in Home Assistant: your profile, Security)"  # noqa: S105 - none itself
 
 

@@ -20,8 +20,6 @@ from homebot.errors import WireError
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.topics import CommandTopic, ValueSource
 
-__all__ = ["Entity", "Scale"]
-
 ValueT = TypeVar("ValueT")
 
 _UNKNOWN: Mapping[str, str | None] = {"None": None}

@@ -31,8 +31,6 @@ from homebot.integrations.homeassistant.formats.light_messages import (
 )
 from homebot.integrations.homeassistant.formats.topics import ValueSource
 
-__all__ = ["build_light"]
-
 _BYTE = 255
 _ORDERS = ("last", "first", "brightness")
 _NAMES: Mapping[str, tuple[str, ...]] = {

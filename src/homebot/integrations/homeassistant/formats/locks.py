@@ -18,8 +18,6 @@ from homebot.integrations.homeassistant.formats.entity import Entity
 from homebot.integrations.homeassistant.formats.topics import CommandTopic
 from homebot.support.folding import words_of
 
-__all__ = ["build_alarm_control_panel", "build_lock"]
-
 _KEY_LOCKS = frozenset({("child", "lock"), ("keypad", "lock")})
 """The last words of ids and names of locks of keys, not of doors, as those of Zigbee2MQTT."""
 

@@ -16,8 +16,6 @@ from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.entity import Entity, Scale
 from homebot.integrations.homeassistant.formats.topics import CommandTopic
 
-__all__ = ["build_cover", "build_valve"]
-
 _STATES = ("closed", "open", "closing", "opening", "stopped")
 """The later of two states with the same payload counts; a valve has no last one."""
 

@@ -8,8 +8,6 @@ from collections.abc import Mapping
 from homebot.devices.part import Part
 from homebot.integrations.homeassistant.formats.published_entity import Available, PublishedEntity, Row, is_settable
 
-__all__ = ["publish_climate", "publish_humidifier", "publish_water_heater"]
-
 _MODES = frozenset({"auto", "off", "cool", "heat", "heat_cool", "dry", "fan_only"})
 _HEATING = frozenset({"heat", "heat_cool", "auto"})
 _COOLING = frozenset({"cool", "heat_cool"})

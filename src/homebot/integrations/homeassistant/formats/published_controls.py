@@ -24,17 +24,6 @@ from homebot.integrations.homeassistant.formats.published_entity import (
 )
 from homebot.support.numbers import to_number
 
-__all__ = [
-    "FAN_ROWS",
-    "publish_alarm",
-    "publish_cover",
-    "publish_lock",
-    "publish_mower",
-    "publish_siren",
-    "publish_vacuum",
-    "publish_valve",
-]
-
 _LOCK_ROW = Row(
     "lock", "state_topic", "command_topic", commands={"LOCK": "locked", "UNLOCK": "unlocked", "OPEN": "open"}
 )

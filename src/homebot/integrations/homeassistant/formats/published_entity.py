@@ -18,21 +18,6 @@ from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
 
-__all__ = [
-    "Available",
-    "CommandReader",
-    "PublishedEntity",
-    "PublishedState",
-    "Row",
-    "StateWriter",
-    "Values",
-    "is_settable",
-    "payload_reader",
-    "publish_single",
-    "settable_payloads",
-    "state_writer",
-]
-
 Values: TypeAlias = Mapping[str, PlainValue]
 """The known values of a part, by capability."""
 

@@ -13,8 +13,6 @@ from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.light_messages import JsonLight
 from homebot.integrations.homeassistant.formats.published_entity import Available, PublishedEntity, Values, is_settable
 
-__all__ = ["publish_light"]
-
 _TINTS = ("color", "color_temperature")
 _WHITES = (2_000.0, 6_500.0)
 

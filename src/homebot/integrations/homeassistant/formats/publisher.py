@@ -38,8 +38,6 @@ from homebot.integrations.homeassistant.formats.published_entity import (
 )
 from homebot.integrations.homeassistant.formats.published_light import publish_light
 
-__all__ = ["HomeAssistantPublisher"]
-
 
 class _Whole(NamedTuple):
     """An entity with several capabilities of a part.

@@ -30,8 +30,6 @@ from homebot.integrations.homeassistant.formats.device import cached_availabilit
 from homebot.integrations.homeassistant.formats.shapes import SHAPED, PartShapes
 from homebot.integrations.homeassistant.formats.topics import DEVICE, ConfigTopic, parse_config_topic
 
-__all__ = ["HomeAssistantReader", "builder_of"]
-
 
 class HomeAssistantReader:
     """Reader of configs; counts the invalid components of a device with valid ones."""

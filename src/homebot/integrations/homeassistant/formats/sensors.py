@@ -25,18 +25,6 @@ from homebot.errors import WireError
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.entity import Entity
 
-__all__ = [
-    "build_binary_sensor",
-    "build_camera",
-    "build_device_tracker",
-    "build_event",
-    "build_image",
-    "build_sensor",
-    "build_tag",
-    "build_trigger",
-    "build_update",
-]
-
 _LONGEST = 255
 _LONGEST_PLACE = 120
 _LONGEST_UNIT = 40

@@ -17,17 +17,6 @@ from homebot.errors import RefusedError, WireError
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.entity import Entity
 
-__all__ = [
-    "build_button",
-    "build_moment",
-    "build_notify",
-    "build_number",
-    "build_scene",
-    "build_select",
-    "build_switch",
-    "build_text",
-]
-
 _LONGEST_TEXT = 255
 _LONGEST_MESSAGE = 4096
 

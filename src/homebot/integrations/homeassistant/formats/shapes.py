@@ -14,8 +14,6 @@ from homebot.conventions.part_builder import is_movable, moved
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["SHAPED", "PartShapes"]
-
 SHAPED = frozenset({"binary_sensor", "button", "light", "number", "select", "sensor", "switch", "text"})
 """Components that many devices have alike."""
 

@@ -23,9 +23,6 @@ from homebot.integrations.homeassistant.formats.jinja import (
 )
 from homebot.integrations.homeassistant.formats.jinja.values import UNDEFINED
 
-__all__ = ["DEVICE", "CommandTopic", "ConfigTopic", "ValueSource", "parse_config_topic", "valid_topic"]
-
-
 DEVICE = "device"
 """The component of a config of a whole device."""
 

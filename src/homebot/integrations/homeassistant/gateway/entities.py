@@ -18,8 +18,6 @@ from homebot.integrations.homeassistant.formats.states.domains import DOMAINS
 from homebot.integrations.homeassistant.formats.states.entity import HomeAssistantEntity
 from homebot.integrations.homeassistant.formats.states.registries import Registries
 
-__all__ = ["HomeAssistantEntities"]
-
 MAX_PARTS = 200
 """Of one device."""
 

@@ -27,8 +27,6 @@ from homebot.integrations.homeassistant.gateway.settings import HOW_TO_LOG_IN, H
 from homebot.integrations.homeassistant.gateway.triggers import DeviceTriggers
 from homebot.support.isolation import ungrouped
 
-__all__ = ["HomeAssistantGateway"]
-
 SETTLES: Final = 0.05
 LONGEST_SETTLING: Final = 0.5
 """Least and most seconds for which changes of the registries are collected, as a new device is a change per entity.

@@ -22,8 +22,6 @@ from homebot.gateways.pending_calls import PendingCalls
 from homebot.integrations.homeassistant.gateway.settings import HomeAssistantGatewaySettings
 from homebot.support.connect_errors import connect_problem
 
-__all__ = ["HomeAssistantLink", "OnEvent", "connected"]
-
 MAX_FRAME_BYTES = 64 * 1024 * 1024
 """Longest frame: all states of 10,000 entities, of about 1 kB each, and much more with long attributes."""
 

@@ -9,8 +9,6 @@ from homebot.config import FilePath
 from homebot.gateways.base import GatewaySettings
 from homebot.gateways.password_settings import read_password
 
-__all__ = ["HOW_TO_LOG_IN", "HomeAssistantGatewaySettings"]
-
 HOW_TO_LOG_IN: Final = (
     "make a token in Home Assistant (your profile, Security, Long-lived access tokens) and put it into a file that "
     "only you can read, named by token_file"

@@ -13,8 +13,6 @@ from homebot.errors import RefusedError
 from homebot.integrations.homeassistant.formats.states.domains import DOMAINS
 from homebot.integrations.homeassistant.gateway.link import HomeAssistantLink
 
-__all__ = ["DeviceTriggers"]
-
 _MOST: Final = 100
 """Triggers of one device."""
 

@@ -24,8 +24,6 @@ from homebot.house.wire import (
 )
 from homebot.support.numbers import to_number
 
-__all__ = ["COMPONENTS", "ComponentTemplate", "HomeAssistantDeviceDialect", "HomeAssistantDialect"]
-
 Fields: TypeAlias = dict[str, object]
 
 

@@ -14,8 +14,6 @@ from homebot.house.wire import device_orders, hardware_address, node_name, scale
 from homebot.integrations.homeassistant.simulated.server import Fields, ListedEntity, SimulatedHomeAssistant
 from homebot.support.numbers import to_number
 
-__all__ = ["ServedEntity", "ServedEntityKind"]
-
 _LEVELS: Final = 255
 
 

@@ -15,8 +15,6 @@ from anyio.abc import TaskStatus
 from homebot.house.http.web_server import WebDevice, WebPeer, WebServer
 from homebot.house.wire import as_json, as_object
 
-__all__ = ["ListedEntity", "SimulatedHomeAssistant"]
-
 Fields: TypeAlias = Mapping[str, object]
 
 _REGISTRIES: Final = ("area", "device", "entity", "floor", "label")

@@ -11,8 +11,6 @@ from homebot.conventions.payload import as_fields, clean_text, shown
 from homebot.errors import WireError
 from homebot.support.numbers import finite_number, whole_number
 
-__all__ = ["Accessory", "CharacteristicId", "HapCharacteristic", "HapService", "parse_accessories", "short_type"]
-
 CharacteristicId: TypeAlias = tuple[int, int]
 """Accessory ID and instance ID."""
 

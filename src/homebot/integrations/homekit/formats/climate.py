@@ -16,8 +16,6 @@ from homebot.errors import RefusedError
 from homebot.integrations.homekit.formats.accessory import HapService
 from homebot.integrations.homekit.formats.rows import ServiceRow, Writes, known_values, read_number, service_row
 
-__all__ = ["CLIMATE_ROWS"]
-
 THERMOSTAT, HEATER, HUMIDIFIER = "4A", "BC", "BD"
 TARGET, TEMPERATURE, SETPOINT, HEAT_TO, COOL_TO = "33", "11", "35", "12", "D"
 ACTIVE, HEATER_TARGET, HUMIDIFIER_TARGET, DRY_TO, WET_TO = "B0", "B2", "B4", "C9", "CA"

@@ -9,8 +9,6 @@ from homebot.conventions.dns_sd import FoundService, name_of
 from homebot.conventions.ecosystem import Ecosystem
 from homebot.integrations.homekit.formats.setup_code import read_homekit_code
 
-__all__ = ["Homekit"]
-
 _FLAG_DIGITS: Final = 3
 """Decimal digits of the status flags, which are a byte."""
 

@@ -13,8 +13,6 @@ from homebot.devices.value import PlainValue
 from homebot.integrations.homekit.formats.accessory import HapService
 from homebot.integrations.homekit.formats.rows import Writes, service_row
 
-__all__ = ["POWER_ROWS"]
-
 LIGHT, SWITCH, OUTLET, SIMPLE_FAN, FAN, PURIFIER = "43", "49", "47", "40", "B7", "BB"
 HEATER, HUMIDIFIER, THERMOSTAT = "BC", "BD", "4A"
 SPEAKER, SMART_SPEAKER, TELEVISION = "113", "228", "D8"

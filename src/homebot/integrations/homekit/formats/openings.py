@@ -13,8 +13,6 @@ from homebot.devices.value import PlainValue
 from homebot.integrations.homekit.formats.accessory import HapService
 from homebot.integrations.homekit.formats.rows import ServiceRow, Writes, known_values, service_row
 
-__all__ = ["OPENING_ROWS"]
-
 GARAGE, COVERING = "41", "8C"
 _MOTORS: Final = f"81 8B {COVERING}"
 """Doors, windows and coverings."""

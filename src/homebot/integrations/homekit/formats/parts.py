@@ -17,8 +17,6 @@ from homebot.integrations.homekit.formats.lights_and_power import POWER_ROWS
 from homebot.integrations.homekit.formats.openings import OPENING_ROWS
 from homebot.integrations.homekit.formats.rows import ServiceRow, service_row
 
-__all__ = ["PRESS", "PRESSES", "HomekitPart", "parts_of"]
-
 AIR, MOTION, OCCUPANCY, CONTACT, LEAK, SMOKE = "8D", "85", "86", "80", "83", "87"
 MONOXIDE, DIOXIDE, BATTERY, FILTER = "7F", "97", "96", "BA"
 PRESS: Final = "73"

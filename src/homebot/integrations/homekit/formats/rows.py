@@ -12,8 +12,6 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.integrations.homekit.formats.accessory import HapService
 
-__all__ = ["ServiceRow", "Writes", "known_values", "read_number", "service_row"]
-
 Writes: TypeAlias = Mapping[str, float]
 """Values of characteristics, by their types."""
 

@@ -13,8 +13,6 @@ from typing import Final
 from homebot.conventions.ecosystem import SetupCode
 from homebot.errors import WireError
 
-__all__ = ["read_homekit_code", "read_homekit_digits"]
-
 _BASE36: Final = digits + ascii_uppercase
 _URI: Final = "X-HM://"
 _DIGITS: Final = 9

@@ -13,8 +13,6 @@ from homebot.integrations.homekit.formats.accessory import Accessory, HapCharact
 from homebot.integrations.homekit.formats.parts import HomekitPart, parts_of
 from homebot.integrations.homekit.gateway.port import FoundAccessory
 
-__all__ = ["AccessoryDevice", "describe", "key_of"]
-
 _NAME, _SERIAL = "23", "30"
 _FACTS: Final = {"manufacturer": "20", "model": "21", "sw_version": "52", "hw_version": "53"}
 _FIRST: Final = 1

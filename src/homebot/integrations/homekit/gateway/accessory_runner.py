@@ -28,8 +28,6 @@ from homebot.integrations.homekit.gateway.port import FoundAccessory, HomekitLin
 from homebot.support.backoff import Backoff
 from homebot.support.numbers import whole_number
 
-__all__ = ["AccessoryRunner"]
-
 LOST_BACKOFF: Final = Backoff(first=0.5, factor=2.0, cap=2.0, late_cap=15.0, late_after=300.0, jitter=0.5)
 """An accessory that restarts is back within seconds."""
 

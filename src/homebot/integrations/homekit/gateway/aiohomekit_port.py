@@ -43,8 +43,6 @@ from homebot.integrations.homekit.gateway.port import (
 from homebot.support.numbers import whole_number
 from homebot.support.unanswered import awaiting_answer
 
-__all__ = ["AiohomekitPort"]
-
 if sys.platform == "linux":  # otherwise it also listens on TCP and WebSocket, for each accessory over Thread
     os.environ.setdefault("AIOCOAP_SERVER_TRANSPORT", "udp6")
 

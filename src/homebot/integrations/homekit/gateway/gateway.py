@@ -32,8 +32,6 @@ from homebot.integrations.homekit.gateway.port import FoundAccessory, HomekitPor
 from homebot.plugins import check_extra
 from homebot.support.isolation import run_as
 
-__all__ = ["HomekitGateway", "HomekitGatewaySettings"]
-
 
 class HomekitGatewaySettings(GatewaySettings):
     """The settings of a HomeKit gateway.

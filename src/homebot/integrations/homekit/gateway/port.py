@@ -18,8 +18,6 @@ from homebot.devices import Sighting
 from homebot.errors import WireError
 from homebot.integrations.homekit.formats.accessory import CharacteristicId
 
-__all__ = ["FoundAccessory", "HomekitLink", "HomekitPort", "HomekitValues", "OnEvent", "Pairing", "StatusCodes"]
-
 _THREAD: Final = "_hap._udp"
 _SERVICE_TYPES: Final = frozenset({"_hap._tcp", _THREAD})
 _ID: Final = re.compile(r"(?:[0-9A-F]{2}:){5}[0-9A-F]{2}")

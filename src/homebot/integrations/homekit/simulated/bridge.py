@@ -26,8 +26,6 @@ from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.dns_sd import DnsSdService, announce_service
 from homebot.house.wire import device_orders, hardware_address, mired_kelvin, scaled
 
-__all__ = ["SERVICES", "VALUES", "BridgedAccessory", "ServedAccessory", "SimulatedHomekitBridge", "orders_of"]
-
 ID: Final = "02:48:42:00:00:01"
 HAP_TYPE: Final = "_hap._tcp.local."
 PIN: Final = "031-45-154"

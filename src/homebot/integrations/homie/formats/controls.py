@@ -28,9 +28,6 @@ from homebot.integrations.homie.formats.properties import (
 from homebot.integrations.homie.formats.roles import NodeRoles
 from homebot.integrations.homie.formats.values import publication, read_color, read_plain
 
-__all__ = ["LIGHT_ROLES", "add_alarm", "add_cover", "add_fan", "add_light", "add_lock", "build_vacuum", "find_vacuum"]
-
-
 Props = Mapping[str, HomieProperty]
 _NodeProperty: TypeAlias = tuple[HomieNode, HomieProperty]
 

@@ -15,8 +15,6 @@ from homebot.integrations.homie.formats.model import DEVICE_ATTRIBUTES, NODE_ATT
 if TYPE_CHECKING:
     from homebot.integrations.homie.formats.reader import HomieReader
 
-__all__ = ["Homie", "HomieSettings"]
-
 _Domain = Annotated[str, Field(min_length=1, max_length=100, pattern=r"^(?:\+|[^+#\x00/$]+)$")]
 
 

@@ -12,23 +12,6 @@ from homebot.conventions.payload import shown
 from homebot.errors import WireError
 from homebot.support.numbers import to_number
 
-__all__ = [
-    "COLOR_FORMS",
-    "DEVICE_ATTRIBUTES",
-    "MAX_PROPERTIES",
-    "NODE_ATTRIBUTES",
-    "PROPERTY_ATTRIBUTES",
-    "STATES",
-    "HomieDevice",
-    "HomieNode",
-    "HomieProperty",
-    "Range",
-    "availability_of",
-    "parse_options",
-    "parse_range",
-]
-
-
 COLOR_FORMS = ("hsv", "rgb", "xyz")
 """The forms of a colour, the one that loses least first."""
 

@@ -22,8 +22,6 @@ from homebot.integrations.homie.formats.model import (
     parse_range,
 )
 
-__all__ = ["optional", "read_device"]
-
 T = TypeVar("T")
 
 _LONGEST_TYPE = 200

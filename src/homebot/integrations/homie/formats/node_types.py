@@ -10,15 +10,6 @@ from dataclasses import dataclass, field
 
 from homebot.conventions.units import measured_in
 
-__all__ = [
-    "KINDS",
-    "Kind",
-    "declared_class",
-    "declared_kind",
-    "quantity_of",
-    "tokens_in",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class Kind:

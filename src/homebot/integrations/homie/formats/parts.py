@@ -35,8 +35,6 @@ from homebot.integrations.homie.formats.roles import (
     find_roles,
 )
 
-__all__ = ["build_parts"]
-
 
 def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
     """Return the parts of *device*, the main one first."""

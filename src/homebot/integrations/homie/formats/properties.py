@@ -21,8 +21,6 @@ from homebot.integrations.homie.formats.values import (
     spell_plain,
 )
 
-__all__ = ["add_properties", "add_property", "node_part", "percent_of", "percent_written"]
-
 _FAHRENHEIT = frozenset({"F", "°F"})
 _OPENINGS = ("open", "closed")
 _PERCENT = 100.0

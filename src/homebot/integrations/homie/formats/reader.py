@@ -4,8 +4,6 @@ from homebot.conventions.description import AnnouncementEvent
 from homebot.integrations.homie.formats.version4 import Version4
 from homebot.integrations.homie.formats.version5 import Version5
 
-__all__ = ["HomieReader"]
-
 
 class HomieReader:
     """Reader of the attributes of devices of any version, with bounded memory."""

@@ -9,8 +9,6 @@ from homebot.devices.identity import identifiers
 from homebot.integrations.homie.formats.model import STATES, HomieDevice, availability_of
 from homebot.integrations.homie.formats.parts import build_parts
 
-__all__ = ["RegisteredDevice", "Registry"]
-
 
 @dataclass(slots=True)
 class RegisteredDevice:

@@ -13,8 +13,6 @@ from typing import NamedTuple
 from homebot.integrations.homie.formats.model import HomieNode, HomieProperty
 from homebot.integrations.homie.formats.node_types import KINDS, declared_kind, quantity_of, tokens_in
 
-__all__ = ["CONTROLS", "THERMOSTAT_ROLES", "NodeRoles", "Role", "as_settings", "find_roles"]
-
 
 def _options(prop: HomieProperty) -> frozenset[str]:
     return frozenset(option.casefold() for option in prop.options) if prop.datatype == "enum" else frozenset()

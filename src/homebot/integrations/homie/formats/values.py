@@ -18,16 +18,6 @@ from homebot.errors import RefusedError
 from homebot.integrations.homie.formats.model import COLOR_FORMS, HomieProperty
 from homebot.support.numbers import to_number
 
-__all__ = [
-    "is_unknown_number",
-    "publication",
-    "read_color",
-    "read_hue_saturation",
-    "read_plain",
-    "spell_color",
-    "spell_plain",
-]
-
 _EMPTY_STRING = "\0"
 _INTEGER = re.compile(r"-?[0-9]{1,19}")
 _FLOAT = re.compile(r"-?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")

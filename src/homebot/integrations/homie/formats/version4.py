@@ -23,8 +23,6 @@ from homebot.integrations.homie.formats.model import (
 from homebot.integrations.homie.formats.node_reader import read_device
 from homebot.integrations.homie.formats.registry import RegisteredDevice, Registry
 
-__all__ = ["Version4"]
-
 _MAX_ARRAY = 100
 _LISTED = re.compile(r"[A-Za-z0-9_-]{1,100}(?:\[\])?")
 _ARRAY = re.compile(r"([0-9]{1,5})-([0-9]{1,5})")

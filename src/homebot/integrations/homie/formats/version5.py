@@ -16,8 +16,6 @@ from homebot.integrations.homie.formats.model import STATES, HomieDevice
 from homebot.integrations.homie.formats.node_reader import optional, read_device
 from homebot.integrations.homie.formats.registry import RegisteredDevice, Registry
 
-__all__ = ["Version5", "parse_document"]
-
 _ID = re.compile(r"[a-z0-9-]{1,100}")
 _VERSION = re.compile(r"5\.[0-9]{1,5}")
 

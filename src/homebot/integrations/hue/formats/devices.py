@@ -15,8 +15,6 @@ from homebot.integrations.hue.formats.resources import Fields, HueResources, Hue
 from homebot.integrations.hue.formats.service_rows import BUTTON_KINDS, MOTION_KINDS, SERVICE_ROWS
 from homebot.support.numbers import whole_number
 
-__all__ = ["HueDevice", "HueService", "bridge_identifiers", "devices_of"]
-
 _TYPES: Final[Mapping[str, tuple[str, Category]]] = {
     "light": ("light", ""),
     **dict.fromkeys(MOTION_KINDS, ("occupancy_sensor", "")),

@@ -3,8 +3,6 @@
 from homebot.conventions.dns_sd import FoundService, name_of
 from homebot.conventions.ecosystem import Ecosystem
 
-__all__ = ["Hue"]
-
 
 class Hue(Ecosystem):
     """Bridges."""

@@ -12,8 +12,6 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
-__all__ = ["Fields", "HueBody", "HueResources", "HueRow", "at", "hue_row", "merged"]
-
 Fields: TypeAlias = Mapping[str, object]
 """A resource, or an object in one, as the bridge sends it."""
 

@@ -20,8 +20,6 @@ from homebot.devices.value import PlainValue
 from homebot.integrations.hue.formats.resources import Fields, HueBody, HueRow, at, hue_row
 from homebot.support.numbers import finite_number
 
-__all__ = ["BUTTON_KINDS", "MOTION_KINDS", "SERVICE_ROWS", "press_of"]
-
 _WHITES: Final = (2000, 6500)
 _MIREK: Final = (153.0, 500.0)
 """Of a light that does not say its own, or says the largest numbers of its bytes."""

@@ -33,8 +33,6 @@ from homebot.support.isolation import ungrouped
 if TYPE_CHECKING:
     from homebot.gateways.event_stream import ServerEvent
 
-__all__ = ["BridgeRunner"]
-
 WATCH_EVERY: Final = 10.0
 """Seconds between checks whether the bridge is still there."""
 

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from homebot.gateways.http_client import HttpClient
     from homebot.gateways.http_streams import EventStream
 
-__all__ = ["BridgeLink", "bridge_client", "create_key"]
-
 AnswerT = TypeVar("AnswerT")
 
 MAX_BYTES: Final = 8 * 1024 * 1024

@@ -33,8 +33,6 @@ from homebot.plugins import check_extra
 from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
 from homebot.support.isolation import run_as
 
-__all__ = ["HueGateway", "HueGatewaySettings"]
-
 
 class HueGatewaySettings(GatewaySettings):
     """The settings of a gateway to Hue bridges.

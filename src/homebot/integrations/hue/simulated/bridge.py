@@ -28,8 +28,6 @@ from homebot.integrations.hue.simulated.resources import (
     scene_resource,
 )
 
-__all__ = ["BridgedHueDevice", "SimulatedHueBridge", "make_certificate", "paired_bridge"]
-
 KEY_HEADER: Final = "hue-application-key"
 NAME: Final = "Hue bridge"
 _EVENTS: Final = "/eventstream/clip/v2"

@@ -14,8 +14,6 @@ from homebot.integrations.hue.simulated.resources import (
     state_fields,
 )
 
-__all__ = ["HueHouseDevice"]
-
 
 class HueHouseDevice(HubDevice):
     """A lamp or sensor of the house in the radio network of a bridge.

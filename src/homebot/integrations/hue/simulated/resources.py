@@ -12,19 +12,6 @@ from homebot.devices.identity import in_pairs
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.wire import hardware_address, lamp_order, mired_kelvin, scaled
 
-__all__ = [
-    "CHANGED",
-    "Resource",
-    "bridge_resources",
-    "device_resources",
-    "group_resources",
-    "light_orders",
-    "radio_address",
-    "resource_uuid",
-    "scene_resource",
-    "state_fields",
-]
-
 Resource: TypeAlias = dict[str, object]
 
 CHANGED: Final = "2026-01-01T00:00:00.000Z"

@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from homebot.bridges.machines.messages import FollowGatewayResponse
     from homebot.messages.message import Message
 
-__all__ = ["MachineGateway", "MachineGatewaySettings"]
-
 NOT_SENT = "gateway.command_failed"
 
 _AGAIN: Final = 0.5

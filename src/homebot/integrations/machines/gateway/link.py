@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from homebot.clock import Clock
     from homebot.messages.message import Message
 
-__all__ = ["MachineLink"]
-
 
 class MachineLink:
     """The link to *gateway* of *machine*; an empty name is that of its only one.

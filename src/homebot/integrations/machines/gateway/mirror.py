@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from homebot.bridges.machines.messages import FollowGatewayResponse
     from homebot.gateways import Gateway
 
-__all__ = ["Mirror"]
-
 HeardT = TypeVar("HeardT", Sighting, Report)
 
 _MOST = 1000

@@ -33,8 +33,6 @@ from homebot.integrations.matter.formats.endpoint import (
 from homebot.integrations.matter.formats.light_clusters import ON_OFF
 from homebot.support.numbers import whole_number
 
-__all__ = ["CLIMATE_ROWS"]
-
 THERMOSTAT, FAN, KEYPAD, _LOCKOUT = 513, 514, 516, 1
 
 _LOCAL, _OUTDOOR, _HEATING_DEMAND, _OFFSET, _COOLING, _HEATING = 0, 1, 8, 0x10, 0x11, 0x12

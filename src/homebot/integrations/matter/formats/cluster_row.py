@@ -11,20 +11,6 @@ from homebot.devices.value import PlainValue
 from homebot.integrations.matter.formats.endpoint import AttributeWrite, MatterEndpoint, MatterOrder, MatterOrders
 from homebot.support.numbers import finite_number, whole_number
 
-__all__ = [
-    "ClusterRow",
-    "Reader",
-    "Writer",
-    "any_bit",
-    "choice",
-    "choice_row",
-    "cluster_row",
-    "flag",
-    "number",
-    "number_writer",
-    "one_of",
-]
-
 Reader: TypeAlias = Callable[[MatterEndpoint, object], PlainValue]
 """Returns the value of a capability from an endpoint and the raw value of the row's attribute; None for unknown. Never
 raises."""

@@ -7,8 +7,6 @@ from homebot.conventions.dns_sd import FoundService
 from homebot.conventions.ecosystem import Ecosystem
 from homebot.integrations.matter.formats.setup_code import read_matter_code
 
-__all__ = ["Matter"]
-
 _NODE = "_matter._tcp.local."
 
 

@@ -26,8 +26,6 @@ from homebot.integrations.matter.formats.endpoint import (
 )
 from homebot.support.numbers import whole_number
 
-__all__ = ["OPENING_ROWS", "is_covering"]
-
 VALVE, LOCK, COVERING, CLOSURE, DIMENSION = 129, 257, 258, 260, 261
 
 _MOVES = ("open", "closed", "opening", "closing", "stopped")

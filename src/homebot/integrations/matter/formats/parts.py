@@ -21,8 +21,6 @@ from homebot.integrations.matter.formats.opening_clusters import OPENING_ROWS
 from homebot.integrations.matter.formats.sensor_clusters import BATTERY, PLAIN, SENSOR_ROWS
 from homebot.support.numbers import whole_number
 
-__all__ = ["parts_of"]
-
 _ROWS: Final = (*LIGHT_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *APPLIANCE_ROWS, *SENSOR_ROWS)
 _SERVICE_TYPES: Final[Mapping[int, str]] = {number: one.name for one in DEVICE_TYPES.values() for number in one.matter}
 _METER: Final = "electrical_meter"

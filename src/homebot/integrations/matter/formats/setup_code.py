@@ -10,8 +10,6 @@ from typing import Final
 from homebot.conventions.ecosystem import SetupCode
 from homebot.errors import WireError
 
-__all__ = ["check_matter_setup_code", "read_matter_code"]
-
 _BASE38: Final = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ-."
 _CHARACTERS: Final = {1: 2, 2: 4, 3: 5}
 """Number of characters by number of bytes, in each group."""

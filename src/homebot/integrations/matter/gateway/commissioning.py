@@ -11,15 +11,6 @@ from homebot.gateways.pairing import ActingGateway, PairingRequests, PairRespons
 from homebot.graph import Node
 from homebot.messages.message import Message, ServiceType
 
-__all__ = [
-    "Commission",
-    "CommissionRequest",
-    "CommissioningNames",
-    "Decommission",
-    "DecommissionRequest",
-    "serve_commissioning",
-]
-
 
 class CommissionRequest(Message):
     """Request to commission the device that has a setup code.

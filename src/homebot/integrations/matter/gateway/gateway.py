@@ -27,8 +27,6 @@ from homebot.integrations.matter.gateway.scene_reader import SceneReader
 from homebot.integrations.matter.gateway.server_link import MAX_FRAME_BYTES, MatterServerLink, check_result
 from homebot.plugins import check_extra
 
-__all__ = ["MatterGateway", "MatterGatewaySettings"]
-
 COMMISSIONS_WITHIN: Final = 180.0
 REMOVES_WITHIN: Final = 120.0
 """In seconds; the server looks for a device for 30 seconds, and tries three times to read all of its attributes."""

@@ -25,8 +25,6 @@ from homebot.integrations.matter.formats.opening_clusters import is_covering
 from homebot.integrations.matter.formats.parts import parts_of
 from homebot.integrations.matter.formats.scenes import scene_parts
 
-__all__ = ["MatterNode", "NodeDevice", "node_id_of", "parse_path"]
-
 MAX_ATTRIBUTES: Final = 20_000
 MAX_PARTS: Final = 200
 """Of one node."""

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from homebot.integrations.matter.gateway.node import MatterNode
     from homebot.integrations.matter.gateway.server_link import MatterServerLink
 
-__all__ = ["SceneReader"]
-
 _NONE: Final = (0, ())
 
 

@@ -24,8 +24,6 @@ from homebot.support.numbers import whole_number
 if TYPE_CHECKING:
     from homebot.gateways.http_streams import WebSocket
 
-__all__ = ["MAX_FRAME_BYTES", "MatterServerLink", "OnEvent", "check_greeting", "check_result", "result_of"]
-
 MAX_FRAME_BYTES: Final = 32 * 1024 * 1024
 """Longest frame: the answer to ``start_listening`` has every attribute of every node, some 50 kB for each node."""
 

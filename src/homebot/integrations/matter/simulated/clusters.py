@@ -10,21 +10,6 @@ from typing import Final, TypeAlias
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.wire import device_orders, hardware_address, mired_kelvin, scaled
 
-__all__ = [
-    "DEVICE_TYPES",
-    "SCENES",
-    "Attributes",
-    "at_endpoint",
-    "attributes_of",
-    "bridged_attributes",
-    "command_orders",
-    "root_attributes",
-    "scene_fields",
-    "scene_orders",
-    "state_attributes",
-    "write_orders",
-]
-
 Attributes: TypeAlias = dict[str, object]
 """Values by cluster and attribute (``6/0``), or by path (``1/6/0``)."""
 

@@ -20,8 +20,6 @@ from homebot.integrations.matter.simulated.clusters import (
 )
 from homebot.integrations.matter.simulated.server import CommissionedNode, SimulatedMatterServer
 
-__all__ = ["BridgedMatterDevice", "ServedMatterNode"]
-
 _AGGREGATOR: Final = 1
 _AGGREGATOR_TYPE: Final = 0x000E
 _REACHABLE: Final = "57/17"

@@ -15,8 +15,6 @@ from anyio.abc import TaskStatus
 from homebot.house.http.web_server import WebDevice, WebPeer, WebServer
 from homebot.house.wire import as_json, as_object
 
-__all__ = ["CommissionedNode", "SimulatedMatterServer"]
-
 SCHEMA: Final = 11
 _FAILED, _NOT_COMMISSIONED, _NOT_READY, _NO_NODE, _WRONG_ARGUMENTS, _NO_COMMAND = 0, 1, 3, 5, 8, 9
 

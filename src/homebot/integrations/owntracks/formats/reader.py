@@ -21,8 +21,6 @@ from homebot.conventions.table_codec import Reader
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
 
-__all__ = ["OwnTracksReader"]
-
 _MOST_NAMED: Final = 20
 _MOST_PHONES: Final = 200
 

@@ -33,8 +33,6 @@ from homebot.support.isolation import ungrouped
 if TYPE_CHECKING:
     from homebot.gateways.http_client import HttpClient
 
-__all__ = ["ShellyDriver", "ShellyDriverSettings"]
-
 ASK_AGAIN: Final = 300.0
 """Seconds between requests for the whole status, as a device without measurements may be silent for days."""
 

@@ -24,8 +24,6 @@ from homebot.integrations.shelly.formats.status import Fields
 if TYPE_CHECKING:
     from homebot.gateways.http_streams import WebSocket
 
-__all__ = ["FrameHandler", "RpcLink", "wants_password"]
-
 FrameHandler: TypeAlias = Callable[[Fields, bytes], Awaitable[None]]
 """Receives a frame: parsed, and raw."""
 

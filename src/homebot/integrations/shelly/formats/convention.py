@@ -15,8 +15,6 @@ from homebot.conventions.description import Publication, Publications
 if TYPE_CHECKING:
     from homebot.integrations.shelly.formats.reader import ShellyReader
 
-__all__ = ["Shelly", "ShellySettings"]
-
 _Client = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[A-Za-z0-9_-]+$")]
 _Prefix = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^#\x00$]*[^#\x00$/]$")]
 

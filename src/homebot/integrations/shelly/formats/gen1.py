@@ -26,8 +26,6 @@ from homebot.errors import WireError
 from homebot.integrations.shelly.formats.gen1_controls import NO_VALVE, Presses
 from homebot.integrations.shelly.formats.gen1_parts import Gen1Model, build_parts, find_model, is_known_topic
 
-__all__ = ["Gen1"]
-
 
 @dataclass(slots=True)
 class _Gen1Device:

@@ -26,9 +26,6 @@ from homebot.conventions.payload import (
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number, whole_number
 
-__all__ = ["NO_VALVE", "Presses", "build_gas_valve", "build_input", "build_light", "build_relay", "build_roller"]
-
-
 _SWITCHED: Mapping[bytes, PlainValue] = {b"on": True, b"off": False, b"overpower": False}
 """The payloads of a relay or light; one that drew too much power was switched off."""
 

@@ -29,8 +29,6 @@ from homebot.integrations.shelly.formats.gen1_sensors import (
     build_valve,
 )
 
-__all__ = ["Gen1Model", "build_parts", "find_model", "is_known_topic"]
-
 
 @dataclass(frozen=True, slots=True)
 class Gen1Model:

@@ -19,8 +19,6 @@ from homebot.devices.value import PlainValue
 from homebot.integrations.shelly.formats.status import Fields, StatusDecoder, reader_of
 from homebot.support.numbers import to_number
 
-__all__ = ["SENSORS", "Gen1Sensor", "build_meter", "build_motion", "build_sensor", "build_valve"]
-
 
 @dataclass(frozen=True, slots=True)
 class Gen1Sensor:

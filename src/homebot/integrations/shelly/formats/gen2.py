@@ -23,8 +23,6 @@ from homebot.integrations.shelly.formats.gen2_device import (
 )
 from homebot.integrations.shelly.formats.status import Fields
 
-__all__ = ["MAX_ANSWER_BYTES", "Gen2"]
-
 MAX_ANSWER_BYTES = 128 * 1024
 """Longest answer; the one of a gateway with all possible sensors has about 40 kB."""
 

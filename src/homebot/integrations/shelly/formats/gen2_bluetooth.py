@@ -23,8 +23,6 @@ from homebot.integrations.shelly.formats.gen2_component import PRESSES, ShellyCo
 from homebot.integrations.shelly.formats.status import Fields, reader_of
 from homebot.support.numbers import to_number
 
-__all__ = ["BluetoothDevice", "group_by_address"]
-
 _VALVE_BOUNDS = (4.0, 30.0)
 
 

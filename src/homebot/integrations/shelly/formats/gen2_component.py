@@ -26,18 +26,6 @@ from homebot.integrations.shelly.formats.status import (
     value_at,
 )
 
-__all__ = [
-    "BLUETOOTH",
-    "COMPONENTS",
-    "LONGEST_UNIT",
-    "PRESSES",
-    "Gen2Topics",
-    "ShellyComponent",
-    "call",
-    "components_from",
-    "page_name",
-]
-
 
 def call(prefix: str, source: str, method: str, params: Mapping[str, object] | None = None) -> Publication:
     """Return the call of *method* of the device at *prefix*; it answers on ``<source>/rpc``."""

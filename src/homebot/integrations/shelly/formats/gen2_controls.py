@@ -19,9 +19,6 @@ from homebot.integrations.shelly.formats.gen2_component import ShellyComponent
 from homebot.integrations.shelly.formats.status import Fields, reader_of, texts_of
 from homebot.support.numbers import to_number
 
-__all__ = ["LIGHTS", "build_cover", "build_diffuser", "build_light", "build_switch", "build_thermostat"]
-
-
 _MOVEMENTS = ("open", "closed", "opening", "closing", "stopped")
 _COMMANDS = {"open": "Cover.Open", "closed": "Cover.Close", "stopped": "Cover.Stop"}
 _PERCENT = (0.0, 100.0)

@@ -58,18 +58,6 @@ from homebot.integrations.shelly.formats.gen2_virtual import (
 from homebot.integrations.shelly.formats.status import Fields
 from homebot.support.numbers import to_number
 
-__all__ = [
-    "ANSWERS",
-    "MAX_COMPONENTS",
-    "AnswerKind",
-    "Gen2Device",
-    "is_config_change",
-    "is_prefix",
-    "kind_of",
-    "mac_in",
-    "sleeps",
-]
-
 AnswerKind = Literal["info", "config", "status"]
 
 ANSWERS: Mapping[AnswerKind, str] = {

@@ -25,8 +25,6 @@ from homebot.integrations.shelly.formats.gen2_device import AnswerKind, Gen2Devi
 from homebot.integrations.shelly.formats.status import Fields
 from homebot.support.numbers import to_number
 
-__all__ = ["CLIENT", "Gen2RpcDevice", "PartKey", "RpcCall", "RpcLogin", "is_setup_change"]
-
 CLIENT = "homebot"
 """The client id of calls to a device."""
 

@@ -14,16 +14,6 @@ from homebot.conventions.units import sensor_type
 from homebot.integrations.shelly.formats.gen2_component import LONGEST_UNIT, PRESSES, ShellyComponent
 from homebot.integrations.shelly.formats.status import Fields, StatusDecoder, reader_of
 
-__all__ = [
-    "SENSORS",
-    "build_further",
-    "build_input",
-    "build_meters",
-    "build_own_temperature",
-    "build_power",
-    "build_sensor",
-]
-
 Parts = tuple[JsonPart, ...]
 
 SENSORS: Mapping[str, tuple[str, str]] = {

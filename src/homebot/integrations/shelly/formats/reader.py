@@ -4,8 +4,6 @@ from homebot.conventions.description import AnnouncementEvent
 from homebot.integrations.shelly.formats.gen1 import Gen1
 from homebot.integrations.shelly.formats.gen2 import Gen2
 
-__all__ = ["ShellyReader"]
-
 
 class ShellyReader:
     """Reader of both generations; *client* is the client id of requests to the second one."""

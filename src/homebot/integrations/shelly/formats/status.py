@@ -7,8 +7,6 @@ from typing import Final, TypeAlias
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, read_number, text_of, unreadable
 from homebot.devices.capabilities import CAPABILITIES
 
-__all__ = ["LONGEST_TEXT", "NO_FIELDS", "Fields", "StatusDecoder", "reader_of", "texts_of", "value_at"]
-
 Fields: TypeAlias = Mapping[str, object]
 """A status or a configuration, or a part of one."""
 

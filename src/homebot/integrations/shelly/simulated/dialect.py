@@ -14,8 +14,6 @@ from homebot.house.simulated_device import number_text
 from homebot.house.wire import as_json, as_object, as_text, device_orders, hardware_address, scaled
 from homebot.support.numbers import to_number
 
-__all__ = ["ShellyDialect"]
-
 ALL = "shellies/command"
 
 

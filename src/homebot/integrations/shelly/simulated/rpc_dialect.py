@@ -11,8 +11,6 @@ from collections.abc import Mapping
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.wire import as_json, as_object, device_orders, hardware_address, scaled
 
-__all__ = ["ShellyRpcDialect", "describe_shelly"]
-
 NOT_FOUND = 404
 MODELS = {"lamp": "shellydimmerg3", "window": "shellyplus2pm", "cover": "shellyplus2pm"}
 COMPONENTS = {"lamp": "light:0", "window": "cover:0", "cover": "cover:0"}

@@ -17,8 +17,6 @@ from homebot.house.http.web_server import WebPeer, WebReply, WebRequest
 from homebot.house.wire import as_json, as_object, json_value
 from homebot.integrations.shelly.simulated.rpc_dialect import ShellyRpcDialect, describe_shelly
 
-__all__ = ["ServedShelly"]
-
 UNAUTHORIZED = 401
 ALGORITHM = "SHA-256"
 NONCE = 1625038762

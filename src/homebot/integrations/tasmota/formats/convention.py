@@ -14,8 +14,6 @@ from homebot.conventions.convention import ConventionSettings, LazyConvention, T
 if TYPE_CHECKING:
     from homebot.integrations.tasmota.formats.reader import TasmotaReader
 
-__all__ = ["TasmotaDiscovery", "TasmotaSettings"]
-
 
 class TasmotaSettings(ConventionSettings):
     """The table of this convention.

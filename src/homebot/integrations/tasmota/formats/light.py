@@ -22,8 +22,6 @@ from homebot.devices.value import PlainValue
 from homebot.integrations.tasmota.formats.config import LIGHT, TasmotaConfig, power_commands
 from homebot.support.numbers import finite_number
 
-__all__ = ["LampState", "add_light", "speed_for"]
-
 
 class LampState:
     """The last reported state of a lamp."""

@@ -28,9 +28,6 @@ from homebot.integrations.tasmota.formats.light import add_light
 from homebot.integrations.tasmota.formats.sensors import Leaf, describe_sensors
 from homebot.support.numbers import finite_number
 
-__all__ = ["build_parts", "count_shutters"]
-
-
 _COMMAND = "FanSpeed"
 _MIDDLE = 2
 _PERCENTS = (0.0, 33.0, 66.0, 100.0)

@@ -21,8 +21,6 @@ from homebot.integrations.tasmota.formats.parts import build_parts
 from homebot.integrations.tasmota.formats.sensors import Leaf, read_leaves
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["MAX_DEVICES", "MAX_WAITING", "TasmotaReader"]
-
 MAX_DEVICES = 5_000
 """Most devices; the announcement of one more is refused."""
 

@@ -20,8 +20,6 @@ from homebot.conventions.unreadable import unreadable
 from homebot.integrations.tasmota.formats.config import TasmotaConfig, sensor_values
 from homebot.support.numbers import finite_number
 
-__all__ = ["MOST_SENSORS", "Leaf", "describe_sensors", "read_leaves"]
-
 
 def _quantity_of(path: tuple[str | int, ...], sensors: Mapping[str, object]) -> Quantity:
     """Return the quantity at *path*; a plain measurement if its name is unknown.

@@ -18,8 +18,6 @@ from homebot.gateways.http_streams import EventStream
 from homebot.gateways.long_json import parse_long_json
 from homebot.integrations.things.directory.documents import DirectoryPage, ReadPage, etag_of, members_of, next_page
 
-__all__ = ["DirectoryReader"]
-
 PAGE: Final = 50
 """Things per page, if the directory can paginate."""
 

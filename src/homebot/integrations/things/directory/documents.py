@@ -17,19 +17,6 @@ from homebot.errors import WireError
 from homebot.integrations.things.formats.thing import THING_CHANGES, ThingChange
 from homebot.support.numbers import to_number
 
-__all__ = [
-    "DirectoryEvent",
-    "DirectoryPage",
-    "ReadPage",
-    "etag_of",
-    "id_of",
-    "lifetime_of",
-    "members_of",
-    "next_page",
-    "read_event",
-    "text_of",
-]
-
 _LONGEST_ID = 500
 _LONGEST_HEADER = 4000
 _ETAG = re.compile(r'(?:W/)?"[\x21\x23-\x7e]{0,200}"')

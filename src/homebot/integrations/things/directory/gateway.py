@@ -20,8 +20,6 @@ from homebot.support.backoff import DEVICE_BACKOFF, DEVICE_REFUSED_BACKOFF, Back
 if TYPE_CHECKING:
     from homebot.integrations.things.directory.session import DirectorySession
 
-__all__ = ["ThingDirectoryGateway"]
-
 
 class ThingDirectoryGateway(Gateway):
     """A gateway to the things that a W3C Thing Description Directory lists.

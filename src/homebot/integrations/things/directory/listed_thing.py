@@ -17,8 +17,6 @@ from homebot.integrations.things.http.thing_device import ThingDevice
 from homebot.support.backoff import DEVICE_BACKOFF
 from homebot.support.isolation import run_as
 
-__all__ = ["ListedThing"]
-
 
 class ListedThing(DeviceRunner):
     """A thing listed by a directory, confirmed when it answers itself.

@@ -43,8 +43,6 @@ from homebot.integrations.things.http.http_port import HTTP_BINDING, HttpThingPo
 from homebot.integrations.things.http.thing_device import describe_thing
 from homebot.support.isolation import run_as, ungrouped
 
-__all__ = ["DirectorySession"]
-
 LIST_AGAIN: Final = 3600.0
 """Seconds between readings of the list if the directory reports changes."""
 

@@ -9,8 +9,6 @@ from homebot.gateways.base import GatewaySettings
 from homebot.gateways.password_settings import HttpLoginSettings
 from homebot.units import Seconds
 
-__all__ = ["ThingDirectorySettings"]
-
 
 def _checked_url(url: str) -> str:
     problem = ValueError("is not an address such as http://192.168.1.2:8081")

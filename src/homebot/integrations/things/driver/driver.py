@@ -15,8 +15,6 @@ from homebot.units import Seconds
 if TYPE_CHECKING:
     from homebot.integrations.things.driver.session import ThingSession
 
-__all__ = ["WEB_THING", "HttpThingDriver", "ThingDriver", "ThingDriverSettings"]
-
 WEB_THING: Final = "_webthing._tcp.local."
 
 

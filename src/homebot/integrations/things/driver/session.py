@@ -30,8 +30,6 @@ from homebot.integrations.things.http.http_port import HTTP_BINDING, HttpThingPo
 from homebot.integrations.things.http.thing_device import ThingDevice, describe_thing
 from homebot.support.isolation import run_as, ungrouped
 
-__all__ = ["ThingSession"]
-
 WELL_KNOWN: Final = "/.well-known/wot"
 READ_AGAIN: Final = 18.0
 """Seconds between two readings of the description. With the time limit of a request, a vanished thing is noticed within

@@ -13,8 +13,6 @@ from homebot.errors import RefusedError
 from homebot.integrations.things.formats.payload import PayloadFormats, basic_formats
 from homebot.integrations.things.formats.thing import WRITE_OPS, Affordance, Form
 
-__all__ = ["Binding", "ClassifiedAffordance", "ClassifiedPart", "RequestBinding"]
-
 _PUSH_OPS = frozenset({"observeproperty", "subscribeevent"})
 
 

@@ -25,8 +25,6 @@ from homebot.integrations.things.formats.vocabulary import (
 )
 from homebot.support.folding import fold, words_of
 
-__all__ = ["parts_of"]
-
 _CATEGORIES: dict[str, Category] = {"config": "config", "diagnostic": "diagnostic"}
 _KINDS = {"boolean": "bool", "integer": "number", "number": "number", "string": "text"}
 _GENERAL = {"bool": ("state", "on_off"), "number": ("measurement", "number"), "text": ("value", "text")}

@@ -16,8 +16,6 @@ from homebot.conventions.payload import parse_json, shown
 from homebot.errors import WireError
 from homebot.integrations.things.formats.payload import PayloadFormat, basic_formats, media_type
 
-__all__ = ["TD_FORMAT", "coap_formats", "content_format_of", "content_type_of", "read_senml"]
-
 TD_FORMAT: Final = 432
 
 _TYPES: Mapping[int, str] = {

@@ -9,8 +9,6 @@ from homebot.integrations.things.formats.export import to_thing
 from homebot.integrations.things.formats.parse import read_thing
 from homebot.integrations.things.formats.thing import facts_of, identifiers_of
 
-__all__ = ["ThingDocuments"]
-
 
 class ThingDocuments:
     """The format W3C Thing Description 1.1; see :class:`homebot.conventions.described_thing.ThingFormat`."""

@@ -17,8 +17,6 @@ from homebot.integrations.things.formats.payload import TEXT_CONTENT_TYPE
 from homebot.integrations.things.formats.thing import NO_SECURITY
 from homebot.integrations.things.formats.vocabulary import CAPABILITY_TYPES, DEVICE_TYPE_NAMES, WEBTHINGS
 
-__all__ = ["to_thing"]
-
 _MQTT_VOCABULARY: Final = "https://www.w3.org/2019/wot/mqtt#"
 _OWN_VOCABULARY: Final = "urn:homebot:td#"
 _NO_ROUTE: Final = Route(gateway="", key="", part="")

@@ -8,9 +8,6 @@ from typing import Final
 
 from homebot.errors import WireError
 
-__all__ = ["MAX_TEXT", "Fields"]
-
-
 MAX_TEXT: Final = 1000
 """Most characters of a text for people; longer ones are cut."""
 

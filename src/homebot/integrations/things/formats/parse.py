@@ -25,9 +25,6 @@ from homebot.integrations.things.formats.thing import (
 from homebot.integrations.things.formats.webthings import with_forms
 from homebot.support.addresses import resolve_uri
 
-__all__ = ["CONTEXT", "read_thing"]
-
-
 CONTEXT: Final = "https://www.w3.org/2022/wot/td/v1.1"
 _CONTEXTS = frozenset({CONTEXT, "https://www.w3.org/2019/wot/td/v1", "http://www.w3.org/ns/td"})
 

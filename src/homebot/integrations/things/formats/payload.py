@@ -21,17 +21,6 @@ from homebot.integrations.things.formats.scale import canonical, on_the_wire
 from homebot.integrations.things.formats.thing import Affordance, DataSchema
 from homebot.support.numbers import to_number
 
-__all__ = [
-    "TEXT_CONTENT_TYPE",
-    "PayloadFormat",
-    "PayloadFormats",
-    "basic_formats",
-    "decode_document",
-    "encode_document",
-    "is_rgb",
-    "media_type",
-]
-
 TEXT_CONTENT_TYPE = "text/plain"
 
 _JSON = re.compile(r"application/([a-z0-9.+-]+\+)?json")

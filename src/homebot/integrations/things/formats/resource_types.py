@@ -18,8 +18,6 @@ from homebot.conventions.payload import clean_text
 from homebot.integrations.things.formats.content_formats import coap_formats, content_type_of
 from homebot.integrations.things.formats.thing import Affordance, DataSchema, DataType, Form, Thing
 
-__all__ = ["MAX_RESOURCES", "thing_of_links"]
-
 MAX_RESOURCES = 64
 """Resources of one device that are used; the first in the order of their paths."""
 

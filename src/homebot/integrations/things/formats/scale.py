@@ -10,9 +10,6 @@ from homebot.devices.text.states import is_share
 from homebot.integrations.things.formats.thing import Affordance, DataSchema
 from homebot.integrations.things.formats.vocabulary import UNITS
 
-__all__ = ["bounds_of", "canonical", "in_told_unit", "on_the_wire", "unit_of"]
-
-
 _SEPARATORS = str.maketrans("", "", " _-")
 
 

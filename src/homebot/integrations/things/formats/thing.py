@@ -13,24 +13,6 @@ from typing import Final, Literal, TypeAlias, get_args
 from homebot.conventions.payload import clean_text
 from homebot.devices.identity import identifiers
 
-__all__ = [
-    "NO_SECURITY",
-    "OBSERVE_OPS",
-    "THING_CHANGES",
-    "WRITE_OPS",
-    "Affordance",
-    "AffordanceKind",
-    "DataSchema",
-    "DataType",
-    "Form",
-    "SecurityScheme",
-    "Thing",
-    "ThingChange",
-    "change_forms",
-    "facts_of",
-    "identifiers_of",
-]
-
 AffordanceKind: TypeAlias = Literal["property", "action", "event"]
 DataType: TypeAlias = Literal["boolean", "integer", "number", "string", "object", "array", "null", ""]
 

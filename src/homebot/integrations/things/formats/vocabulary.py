@@ -6,18 +6,6 @@ Source: the schemas of WebThings, https://webthings.io/schemas, used by most Thi
 from collections.abc import Mapping
 from typing import Final
 
-__all__ = [
-    "CAPABILITY_TYPES",
-    "DEVICE_TYPE_NAMES",
-    "LOCK_ACTIONS",
-    "LONE_TYPES",
-    "NAMES",
-    "OWNED",
-    "THING_TYPES",
-    "UNITS",
-    "WEBTHINGS",
-]
-
 WEBTHINGS: Final = "https://webthings.io/schemas"
 
 

@@ -14,8 +14,6 @@ from typing import Final
 from homebot.conventions.payload import as_fields
 from homebot.integrations.things.formats.thing import NO_SECURITY
 
-__all__ = ["with_forms"]
-
 _CONTEXTS: Final = frozenset({"https://iot.mozilla.org/schemas", "https://webthings.io/schemas"})
 _SCHEMA: Final = ("type", "unit", "minimum", "maximum", "enum")
 _KEPT: Final = ("@type", "title", "description", "readOnly")

@@ -24,8 +24,6 @@ from homebot.integrations.things.formats.thing import Form, SecurityScheme, Thin
 from homebot.integrations.things.http.thing_device import ThingPayload
 from homebot.support.isolation import run_as, ungrouped
 
-__all__ = ["HTTP_BINDING", "HttpThingPort", "login_at"]
-
 HTTP_BINDING: Final = RequestBinding(frozenset({"http", "https"}), ("sse", "longpoll"))
 
 LONG_POLL: Final = 50.0

@@ -29,8 +29,6 @@ from homebot.integrations.things.formats.scale import in_told_unit
 from homebot.integrations.things.formats.thing import Affordance, Form, Thing, facts_of, identifiers_of
 from homebot.support.isolation import run_as, ungrouped
 
-__all__ = ["ThingDevice", "ThingPayload", "ThingPort", "describe_thing"]
-
 
 @dataclass(frozen=True, slots=True)
 class ThingPayload:

@@ -14,8 +14,6 @@ from homebot.conventions.payload import Readings, text_of
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number, whole_number
 
-__all__ = ["LONGEST_NAME", "MASTER", "MASTER_FEATURES", "Fields", "WledSegment", "find_segments", "read_master"]
-
 Fields = Mapping[str, object]
 
 MASTER = ""

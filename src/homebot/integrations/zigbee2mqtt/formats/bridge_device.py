@@ -13,15 +13,6 @@ from homebot.conventions.payload import as_fields, parse_json, shown, text_of
 from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.topics import validate_topic
 
-__all__ = [
-    "BridgeDevice",
-    "BridgeSettings",
-    "StateAvailability",
-    "ieee_address",
-    "read_bridge_device",
-    "read_bridge_settings",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class StateAvailability:

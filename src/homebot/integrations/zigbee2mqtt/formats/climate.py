@@ -19,9 +19,6 @@ from homebot.errors import RefusedError
 from homebot.integrations.zigbee2mqtt.formats.expose import Expose
 from homebot.integrations.zigbee2mqtt.formats.features import Zigbee2MqttPart, Zigbee2MqttTopics, text_of
 
-__all__ = ["build_climate", "build_thermometer", "is_program", "type_of_climate"]
-
-
 _MANUAL = "manual"
 _MODES = {"schedule": "auto", "pause": "off"}
 _OPTIONS = {mode: option for option, mode in _MODES.items()}

@@ -22,8 +22,6 @@ from homebot.integrations.zigbee2mqtt.formats.features import (
 )
 from homebot.support.numbers import finite_number
 
-__all__ = ["build_cover", "build_fan", "build_lock", "build_opener", "build_siren", "build_valve"]
-
 
 def build_cover(part: Zigbee2MqttPart, cover: Expose, motor: Expose | None) -> DescribedPart:
     """Describe a cover; *motor* is the enum of its motor's direction."""

@@ -17,8 +17,6 @@ from homebot.errors import WireError
 if TYPE_CHECKING:
     from homebot.integrations.zigbee2mqtt.formats.reader import Zigbee2MqttReader
 
-__all__ = ["Zigbee2Mqtt", "Zigbee2MqttSettings"]
-
 
 class Zigbee2MqttSettings(ConventionSettings):
     """The table of this convention.

@@ -17,8 +17,6 @@ from homebot.devices.part import Category
 from homebot.support.folding import words_of
 from homebot.support.numbers import finite_number
 
-__all__ = ["SPECIFIC_TYPES", "Expose", "Scalar", "read_exposes"]
-
 Scalar: TypeAlias = str | bool | int | float
 """A value in the spelling of the device; values of different types differ."""
 

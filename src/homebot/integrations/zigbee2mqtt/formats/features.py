@@ -24,9 +24,6 @@ from homebot.errors import RefusedError
 from homebot.integrations.zigbee2mqtt.formats.expose import SPECIFIC_TYPES, Expose, Scalar
 from homebot.support.numbers import finite_number
 
-__all__ = ["MAX_VALUE", "Zigbee2MqttPart", "Zigbee2MqttTopics", "flag_of", "read_finite", "same_scalar", "text_of"]
-
-
 _MOST_SECONDS = 6_553.0
 """Longest transition in a Zigbee frame: 65,535 tenths of a second, without the reserved values."""
 

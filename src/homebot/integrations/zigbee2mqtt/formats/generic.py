@@ -27,9 +27,6 @@ from homebot.integrations.zigbee2mqtt.formats.features import (
     text_of,
 )
 
-__all__ = ["build_generic"]
-
-
 _CONDITION_NAMES: Mapping[str, tuple[str, ...]] = {
     "contact": ("contact", "garage_door_contact", "window", "window_open", "valve_state"),
     "occupancy": ("occupancy", "presence", *(f"area{number}Occupancy" for number in range(1, 5))),

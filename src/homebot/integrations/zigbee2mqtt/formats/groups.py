@@ -13,8 +13,6 @@ from homebot.integrations.zigbee2mqtt.formats.bridge_device import BridgeDevice,
 from homebot.integrations.zigbee2mqtt.formats.expose import SPECIFIC_TYPES
 from homebot.integrations.zigbee2mqtt.formats.parts import build_parts
 
-__all__ = ["ExposesOfEndpoints", "GroupMember", "build_group", "exposes_of_groups"]
-
 _TYPES = ("light", "switch", "cover")
 """A lock is left out: it is not approved by its group."""
 

@@ -22,8 +22,6 @@ from homebot.integrations.zigbee2mqtt.formats.features import (
 )
 from homebot.support.numbers import finite_number
 
-__all__ = ["build_light"]
-
 
 def build_light(part: Zigbee2MqttPart, light: Expose, effect: Expose | None) -> DescribedPart:
     """Describe a lamp; *effect* is the enum of its effects."""

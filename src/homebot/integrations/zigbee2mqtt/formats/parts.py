@@ -33,8 +33,6 @@ from homebot.integrations.zigbee2mqtt.formats.features import Zigbee2MqttPart, Z
 from homebot.integrations.zigbee2mqtt.formats.generic import build_generic
 from homebot.integrations.zigbee2mqtt.formats.light import build_light
 
-__all__ = ["build_parts"]
-
 
 def build_parts(device: BridgeDevice) -> tuple[DescribedPart, ...]:
     """Describe the parts of a device with unique ids. A device unknown to the bridge shows its raw messages."""

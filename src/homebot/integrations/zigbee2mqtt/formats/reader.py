@@ -26,8 +26,6 @@ from homebot.integrations.zigbee2mqtt.formats.groups import (
 )
 from homebot.integrations.zigbee2mqtt.formats.parts import build_parts
 
-__all__ = ["MAX_BRIDGE_BYTES", "MAX_DEVICES", "MAX_PARTS", "Zigbee2MqttReader"]
-
 MAX_BRIDGE_BYTES = 32 * 1024 * 1024
 """Longest list of devices; a device has about 4 kB, some remotes and thermostats have ten times that."""
 

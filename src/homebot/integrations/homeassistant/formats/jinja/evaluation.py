@@ -18,8 +18,6 @@ from homebot.integrations.homeassistant.formats.jinja.values import (
     weigh,
 )
 
-__all__ = ["Evaluate", "Program", "Run", "path_program"]
-
 
 @final
 class Run:

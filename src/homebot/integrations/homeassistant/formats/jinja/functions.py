@@ -29,8 +29,6 @@ from homebot.integrations.homeassistant.formats.jinja.patterns import (
 from homebot.integrations.homeassistant.formats.jinja.texts import TEXT_FILTERS, TEXT_FUNCTIONS, strftime_format
 from homebot.integrations.homeassistant.formats.jinja.values import Namespace, TemplateError, Undefined, real, text
 
-__all__ = ["FILTERS", "FUNCTIONS", "HOME_ASSISTANT"]
-
 
 def _now(*_: object) -> datetime:
     now = home_time.get()

@@ -19,8 +19,6 @@ from homebot.integrations.homeassistant.formats.jinja.values import (
     whole,
 )
 
-__all__ = ["CHECKS", "LIST_FILTERS", "LIST_FUNCTIONS", "attribute_of", "slice_of", "values_of"]
-
 
 def _order(operator: str) -> Callable[..., object]:
     compare = ORDER[operator]

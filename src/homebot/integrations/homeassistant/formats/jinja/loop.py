@@ -8,8 +8,6 @@ from homebot.integrations.homeassistant.formats.jinja.evaluation import Evaluate
 from homebot.integrations.homeassistant.formats.jinja.lists import values_of
 from homebot.integrations.homeassistant.formats.jinja.values import UNDEFINED
 
-__all__ = ["Assign", "BreakLoop", "ContinueLoop", "Loop"]
-
 Assign: TypeAlias = Callable[[Run, object], None]
 """Assigns a value to its target."""
 

@@ -25,8 +25,6 @@ from homebot.integrations.homeassistant.formats.jinja.values import (
     whole,
 )
 
-__all__ = ["BINARY", "CONSTANTS", "MISSING", "NUMBER_FILTERS", "NUMBER_FUNCTIONS", "ORDER", "is_number"]
-
 Binary = Callable[..., object]
 
 

@@ -6,8 +6,6 @@ from homebot.conventions.bounded_patterns import PatternError, compile_bounded, 
 from homebot.integrations.homeassistant.formats.jinja.evaluation import Run
 from homebot.integrations.homeassistant.formats.jinja.values import MAX_TEXT, TemplateError, text, whole
 
-__all__ = ["find_all", "find_all_index", "matches", "replaces", "searches"]
-
 
 def matches(run: Run, value: object, find: object = "", ignorecase: object = False) -> bool:
     """Return whether *value* begins with a match of *find*."""

@@ -30,8 +30,6 @@ from homebot.integrations.homeassistant.formats.jinja.values import (
     text,
 )
 
-__all__ = ["parse"]
-
 _Function: TypeAlias = Callable[..., object]
 _Calling: TypeAlias = nodes.Call | nodes.Filter | nodes.Test
 _Arguments: TypeAlias = Callable[[Run], tuple[list[object], dict[str, object]]]

@@ -14,8 +14,6 @@ from homebot.integrations.homeassistant.formats.jinja.values import MAX_SOURCE, 
 if TYPE_CHECKING:
     from homebot.integrations.homeassistant.formats.jinja.evaluation import Program
 
-__all__ = ["PayloadContext", "Template", "compile_template"]
-
 _UNREAD = object()
 
 

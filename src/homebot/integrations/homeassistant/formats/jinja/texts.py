@@ -27,8 +27,6 @@ from homebot.integrations.homeassistant.formats.jinja.values import (
 )
 from homebot.support.folding import fold
 
-__all__ = ["METHODS", "TEXT_FILTERS", "TEXT_FUNCTIONS", "join", "method_of", "percent", "replace", "strftime_format"]
-
 
 def percent(template: str, values: object) -> str:
     """Return ``template % values``; a width may have two digits."""

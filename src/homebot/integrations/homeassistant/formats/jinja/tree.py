@@ -9,8 +9,6 @@ from jinja2 import nodes
 
 from homebot.integrations.homeassistant.formats.jinja.values import MAX_DEPTH, MAX_TOKENS, TemplateError
 
-__all__ = ["tree_of"]
-
 _ENVIRONMENT: Final = jinja2.Environment(extensions=["jinja2.ext.loopcontrols"])  # noqa: S701  # only parses
 _MOST_SHOWN = 60
 

@@ -6,30 +6,6 @@ from typing import Final, NoReturn, final
 
 from homebot.errors import WireError
 
-__all__ = [
-    "FREE_STEPS",
-    "MAX_DEPTH",
-    "MAX_FOR_DEPTH",
-    "MAX_ITEMS",
-    "MAX_NUMBER_BITS",
-    "MAX_NUMERAL",
-    "MAX_SOURCE",
-    "MAX_STEPS",
-    "MAX_TEXT",
-    "MAX_TOKENS",
-    "UNDEFINED",
-    "Namespace",
-    "NotDefinedError",
-    "TemplateError",
-    "Undefined",
-    "UndefinedValueError",
-    "item",
-    "real",
-    "text",
-    "weigh",
-    "whole",
-]
-
 MAX_SOURCE: Final = 8192
 """Longest source, in characters."""
 

@@ -38,8 +38,6 @@ from homebot.integrations.homeassistant.formats.states.rows import (
 )
 from homebot.support.numbers import to_number
 
-__all__ = ["CLIMATE", "FAN", "HUMIDIFIER", "WATER_HEATER"]
-
 _SINGLE, _PAIR, _HUMIDITY, _FAN, _PRESET, _SWING, _SWING_HORIZONTAL = 1, 2, 4, 8, 16, 32, 512
 _TURN_OFF, _TURN_ON = 128, 256
 _LOW, _HIGH = "target_temp_low", "target_temp_high"

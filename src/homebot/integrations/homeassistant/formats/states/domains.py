@@ -59,8 +59,6 @@ from homebot.integrations.homeassistant.formats.states.rows import (
 )
 from homebot.support.numbers import to_number
 
-__all__ = ["DOMAINS"]
-
 _COLORS = frozenset({"hs", "xy", "rgb", "rgbw", "rgbww"})
 _USUAL_KELVINS = (2_000, 6_535)
 

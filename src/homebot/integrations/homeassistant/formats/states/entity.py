@@ -20,8 +20,6 @@ from homebot.devices.words import ALL_THAT_ASK, matching_words
 from homebot.integrations.homeassistant.formats.states.domains import DOMAINS
 from homebot.integrations.homeassistant.formats.states.registries import EntityEntry, Registries
 
-__all__ = ["HomeAssistantEntity", "ServiceCall"]
-
 _UNAVAILABLE, _UNKNOWN = "unavailable", "unknown"
 _MOST_SECONDS: Final = 6_553.0
 """Longest transition of ``light.turn_on`` and ``scene.turn_on``."""

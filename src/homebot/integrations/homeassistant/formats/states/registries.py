@@ -14,8 +14,6 @@ from homebot.devices.part import Category
 from homebot.errors import WireError
 from homebot.integrations.homeassistant.formats.device import DeviceInfo, read_device
 
-__all__ = ["REGISTRIES", "EntityEntry", "Registries"]
-
 REGISTRIES: Final = {"device": "id", "entity": "entity_id", "area": "area_id", "floor": "floor_id", "label": "label_id"}
 """Each with the field of its ids; the last two are missing before 2024.3."""
 

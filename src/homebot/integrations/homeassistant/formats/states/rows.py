@@ -15,26 +15,6 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
 
-__all__ = [
-    "SWITCH",
-    "Condition",
-    "bounds_of",
-    "choice",
-    "flag",
-    "has",
-    "moves",
-    "percent",
-    "read_named",
-    "read_number",
-    "read_state",
-    "read_text",
-    "read_while_on",
-    "reported",
-    "sensed",
-    "switch",
-    "write_switch",
-]
-
 Condition: TypeAlias = Callable[[Fields], object]
 
 _LONGEST = 255

@@ -15,8 +15,6 @@ from homebot.conventions.convention import ConventionSettings, LazyConvention, T
 if TYPE_CHECKING:
     from homebot.integrations.things.formats.mqtt.reader import ThingReader
 
-__all__ = ["ThingDescriptions", "ThingSettings"]
-
 
 class ThingSettings(ConventionSettings):
     """The table of this convention.

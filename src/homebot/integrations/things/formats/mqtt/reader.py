@@ -40,8 +40,6 @@ from homebot.integrations.things.formats.thing import (
 )
 from homebot.mqtt.topics import validate_filter, validate_topic
 
-__all__ = ["MqttBinding", "ThingReader"]
-
 
 @dataclass(frozen=True, slots=True)
 class MqttBinding:
