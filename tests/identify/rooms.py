@@ -35,6 +35,9 @@ class Rooms:
     twin: float = 0.0
     limit: float = inf
     step: float = 0.0
+    effect: float = 1.0
+    is_announced_twice: bool = False
+    flicker: float = 0.0
 
 
 class Room:
@@ -46,7 +49,7 @@ class Room:
         self.target = random.randrange(kind.count) if kind.is_in_view else None
         self.effects = [random.uniform(0, kind.reflections) for _ in range(kind.count)]
         if self.target is not None:
-            self.effects[self.target] = 1.0
+            self.effects[self.target] = kind.effect
         if kind.twin and self.target is not None:
             self.effects[self.target - 1] = kind.twin
         self.fades = [random.uniform(0.05, 0.8) for _ in range(kind.count)]
@@ -55,21 +58,30 @@ class Room:
         if kind.jump:  # another lamp, or the sun
             self.cloud = (random.uniform(0, 40), random.choice([-kind.jump, kind.jump]))
         self.now = self.base = 0.0
-        self.told = self.before = [False] * kind.count
+        self.told = self.before = self.shown = [False] * kind.count
         self.due = [0.0] * kind.count
         self.levels = [0.0] * kind.count
         self.fades_on = 0.0
+        self.disobeyed = set[int]()
 
     def set(self, code: Sequence[bool]) -> None:
         """Set the lamps, and wait until the last one has reported and faded."""
-        self.before, self.told = self.told, list(code)
-        changed = [place for place, one in enumerate(code) if one != self.before[place]]
+        self.before, last, self.shown, self.told = self.told, self.shown, list(code), list(code)
+        if self.kind.is_announced_twice and self.target is not None:  # one relay does what came last
+            pair = [self.target - 1, self.target]
+            new = [one for one in pair if one % self.kind.count not in self.disobeyed and code[one] != last[one]]
+            is_on = code[self.random.choice(new)] if new else self.before[self.target]
+            self.disobeyed |= {one % self.kind.count for one in new if code[one] != is_on}
+            self.told[pair[0]] = self.told[pair[1]] = is_on
+            self.shown = self.told
+        changed = [place for place, one in enumerate(self.told) if one != self.before[place]]
         self.due = [self.now + late for late in self.lates]
         self.pass_time(max((self.lates[one] for one in changed), default=0.0) + SETTLES + self.fades_on)
 
     def pass_time(self, seconds: float) -> list[float]:
         """Return what the sensor sees meanwhile."""
         values, end = [], self.now + seconds - 1e-9
+        self.flicker = self.random.choice((0.0, self.kind.flicker)) if self.kind.flicker else 0.0
         while self.now < end:
             self.now += PERIOD
             self.base += self.random.gauss(0, 0.02)
@@ -78,7 +90,7 @@ class Room:
                 self.levels[place] += (is_on - self.levels[place]) * (1 - exp(-PERIOD / fade))
             at, jump = self.cloud
             lamps = sum(effect * level for effect, level in zip(self.effects, self.levels, strict=True))
-            base = DAYLIGHT + self.base + (jump if self.now > at else 0.0)
+            base = DAYLIGHT + self.base + (jump if self.now > at else 0.0) + self.flicker
             value = min(base + lamps + self.random.gauss(0, self.kind.noise), self.kind.limit)
             values.append(round(value / self.kind.step) * self.kind.step if self.kind.step else value)
         return values
@@ -112,6 +124,8 @@ def identify(kind: Rooms, seed: int) -> Found:
         belief.add(seen)
     for _ in range(MOST_SLOTS):
         room.set(next_code(belief, random))
+        for place in room.disobeyed:
+            belief.drop(place)
         belief.add(look())
         if conclusion.add(belief, look.noise.trouble):
             return Found(conclusion.found == room.target, conclusion.found != room.target, room.now)
@@ -129,4 +143,4 @@ class Looks:
     def __call__(self) -> Seen:
         mean, variance = self.noise.of(self._room.pass_time(LOOK))
         passed, self._last = self._room.now - self._last, self._room.now
-        return Seen(tuple(map(float, self._room.told)), mean, variance, passed)
+        return Seen(tuple(map(float, self._room.shown)), mean, variance, passed)

@@ -45,6 +45,10 @@ def test_the_candidate_in_view_is_found(kind: Rooms, right: float, wrong: float,
     [
         Rooms(twin=1.0),
         Rooms(twin=0.9),
+        Rooms(is_announced_twice=True),
+        Rooms(is_announced_twice=True, count=2, noise=0.05),
+        Rooms(flicker=3.0),
+        Rooms(flicker=3.0, is_in_view=False, count=1),
         Rooms(limit=5.3),
         Rooms(limit=5.6),
         Rooms(limit=5.6, reflections=0.5),
@@ -55,14 +59,26 @@ def test_the_candidate_in_view_is_found(kind: Rooms, right: float, wrong: float,
         Rooms(step=5.0),
     ],
     ids=[
-        *("twins", "nearly twins", "saturated", "at times", "by reflections", "seldom", "and quiet"),
+        *(
+            "twins",
+            "nearly twins",
+            "one relay",
+            "one quiet relay",
+            "flickers",
+            "flickers alone",
+            "saturated",
+            "at times",
+            "by reflections",
+            "seldom",
+            "and quiet",
+        ),
         *("coarse", "coarse and quiet", "very coarse"),
     ],
 )
 def test_nothing_is_sure_where_two_shine_alike_or_the_sensor_cannot_tell(kind: Rooms) -> None:
     """By the least effect that is supposed if nobody states one."""
     found = [identify(replace(kind, least=0.0), seed) for seed in range(ROOMS // 2)]
-    assert sum(one.is_wrong or one.is_right for one in found) <= (0.1 * ROOMS if kind.twin else 0)
+    assert sum(one.is_wrong or one.is_right for one in found) <= (0.1 * ROOMS if kind.twin or kind.flicker else 0)
 
 
 def seen(*levels: float, value: float) -> Seen:

@@ -33,8 +33,14 @@ _INEXACT: Final = 0.03
 _SHARE: Final = 0.05
 """The least effect of a candidate in view, as a share of what is seen, if it is unknown."""
 
+_LOOKS_OF_A_JUMP: Final = 12
+"""Looks for each jump of the base: if it jumps more often, what is seen does not follow the candidates."""
+
 _CLEARLY: Final = ((1.0, 3.0), (1.2, 1.0))
 """How many times the effect of any other candidate that of the one in view is, by how many standard deviations."""
+
+_EXCLUDED: Final = 3.0
+"""Standard deviations by which the effects are smaller than what is excluded."""
 
 _TINY: Final = 1e-6
 _ALTERNATIVES: Final = 5
@@ -71,6 +77,7 @@ class Belief:
     def __init__(self, first: Seen, least: float, most: float) -> None:
         self.count = len(first.levels)
         self._dropped: set[int] = set()
+        self._levels = [first.levels]
         effect, effects = least / _IN_VIEW[0], list[float]()
         while not effects or (effect < 2 * most and len(effects) < _MOST_FAMILIES):
             effects.append(effect)
@@ -82,9 +89,15 @@ class Belief:
 
     def add(self, seen: Seen) -> None:
         """Learn from what was seen next."""
+        self._levels.append(seen.levels)
         for one in self._families:
             one.add(seen)
         self._weigh()
+
+    @property
+    def follows(self) -> bool:
+        """Whether the candidates explain what is seen, but for a cloud now and then."""
+        return self._best.tracks[0].jumps * _LOOKS_OF_A_JUMP <= len(self._levels)
 
     def drop(self, candidate: int) -> None:
         """Rule a candidate out, as it does not change any more."""
@@ -96,13 +109,17 @@ class Belief:
 
     def stands_out(self, candidate: int) -> bool:
         """Return whether a candidate clearly has more effect than each other one: two in view are never told apart."""
-        effect, deviation = self._best.effect(candidate)
-        others = (self._best.effect(one) for one in range(self.count) if one not in {candidate, *self._dropped})
-        return all(
-            effect - more * other > deviations * sqrt(deviation**2 + (more * spread) ** 2)
-            for other, spread in others
+        columns = [*zip(*self._levels, strict=True)]
+        return columns.count(columns[candidate]) == 1 and all(  # one relay may be announced twice
+            self._best.exceeds(candidate, other, more, deviations)
+            for other in {*range(self.count)} - {candidate, *self._dropped}
             for more, deviations in _CLEARLY
         )
+
+    def largest(self) -> float:
+        """Return the effect that is excluded for each candidate."""
+        effects = map(self.effect, {*range(self.count)} - self._dropped)
+        return max((effect + _EXCLUDED * deviation for effect, deviation in effects), default=0.0)
 
     def gain(self, levels: Sequence[float]) -> float:
         """Return how much is learnt about the likely candidates from what is seen with these levels."""
@@ -156,12 +173,14 @@ class _Track:
     Attributes:
         weight: The logarithm of its likelihood if no candidate is in view.
         mean: The effects, and then the base.
+        jumps: How often the base has jumped.
     """
 
     weight: float
     mean: list[float]
     covariance: list[list[float]]
     hypotheses: list[float]
+    jumps: int = 0
 
 
 class _Family:
@@ -189,9 +208,9 @@ class _Family:
         jump = drift + max(_JUMP * self._effect, abs(seen.value - self._last)) ** 2
         self._last = seen.value
         tracks = [
-            self._weighed(_followed(track, seen, self.usual, moved, log(chance)))
+            self._weighed(_followed(track, seen, self.usual, moved, log(chance), track.jumps + jumps))
             for track in self.tracks
-            for moved, chance in ((drift, 1 - _JUMPS), (jump, _JUMPS))
+            for jumps, moved, chance in ((0, drift, 1 - _JUMPS), (1, jump, _JUMPS))
         ]
         tracks.sort(key=lambda one: _log_sum(one.hypotheses), reverse=True)
         self.tracks = tracks[:_ALTERNATIVES]
@@ -200,6 +219,13 @@ class _Family:
         """Return an effect and its deviation in the likeliest alternative."""
         track = self.tracks[0]
         return track.mean[candidate], sqrt(max(track.covariance[candidate][candidate], 0.0))
+
+    def exceeds(self, candidate: int, other: int, more: float, deviations: float) -> bool:
+        """Return whether an effect is larger than *more* times another one, by so many standard deviations."""
+        track = self.tracks[0]
+        own, row = track.covariance[candidate], track.covariance[other]
+        spread = own[candidate] - 2 * more * own[other] + more**2 * row[other]
+        return track.mean[candidate] - more * track.mean[other] > deviations * sqrt(max(spread, 0.0))
 
     def hypotheses(self) -> Iterator[float]:
         """Yield the logarithm of the likelihood of none and of each candidate."""
@@ -241,7 +267,7 @@ class _Family:
         return log(max(in_view, 1e-300)) - log(max(reflected, 1e-300))
 
 
-def _followed(track: _Track, seen: Seen, noise: float, moved: float, chance: float) -> _Track:
+def _followed(track: _Track, seen: Seen, noise: float, moved: float, chance: float, jumps: int) -> _Track:
     """Return the track after *seen*, by a step of a Kalman filter; *moved* is the variance of the base since."""
     weights = (*seen.levels, 1.0)
     gains = _times(track.covariance, weights)
@@ -254,7 +280,7 @@ def _followed(track: _Track, seen: Seen, noise: float, moved: float, chance: flo
         for row, gain in zip(track.covariance, gains, strict=True)
     ]
     covariance[-1][-1] += moved
-    return _Track(track.weight + chance + log(max(_density(error, 0.0, variance), 1e-300)), mean, covariance, [])
+    return _Track(track.weight + chance + log(max(_density(error, 0.0, variance), 1e-300)), mean, covariance, [], jumps)
 
 
 def _times(matrix: list[list[float]], weights: Sequence[float]) -> list[float]:

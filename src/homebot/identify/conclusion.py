@@ -5,7 +5,8 @@ from typing import Final, final
 from homebot.identify.belief import Belief
 
 _LEAST: Final = 4
-"""Looks before a conclusion: in fewer, a lamp of somebody else may look like a candidate."""
+"""Looks before a conclusion, and one more for each doubling of the candidates: in fewer, a lamp of somebody else may
+look like a candidate."""
 
 _IN_A_ROW: Final = 2
 _SURER: Final = 0.1
@@ -37,9 +38,9 @@ class Conclusion:
         self._looks += 1
         if found is not None and not belief.stands_out(found):
             probability = 0.0
-        if trouble:
+        if trouble or not belief.follows:
             probability, found = 0.0, None
         self._row = (self._row if found == self.found else 0) + 1 if probability >= self._sure else 0
         self.found = found
         is_surer = found is not None and 1 - probability <= _SURER * (1 - self._sure)
-        return (is_surer or self._row >= _IN_A_ROW) and self._looks >= _LEAST
+        return (is_surer or self._row >= _IN_A_ROW) and self._looks >= _LEAST + belief.count.bit_length() - 1

@@ -9,6 +9,7 @@ persons, so that nothing else changes it meanwhile. One that does not obey, or t
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Sequence
+from math import inf
 from random import Random
 from typing import TYPE_CHECKING, Final, final
 
@@ -96,7 +97,13 @@ class Identification:
     @property
     def trouble(self) -> str:
         """The reason for which no look decides; empty if there is none."""
-        return self._sight.trouble
+        does_follow = self._belief is None or self._belief.follows
+        return self._sight.trouble or ("" if does_follow else "what is seen changes, but not as the candidates do")
+
+    @property
+    def largest(self) -> float:
+        """The effect that is excluded for each candidate, in the unit of the sensor."""
+        return inf if self._belief is None else self._belief.largest()
 
     def states(self) -> tuple[CandidateState, ...]:
         """Return the states of the candidates."""

@@ -159,7 +159,8 @@ def _result(
     else:
         likeliest = "none of them" if none > best.probability else best.name
         percent = 100 * max(none, best.probability)
-        advice = f"{likeliest}, by {percent:.0f} %; look longer, come nearer, or give fewer candidates"
+        excluded = f"; none changes what is seen by {identification.largest:.3g}" if none > best.probability else ""
+        advice = f"{likeliest}, by {percent:.0f} %{excluded}; look longer, come nearer, or give fewer candidates"
         message = f"not sure: {identification.trouble or advice}"
     if problems := "; ".join(f"{one.name} took no part to the end: {one.problem}" for one in states if one.problem):
         message = f"{message}; {problems}"
