@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
 from functools import partial
-from itertools import chain
+from itertools import chain, pairwise
 from statistics import fmean, median, variance
 from typing import TYPE_CHECKING, Any, Final, Self
 
@@ -60,6 +61,9 @@ _MAX_LOOKS: Final = 100
 _FEW_VALUES: Final = 4
 """Values and looks: those of a sensor with fine steps differ in each look."""
 
+_COARSE: Final = 0.05
+"""Steps of a sensor above this share of what it sees are coarser than the least effect by default."""
+
 _TIMES_AT_END: Final = 4
 _OFTEN, _NEAR_END = 2, 5
 """How often, and how much more often than the values below it, the largest value comes at the end of a range."""
@@ -77,7 +81,9 @@ class Noise:
         """The reason for which no look decides: the sensor is at the end of its range, or too coarse; else empty."""
         counts = Counter(chain.from_iterable(self._looks))
         values = sorted(counts)
-        if len(values) <= _FEW_VALUES and len(self._looks) >= _FEW_VALUES and counts.total() > len(self._looks):
+        step = min((after - before for before, after in pairwise(values)), default=math.inf)
+        is_coarse = bool(values) and step > _COARSE * values[-1]
+        if is_coarse and len(values) <= _FEW_VALUES <= len(self._looks) and counts.total() > len(self._looks):
             return f"what is seen has only the values {', '.join(f'{one:g}' for one in values)}: too coarse for this"
         top, *others = reversed(values)
         if counts[top] >= _TIMES_AT_END and counts[top] > _OFTEN * max(map(counts.__getitem__, others[:_NEAR_END])):
