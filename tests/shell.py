@@ -85,4 +85,4 @@ def homebot_in(folder: Path, *arguments: str, until: tuple[str, ...], house: str
             process.send_signal(signal.SIGTERM)
             _, rest = process.communicate(timeout=120)
     assert process.returncode == 0
-    assert "Traceback" not in rest
+    assert "Traceback" not in rest, rest

@@ -1,9 +1,9 @@
 """What was before commands comes back, unless something else has changed it since."""
 
 from homebot.command_words.earlier_values import EarlierValues, KnownStates, KnownValue
-from homebot.devices.cause_messages import KnownCause
 from homebot.devices.command_messages import CommandedPart, CommandResult, Setting
 from homebot.devices.device import State
+from homebot.devices.journal_messages import KnownCause
 from homebot.devices.outcomes import AlreadySo, Confirmed, Evidence, NoAnswer, Outcome, Refused
 from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time

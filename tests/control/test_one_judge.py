@@ -13,11 +13,10 @@ import pytest
 from tests.control.conftest import Home, OpenHome, obey_after, report
 from tests.control.test_explanations import explain
 
-from homebot.devices.cause_messages import GetCauses, GetCausesRequest
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, Light
-from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.journal_messages import GetCauses, GetCausesRequest, JournalEntry
 from homebot.devices.names import GET_CAUSES, PERFORM_COMMAND
 from homebot.devices.outcomes import Outcome, Refused
 from homebot.devices.value import PlainValue

@@ -5,8 +5,8 @@ import pytest
 from tests.control.conftest import Home, OpenHome
 from tests.control.kept_store import KeptStore
 
-from homebot.devices.cause_messages import GetCauses, GetCausesRequest
 from homebot.devices.handles import Light
+from homebot.devices.journal_messages import GetCauses, GetCausesRequest
 from homebot.devices.names import GET_CAUSES
 
 pytestmark = pytest.mark.virtual_time

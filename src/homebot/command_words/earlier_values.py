@@ -7,9 +7,9 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias, final
 
 from homebot.devices.capabilities import CAPABILITIES, LIGHTS_UP
-from homebot.devices.cause_messages import GetCauses, GetCausesRequest, KnownCause
 from homebot.devices.command_messages import Setting
 from homebot.devices.device import Device, State, target_of
+from homebot.devices.journal_messages import GetCauses, GetCausesRequest, KnownCause
 from homebot.devices.names import GET_CAUSES
 from homebot.devices.obedience import fits
 from homebot.errors import ServiceError

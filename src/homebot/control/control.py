@@ -19,11 +19,10 @@ from homebot.devices import lease_messages as leases
 from homebot.devices import names
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.approval_messages import GetUnapproved, TrustDevice
-from homebot.devices.cause_messages import GetCauses
 from homebot.devices.command_messages import CommandDevices, PerformCommand, SendText
 from homebot.devices.device_lookup import DeviceLookup
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
-from homebot.devices.journal_messages import ExplainDevice, ExplainMissingState, ReadJournal
+from homebot.devices.journal_messages import ExplainDevice, ExplainMissingState, GetCauses, ReadJournal
 from homebot.devices.question_messages import AnswerQuestion, GetQuestions
 from homebot.graph import Node, QoSProfile
 

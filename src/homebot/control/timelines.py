@@ -18,8 +18,8 @@ from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timeline.settling import Undoing
 from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.capabilities import SETTABLE
-from homebot.devices.cause_messages import KnownCause
 from homebot.devices.device import ChangedSetting, target_of
+from homebot.devices.journal_messages import KnownCause
 from homebot.devices.obedience import related
 from homebot.devices.value import PlainValue, SetBy, Value
 from homebot.graph import Node

@@ -9,7 +9,7 @@ from homebot.devices.device import KeyValue
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import Value
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Message, ServiceType, UInt32
+from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
 
 __all__ = [
     "MOST_ENTRIES",
@@ -22,9 +22,13 @@ __all__ = [
     "ExplainMissingStateRequest",
     "ExplainMissingStateResponse",
     "Finding",
+    "GetCauses",
+    "GetCausesRequest",
     "JournalEntry",
     "JournalFact",
     "JournalVerdict",
+    "KnownCause",
+    "KnownCauses",
     "ReadJournal",
     "ReadJournalRequest",
     "ReadJournalResponse",
@@ -251,8 +255,46 @@ class ExplainMissingStateResponse(Message):
     names: tuple[KeyValue, ...] = ()
 
 
+class GetCausesRequest(Message):
+    """Request for the causes of the values of some devices.
+
+    Attributes:
+        from_journal: Whether to look in the journal for changes that came before this homebot started.
+    """
+
+    devices: tuple[str, ...]
+    from_journal: bool = False
+
+
+class KnownCause(Message):
+    """The cause of the newest change of a value.
+
+    Attributes:
+        value: The value since that change.
+        command: The id of the command behind it; empty for none.
+        issuer: Who gave that command; empty if that is not known.
+        may_be_person: Whether it has to be treated as a person's action.
+    """
+
+    device: str
+    part: str
+    capability: str
+    value: Value
+    command: str
+    may_be_person: bool
+    issuer: str = ""
+
+
+class KnownCauses(ServiceAnswer):
+    """The known causes; a part that has neither changed nor been commanded has none."""
+
+    success: bool = True
+    causes: tuple[KnownCause, ...] = ()
+
+
 ExplainDevice = ServiceType("homebot/srv/ExplainDevice", ExplainDeviceRequest, ExplainDeviceResponse)
 ExplainMissingState = ServiceType(
     "homebot/srv/ExplainMissingState", ExplainMissingStateRequest, ExplainMissingStateResponse
 )
 ReadJournal = ServiceType("homebot/srv/ReadJournal", ReadJournalRequest, ReadJournalResponse)
+GetCauses = ServiceType("homebot/srv/GetCauses", GetCausesRequest, KnownCauses)

@@ -96,7 +96,7 @@ class Belief:
 
     @property
     def follows(self) -> bool:
-        """Whether the candidates explain what is seen, but for a cloud now and then."""
+        """True if the candidates explain what is seen, but for a cloud now and then."""
         return self._best.tracks[0].jumps * _LOOKS_OF_A_JUMP <= len(self._levels)
 
     def drop(self, candidate: int) -> None:

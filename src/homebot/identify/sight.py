@@ -86,7 +86,11 @@ class Noise:
         if is_coarse and len(values) <= _FEW_VALUES <= len(self._looks) and counts.total() > len(self._looks):
             return f"what is seen has only the values {', '.join(f'{one:g}' for one in values)}: too coarse for this"
         top, *others = reversed(values)
-        if counts[top] >= _TIMES_AT_END and counts[top] > _OFTEN * max(map(counts.__getitem__, others[:_NEAR_END])):
+        if (
+            others
+            and counts[top] >= _TIMES_AT_END
+            and counts[top] > _OFTEN * max(map(counts.__getitem__, others[:_NEAR_END]))
+        ):
             return f"what is seen ends at {top:g}: it is too bright for the sensor"
         return ""
 

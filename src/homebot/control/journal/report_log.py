@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, final
 
 from homebot.control.timeline.facts import Attribution, Cause, Reported, ReportRole
-from homebot.devices.cause_messages import GetCausesRequest, KnownCause, KnownCauses
 from homebot.devices.command_messages import Setting
-from homebot.devices.journal_messages import ReadJournalRequest
+from homebot.devices.journal_messages import GetCausesRequest, KnownCause, KnownCauses, ReadJournalRequest
 from homebot.devices.outcomes import Contradicted
 
 if TYPE_CHECKING:
