@@ -3,6 +3,7 @@
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
@@ -18,8 +19,12 @@ from tests.robots_on_wire import log_in, write_tokens
 
 from homebot.bridges.machines.on_wire import MachinesOnWire
 from homebot.config import Config, parse_config
+from homebot.devices.client_rights import OWNER_CLIENT
 from homebot.devices.health import GetHealth
 from homebot.graph import Graph, Node
+from homebot.house import World, thesis_world
+from homebot.mqtt.clients import HostedBroker
+from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.runtime import Runtime
 from homebot.runtime.link_starter import LinkStarter
 from homebot.runtime.plan import make_plan
@@ -158,3 +163,32 @@ async def test_a_robot_is_shut_out_when_its_token_ends(house: House) -> None:
 
 async def nobody() -> None:
     """There is no token of an owner."""
+
+
+@pytest.mark.parametrize("simulated", [None, thesis_world()], ids=["a real home", "a simulated house"])
+async def test_the_owner_logs_in_at_a_home_and_at_a_simulated_house(
+    house: House, tmp_path: Path, simulated: World | None
+) -> None:
+    config = house.config("rosie", "bob").model_copy(update={"gateways": {"mqtt": {}}})
+    owner = tmp_path / "owner.token"
+    async with (
+        MemoryBroker() as broker,
+        Runtime(
+            config,
+            house=simulated,
+            services=(HostedBroker.in_memory(broker),),
+            owner_file=owner,
+            with_door=False,
+        ),
+    ):
+        secret = owner.read_text().strip()
+        with await to_thread.run_sync(partial(log_in, house.address, OWNER_CLIENT, secret, patience=PATIENCE)):
+            pass
+
+
+async def test_a_dry_run_says_that_it_has_no_link(house: House) -> None:
+    config = house.config("rosie", "bob").model_copy(update={"door": {"port": 0}})
+    with capture_logs() as lines:
+        async with Runtime(config, is_dry_run=True):
+            pass
+    assert "no link of [ros]" in str([line["message"] for line in lines if line["event"] == "runtime.running"])

@@ -145,7 +145,8 @@ class Plan:
         home = "homebot" if self.home == UNNAMED else self.home
         if page is None:
             return f"{home} is running"
-        note = " (a dry run: nothing is sent to any device)" if is_dry_run else ""
+        without = "" if self.link is None else ", and there is no link of [ros]"
+        note = f" (a dry run: nothing is sent to any device{without})" if is_dry_run else ""
         door = page.replace("http", "ws", 1)
         lack = "" if self.gateways else "; no device is found without a table such as [gateways.mqtt]"
         return f"{home} is running{note}; listening for rosbridge clients on {door}; its page is {page}{lack}"

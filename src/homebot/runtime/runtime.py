@@ -104,8 +104,8 @@ class Runtime:
             with a *house*. Then no device needs an approval either, unless the *house* has gateways that may find real
             ones.
         index_file: The file in which the directory keeps devices across restarts; None for none.
-        owner_file: The file with the owner's token, which is made if there is none; None for none. A simulated house
-            needs none.
+        owner_file: The file with the owner's token, which is made if there is none; None for none. The door of a
+            simulated house needs none.
         record_into: Receives the lines of a recording of the whole run; None for no recording.
         is_dry_run: Whether nothing is sent to any device: gateways only observe, and commands are recorded instead of
             sent.
@@ -482,7 +482,8 @@ class Runtime:
 
     async def _open_door(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "rosbridge_websocket") as node:
-            announce, owner = self._network_services.publish, await self._owner_token()
+            announce = self._network_services.publish
+            owner = None if self._local_rights is SIMULATED_HOUSE_RIGHTS else await self._owner_token()
             owners, home = self._plan.robot_owners, self._plan.home
             self.door = Door(node, self._plan.door, announce, self._local_rights, owners, home, site=_page, owner=owner)
             node.create_service(GetHealth, "~/health", self.door.health)
@@ -490,7 +491,7 @@ class Runtime:
             await run_as(node.full_name, partial(self.door.run, task_status=task_status))
 
     async def _owner_token(self) -> OwnerToken | None:
-        if self.owner_file is None or self._local_rights is SIMULATED_HOUSE_RIGHTS:
+        if self.owner_file is None:
             return None
         try:
             return await to_thread.run_sync(make_owner_token, self.owner_file)
