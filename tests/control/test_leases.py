@@ -392,8 +392,9 @@ async def test_the_brightness_of_a_lamp_that_is_held_dark_is_no_hand(home: Home)
     await home.report("lamp", "level", 90.0)
     (held,) = await home.leases()
     assert (held.setting.capability, held.saw) == ("on_off", "")
+    await anyio.sleep(1)  # of virtual time, so that it does not fade
     await home.report("lamp", "on_off", True)
-    await anyio.sleep(1)  # of virtual time
+    await anyio.sleep(1)
     (held,) = await home.leases()
     assert held.saw == "on_off is on"
 

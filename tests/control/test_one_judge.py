@@ -147,6 +147,35 @@ async def _echo_and_obey(home: Home, lamp: Handle) -> None:
     await lamp.command("on_off", True)
 
 
+async def _dim_by_hand(home: Home, lamp: Handle) -> None:
+    """Dim the lamp by hand before it answers the second command, which replaces a value of the first."""
+    await _set(home, on_off=True, level=50.0)
+    home.behaviours["lamp"] = report()
+    home.begin(lambda: lamp.command("level", 80.0))
+    await anyio.sleep(0.5)
+    await home.report("lamp", "level", 20.0)
+
+
+async def _turn_on_by_level(home: Home, command: Command) -> None:
+    await home.report("lamp", "level", 50.0)
+    await home.report("lamp", "on_off", True)
+
+
+async def _switch_off_what_a_level_turned_on(home: Home, lamp: Handle) -> None:
+    home.behaviours["lamp"] = _turn_on_by_level
+    await lamp.command("level", 50.0)
+    await anyio.sleep(5)
+    await home.report("lamp", "on_off", False)
+
+
+async def _switch_off_what_answered_late(home: Home, lamp: Handle) -> None:
+    home.behaviours["lamp"] = report()
+    await lamp.command("on_off", True)
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(5)
+    await home.report("lamp", "on_off", False)
+
+
 PLAYS = {
     "a command": Play("light", ("on_off", "level"), LIGHT, _turn_on, "on_off", COMMAND),
     "a slow lamp": Play("light", ("on_off", "level"), LIGHT, _slow, "on_off", COMMAND, 3),
@@ -196,6 +225,15 @@ PLAYS = {
         for seconds in (60.0, 300.0, 900.0, 1200.0, 1800.0, 3600.0)
     },
     "a blind moved by hand": Play("window_covering", ("position",), BLIND, _move_by_hand, "position", PERSON),
+    "a hand at the dimmer between two commands": Play(
+        "light", ("on_off", "level"), LIGHT, _dim_by_hand, "level", PERSON, 3
+    ),
+    "a lamp that a level turned on and a person off": Play(
+        "light", ("on_off", "level"), LIGHT, _switch_off_what_a_level_turned_on, "on_off", PERSON
+    ),
+    "a lamp that answered late and a person off": Play(
+        "light", ("on_off", "level"), LIGHT, _switch_off_what_answered_late, "on_off", PERSON, 4
+    ),
     "a power cut": Play(
         "light", ("on_off", "level"), {"on_off": True, "level": 10.0}, _power_cut, "on_off", frozenset({"unknown"})
     ),
@@ -253,4 +291,4 @@ def _cause(entry: JournalEntry, capability: str) -> str:
 
 def _annoying(play: Play) -> tuple[str, PlainValue]:
     """Return what an app may not do while somebody may be in the room."""
-    return ("on_off", False) if play.of == "on_off" else ("position", 0.0)
+    return ("position", 0.0) if play.of == "position" else ("on_off", False)

@@ -29,8 +29,7 @@ from homebot.control.questions import Questions
 from homebot.control.sending import OpenCommand, Rehearsal, Sending, not_sent
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.facts import Answered, Cause, Decided, Order, Reported
-from homebot.control.timeline.progress import CommandProgress
-from homebot.control.timeline.settling import Undoing
+from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.control.timelines import Timelines
 from homebot.control.together import Together
 from homebot.control.witnesses import Witness, Witnesses

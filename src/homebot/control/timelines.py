@@ -14,8 +14,7 @@ from homebot.control.learnt import Profiles
 from homebot.control.timeline.cause import MOST_NEARBY, NOWHERE, Nearby, NearbyCommands
 from homebot.control.timeline.facts import Attribution, Cause, Order, PartRef, Reported
 from homebot.control.timeline.part_timeline import PartTimeline
-from homebot.control.timeline.progress import CommandProgress
-from homebot.control.timeline.settling import Undoing
+from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.capabilities import SETTABLE
 from homebot.devices.device import ChangedSetting, target_of

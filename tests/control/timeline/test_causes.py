@@ -15,7 +15,6 @@ from homebot.control.timeline.goal import Motion, WantedValue
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
-from homebot.control.timeline.settling import FadeOut, Settling
 from homebot.control.timeline.transmission import Transmission
 from homebot.devices.value import PlainValue
 
@@ -156,11 +155,11 @@ def folded(item: object) -> object:
     """Return the state of a command, without what it shares with others."""
     if isinstance(item, dict):
         return {name: folded(one) for name, one in item.items()}
-    if isinstance(item, CommandProgress | Transmission | WantedValue | Settling):
+    if isinstance(item, CommandProgress | Transmission | WantedValue):
         return folded(vars(item))
     if isinstance(item, Motion):
         return {name: getattr(item, name) for name in item.__slots__}
-    return None if isinstance(item, DeviceProfile | FadeOut) else item
+    return None if isinstance(item, DeviceProfile) else item
 
 
 def rebuilt(part: SimulatedPart) -> PartTimeline:

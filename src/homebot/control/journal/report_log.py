@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from homebot.control.timelines import Timelines
     from homebot.devices.device import ChangedSetting
 
+_LATE_ROLES: Final = frozenset({ReportRole.EFFECT, ReportRole.UNDONE, ReportRole.ASTRAY})
+
 _MAX_ENTRIES: Final = 200
 """Entries of one device that are read: some twenty commands."""
 
@@ -77,10 +79,9 @@ class ReportLog:
 
 
 def _is_late(progress: CommandProgress, fact: Reported) -> bool:
-    """Return whether a report shows that the device obeyed a command after its outcome; False for a raw text."""
+    """Return whether the device obeyed a command after its failure, or no longer does; False for a raw text."""
     outcome = progress.outcome
     if outcome is None or not outcome.may_obey_later or (isinstance(outcome, Contradicted) and outcome.witness):
         return False
     is_change = fact.is_change or (fact.is_first and progress.last.get(fact.capability, fact.value) != fact.value)
-    is_effect = (fact.attribution.command, fact.attribution.role) == (progress.order.id, ReportRole.EFFECT)
-    return not progress.is_raw and is_change and is_effect
+    return not progress.is_raw and is_change and fact.attribution.role in _LATE_ROLES

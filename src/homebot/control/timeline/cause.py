@@ -129,8 +129,8 @@ def rests_where_sent(fact: Reported, command: CommandProgress) -> bool:
 
 def _last_sign(command: CommandProgress) -> float:
     """Return the time of the last sign that the command was in progress."""
-    sendings, moved_at = command.transmission, command.motion.moved_at
-    return max(sendings.sent_at, moved_at or command.given_at, *command.met_times, *sendings.accepted.values())
+    sendings = command.transmission
+    return max(sendings.sent_at, command.motion.moved_at, *command.met_times, *sendings.accepted.values())
 
 
 MOST_NEARBY: Final = 32

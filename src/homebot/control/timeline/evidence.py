@@ -129,7 +129,7 @@ def _answer_until(progress: CommandProgress, plan: SendingPlan, echo_until: floa
     """Return the deadline for an answer to the last sending; it is later while the device is on its way."""
     sendings, motion = progress.transmission, progress.motion
     until = min(sendings.asked_at + plan.interval, plan.end(sendings))
-    if motion.moved_at is None:
+    if motion.moved_at == -math.inf:
         return min(until, echo_until)
     ends_at = motion.moved_at + (durations.FADE_SILENCE if motion.has_faded else durations.MOTOR_SILENCE)
     if motion.has_stopped:
@@ -139,7 +139,7 @@ def _answer_until(progress: CommandProgress, plan: SendingPlan, echo_until: floa
 
 def _after_silence(progress: CommandProgress, plan: SendingPlan, now: float, *, is_echoed: bool) -> Step:
     sendings, motion = progress.transmission, progress.motion
-    is_late = now >= plan.end(sendings) and motion.moved_at is None
+    is_late = now >= plan.end(sendings) and motion.moved_at == -math.inf
     is_awaited = motion.is_under_way or is_echoed or is_late
     if not is_awaited and sendings.attempts < plan.tries and progress.may_repeat:
         return _repetition(progress, plan, now)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from enum import Enum
-from typing import Final, final
+from typing import Final, Literal, final
 
 from homebot.control import durations
 from homebot.control.timeline.facts import Order, Reported, ReportRole
@@ -71,13 +71,9 @@ class WantedValue:
         """Return whether *value* is the wanted one, allowing for the device's rounding."""
         return self._profile.fits(self._capability, self.value, value)
 
-    def departs(self, value: PlainValue) -> bool:
-        """Return whether *value* shows that the device is neither at the wanted one nor on its way there."""
-        return self._profile.departs(self._capability, self.value, value)
-
-    def shows_obedience(self, value: PlainValue) -> bool:
-        """Return whether *value* shows that the device obeyed; a value that it had before must be the exact one."""
-        return self.fits(value) and (self._known != value or self._is_so(value))
+    def is_told(self, value: PlainValue) -> bool:
+        """Return whether *value*, which fits, shows that the device obeyed: the one from before must be exact."""
+        return self._known != value or self._is_so(value)
 
     def refine(self, value: PlainValue) -> None:
         """Record that the device now reports the confirmed value as *value*, by itself."""
@@ -123,20 +119,22 @@ class WantedValue:
 class Motion:
     """Approach of a level or position to its goal in the reports after one command.
 
-    Many dimmers have a ramp of their own, and many blinds report only their position until the last step.
+    Many dimmers have a ramp of their own, and many blinds report only their position until the last step. Many bridges
+    report "off" before the lamp has faded there: its further reports have lower and lower levels, but a lamp that was
+    turned on again mostly reports its level from before. An innr RB 214 reports 1 at the end of its fade
+    (Koenkk/zigbee2mqtt#2850).
 
     Attributes:
-        moved_at: When the device was last seen on its way; None if it was not.
+        moved_at: When the device was last seen on its way; -inf if it was not.
         stopped_at: When a motor last reported that it stopped; -inf if it did not.
     """
 
-    __slots__ = ("_goals", "_is_fade", "_is_positioned", "_now", "moved_at", "stopped_at")
+    __slots__ = ("_goals", "_is_fade", "_is_positioned", "_now", "_rose", "_told_at", "moved_at", "stopped_at")
 
     def __init__(self, order: Order, last: Mapping[str, PlainValue]) -> None:
         settings = order.settings
-        self.moved_at: float | None = None
-        self.stopped_at = -math.inf
-        self._is_fade = False
+        self.moved_at = self.stopped_at = self._told_at = -math.inf
+        self._is_fade = self._rose = False
         self._is_positioned = order.moves and "position" in settings
         self._goals: dict[str, float] = {}
         self._now: dict[str, PlainValue] = {}
@@ -152,34 +150,51 @@ class Motion:
     @property
     def is_under_way(self) -> bool:
         """True if it was seen to move; a dimmer may be stuck on its ramp."""
-        return self.moved_at is not None and not self._is_fade
+        return self.moved_at > -math.inf and not self._is_fade
 
     @property
     def has_faded(self) -> bool:
         """True if a dimmer was seen on its way."""
-        return self._is_fade and self.moved_at is not None
+        return self._is_fade and self.moved_at > -math.inf
 
     @property
     def has_stopped(self) -> bool:
         """True if a motor was seen on its way, and then reported that it stopped."""
-        return self.moved_at is not None and self.moved_at - self.stopped_at <= durations.SAME_MESSAGE
+        return -math.inf < self.moved_at <= self.stopped_at + durations.SAME_MESSAGE
 
-    def approaches(self, capability: str, value: PlainValue) -> bool:
-        """Record a report; return whether it shows that the device is on its way."""
-        is_nearer = self._is_nearer(capability, value)
-        if capability == "level":
-            self._is_fade = self._is_fade or is_nearer
+    @property
+    def has_level(self) -> bool:
+        """True if the level of a lamp that is told its level, or off, is known."""
+        return isinstance(self._now.get("level"), float)
+
+    def approaches(self, capability: str, value: PlainValue, at: float) -> bool:
+        """Record a report at that time; return whether it shows that the device is on its way."""
+        goal = self._goals.get(capability)
+        if self._is_positioned and capability in _OPENINGS:
+            is_nearer = value in _RUNS
+        elif goal is None or not isinstance(value, float):
+            return False
+        else:
+            before = self._now.get(capability)
+            if isinstance(before, float) and abs(value - before) < STEP:
+                is_nearer = False
+            else:
+                self._now[capability] = value
+                is_nearer = isinstance(before, float) and abs(before - goal) - abs(value - goal) >= STEP
+            if capability == "level":
+                self._is_fade = self._is_fade or is_nearer
+                self._told_at = -math.inf if before is None else at
+                self._rose = isinstance(before, float) and value >= before + STEP
+        if is_nearer:
+            self.moved_at = at
         return is_nearer
 
-    def _is_nearer(self, capability: str, value: PlainValue) -> bool:
-        if self._is_positioned and capability in _OPENINGS:
-            return value in _RUNS
-        goal = self._goals.get(capability)
-        if goal is None or not isinstance(value, float):
-            return False
-        before = self._now.get(capability)
-        self._now[capability] = value
-        return isinstance(before, float) and abs(before - goal) - abs(value - goal) >= STEP
+    def fade_sign(self, at: float) -> Literal["fading", "back", "unknown"]:
+        """Return what the level in a message at that time shows of a lamp that is on after it was told off."""
+        if at - self.moved_at <= durations.SAME_MESSAGE:
+            return "fading"
+        is_back = at - self._told_at <= durations.SAME_MESSAGE and (self._rose or self.moved_at == -math.inf)
+        return "back" if is_back else "unknown"
 
 
 def side_role(order: Order, capability: str, value: PlainValue) -> ReportRole:

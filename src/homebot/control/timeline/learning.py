@@ -4,8 +4,7 @@ import math
 
 from homebot.control.timeline.goal import NOTHING
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.control.timeline.progress import CommandProgress
-from homebot.control.timeline.settling import Undoing
+from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.devices.obedience import fits
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
 

@@ -23,8 +23,7 @@ from homebot.control.timeline.facts import (
 from homebot.control.timeline.learning import learn_failure, learn_late_answer, learn_outcome, learn_settled
 from homebot.control.timeline.profile import ENOUGH, DeviceProfile
 from homebot.control.timeline.programs import ProgramWatch
-from homebot.control.timeline.progress import CommandProgress
-from homebot.control.timeline.settling import Undoing
+from homebot.control.timeline.progress import CommandProgress, Undoing
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.obedience import changes, fits, related
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer
@@ -146,7 +145,7 @@ class PartTimeline:
                     self._judge(fact, [(progress, progress.report(fact))])
                     self._learn(progress, fact.at)
         if len(self.commands) > MOST_REPORTS or self.commands[0].ended_at < at - durations.REMEMBERED:
-            self.active = [one for one in self.active if one.covers(at)]  # no report may ever come that drops them
+            self.active = [one for one in self.active if at <= one.until]  # no report may ever come that drops them
             self._drop_commands(at - durations.REMEMBERED)
         return progress
 
@@ -192,7 +191,7 @@ class PartTimeline:
         latest = self._latest.get(capability, (None, math.inf, at))
         is_same = latest[0] == value and not is_first
         self._latest[capability] = value, at, latest[2] if is_same else at
-        active = self.active = [one for one in self.active if one.covers(at)]
+        active = self.active = [one for one in self.active if at <= one.until]
         if not active and is_same:
             self.profile.learn_repetition()
             self._report_held(
@@ -241,17 +240,13 @@ class PartTimeline:
     @property
     def next_at(self) -> float:
         """The time of the next call of :meth:`advance`; inf for never."""
-        next_at = math.inf
-        for one in self.active:
-            if one.settling is not None and not one.settling.is_over:
-                next_at = min(next_at, one.settling.next_at)
-        return next_at
+        return min([one.next_at for one in self.active], default=math.inf)
 
     def advance(self, now: float) -> None:
         """End the commands that waited for a further report that did not come."""
         for one in self.active:
-            if one.settling is not None:
-                one.settling.advance(now)
+            if one.next_at <= now:
+                one.advance(now)
                 self._learn(one, now)
 
     def value(self, capability: str) -> PlainValue:
@@ -318,10 +313,12 @@ class PartTimeline:
         if outcome.succeeded:
             for held in self.held:
                 held.confirm(settings)
-        if progress.settling is not None:
+        if progress.is_confirmed:
             for capability in settings if self.unsure_since else ():
                 self.unsure_since.pop(capability, None)
-            self._replace_settling(progress, fact.at)
+            for older in self.active:
+                if older is not progress and older.is_confirmed:
+                    older.release(settings.keys())
             learn_outcome(progress, self.profile, self._first)
             return
         if outcome.may_obey_later:  # if it is contradicted, certain is what it has reported since the last sending
@@ -414,18 +411,17 @@ class PartTimeline:
                 self._note(fact, [progress])
 
     def _learn(self, progress: CommandProgress, now: float) -> None:
-        settling = progress.settling
-        if settling is None:
+        if not progress.is_confirmed:
             if progress.is_raw and progress.wanted and progress.is_met:
                 outcome = Confirmed(now - progress.given_at, Evidence.REPORTED)
                 progress.apply(Decided(progress.order.id, now, outcome), self._settle)
             elif progress.learns_late and progress.is_met:
                 learn_late_answer(progress, self.profile, self._first)
-        elif not progress.is_learnt and (settling.has_held or settling.undoing is not None):
-            progress.is_learnt, undoing = True, settling.undoing
+        elif not progress.is_learnt and (progress.has_held or progress.undoing is not None):
+            progress.is_learnt, undoing = True, progress.undoing
             learn_settled(progress, undoing, self.profile)
             if undoing is not None:
-                self._undone(progress, settling.led_nowhere, undoing)
+                self._undone(progress, progress.led_nowhere, undoing)
 
     def _undone(self, progress: CommandProgress, steps: frozenset[int], undoing: Undoing) -> None:
         newest = self.newest.get(undoing.capability)
@@ -445,13 +441,6 @@ class PartTimeline:
         for held in tuple(self.held):
             held.report(capability, value, found)
 
-    def _replace_settling(self, progress: CommandProgress, at: float) -> None:
-        """Watch the capabilities of a newly confirmed command only for that command."""
-        own = set(progress.order.settings)
-        for older in self.active:
-            if older is not progress and older.settling is not None:
-                older.settling.release(own, at)
-
     def _append(self, fact: Reported) -> None:
         known, oldest = self.reports, fact.at - durations.REMEMBERED
         known.append(fact)
@@ -468,10 +457,10 @@ class PartTimeline:
 
 
 def _is_on_its_way(sent: CommandProgress, capability: str, now: float) -> bool:
-    since, settling, wanted = now - sent.transmission.sent_at, sent.settling, sent.wanted.get(capability)
-    if not (sent.is_open or (sent.is_raw and settling is None)):
+    since, wanted = now - sent.transmission.sent_at, sent.wanted.get(capability)
+    if not sent.is_open and (sent.is_confirmed or not sent.is_raw):
         if not CAPABILITIES.get(capability, OWN).obedience.moves:
             return since < sent.order.transition
-        if wanted is not None and wanted.met_at is not None and settling is not None and settling.has_held:
+        if wanted is not None and wanted.met_at is not None and sent.has_held:
             return False  # it has arrived
     return since < durations.LONGEST_MOVE

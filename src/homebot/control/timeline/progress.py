@@ -5,8 +5,9 @@ Replaying the facts gives the same progress. The cost of a report does not depen
 
 import math
 from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from operator import attrgetter
-from typing import Final, final
+from typing import Final, NamedTuple, final
 
 from homebot.control import durations
 from homebot.control.timeline.facts import (
@@ -21,7 +22,6 @@ from homebot.control.timeline.facts import (
 )
 from homebot.control.timeline.goal import NOTHING, Motion, WantedValue, side_role
 from homebot.control.timeline.profile import DeviceProfile
-from homebot.control.timeline.settling import Settling
 from homebot.control.timeline.transmission import Transmission
 from homebot.devices.obedience import STOPPED, changes, is_intermediate, is_same, related
 from homebot.devices.outcomes import Confirmed, NoAnswer, Outcome
@@ -32,14 +32,29 @@ _GIVEN_UP: Final = frozenset({"lock", "alarm"})
 """Capabilities that end their way with any other state, as a lock that jams; a cover may be open on its way."""
 
 _NONE: Final[frozenset[str]] = frozenset()
+_NO_NUMBERS: Final[frozenset[int]] = frozenset()
 _MET_AT: Final = attrgetter("met_at")
 _WAS_SO: Final = attrgetter("was_so")
 _IS_CERTAIN: Final = attrgetter("is_certain")
 
 
+class Undoing(NamedTuple):
+    """The end of a confirmed value.
+
+    Attributes:
+        after: Seconds after the confirmation.
+    """
+
+    capability: str
+    after: float
+
+
 @final
 class CommandProgress:
-    """Progress of one command: the reports since, and their roles.
+    """Progress of one command: the reports while it is watched, and their roles.
+
+    It is watched until it can have no further effect. A confirmed value has to last meanwhile: another value is a
+    further step of the transition, which the next one has to follow, or undoes it.
 
     Args:
         last: The values that the part last reported before, certain or not.
@@ -58,7 +73,11 @@ class CommandProgress:
         must_answer: Whether the device answers commands but reports no values, so its answer is awaited.
         is_open: Whether its outcome is not decided yet, and no newer command replaced it.
         ended_at: When its outcome was decided, or it was superseded; inf before.
-        late_until: Until when an answer after its failure may come.
+        until: Until when it may cause reports; inf while it is open, -inf when it cannot any more.
+        is_confirmed: Whether its values were reported, and have to last.
+        has_held: Whether they lasted.
+        undoing: The end of one of them; None if they have lasted so far.
+        led_nowhere: The numbers of the reports that counted as steps, but were that end.
         learns_late: Whether an answer after its failure shows the device's response time.
         followers: The other parts that changed along with it.
         has_echo: Whether a bridge may report the wanted values before the device obeyed.
@@ -93,10 +112,18 @@ class CommandProgress:
         self.superseded_by = ""
         self.must_answer = answers and not self.wanted
         self.learns_late = self.is_learnt = False
-        self.is_open, self.ended_at = True, math.inf
-        self.late_until = math.inf
+        self.is_open, self.ended_at, self.until = True, math.inf, math.inf
         self.outcome: Outcome | None = None
-        self.settling: Settling | None = None
+        self.is_confirmed = self.has_held = False
+        self.undoing: Undoing | None = None
+        self.led_nowhere = self._steps = _NO_NUMBERS
+        self._released = _NONE  # capabilities that newer commands set
+        self._step = ""  # the capability of the last value that a further step has to follow
+        self._step_value: PlainValue = None
+        self._level_until = math.inf
+        self._settle = self._steps_until = 0.0
+        self._fades_until = -math.inf
+        self._fades_out = order.settings.get("on_off") is False
         self.followers: frozenset[PartRef] = frozenset()
         self.suspected = _NONE
         if profile.returns:
@@ -147,6 +174,12 @@ class CommandProgress:
         return max(self.met_times) + durations.LEVEL_FOLLOWS
 
     @property
+    def next_at(self) -> float:
+        """The time of the next call of :meth:`advance`; inf for never."""
+        is_watched = self.is_confirmed and self.until > -math.inf
+        return min(self.until, self._level_until) if is_watched else math.inf
+
+    @property
     def is_accepted(self) -> bool:
         """True if the network accepted each setting."""
         return len(self.transmission.accepted) == len(self.order.settings)
@@ -189,16 +222,6 @@ class CommandProgress:
         is_word = isinstance(wanted.seen, str) and is_intermediate(capability, wanted.value, wanted.seen)
         return is_word or wanted.seen_at < self.transmission.sent_at
 
-    def covers(self, at: float) -> bool:
-        """Return whether the command may have caused a report at that time."""
-        if self.is_open:
-            return True
-        if self.superseded_by:
-            return at <= self.ended_at + durations.SUPERSEDED
-        if self.settling is not None:
-            return not self.settling.is_over and at <= self.settling.until
-        return self.transmission.count > 0 and at <= self.late_until
-
     def apply(self, fact: CommandFact, settle: float) -> None:
         """Add the next fact about the command; a confirmed value has to last for *settle* seconds."""
         if isinstance(fact, Decided):
@@ -206,15 +229,15 @@ class CommandProgress:
             return
         self.transmission.apply(fact)
         if isinstance(fact, Sent) and self.is_raw and self.outcome is not None:  # it is told to the group again
-            self.settling, self.is_learnt, self.ended_at = None, False, fact.at
-            self.late_until = fact.at + durations.LATE
+            self.is_confirmed = self.is_learnt = False
+            self.ended_at, self.until = fact.at, fact.at + durations.LATE
         if isinstance(fact, SendingEnded) and fact.is_unacknowledged and not self.wanted:
             self.must_answer = True  # a device without reports may still answer
 
     def supersede(self, newer: Order, now: float) -> None:
         """End the command, or the watch of some of its values, because of a *newer* command to the same part."""
         self.learns_late = False
-        if not self.is_open and self.settling is None and self.late_until <= self.ended_at + durations.LATE:
+        if not (self.is_open or self.is_confirmed or self.until > self.ended_at + durations.LATE):
             return
         touched = {
             own
@@ -224,59 +247,47 @@ class CommandProgress:
         }
         if not touched:
             return
-        self.late_until = min(self.late_until, self.ended_at + durations.LATE)
-        if self.settling is not None:
-            self.settling.release(touched, now)
-        elif self.is_open:
-            self.superseded_by, self.is_open, self.ended_at = newer.id, False, now
+        if self.is_open:
+            self.superseded_by, self.is_open = newer.id, False
+            self.ended_at, self.until = now, now + durations.SUPERSEDED
+        elif self.is_confirmed:
+            self.release(touched)
+        else:
+            self.until = min(self.until, self.ended_at + durations.LATE)
+
+    def release(self, capabilities: AbstractSet[str]) -> None:
+        """Watch *capabilities* no longer, because a newer command sets them."""
+        self._released |= capabilities
+        if self._released >= self.order.settings.keys():
+            self.until = -math.inf
+
+    def advance(self, now: float) -> None:
+        """End the watch of confirmed values: the last step, if another one did not follow it in time, undid them."""
+        if now < self.next_at:
+            return
+        if self._step:
+            self._undo(self._step, self.next_at)
+        else:
+            self.has_held, self.until = True, -math.inf
 
     def report(self, fact: Reported) -> ReportRole:
-        """Record a live report, and return its role."""
-        return self._role_of(fact)
-
-    def _decide(self, outcome: Outcome, now: float, settle: float) -> None:
-        self.outcome, self.is_open, self.ended_at = outcome, False, min(self.ended_at, now)
-        is_silent = isinstance(outcome, NoAnswer) and not (outcome.reason or self.is_raw)
-        self.late_until = self.ended_at + (durations.ASLEEP if is_silent else durations.LATE)
-        if isinstance(outcome, Confirmed):
-            self.settling = Settling(self.order, self.wanted, self.known, self.last, now, settle)
-
-    def _settings_were_so(self) -> bool:
-        """Return whether the settings were certain before, if the part reports none of them."""
-        known, settings = self.known, self.order.settings
-        return all(
-            name in known and WantedValue(self.order, name, value, known[name], self._profile).was_so
-            for name, value in settings.items()
-        )
-
-    def _role_of(self, fact: Reported) -> ReportRole:
-        if fact.value == STOPPED:
+        """Record a live report, and return its role, which nothing else decides."""
+        capability, value, wanted = fact.capability, fact.value, self.wanted.get(fact.capability)
+        if value == STOPPED:
             self.motion.stopped_at = fact.at
-        wanted = self.wanted.get(fact.capability)
-        if self.superseded_by:
-            return _superseded_role(wanted, fact)
-        if fact.value is None:
+        is_late = fact.at > self.ended_at + durations.LATE and not self.is_confirmed
+        if self.superseded_by or is_late or capability in self._released:
+            return self._late_role(wanted, fact, is_exact=is_late)
+        if value is None:
             return ReportRole.AGREES  # a lost value proves nothing
-        if self.settling is not None:
-            return self.settling.report(fact)
-        if fact.at > self.ended_at + durations.LATE:
-            return self._late_role(wanted, fact)
-        return self._other_role(fact) if wanted is None else self._wanted_role(wanted, fact)
-
-    def _late_role(self, wanted: WantedValue | None, fact: Reported) -> ReportRole:
-        """Return the role of a report long after a command without an answer: only the exact value is its effect."""
-        self.learns_late = False
-        if wanted is None:
-            return ReportRole.ASIDE
-        is_open = wanted.met_at is None and self.will_at == -math.inf
-        if is_open and is_same(fact.capability, wanted.value, fact.value):
-            wanted.met_at = fact.at
+        if wanted is None or (capability == "level" and self._fades_out):
+            return self._side_role(fact)
+        if not wanted.fits(value) or not (self.is_confirmed or wanted.is_told(value)):
+            return self._confirmed_departure(wanted, fact) if self.is_confirmed else self._departure(wanted, fact)
+        if self.is_confirmed:
+            self._end_steps(capability)
+            wanted.refine(value)
             return ReportRole.EFFECT
-        return ReportRole.ASIDE
-
-    def _wanted_role(self, wanted: WantedValue, fact: Reported) -> ReportRole:
-        if not wanted.shows_obedience(fact.value):
-            return self._not_met(wanted, fact)
         if self.transmission.echoed and self._is_of_group(fact):
             wanted.seen = NOTHING if wanted.met_at is None else wanted.seen  # the part itself is still to be heard
             return ReportRole.ECHO
@@ -287,9 +298,57 @@ class CommandProgress:
             wanted.seen = NOTHING  # it was reported before the bridge had the command
         return ReportRole.ECHO
 
-    def _not_met(self, wanted: WantedValue, fact: Reported) -> ReportRole:
+    def _decide(self, outcome: Outcome, now: float, settle: float) -> None:
+        self.outcome, self.is_open = outcome, False
+        if self.superseded_by:
+            return
+        self.ended_at = now
+        if isinstance(outcome, Confirmed):
+            self.is_confirmed, self.has_held, self.undoing, self._released = True, False, None, _NONE
+            self._settle, self.until = settle, now + settle + self.order.transition
+            self._fades_until = now + self.order.transition if self.order.has_ramp else -math.inf
+            self._steps_until = now + self.order.transition + durations.LAST_STEPS
+            self._end_steps(self._step)
+        else:
+            is_silent = isinstance(outcome, NoAnswer) and not (outcome.reason or self.is_raw)
+            is_sent = self.transmission.count > 0
+            self.until = now + (durations.ASLEEP if is_silent else durations.LATE) if is_sent else -math.inf
+
+    def _settings_were_so(self) -> bool:
+        """Return whether the settings were certain before, if the part reports none of them."""
+        known, settings = self.known, self.order.settings
+        return all(
+            name in known and WantedValue(self.order, name, value, known[name], self._profile).was_so
+            for name, value in settings.items()
+        )
+
+    def _late_role(self, wanted: WantedValue | None, fact: Reported, *, is_exact: bool) -> ReportRole:
+        """Return the role of a report after a newer command, or long after the last sending: only the first effect."""
+        if is_exact:
+            self.learns_late = False
+        if wanted is None or wanted.met_at is not None:
+            return ReportRole.ASIDE
+        is_same_value = is_same(fact.capability, wanted.value, fact.value) and self.will_at == -math.inf
+        if not (is_same_value if is_exact else wanted.fits(fact.value)):
+            return ReportRole.ASIDE
+        wanted.met_at = fact.at
+        return ReportRole.EFFECT
+
+    def _side_role(self, fact: Reported) -> ReportRole:
+        """Return the role of a report of another capability, or of the level of a lamp that is told off."""
+        capability, value = fact.capability, fact.value
+        is_nearer = self.motion.approaches(capability, value, fact.at)
+        if not (self.is_confirmed and self._fades_out and capability == "level"):
+            return ReportRole.STEP if is_nearer else side_role(self.order, capability, value)
+        if not self._step:  # it did not report that it is on again
+            return ReportRole.STEP if is_nearer else ReportRole.AGREES
+        self._judge_fade(fact.at)
+        return self._step_role(fact)
+
+    def _departure(self, wanted: WantedValue, fact: Reported) -> ReportRole:
+        """Return the role of another value than the wanted one while the command is open, or had no answer."""
         capability, value, before = fact.capability, fact.value, wanted.seen
-        is_nearer, was_met = self.motion.approaches(capability, value), wanted.met_at is not None
+        is_nearer, was_met = self.motion.approaches(capability, value, fact.at), wanted.met_at is not None
         wanted.depart(fact)
         if is_nearer or is_intermediate(capability, wanted.value, value):
             self.motion.moved_at = fact.at
@@ -303,18 +362,69 @@ class CommandProgress:
         wanted.is_step = False
         return ReportRole.UNDONE if was_met or self._was_echoed(wanted, fact) else ReportRole.OTHERWISE
 
+    def _confirmed_departure(self, wanted: WantedValue, fact: Reported) -> ReportRole:
+        """Return the role of another value than the confirmed one: a step that another has to follow, or its end."""
+        capability, value, now = fact.capability, fact.value, fact.at
+        is_on_again = capability == "on_off"
+        may_fade = is_on_again and (now < self._fades_until or (self._fades_out and self.motion.has_level))
+        if not (may_fade or self._may_move_on(wanted, fact)):
+            self._undo(capability, now)
+            return ReportRole.UNDONE
+        if (self._step, self._step_value) != (capability, value):
+            self._step, self._step_value = capability, value
+            self._steps_until = max(self._steps_until, now + durations.LAST_STEPS)
+            self._wait_on(now)
+            self._level_until = max(now, self._fades_until) + durations.LEVEL_FOLLOWS if may_fade else math.inf
+            if self._fades_out:
+                self._judge_fade(now)
+        return self._step_role(fact)
+
+    def _may_move_on(self, wanted: WantedValue, fact: Reported) -> bool:
+        """Return whether a dimmer or a motor that reported the wanted value may still be on its way there."""
+        capability, value = fact.capability, fact.value
+        if is_intermediate(capability, wanted.value, value):
+            return True
+        if fact.at > self._steps_until or not (isinstance(wanted.value, float) and isinstance(value, float)):
+            return False
+        if capability == "level" and self.order.turns_on and value < wanted.value:
+            return True  # it fades in from 0
+        before = self.known.get(capability)
+        return not isinstance(before, float) or min(before, wanted.value) < value < max(before, wanted.value)
+
+    def _judge_fade(self, at: float) -> None:
+        """Judge by its level whether a lamp that is on again fades out, or was turned on."""
+        sign = self.motion.fade_sign(at)
+        if sign == "back" and at < self._fades_until:
+            self._level_until = min(self._level_until, max(at + durations.LEVEL_FOLLOWS, self._fades_until))
+        elif sign == "back":
+            self._undo(self._step, at)
+        elif sign == "fading":
+            self._level_until = math.inf
+            self._wait_on(at)
+
+    def _wait_on(self, now: float) -> None:
+        self.until = max(self.until, min(now + self._settle, self.ended_at + durations.LONGEST_MOVE))
+
+    def _step_role(self, fact: Reported) -> ReportRole:
+        if self.undoing is not None:
+            return ReportRole.UNDONE
+        self._steps |= {fact.number}
+        return ReportRole.STEP
+
+    def _end_steps(self, capability: str) -> None:
+        if self._step == capability:
+            self._step, self._step_value, self._level_until, self._steps = "", None, math.inf, _NO_NUMBERS
+
+    def _undo(self, capability: str, at: float) -> None:
+        self.led_nowhere, self._steps = self._steps, _NO_NUMBERS
+        self.undoing = Undoing(capability, at - self.ended_at)
+        self.until = -math.inf
+
     def _was_echoed(self, wanted: WantedValue, fact: Reported) -> bool:
         """Return whether a bridge repeated the wanted value since the last sending, or the message to the group."""
         is_own = wanted.echoed_at is not None and wanted.echoed_at >= self.transmission.sent_at
         told_at = self._told_of_group.get(fact.capability, -math.inf)
         return is_own or (told_at > -math.inf and (not self.is_raw or fact.at - told_at <= durations.UNREAD))
-
-    def _other_role(self, fact: Reported) -> ReportRole:
-        capability, value = fact.capability, fact.value
-        if self.motion.approaches(capability, value):
-            self.motion.moved_at = fact.at
-            return ReportRole.STEP
-        return side_role(self.order, capability, value)
 
     def _is_astray(self, wanted: WantedValue, fact: Reported, before: object) -> bool:
         if not isinstance(before, float):
@@ -343,10 +453,3 @@ class CommandProgress:
             return False
         wanted.echo(fact.at, is_fast=is_fast)
         return True
-
-
-def _superseded_role(wanted: WantedValue | None, fact: Reported) -> ReportRole:
-    if wanted is None or wanted.met_at is not None or not wanted.fits(fact.value):
-        return ReportRole.ASIDE
-    wanted.met_at = fact.at
-    return ReportRole.EFFECT
