@@ -1,15 +1,19 @@
 """MCAP files that were cut off, damaged or written by others."""
 
+import struct
 import tracemalloc
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
 from random import Random
 
 import pytest
+from mcap.data_stream import RecordBuilder
 from mcap.reader import SeekingReader
-from mcap.writer import CompressionType, Writer
+from mcap.records import Chunk
+from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 from tests.bags.bags import CHAT, START, bag_of, whole
+from zstandard import ZstdCompressor
 
 from homebot.bags.bag_files import bag_files
 from homebot.bags.bag_topic import BagMessage
@@ -115,20 +119,63 @@ def test_a_damaged_chunk_costs_itself_alone(tmp_path: Path) -> None:
         assert found[-1] == written[-1]
 
 
-@pytest.mark.parametrize("compression", [CompressionType.ZSTD, CompressionType.LZ4])
-def test_a_small_file_takes_no_large_memory(tmp_path: Path, compression: CompressionType) -> None:
+def nested(depth: int) -> bytes:
+    """Return a chunk in which, behind zeros, is a chunk, and so on."""
+    chunk = b""
+    for _ in range(depth):
+        size = 60 * 1024**2
+        data = ZstdCompressor().compress(struct.pack("<BQ", 0x7E, size) + bytes(size) + chunk)
+        record = RecordBuilder()
+        Chunk("zstd", data, START, START, 0, size).write(record)
+        chunk = record.end()  # type: ignore[no-untyped-call]
+    return chunk
+
+
+@pytest.mark.parametrize(
+    ("compression", "size", "is_packed", "count"),
+    [
+        (CompressionType.ZSTD, 300, False, 0),
+        (CompressionType.LZ4, 300, False, 0),
+        (CompressionType.ZSTD, 60, True, 6),
+        (CompressionType.NONE, 300, True, 0),
+    ],
+    ids=["a chunk, zstd", "a chunk, lz4", "messages that are compressed in a chunk", "a message that is compressed"],
+)
+def test_a_small_file_takes_no_large_memory(
+    tmp_path: Path,
+    compression: CompressionType,
+    size: int,
+    is_packed: bool,  # noqa: FBT001 - a parameter of a test
+    count: int,
+) -> None:
+    message = bytes(size * 1024**2)
+    if is_packed:
+        message = ZstdCompressor().compress(message)
     bomb = McapFile(tmp_path / "bomb.mcap")
     with bomb.path.open("wb") as file:
         writer = Writer(file, 400 * 1024**2, compression)
         writer.start()
         channel = writer.register_channel("/bomb", "cdr", writer.register_schema("std_msgs/msg/String", "ros2msg", b""))
-        writer.add_message(channel, START, bytes(300 * 1024**2), START)
+        for number in range(max(count, 1)):
+            writer.add_message(channel, START + number, message, START)
         writer.finish()  # type: ignore[no-untyped-call]
-    tracemalloc.start()
-    try:
-        for read in (bomb.messages, bomb.whole_messages):
-            with pytest.raises(DamagedFileError):
-                list(read())
-        assert tracemalloc.get_traced_memory()[1] < 150 * 1024**2
-    finally:
-        tracemalloc.stop()
+    del message
+    assert_small(bomb, count)
+
+
+def test_chunks_in_chunks_take_no_large_memory(tmp_path: Path) -> None:
+    bomb = McapFile(tmp_path / "bomb.mcap")
+    bomb.path.write_bytes(MCAP0_MAGIC + nested(6) + bytes(100))
+    assert_small(bomb, 0)
+
+
+def assert_small(bomb: McapFile, count: int) -> None:
+    """Check that *bomb* gives *count* messages, or else an error, and that reading it takes little memory."""
+    for read in (bomb.messages, bomb.whole_messages):
+        tracemalloc.start()
+        try:
+            with nullcontext() if count else pytest.raises(DamagedFileError):
+                assert sum(1 for _ in read()) == count
+            assert tracemalloc.get_traced_memory()[1] < 150 * 1024**2
+        finally:
+            tracemalloc.stop()

@@ -153,7 +153,7 @@ class McapFile:
             waiting: list[tuple[int, int, BagMessage]] = []
             for chunk in sorted(summary.chunk_indexes, key=lambda chunk: chunk.message_start_time):
                 while waiting and waiting[0][0] < chunk.message_start_time:
-                    yield heapq.heappop(waiting)[2]
+                    yield _whole(heapq.heappop(waiting)[2])
                 for message in _messages(_chunk_records(file, chunk), summary):
                     heapq.heappush(waiting, (message.at, next(numbers), message))
                 if sum(len(message.data) for *_, message in waiting) > _MAX_WAITING_BYTES:
@@ -162,7 +162,7 @@ class McapFile:
                 file.seek(len(MCAP0_MAGIC))
                 waiting = [(one.at, next(numbers), one) for one in _messages(_records(file, is_file=True), summary)]
             for *_, message in sorted(waiting):
-                yield message
+                yield _whole(message)
 
     def whole_messages(self) -> Iterator[BagMessage]:
         """Yield the messages of all chunks that are whole, as they were written; then errors as :meth:`content`."""
@@ -184,7 +184,13 @@ class McapFile:
                 except _BROKEN as exc:  # the next one may be whole; after records that have no end nothing comes
                     problem = exc
                     continue
-                yield from found
+                for message in found:
+                    try:
+                        unpacked = _whole(message)
+                    except _BROKEN as exc:
+                        problem = exc
+                    else:
+                        yield unpacked
             if problem is not None:
                 raise problem
 
@@ -212,7 +218,7 @@ def _summary(file: IO[bytes]) -> Summary:
 
 
 def _records(file: IO[bytes], *, is_file: bool) -> Iterator[_Record]:
-    """Yield the useful ones of the next records, up to the footer if that *is_file*."""
+    """Yield the useful ones of the next records, up to the footer if that *is_file*; only there are chunks."""
     while head := file.read(_HEAD.size):
         opcode, length = _HEAD.unpack(head)
         at = file.tell()
@@ -229,7 +235,7 @@ def _records(file: IO[bytes], *, is_file: bool) -> Iterator[_Record]:
                 yield Schema.read(stream)
             case Opcode.CHANNEL:
                 yield Channel.read(stream)
-            case Opcode.CHUNK:
+            case Opcode.CHUNK if is_file:
                 yield Chunk.read(stream)
     if is_file:
         raise EndOfFile("it has no footer")
@@ -242,7 +248,7 @@ def _chunk_records(file: IO[bytes], chunk: ChunkIndex) -> Iterator[_Record]:
 
 
 def _messages(records: Iterator[_Record], summary: Summary) -> Iterator[BagMessage]:
-    """Yield the messages among *records* and in their chunks; *summary* gets their topics.
+    """Yield the messages among *records* and in their chunks, as they are packed; *summary* gets their topics.
 
     Raises:
         Exception: One of ``_BROKEN``.
@@ -259,10 +265,14 @@ def _messages(records: Iterator[_Record], summary: Summary) -> Iterator[BagMessa
                     raise EndOfFile("a chunk has another checksum")
                 yield from _messages(_records(BytesIO(data), is_file=False), summary)
             case Message():
-                channel, data = summary.channels[record.channel_id], record.data
-                if data.startswith(_COMPRESSED):
-                    data = _unpacked(data, "zstd")
-                yield BagMessage(_topic(summary.schemas.get(channel.schema_id), channel), record.log_time, data)
+                channel = summary.channels[record.channel_id]
+                yield BagMessage(_topic(summary.schemas.get(channel.schema_id), channel), record.log_time, record.data)
+
+
+def _whole(message: BagMessage) -> BagMessage:
+    """Unpack *message* if it is compressed by itself: one at a time, as each may be large."""
+    is_packed = message.data.startswith(_COMPRESSED)
+    return message._replace(data=_unpacked(message.data, "zstd")) if is_packed else message
 
 
 def _unpacked(data: bytes, compression: str) -> bytes:
