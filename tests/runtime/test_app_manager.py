@@ -4,6 +4,7 @@ import asyncio
 import gc
 import os
 import sys
+import traceback
 import weakref
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -24,6 +25,7 @@ from homebot.devices.client_rights import Right
 from homebot.devices.names import LOAD_APP, RELOAD_APP, UNLOAD_APP
 from homebot.errors import ConfigError, HomebotError, UsageError
 from homebot.graph import Node
+from homebot.messages.std_msgs import String
 from homebot.runtime import Runtime
 from homebot.support.data_folder import data_directory
 from homebot.support.owner_token import OWNER_FILE
@@ -162,8 +164,107 @@ async def wait():
 class Deaf(App):
     async def run(self):
         self.start_task(wait)
+        self.kept = asyncio.create_task(wait())
         await wait()
 """
+
+CREATES = """
+import asyncio
+import anyio
+from homebot import App
+from homebot.devices.app_messages import ChangeAppResponse, ReloadApp
+from homebot.messages.std_msgs import String
+
+ENDED = []
+
+async def fail():
+    await asyncio.sleep(0.01)
+    raise ValueError("lost")
+
+async def last():
+    try:
+        await asyncio.sleep(3600)
+    finally:
+        ENDED.append("last")
+
+class Maker(App):
+    async def run(self):
+        self.last = asyncio.create_task(last())
+        self.node.create_service(ReloadApp, "make", self.serve_make)
+        self.node.create_subscription(String, "told", self.hear)
+        loop = asyncio.get_running_loop()
+        BODY
+        await asyncio.sleep(3600)
+
+    async def serve_make(self, request):
+        await asyncio.sleep(0.01)
+        self.served = asyncio.create_task(fail())
+        return ChangeAppResponse()
+
+    def hear(self, message):
+        self.heard = asyncio.create_task(fail())
+"""
+
+
+CRASHES = (
+    "self.kept = asyncio.create_task(fail())",
+    "asyncio.ensure_future(fail())",
+    "self.kept = loop.create_task(fail(), name='kept')",
+    "loop.call_later(0.01, lambda: loop.create_task(fail()))",
+    "await asyncio.wait([asyncio.create_task(fail())])",
+    "self.start_task(lambda: self.serve_make(None))",
+    "await asyncio.sleep(1)  # a call of its service",
+    "await asyncio.sleep(1)  # a message",
+)
+RUNS_ON = """
+        (await asyncio.wait([asyncio.create_task(fail())]))[0].pop().exception()
+        await asyncio.gather(asyncio.create_task(fail()), fail(), return_exceptions=True)
+        asyncio.create_task(fail()).add_done_callback(lambda task: task.exception())
+        loop.call_later(0.01, asyncio.create_task(asyncio.sleep(3600)).cancel)
+        for wait in (lambda task: task, asyncio.shield, lambda task: asyncio.wait_for(task, 1)):
+            try:
+                await wait(asyncio.create_task(fail()))
+            except ValueError:
+                pass
+        try:
+            async with asyncio.TaskGroup() as tasks, anyio.create_task_group() as others:
+                tasks.create_task(fail())
+                others.start_soon(fail)
+        except* ValueError:
+            pass
+        try:
+            async with asyncio.timeout(0.01):
+                await asyncio.create_task(asyncio.sleep(3600))
+        except TimeoutError:
+            ENDED.append("first")
+"""
+
+
+async def test_a_task_that_an_app_creates_with_asyncio_is_watched_like_its_own(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Its error was silent while the app kept the task, and it went on without the app."""
+    async with home(tmp_path) as runtime, Node(runtime.graph, "tester") as node:
+        runtime.app_manager.trial = 0.0
+        for number, body in enumerate((*CRASHES, RUNS_ON)):
+            file = tmp_path / f"maker_{number}.py"
+            file.write_text(CREATES.replace("BODY", body))
+            with capture_logs() as lines:
+                await runtime.app_manager.load(str(file))
+                if "service" in body:
+                    await node.create_client(ReloadApp, "make").call(ChangeAppRequest(app=""))
+                elif "message" in body:
+                    node.create_publisher(String, "told").publish(String(data="a word"))
+                await anyio.sleep(0.2)
+                await runtime.app_manager.unload("maker")
+            errors = [line for line in lines if line["log_level"] in ("error", "critical")]
+            found = [
+                (line["component"], traceback.extract_tb(line["exc_info"].__traceback__)[-1][:2]) for line in errors
+            ]
+            assert found == ([] if body == RUNS_ON else [("maker", (str(file), 12))]), (body, errors)
+            ended = sys.modules.pop(file.stem).ENDED
+            assert ended == (["first", "last"] if body == RUNS_ON else ["last"]), body
+        assert caplog.records == []
 
 
 async def test_an_app_that_swallows_its_cancellation_is_named_with_its_line_and_closed(tmp_path: Path) -> None:
@@ -176,7 +277,7 @@ async def test_an_app_that_swallows_its_cancellation_is_named_with_its_line_and_
         with anyio.fail_after(PATIENCE), pytest.raises(UsageError) as caught:
             await runtime.app_manager.unload("deaf")
         place = f"{file}:8 (wait)"
-        assert str(caught.value).startswith(f"the app deaf did not end in 0.2 s: {place} and {place} swallows")
+        assert str(caught.value).startswith(f"the app deaf did not end in 0.2 s: {place} swallows")
         assert runtime.graph.get_node("/deaf") is None
         await runtime.app_manager.reload("hall")
         await runtime.app_manager.load(str(file))  # left to the end of homebot

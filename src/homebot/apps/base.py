@@ -17,6 +17,7 @@ from pydantic import BaseModel, ConfigDict
 from typing_extensions import TypeVar
 
 from homebot.apps.context import AppContext
+from homebot.apps.created_tasks import CreatedTasks
 from homebot.apps.reactions import ItemHandler, Reaction
 from homebot.apps.run_modes import HandlerRuns, RunHandler, RunMode, check_handler
 from homebot.config import Urgency
@@ -95,6 +96,7 @@ class App(ABC, Generic[SettingsT_co]):
         self._reactions: WeakSet[Reaction[Any]] = WeakSet()
         self._tasks: TaskGroup | None = None
         self._log_limit = LogLimit(self.clock)
+        self.created_tasks = CreatedTasks(node.full_name)
         self._work: set[Coroutine[object, object, object]] = set()
         self._is_forced = False
 
@@ -370,7 +372,7 @@ class App(ABC, Generic[SettingsT_co]):
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Run the app; the runtime calls this."""
-        async with anyio.create_task_group() as self._tasks:
+        async with self.created_tasks.watched(), anyio.create_task_group() as self._tasks:
             task_status.started()
             if self.context.keeps_values() and "_timers" in self.store:
                 self._jobs().resume()
@@ -396,11 +398,12 @@ class App(ABC, Generic[SettingsT_co]):
 
         self._is_forced = True
         places: list[str] = []
-        for work in tuple(self._work):
+        for work in (*self.created_tasks.work(), *self._work):
             frames = frames_of(work)
             places += map(place_of_frame, (list(filter(is_ours_or_the_users, frames)) or frames)[-1:])
             try:
                 work.close()
             except Exception as exc:  # noqa: BLE001 - code that also refuses this, or fails at its end
                 self.log.error("app.not_closed", message=f"it did not let itself be closed: {exc}")
-        return " and ".join(places)
+        self.created_tasks.end_closed()
+        return " and ".join(dict.fromkeys(places))

@@ -12,6 +12,7 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.apps import App, AppContext
+from homebot.apps.created_tasks import APP_NODE
 from homebot.clock import Clock, LoopClock
 from homebot.config import Config, Urgency
 from homebot.devices.health import Count
@@ -20,9 +21,12 @@ from homebot.graph import Graph, Node
 from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.counters import Severity
 from homebot.support.isolation import run_as
+from homebot.support.production_loop import is_ours_or_the_users
 
 if TYPE_CHECKING:
+    import asyncio
     from collections.abc import AsyncIterator, Callable, Collection, Iterator, Mapping, MutableMapping
+    from types import FrameType
 
     from homebot.apps.notifier import Notifier
     from homebot.apps.stores import AppStores
@@ -207,6 +211,7 @@ class AppHost:
 
     async def serve(self, component: PlannedComponent[App], *, task_status: TaskStatus[None]) -> None:
         """Run an app in its own node until cancelled."""
+        APP_NODE.set(f"/{component.name}")
         async with Node(self._graph, component.name) as node:
             component.offer_settings(node)
             app = component.kind(node, component.settings)
@@ -218,6 +223,14 @@ class AppHost:
                 self.running.pop(component.name, None)
                 if self._stores is not None:
                     await self._stores.flush()
+
+    def watch_task(self, node: str, creator: FrameType, task: asyncio.Task[Any]) -> None:
+        """Let the app of *node* look after *task* if its code or a file beside it is the *creator*, not a library."""
+        app = self.running.get(node.removeprefix("/"))
+        if app is not None:
+            package = type(app).__module__.partition(".")[0]
+            if is_ours_or_the_users(creator) or creator.f_globals.get("__name__", "").partition(".")[0] == package:
+                app.created_tasks.add(task)
 
     def counts(self) -> tuple[Count, ...]:
         """Return counters for health reports."""

@@ -17,6 +17,7 @@ from anyio import to_thread
 from anyio.abc import TaskGroup, TaskStatus
 
 from homebot.apps import App
+from homebot.apps.created_tasks import watch_created_tasks
 from homebot.clock import zone_name
 from homebot.config import ROUTINE
 from homebot.devices.app_messages import (
@@ -146,6 +147,8 @@ class AppManager:
             UsageError: An app cannot be started as configured.
         """
         mistake = None
+        loop = asyncio.get_running_loop()
+        factory = loop.get_task_factory()
         async with anyio.create_task_group() as tasks:
             self._tasks = tasks
             try:
@@ -164,6 +167,7 @@ class AppManager:
             for app in reversed(tuple(self._apps.values())):
                 await self._stop(app)
             tasks.cancel_scope.cancel()
+            loop.set_task_factory(factory)
         if mistake is not None:
             raise mistake
 
@@ -343,6 +347,8 @@ class AppManager:
     async def _start(self, planned: PlannedApp) -> _RunningApp:
         if self._tasks is None:
             raise UsageError("homebot stops")
+        if not planned.kind.__module__.startswith("homebot."):
+            watch_created_tasks(self._host.watch_task)
         app = _RunningApp(planned)
         await self._tasks.start(self._hold, app)
         self._apps[planned.name] = app
