@@ -11,7 +11,7 @@ from anyio.lowlevel import checkpoint
 from directory import sighting
 from homebot.clock import LoopClock
 from homebot.devices import Sighting
-from homebot.devices.achieve_messages import AchieveRequest, AchieveWords
+from homebot.features.goals.messages import AchieveRequest, AchieveWords
 from homebot.devices.gateway_messages import Report as DeviceReport
 from homebot.devices.names import ACHIEVE_WORDS, WHERE_IS_ROBOT
 from homebot.devices.part import Capability, Part
@@ -19,7 +19,7 @@ from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobot
 from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex, Directory, DirectorySettings
 from homebot.discovery.owner_facts import OwnerFacts
-from homebot.goals.achieve_server import AchieveServer
+from homebot.features.goals.achieve_server import AchieveServer
 from homebot.graph import Graph, Node
 from homebot.graph.actions import ActionServer
 from homebot.messages import Time

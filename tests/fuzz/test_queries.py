@@ -10,7 +10,7 @@ from homebot.devices.query.parse import parse_query
 from homebot.devices.query.tokens import quoted
 from homebot.discovery import DeviceIndex
 from homebot.errors import UsageError
-from homebot.goals.wishes import KnownNames, read_wishes
+from homebot.features.goals.wishes import KnownNames, read_wishes
 
 WORDS = """\
 on off lights lamp in kitchen and or not ( ) type area = : < >= 50 % " ' fresh stale reachable level temperature

@@ -61,7 +61,7 @@ from homebot.support.production_loop import LoopWatch
 if TYPE_CHECKING:
     from homebot.control.sending import Rehearsal
     from homebot.devices.services import IndexRow
-    from homebot.goals.achieve_server import AchieveServer
+    from homebot.features.goals.achieve_server import AchieveServer
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.identify_starter import IdentifyStarter
@@ -406,7 +406,7 @@ class Runtime:
             await anyio.sleep_forever()
 
     def _achieve_server(self, node: Node) -> AchieveServer:
-        from homebot.goals.achieve_server import AchieveServer  # noqa: PLC0415 - few homes plan
+        from homebot.features.goals.achieve_server import AchieveServer  # noqa: PLC0415 - few homes plan
 
         kept = self.app_host.store(CUT_OFF_GOALS)
         return AchieveServer(node, lambda: self._controller, kept, self.app_host.write_stores)

@@ -38,7 +38,7 @@ from homebot.units import parse_duration
 
 if TYPE_CHECKING:
     from homebot.devices import Device
-    from homebot.devices.achieve_messages import AchieveResponse
+    from homebot.features.goals.messages import AchieveResponse
     from homebot.devices.approval_messages import UnapprovedResponse
     from homebot.devices.command_messages import CommandDevicesResponse, CommandedPart
     from homebot.devices.habit_messages import SuggestHabitsResponse

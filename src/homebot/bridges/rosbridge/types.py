@@ -31,7 +31,7 @@ InterfaceT = TypeVar("InterfaceT", type[Message], ServiceType[Any, Any], "Action
 
 OWN_MODULES: Final = (
     "homebot.devices.access_messages",
-    "homebot.devices.achieve_messages",
+    "homebot.features.goals.messages",
     "homebot.devices.action_messages",
     "homebot.devices.device",
     "homebot.devices.gateway_messages",

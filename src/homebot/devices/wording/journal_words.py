@@ -12,7 +12,7 @@ from homebot.devices.wording.values import plain_value, value_text
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
-    from homebot.devices.achieve_messages import PlannedStep
+    from homebot.features.goals.messages import PlannedStep
     from homebot.devices.command_messages import Setting
     from homebot.devices.journal_messages import ExplainDeviceResponse, JournalEntry
     from homebot.devices.trigger import Trigger

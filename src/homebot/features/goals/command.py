@@ -16,7 +16,7 @@ from homebot.devices.wording.json_message import JsonMessage
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
-    from homebot.devices.achieve_messages import AchieveFeedback, AchieveResult
+    from homebot.features.goals.messages import AchieveFeedback, AchieveResult
 
 _EXAMPLES = """\
   homebot achieve 'kitchen lit and rosie in kitchen' --dry-run

@@ -8,10 +8,10 @@ import pytest
 from tests.bridges.ros2.pair import pair
 from tests.bridges.ros2.test_goals import all_parts
 from tests.control.conftest import OpenHome
-from tests.goals.conftest import NAVIGATE, Family, goals_of
+from tests.features.goals.conftest import NAVIGATE, Family, goals_of
 from tests.patience import PATIENCE
 
-from homebot.devices.achieve_messages import Achieve, AchieveFeedback, AchieveGoal
+from homebot.features.goals.messages import Achieve, AchieveFeedback, AchieveGoal
 from homebot.devices.names import ACHIEVE
 from homebot.graph import Node
 from homebot.graph.actions import ActionClient, ActionServer, GoalState

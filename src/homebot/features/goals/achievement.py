@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Final, final
 
 import anyio
 
-from homebot.devices.achieve_messages import AchieveFeedback, AchieveRequest, AchieveResponse, PlannedStep
+from homebot.features.goals.messages import AchieveFeedback, AchieveRequest, AchieveResponse, PlannedStep
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.names import APPLY_SCENE
 from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest
 from homebot.devices.trigger import Trigger
 from homebot.errors import GoalAbortedError, HomebotError
-from homebot.goals.house_now import Assumed, HouseNow, HouseReader
-from homebot.goals.meanings import UnderstoodGoal, understood
-from homebot.goals.obstacles import why_not
-from homebot.goals.operators import GoalProblem, Operator, PlanStep
-from homebot.goals.planner import find_plan
-from homebot.goals.problem_builder import Asker, Preview, build_problem
+from homebot.features.goals.house_now import Assumed, HouseNow, HouseReader
+from homebot.features.goals.meanings import UnderstoodGoal, understood
+from homebot.features.goals.obstacles import why_not
+from homebot.features.goals.operators import GoalProblem, Operator, PlanStep
+from homebot.features.goals.planner import find_plan
+from homebot.features.goals.problem_builder import Asker, Preview, build_problem
 from homebot.messages import Time
 from homebot.routines.robot_drive import drive
 from homebot.routines.steps import SendRobot

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
 import anyio
 
 from homebot.command_words.command_service import UNNAMED_CLIENT
-from homebot.devices.achieve_messages import (
+from homebot.features.goals.messages import (
     Achieve,
     AchieveFeedback,
     AchieveGoal,
@@ -22,8 +22,8 @@ from homebot.devices.command_messages import PerformCommand
 from homebot.devices.names import ACHIEVE, ACHIEVE_WORDS, PERFORM_COMMAND
 from homebot.devices.wording.journal_words import issuer_text
 from homebot.errors import HomebotError
-from homebot.goals.achievement import Achievement
-from homebot.goals.house_now import HouseReader
+from homebot.features.goals.achievement import Achievement
+from homebot.features.goals.house_now import HouseReader
 from homebot.graph.actions import ActionServer, ServerGoal
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from homebot.devices import Device, DevicePart
     from homebot.devices.command_messages import CommandRequest
     from homebot.devices.outcomes import Refused
-    from homebot.goals.achievement import Move
+    from homebot.features.goals.achievement import Move
     from homebot.graph import Node
 
 CUT_OFF = "goals.cut_off"

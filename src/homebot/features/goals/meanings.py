@@ -16,8 +16,8 @@ from homebot.devices.query.terms import And, InArea, Query, StateIs, type_is
 from homebot.devices.scene_messages import SceneInfo
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
-from homebot.goals.house_now import HouseReader
-from homebot.goals.wishes import RobotWish, RoomWish, SceneWish, StateWish, Wish, read_wishes
+from homebot.features.goals.house_now import HouseReader
+from homebot.features.goals.wishes import RobotWish, RoomWish, SceneWish, StateWish, Wish, read_wishes
 from homebot.support.folding import fold
 
 _LEAVING: Final[Mapping[PlainValue, StateIs]] = {

@@ -12,8 +12,8 @@ import pytest
 from tests.patience import PATIENCE
 
 from homebot.errors import UsageError
-from homebot.goals.operators import GoalProblem, Operator, is_plan
-from homebot.goals.planner import find_plan
+from homebot.features.goals.operators import GoalProblem, Operator, is_plan
+from homebot.features.goals.planner import find_plan
 
 
 def chain(rooms: int) -> GoalProblem:

@@ -8,10 +8,10 @@ from shutil import copytree
 import anyio
 import pytest
 from structlog.testing import capture_logs
-from tests.goals.family_house import DASH, family_house
+from tests.features.goals.family_house import DASH, family_house
 from tests.whole_house import WHOLE_HOUSE
 
-from homebot.devices.achieve_messages import AchieveResult
+from homebot.features.goals.messages import AchieveResult
 from homebot.graph.actions import GoalState
 
 pytest.importorskip("up_pyperplan")

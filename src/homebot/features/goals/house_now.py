@@ -16,8 +16,8 @@ from homebot.devices.scene_client import Scenes
 from homebot.devices.scene_messages import SceneInfo
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import ServiceUnavailableError, UsageError
-from homebot.goals.operators import PlanStep
-from homebot.goals.wishes import KnownNames
+from homebot.features.goals.operators import PlanStep
+from homebot.features.goals.wishes import KnownNames
 from homebot.graph import EntityKind, Node
 from homebot.routines.robot_drive import check_move
 from homebot.routines.steps import SendRobot

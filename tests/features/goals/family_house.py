@@ -12,7 +12,7 @@ import anyio
 
 from homebot.clock import LoopClock
 from homebot.config import parse_config
-from homebot.devices.achieve_messages import Achieve, AchieveFeedback, AchieveGoal, AchieveResult
+from homebot.features.goals.messages import Achieve, AchieveFeedback, AchieveGoal, AchieveResult
 from homebot.devices.journal_messages import ExplainDevice, ExplainDeviceRequest
 from homebot.devices.names import (
     ACHIEVE,

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from homebot.goals.operators import GoalProblem, Operator, reachable
+from homebot.features.goals.operators import GoalProblem, Operator, reachable
 
 _MOST_NAMED = 3
 

@@ -1,7 +1,7 @@
 """The reason against a goal is the fact that is in its way."""
 
-from homebot.goals.obstacles import why_not
-from homebot.goals.operators import GoalProblem, Operator, PlanStep
+from homebot.features.goals.obstacles import why_not
+from homebot.features.goals.operators import GoalProblem, Operator, PlanStep
 
 DOOR = frozenset(("door is open",))
 

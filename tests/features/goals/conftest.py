@@ -13,11 +13,11 @@ from anyio.lowlevel import checkpoint
 from tests.control.conftest import Home, home, home_settings, open_home
 from tests.one_task import in_one_task
 
-from homebot.devices.achieve_messages import Achieve, AchieveFeedback, AchieveGoal, AchieveResult
+from homebot.features.goals.messages import Achieve, AchieveFeedback, AchieveGoal, AchieveResult
 from homebot.devices.names import ACHIEVE, IMPORT_PLACES, WHERE_IS_ROBOT
 from homebot.devices.places_messages import ImportPlaces, ImportPlacesRequest
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
-from homebot.goals.achieve_server import AchieveServer
+from homebot.features.goals.achieve_server import AchieveServer
 from homebot.graph import Node
 from homebot.graph.actions import ActionClient, ActionServer, ClientGoal
 from homebot.messages import Time

@@ -8,7 +8,7 @@ from time import process_time
 import pytest
 
 from homebot.errors import UsageError
-from homebot.goals.wishes import DOCK, KnownNames, RobotWish, RoomWish, SceneWish, StateWish, read_wishes
+from homebot.features.goals.wishes import DOCK, KnownNames, RobotWish, RoomWish, SceneWish, StateWish, read_wishes
 
 ROOMS = ("Hall", "Living", "Kitchen", "Office 2")
 HOUSE = KnownNames(ROOMS, (*ROOMS, "upstairs"), ("rosie",), ("Film", "Good night"))

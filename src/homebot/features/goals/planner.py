@@ -10,7 +10,7 @@ import anyio
 from anyio import to_thread
 
 from homebot.errors import UsageError
-from homebot.goals.operators import GoalProblem, Operator, is_plan, reachable
+from homebot.features.goals.operators import GoalProblem, Operator, is_plan, reachable
 from homebot.plugins import check_extra
 
 _ENGINE: Final = "pyperplan"

@@ -8,7 +8,7 @@ from typing import Any
 import anyio
 import pytest
 from tests.control.conftest import Home, ignore
-from tests.goals.conftest import Family
+from tests.features.goals.conftest import Family
 from tests.one_task import in_one_task
 from tests.scenes.conftest import Kept, Scenes, served
 

@@ -17,10 +17,10 @@ from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.device import target_of
 from homebot.devices.value import PlainValue
 from homebot.devices.wording.values import value_text
-from homebot.goals.house_now import OPENINGS, HouseNow
-from homebot.goals.meanings import Meant, UnderstoodGoal
-from homebot.goals.operators import GoalProblem, Operator, PartSettings, PlanStep, Settings
-from homebot.goals.wishes import DOCK, RobotWish, RoomWish, SceneWish, Wish
+from homebot.features.goals.house_now import OPENINGS, HouseNow
+from homebot.features.goals.meanings import Meant, UnderstoodGoal
+from homebot.features.goals.operators import GoalProblem, Operator, PartSettings, PlanStep, Settings
+from homebot.features.goals.wishes import DOCK, RobotWish, RoomWish, SceneWish, Wish
 from homebot.places.plan import OUTSIDE
 from homebot.support.folding import fold
 
