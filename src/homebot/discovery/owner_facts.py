@@ -15,13 +15,15 @@ from collections.abc import Collection, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias, final, get_args
 
-from homebot.config import UNNAMED
+from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
+
+from homebot.config import UNNAMED, value_errors
+from homebot.devices.part import CommandDescription
 from homebot.discovery.approvals import ApprovalRegistry
 from homebot.discovery.house_rooms import HouseRooms
-from homebot.discovery.owner_records import PlacesRecord, StatementRecord, read_places_record
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import ConfigError, RefusedError, WireError
-from homebot.places import FactName, HouseDoor, HousePlan, HouseRoom, OwnerFact, Places
+from homebot.places import FactName, HouseDoor, HousePlan, HouseRoom, OwnerFact, Places, read_position
 from homebot.support.folding import fold
 
 if TYPE_CHECKING:
@@ -36,6 +38,54 @@ _Name: TypeAlias = SourceKey | str
 
 _NONE: _Facts = ()
 _MOST_NAMED = 5
+
+
+class StatementRecord(BaseModel):
+    """Facts, with the announcements and names to which they apply."""
+
+    model_config = ConfigDict(extra="ignore", defer_build=True)
+
+    facts: tuple[OwnerFact, ...]
+    announcements: tuple[tuple[str, str], ...] = ()
+    names: tuple[str, ...] = ()
+
+    @field_validator("facts")
+    @classmethod
+    def _with_positions_that_can_be_read(cls, facts: tuple[OwnerFact, ...]) -> tuple[OwnerFact, ...]:
+        with value_errors():
+            for fact in facts:
+                if fact.name.endswith("position"):
+                    read_position(fact.value)
+        return facts
+
+
+class PlacesRecord(BaseModel):
+    """The statements, imported rooms and approvals in the index file.
+
+    Attributes:
+        known_as: Gateway and key of announcements, each with its name in the configuration.
+        approvals: Gateway, key, part, description and time of each.
+    """
+
+    model_config = ConfigDict(extra="ignore", defer_build=True)
+
+    statements: tuple[StatementRecord, ...] = ()
+    rooms: tuple[HouseRoom, ...] = ()
+    doors: tuple[HouseDoor, ...] = ()
+    known_as: tuple[tuple[str, str, str], ...] = ()
+    approvals: tuple[tuple[str, str, str, CommandDescription, float], ...] = ()
+
+
+def read_places_record(text: str) -> PlacesRecord:
+    """Parse a record.
+
+    Raises:
+        WireError: It is invalid.
+    """
+    try:
+        return PlacesRecord.model_validate_json(text)
+    except ValidationError as exc:
+        raise WireError(f"no places: {exc.errors()[0]['msg']}", text[:100].encode(errors="replace")) from exc
 
 
 @dataclass(slots=True, eq=False)

@@ -1,29 +1,115 @@
 """The devices that announcements describe: they appear, merge, split and go with them. Pure."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator, Mapping
 from operator import attrgetter
-from typing import final
+from typing import Final, NamedTuple, final
 
+from homebot.devices.identity import identifiers
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry, silent_gateways
 from homebot.discovery.ids import Tombstone, new_id
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.decisions import OWNER, MergeDecisions
 from homebot.discovery.merging.identity import REPEATED, IdentityGraph
-from homebot.discovery.merging.panels import find_panel
 from homebot.discovery.merging.part_ids import NO_IDS
 from homebot.discovery.merging.parts import CONFIRM
-from homebot.discovery.merging.regrouping import Regrouped, regroup
 from homebot.discovery.merging.trust import NOBODY_TRUSTED, EndpointKey, command_endpoints, endpoint_of, judge
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.states import is_denied
-from homebot.discovery.topics.use import topic_use
+from homebot.discovery.topics.use import bridge_of, topic_use
 from homebot.errors import RefusedError
 
 _MAX_EVIDENCE = 16
+_MAX_PANELS: Final = 1000
+"""Identifiers of alarm panels; those of further panels do not count."""
 _REACH, _FIRST_SEEN, _TIME = attrgetter("reach"), attrgetter("first_seen"), attrgetter("sec", "nanosec")
+
+
+class Regrouped(NamedTuple):
+    """A device after regrouping.
+
+    Attributes:
+        keys: Its announcements, oldest first.
+        keeps: Its former device; None for a new one.
+        gone: Devices merged into it.
+        parents: Devices from which some of its announcements were split off.
+    """
+
+    keys: tuple[SourceKey, ...]
+    keeps: Entry | None
+    gone: tuple[Entry, ...]
+    parents: tuple[Entry, ...]
+
+
+def regroup(
+    groups: Iterable[frozenset[SourceKey]], owners: Mapping[SourceKey, Entry], sources: Mapping[SourceKey, SourceRecord]
+) -> tuple[Regrouped, ...]:
+    """Return the devices that *groups* of announcements describe.
+
+    A device stays with its oldest announcement; of merged devices, the one with the oldest announcement remains.
+
+    Args:
+        owners: Their former devices; new announcements have none.
+        sources: The announcements; smaller numbers are older.
+    """
+
+    def age(key: SourceKey) -> int:
+        return sources[key].number
+
+    ordered = sorted((tuple(sorted(group, key=age)) for group in groups), key=lambda keys: age(keys[0]))
+    found: list[tuple[tuple[SourceKey, ...], Entry | None, list[Entry]]] = []
+    kept: set[str] = set()
+    for keys in ordered:
+        entries = list(dict.fromkeys(owners[key] for key in keys if key in owners))
+        members = frozenset(keys)
+        keeps = next((one for one in entries if one.id not in kept and next(iter(one.sources)) in members), None)
+        if keeps is not None:
+            kept.add(keeps.id)
+        found.append((keys, keeps, entries))
+    return tuple(_regrouped(*one, kept) for one in found)
+
+
+def _regrouped(keys: tuple[SourceKey, ...], keeps: Entry | None, entries: Iterable[Entry], kept: set[str]) -> Regrouped:
+    gone = () if keeps is None else tuple(one for one in entries if one.id not in kept)
+    return Regrouped(keys, keeps, gone, tuple(one for one in entries if one.id in kept and one is not keeps))
+
+
+def find_panel(table: DeviceTable, entry: Entry) -> None:
+    """Record the alarm panel on which *entry* hangs, and if it is a new panel itself, which devices hang on it.
+
+    A switch of such a device may bypass a zone of the panel.
+    """
+    if table.panels:
+        entry.panel = _panel_of(entry, table.panels)
+    sightings = [source.sighting for source in entry.sources.values()]
+    panels = [one for one in sightings if any(part.service_type == "x_alarm_panel" for part in one.parts)]
+    new = {name for one in panels for name in one.identifiers} - table.panels
+    if not new or len(table.panels) >= _MAX_PANELS:
+        return
+    table.panels |= new
+    _hang_others(table, entry, new)
+
+
+def _hang_others(table: DeviceTable, entry: Entry, new: Container[str]) -> None:
+    for other in table.entries.values():
+        if other is not entry and (panel := _panel_of(other, new)):
+            other.invalidate_description()
+            other.panel = panel
+            table.record_change("changed", other, f"it hangs on the alarm panel {entry.id}")
+
+
+def _panel_of(entry: Entry, panels: Container[str]) -> str:
+    """Return the identifier among *panels* behind which *entry* is announced; empty if there is none.
+
+    Devices that announce themselves, or whose bridge does, hang on none: otherwise a stranger's panel with the
+    identifier of a bridge would make all its switches ask.
+    """
+    if any(source.sighting.native for source in entry.sources.values()):
+        return ""
+    bridges = identifiers(bridge_of(source.sighting) for source in entry.sources.values())
+    return next((one for one in bridges if one in panels), "")
 
 
 @final
