@@ -11,15 +11,16 @@ from anyio.lowlevel import checkpoint
 from directory import sighting
 from homebot.clock import LoopClock
 from homebot.devices import Sighting
-from homebot.features.goals.messages import AchieveRequest, AchieveWords
 from homebot.devices.gateway_messages import Report as DeviceReport
-from homebot.devices.names import ACHIEVE_WORDS, WHERE_IS_ROBOT
+from homebot.devices.names import WHERE_IS_ROBOT
 from homebot.devices.part import Capability, Part
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex, Directory, DirectorySettings
 from homebot.discovery.owner_facts import OwnerFacts
+from homebot.features.goals import ACHIEVE_WORDS
 from homebot.features.goals.achieve_server import AchieveServer
+from homebot.features.goals.messages import AchieveRequest, AchieveWords
 from homebot.graph import Graph, Node
 from homebot.graph.actions import ActionServer
 from homebot.messages import Time
@@ -66,8 +67,8 @@ async def _rows(times: int) -> list[tuple[str, ...]]:
         robot.create_service(WhereIsRobot, WHERE_IS_ROBOT, _where)
         navigate = find_action("nav2_msgs/action/NavigateToPose")
         ActionServer(robot, navigate, "/robi/navigate_to_pose", _drive)
-        AchieveServer(goals, lambda: None, {}, checkpoint).serve_words()
-        client = robot.create_client(AchieveWords, ACHIEVE_WORDS)
+        AchieveServer(goals, lambda: None, {}, checkpoint).serve(ACHIEVE_WORDS.name)
+        client = robot.create_client(AchieveWords, ACHIEVE_WORDS.name)
         rows: list[tuple[str, ...]] = []
         for goal, has_plan in GOALS.items():
             spent, answers = [], []

@@ -27,12 +27,14 @@ from tests.sizes import EXAMPLES, NIGHTLY
 from tests.skips import pytest_sessionfinish, pytest_terminal_summary  # noqa: F401 - hooks of pytest
 
 from homebot.cli.main import gc_paused
+from homebot.feature import find_features
 from homebot.mqtt.broker import Broker
 from homebot.testing import VirtualTimeLoop
 
 # How fast an example is made or runs is no test's business: the machine may be busy.
 settings.register_profile("nightly", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("usual", settings.get_profile("nightly"), max_examples=EXAMPLES, derandomize=True)
+find_features()  # as a start does before its event loop: their files are read
 settings.load_profile("nightly" if NIGHTLY else "usual")
 
 _SLOW = {

@@ -17,7 +17,7 @@ from tests.shell import Homebot, homebot_in, run
 from tests.system.attack_probe import until
 from websockets.sync.client import connect
 
-from homebot.bridges.rosbridge.types import OWN_MODULES
+from homebot.bridges.rosbridge.types import own_modules
 from homebot.messages.definition import fields_of
 from homebot.messages.interfaces import Interfaces
 from homebot.messages.interfaces.interface_text import messages_in
@@ -25,7 +25,7 @@ from homebot.messages.interfaces.interface_text import messages_in
 ROOT = Path(__file__).parents[1]
 GUIDE = guide("robots")
 KNOWN = Interfaces()
-KNOWN.add_modules("homebot", OWN_MODULES)
+KNOWN.add_modules("homebot", own_modules())
 PROGRAM = "\n".join(blocks_in(GUIDE, "python"))
 COMMANDS = [command for block in blocks_in(GUIDE, "console") for command in commands_in(block)]
 BEFORE_IT_RUNS = ("homebot token", "homebot interface import", "homebot router --certificate")

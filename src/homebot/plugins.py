@@ -2,11 +2,12 @@
 
 import importlib
 import importlib.util
+import os
 import re
 import stat
 import sys
 import traceback
-from collections.abc import Iterable, Mapping, MutableMapping
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping
 from contextlib import suppress
 from functools import lru_cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
@@ -25,6 +26,7 @@ __all__ = [
     "check_extra",
     "check_file",
     "class_in",
+    "entry_points_of_others",
     "error_text",
     "file_and_class",
     "has_plugin",
@@ -59,6 +61,26 @@ def plugin_names(group: str) -> tuple[str, ...]:
 def own_plugin_names(group: str) -> tuple[str, ...]:
     """Return the names that homebot itself offers in the entry-point group *group*, sorted."""
     return tuple(sorted(point.name for point in _own_entry_points(tuple(sys.path)).get(group, ())))
+
+
+def entry_points_of_others(group: str) -> tuple[EntryPoint, ...]:
+    """Return the entry points that other packages offer in *group*, sorted.
+
+    Their files are searched for its name first: reading them all takes ten times as long.
+    """
+    wanted = f"[{group}]".encode()
+    if not any(wanted in file.read_bytes() for folder in sys.path for file in _files_of_entry_points(folder)):
+        return ()
+    own = _own_entry_points(tuple(sys.path)).get(group, ())
+    return tuple(sorted(point for point in _entry_points(tuple(sys.path)).get(group, ()) if point not in own))
+
+
+def _files_of_entry_points(folder: str) -> Iterator[Path]:
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            file = Path(entry.path, "entry_points.txt")
+            if entry.name.endswith(".dist-info") and file.is_file():
+                yield file
 
 
 def has_plugin(group: str, name: str) -> bool:

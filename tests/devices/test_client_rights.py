@@ -5,13 +5,14 @@ from tests.devices.handles.conftest import device, part
 
 from homebot.control.policies.rights import is_safe
 from homebot.devices.always_ask import always_asks, why_device_asks, why_it_asks, why_it_drives
-from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, ClientRights, Right, read_scope
+from homebot.devices.client_rights import ALL_RIGHTS, APP_RIGHTS, ClientRights, read_scope
 from homebot.devices.device import Device, DevicePart, Fact, KeyValue, Route
 from homebot.devices.harmless import why_not_harmless
 from homebot.devices.part import Capability
 from homebot.devices.words import ALL_THAT_ASK, FIRE, WATER, Groups
 from homebot.errors import UsageError
 from homebot.messages import Time
+from homebot.rights import Right
 
 HALL_LAMP = device("hall-lamp", part("light", "on_off"), area="Hall")
 KITCHEN_LAMP = device("kitchen-lamp", part("light", "on_off"), area="Kitchen")

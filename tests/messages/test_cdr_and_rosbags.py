@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from homebot.bridges.rosbridge.types import OWN_MODULES
+from homebot.bridges.rosbridge.types import own_modules
 from homebot.errors import TypeMismatchError
 from homebot.messages.cdr import message_from_cdr, message_to_cdr
 from homebot.messages.definition import FieldDefinition, definition_text, fields_of
@@ -41,7 +41,7 @@ def shipped() -> Iterator[type[Message]]:
 def own() -> Iterator[type[Message]]:
     """Yield homebot's messages."""
     known = Interfaces()
-    known.add_modules("homebot", OWN_MODULES)
+    known.add_modules("homebot", own_modules())
     for name in known.names("homebot"):
         find: Any = {"msg": known.find_message, "srv": known.find_service, "action": known.find_action}[
             name.split("/")[1]

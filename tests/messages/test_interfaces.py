@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from homebot.bridges.rosbridge.types import OWN_MODULES
+from homebot.bridges.rosbridge.types import own_modules
 from homebot.errors import UnknownTypeError, UsageError
 from homebot.messages import Message, Time
 from homebot.messages.cdr import message_to_cdr
@@ -192,7 +192,7 @@ def test_clients_define_a_bounded_number_of_types() -> None:
 @pytest.mark.parametrize("package", ["std_msgs", "builtin_interfaces", "homebot"])
 def test_clients_define_no_types_in_packages_of_homebot(package: str) -> None:
     known = Interfaces()
-    known.add_modules("homebot", OWN_MODULES)
+    known.add_modules("homebot", own_modules())
     for name, definition in (
         (f"{package}/Mine", "int8 a"),
         ("my_pets/Pet", f"{package}/Mine a\n{'=' * 80}\nMSG: {package}/Mine\nint8 a"),

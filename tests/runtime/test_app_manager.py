@@ -16,16 +16,16 @@ from structlog.testing import capture_logs
 from tests.patience import PATIENCE
 from tests.sizes import size
 
-from homebot.bridges.rosbridge.access import right_to_call
 from homebot.cli.main import main
 from homebot.clock import LoopClock
 from homebot.config import Config, load_config, parse_config
 from homebot.devices.app_messages import ChangeAppRequest, ChangeAppResponse, ReloadApp
-from homebot.devices.client_rights import Right
 from homebot.devices.names import LOAD_APP, RELOAD_APP, UNLOAD_APP
+from homebot.devices.own_services import right_to_call
 from homebot.errors import ConfigError, HomebotError, UsageError
 from homebot.graph import Node
 from homebot.messages.std_msgs import String
+from homebot.rights import Right
 from homebot.runtime import Runtime
 from homebot.support.data_folder import data_directory
 from homebot.support.owner_token import OWNER_FILE

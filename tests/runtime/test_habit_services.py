@@ -7,10 +7,8 @@ from datetime import timedelta
 
 import pytest
 
-from homebot.bridges.rosbridge.access import right_to_call
 from homebot.config import parse_config
 from homebot.devices.app_messages import ChangeRoutineResponse, ListRoutines, RoutinesRequest
-from homebot.devices.client_rights import Right
 from homebot.devices.habit_messages import (
     DecideHabit,
     DecideHabitRequest,
@@ -20,9 +18,11 @@ from homebot.devices.habit_messages import (
     SuggestHabitsResponse,
 )
 from homebot.devices.names import DECIDE_HABIT, LIST_ROUTINES, SUGGEST_HABITS
+from homebot.devices.own_services import right_to_call
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world
+from homebot.rights import Right
 from homebot.support.toml_file import parse_toml
 from homebot.testing import VirtualHouse, virtual_house_of
 

@@ -10,7 +10,6 @@ import pytest
 from anyio import to_thread
 from structlog.testing import capture_logs
 
-from homebot.bridges.rosbridge.access import right_to_call
 from homebot.clock import LoopClock
 from homebot.config import load_config, parse_config
 from homebot.devices.app_messages import (
@@ -26,11 +25,12 @@ from homebot.devices.app_messages import (
     RoutineInfo,
     RoutinesRequest,
 )
-from homebot.devices.client_rights import Right
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.names import CHANGE_ROUTINE, HOME_PLACE, LIST_ROUTINES, PROPOSE_ROUTINE, RUNTIME_HEALTH
+from homebot.devices.own_services import right_to_call
 from homebot.errors import ConfigError
 from homebot.graph import Node
+from homebot.rights import Right
 from homebot.runtime import Runtime
 from homebot.runtime.plan import make_plan, plan_errors
 

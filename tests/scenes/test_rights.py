@@ -5,11 +5,13 @@ import pytest
 from tests.control.conftest import Home
 from tests.scenes.conftest import Scenes
 
-from homebot.bridges.rosbridge.access import ClientAccess, right_to_call
-from homebot.devices.client_rights import LOCAL_RIGHTS, Right
+from homebot.bridges.rosbridge.access import ClientAccess
+from homebot.devices.client_rights import LOCAL_RIGHTS
+from homebot.devices.own_services import right_to_call
 from homebot.devices.robot_owners import RobotOwners
 from homebot.devices.scene_messages import ApplySceneRequest
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
+from homebot.rights import Right
 
 
 @pytest.mark.parametrize(

@@ -14,12 +14,12 @@ from homebot.bags.bag_files import bag_files
 from homebot.bags.bag_topic import CDR
 from homebot.bridges.rosbridge.access import right_to_publish
 from homebot.devices import RawCommand
-from homebot.devices.client_rights import Right
 from homebot.devices.gateway_messages import Command
 from homebot.devices.names import DEFINE_TYPE
 from homebot.errors import HomebotError, PeerError, RefusedError, UsageError
 from homebot.messages.cdr import message_from_cdr
 from homebot.messages.json import message_to_json
+from homebot.rights import Right
 from homebot.support.name_patterns import fits_any
 from homebot.support.printable import printable
 

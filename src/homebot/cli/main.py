@@ -13,13 +13,16 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from io import TextIOWrapper
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from homebot.cli.arguments import HelpFormatter, add_door_options, add_verb, unused_option
 from homebot.cli.parser import SHELLS, CommandParser, PrintCompletion
 from homebot.errors import ConfigError, HomebotError
 from homebot.support.output import clean_output
 from homebot.version import __version__
+
+if TYPE_CHECKING:
+    from homebot.feature import Verb
 
 COMMANDS: Final = {
     "run": "run homebot: find the devices of a house and control them",
@@ -34,7 +37,6 @@ COMMANDS: Final = {
     "devices": "list the devices in the house",
     "find": "find devices by type, capability, state, room or name",
     "do": "command devices, and print the outcomes",
-    "achieve": "plan how to reach a goal such as 'kitchen lit and rosie in kitchen', and do it",
     "identify": "find which of several devices a sensor sees: they blink, and it looks",
     "verify": "check whether a device is the one that a sensor sees",
     "show": "show everything known about a device",
@@ -78,7 +80,7 @@ COMMANDS: Final = {
     "join": "let another machine, with gateways only, become part of the house",
     "router": "run only the router between homebot and ROS 2 robots; make its certificate",
 }
-"""The purpose of each command in one line."""
+"""The purpose of each command of the core in one line."""
 
 _OWNER: Final = ("alias", "approve", "forget", "merge", "pair", "place", "split", "trust")
 _MODULES: Final = {
@@ -155,11 +157,23 @@ def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
     add_door_options(parser)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     # For a known command, neither the list of all commands nor similar ones are needed.
-    for name in (argv[0],) if argv and argv[0] in COMMANDS else COMMANDS:
-        command = add_verb(commands, name, COMMANDS[name])
+    purposes = COMMANDS if argv and argv[0] in COMMANDS else all_commands()
+    for name in (argv[0],) if argv and argv[0] in purposes else purposes:
+        command = add_verb(commands, name, purposes[name])
         if argv is None or name in argv:
             _add_arguments(name, command)
     return parser
+
+
+def all_commands() -> dict[str, str]:
+    """Return the purpose of each command, of the core and of features."""
+    return {name: verb.purpose for name, verb in _verbs().items()} | COMMANDS
+
+
+def _verbs() -> "dict[str, Verb]":
+    from homebot.feature import all_features  # noqa: PLC0415 - the core's commands start without features
+
+    return {name: verb for feature in all_features() for name, verb in feature.verbs.items()}
 
 
 def _hold_hangups() -> None:
@@ -211,6 +225,11 @@ def _fail(error: HomebotError) -> int:
 
 def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:
     with gc_paused(), _minimal_structlog_imports():
+        if command not in COMMANDS:
+            from homebot.feature import load  # noqa: PLC0415 - as above
+
+            load(_verbs()[command].add_arguments)(parser)
+            return
         module = importlib.import_module(f"homebot.cli.commands.{_MODULES.get(command, command)}")
     add_arguments: Callable[[argparse.ArgumentParser], None]
     add_arguments = getattr(module, f"add_{command.replace('-', '_')}_arguments", None) or module.add_arguments

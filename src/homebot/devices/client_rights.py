@@ -1,7 +1,6 @@
 """Rights of external programs in the owner's words: ``read``, ``act: light in hall``, ``ask: lock``. Pure."""
 
 from collections.abc import Iterable
-from enum import Enum
 from typing import NamedTuple
 
 from homebot.devices.always_ask import is_declared
@@ -10,6 +9,7 @@ from homebot.devices.names import TAG
 from homebot.devices.query.matching import PartFacets, fits
 from homebot.devices.query.terms import And, FactIs, NameIs, Or, Query, TypeIs
 from homebot.errors import InvalidNameError, UsageError
+from homebot.rights import Right
 from homebot.support.similar import did_you_mean
 
 CLIENT = "client:"
@@ -43,29 +43,6 @@ _KNOWN = (
 )
 
 _WORDS = frozenset({HARMLESS, ORDINARY, _ALL})
-
-
-class Right(Enum):
-    """One right of a client, by the first word of a right in a ``scope``."""
-
-    READ = "read"
-    """Subscribe to topics, and call services that change nothing."""
-
-    ACT = "act"
-    """Command devices, and communicate with apps and other clients."""
-
-    ASK = "ask"
-    """Command devices once a person agrees, to each command; as :attr:`ACT` otherwise."""
-
-    MANAGE = "manage"
-    """Change homebot itself: its parameters, its index."""
-
-    RAW = "raw"
-    """Publish as homebot's own parts, and to gateways, bypassing every check."""
-
-    ROBOT = "robot"
-    """Act as a robot: publish its pose and everything below its name, and request doors."""
-
 
 _NEEDS = {
     Right.ACT: "needs a query, or all: 'act: light in hall'",

@@ -8,7 +8,7 @@ The frame ``map`` belongs to the house: no robot may state its position.
 from collections.abc import Iterable, Mapping
 from typing import Final, final
 
-from homebot.devices.names import OWN_NAMESPACES
+from homebot.devices.own_services import own_namespaces
 from homebot.errors import InvalidNameError
 from homebot.messages.message import Message
 from homebot.names import validate_node_name
@@ -34,7 +34,7 @@ def check_robot_name(name: str) -> None:
     """
     validate_node_name(name)
     taken = ""
-    if name in OWN_NAMESPACES:
+    if name in own_namespaces():
         taken = f"homebot's own topics, /{name}/…"
     elif name == MAP or f"/{name}" in SHARED_TOPICS | _SOLE_TOPICS:
         taken = f"the topic /{name} of all robots"

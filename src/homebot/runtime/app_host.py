@@ -45,7 +45,6 @@ _ROUTINE_MODULE = "homebot.routines.routine"
 _KEPT_ROUTINES = "routines"
 _REJECTED = "habits/rejected"
 IDENTIFY_VALUES = "identify/values"
-CUT_OFF_GOALS = "goals/cut_off"
 """The names of stores that no app can have."""
 
 

@@ -12,8 +12,9 @@ from homebot.bridges.admission import AccessSettings
 from homebot.bridges.rosbridge import ClientToken, DoorSettings, Scope
 from homebot.clock import read_zone
 from homebot.config import Config, FilePath, parse_settings
-from homebot.devices.client_rights import Right, read_scope
+from homebot.devices.client_rights import read_scope
 from homebot.errors import ConfigError, UsageError
+from homebot.rights import Right
 from homebot.support.addresses import is_loopback
 from homebot.support.file_access import read_secret
 

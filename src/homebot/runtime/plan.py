@@ -17,6 +17,7 @@ from homebot.bridges.rosbridge import DoorSettings
 from homebot.config import PEOPLE, ROUTINE, UNNAMED, Config, HomeSettings, Table, parse_settings
 from homebot.discovery import DirectorySettings
 from homebot.errors import ConfigError, PluginError, UsageError
+from homebot.feature import find_features
 from homebot.gateways import Gateway
 from homebot.graph import Node
 from homebot.places import NO_PLACES, HousePlan, Places
@@ -48,10 +49,12 @@ OWN_NODES = frozenset(
     {
         "alerts",
         "apps",
+        "broker",
         "control",
         "discovery",
         "history",
         "homebot",
+        "identify",
         "machine",
         "robots",
         "ros2",
@@ -101,7 +104,8 @@ class Plan:
         history: The settings of the history; None for the defaults.
         notify: The settings of notifications of apps; None to only log them.
         scenes: The scenes of the configuration.
-        left_out: The mistakes of wrong routines, groups and scenes, by their keys: they stop nothing else.
+        left_out: The mistakes of wrong routines, groups, scenes and features of other packages, by their keys: they
+            stop nothing else.
     """
 
     config: Config
@@ -191,10 +195,10 @@ def make_plan(config: Config, given: Mapping[str, type[App]] = _NONE_GIVEN) -> P
             the reason.
     """
     whole = config.model_copy(update={"apps": config.apps | {name: config.apps.get(name, {}) for name in given}})
-    config, left_out = _without_mistakes(whole)
+    config, mistakes = _without_mistakes(whole)
     return Plan(
         config=whole,
-        left_out=left_out,
+        left_out=mistakes,
         home=config.home.name,
         home_settings=config.home,
         gateways=_gateways(config),
@@ -221,12 +225,17 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
 
 
 def _without_mistakes(config: Config) -> tuple[Config, Mapping[str, ConfigError]]:
+    broken = {
+        f"features.{name}": ConfigError(config.source, f"features.{name}", f"is left out: {problem}")
+        for name, problem in find_features().problems.items()
+    }
     if not (config.groups or config.scenes or any(map(_is_routine, config.apps.values()))):
-        return config, {}
+        return config, broken
     from homebot.runtime.left_out import without_mistakes  # noqa: PLC0415 - many homes have none of these
 
     planned = {_key_of(name, table): partial(planned_app, name, table, config) for name, table in config.apps.items()}
-    return without_mistakes(config, planned, {"groups": _groups, "scenes": _scenes})
+    config, mistakes = without_mistakes(config, planned, {"groups": _groups, "scenes": _scenes})
+    return config, broken | mistakes
 
 
 def _is_routine(table: Table) -> bool:
@@ -285,7 +294,7 @@ def planned_app(
 
 
 def _check_name(key: str, name: str, source: str) -> None:
-    if name in OWN_NODES:
+    if name in OWN_NODES or name in find_features().features:
         raise ConfigError(source, key, "is the name of one of homebot's own nodes; choose another name")
 
 

@@ -32,8 +32,6 @@ from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.exposure import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.devices.health import GetHealth
 from homebot.devices.names import (
-    ACHIEVE,
-    ACHIEVE_WORDS,
     COPY_FILES,
     IDENTIFY_DEVICE,
     LIST_TOKENS,
@@ -41,15 +39,17 @@ from homebot.devices.names import (
     SCENE_SERVICES,
     START_RECORDER,
 )
+from homebot.devices.own_services import is_own, row_of_service
 from homebot.discovery import Directory, OwnerFacts
 from homebot.errors import UsageError
+from homebot.feature import Feature, all_features, load
 from homebot.gateways import Gateway, GatewayContext
-from homebot.graph import Graph, Node, RosoutFeed
-from homebot.runtime.app_host import CUT_OFF_GOALS, IDENTIFY_VALUES, STORE_FILE, AppHost
+from homebot.graph import EntityKind, Graph, Node, RosoutFeed
+from homebot.runtime.app_host import IDENTIFY_VALUES, STORE_FILE, AppHost
 from homebot.runtime.app_loading import AppPlanner
 from homebot.runtime.app_manager import AppManager
 from homebot.runtime.health import RuntimeHealth
-from homebot.runtime.plan import JOURNAL_FILE, Plan, PlannedComponent, make_plan
+from homebot.runtime.plan import JOURNAL_FILE, OWN_NODES, Plan, PlannedComponent, make_plan
 from homebot.runtime.robot_starter import track_robots
 from homebot.runtime.supervisor import Supervisor
 from homebot.support.installation import INSTALLATION_FILE, Installation
@@ -61,7 +61,7 @@ from homebot.support.production_loop import LoopWatch
 if TYPE_CHECKING:
     from homebot.control.sending import Rehearsal
     from homebot.devices.services import IndexRow
-    from homebot.features.goals.achieve_server import AchieveServer
+    from homebot.feature_context import FeatureContext, FeatureServer
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.identify_starter import IdentifyStarter
@@ -306,6 +306,7 @@ class Runtime:
             self._greet()
             # Loaded last: it takes longer than other parts of the start, and clients need a handshake first.
             await stack.enter_async_context(self.supervisor.running("rosapi", self._rosapi, ""))
+            self._check_rights()
 
     def _components(
         self, gateways: tuple[PlannedComponent[Gateway], ...]
@@ -327,8 +328,9 @@ class Runtime:
         running = self.supervisor.running
         yield running("discovery", self._directory)
         yield running("control", self._control)
-        yield running("goals", self._goals)
-        yield running("identify", self._identify)  # stopped before control, to put everything back
+        # Stopped before control, so that what they hold can be put back.
+        yield from (running(feature.name, partial(self._feature, feature)) for feature in all_features())
+        yield running("identify", self._identify)
         if self.record_into is not None:
             yield running("recorder", partial(self._recording.record_into, self.record_into))
         yield self.app_manager.running(self._plan.apps, lambda: self._start_is_cut)
@@ -339,6 +341,20 @@ class Runtime:
         if self._plan.keeps_history(by_default=self.index_file is not None or self.house is not None):
             yield running("history", self._history)
         yield running("robots", partial(track_robots, self.graph, self._plan, lambda: self._owner.plan))
+
+    def _check_rights(self) -> None:
+        """Check that each service of a node of homebot itself has a row with the right that a client needs.
+
+        Raises:
+            UsageError: One has none.
+        """
+        own = {f"/{name}" for name in OWN_NODES}
+        services = self.graph.get_endpoints(kind=EntityKind.SERVICE)
+        lacking = [
+            one.name for one in services if one.node in own and is_own(one.name) and row_of_service(one.name) is None
+        ]
+        if lacking:
+            raise UsageError(f"services without a right: {', '.join(lacking)}; add them to CORE_SERVICES")
 
     async def _start_services(self, stack: AsyncExitStack) -> None:
         """Start each in-process peer that gateways need, once, unless it was passed in."""
@@ -395,21 +411,29 @@ class Runtime:
             )
             await run_as(node.full_name, partial(self._controller.serve, task_status=task_status))
 
-    async def _goals(self, *, task_status: TaskStatus[None]) -> None:
-        async with Node(self.graph, "goals") as node:
-            server = cache(partial(self._achieve_server, node))
-            node.offer_action("homebot/action/Achieve", ACHIEVE, lambda: server().serve_goals())
-            node.offer_service("homebot/srv/AchieveWords", ACHIEVE_WORDS, lambda: server().serve_words())
-            if self.app_host.has_kept(CUT_OFF_GOALS):
-                server().record_cut_off()
-            task_status.started()
+    async def _feature(self, feature: Feature, *, task_status: TaskStatus[None]) -> None:
+        async with Node(self.graph, feature.name) as node:
+
+            @cache
+            def server() -> FeatureServer:
+                made: FeatureServer = load(feature.server)(node, self._feature_context)
+                return made
+
+            for service in feature.services:
+                offer = node.offer_action if "/action/" in service.ros_type else node.offer_service
+                offer(service.ros_type, service.name, partial(lambda name: server().serve(name), service.name))
+            task_status.started()  # before anything of it is loaded, as its mistakes stop nothing else
+            if any(map(self.app_host.has_kept, feature.stores)):
+                server()
             await anyio.sleep_forever()
 
-    def _achieve_server(self, node: Node) -> AchieveServer:
-        from homebot.features.goals.achieve_server import AchieveServer  # noqa: PLC0415 - few homes plan
+    @cached_property
+    def _feature_context(self) -> FeatureContext:
+        from homebot.feature_context import FeatureContext  # noqa: PLC0415 - few features are used
 
-        kept = self.app_host.store(CUT_OFF_GOALS)
-        return AchieveServer(node, lambda: self._controller, kept, self.app_host.write_stores)
+        return FeatureContext(
+            control=lambda: self._controller, store=self.app_host.store, write_stores=self.app_host.write_stores
+        )
 
     async def _identify(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "identify") as node:

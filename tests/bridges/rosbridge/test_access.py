@@ -16,10 +16,10 @@ from websockets.exceptions import InvalidStatus
 from websockets.typing import Origin
 
 from homebot.bridges.rosbridge import ClientToken, DoorSettings
-from homebot.bridges.rosbridge.access import ClientAccess, right_to_call, right_to_publish
+from homebot.bridges.rosbridge.access import ClientAccess, right_to_publish
 from homebot.devices import RawCommand
 from homebot.devices.access_messages import AccessRefused
-from homebot.devices.client_rights import LOCAL_RIGHTS, Right, read_scope
+from homebot.devices.client_rights import LOCAL_RIGHTS, read_scope
 from homebot.devices.command_messages import (
     CommandDevicesRequest,
     CommandDevicesResponse,
@@ -30,12 +30,14 @@ from homebot.devices.gateway_messages import Command, SendCommand, SendCommandRe
 from homebot.devices.health import HealthRequest
 from homebot.devices.names import ACCESS_REFUSALS, APPLY_SCENE, PERFORM_COMMAND
 from homebot.devices.outcomes import Confirmed, Evidence, Outcome
+from homebot.devices.own_services import right_to_call
 from homebot.devices.robot_owners import RobotOwners
 from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest
 from homebot.devices.services import SubscribeToTopicRequest
 from homebot.messages import String
 from homebot.messages.interfaces import find_message
 from homebot.messages.std_srvs import SuccessResponse, Trigger
+from homebot.rights import Right
 
 OUT = "/gateway/mqtt/out"
 RAW_COMMAND = {"address": "home/locks/front/in", "payload": "unlock", "issuer": "/light_service"}

@@ -10,10 +10,9 @@ import pytest
 from tests.bridges.conftest import House, Peer
 from tests.messages.test_ros_packages import sample
 
-from homebot.bridges.rosbridge.access import right_to_call
 from homebot.bridges.rosbridge.types import find_message_type, find_service_type
-from homebot.devices.client_rights import Right
 from homebot.devices.names import DEFINE_TYPE
+from homebot.devices.own_services import right_to_call
 from homebot.errors import PeerError
 from homebot.graph import Graph, Node
 from homebot.messages import Time
@@ -23,6 +22,7 @@ from homebot.messages.interfaces import find_message
 from homebot.messages.json import message_from_json, message_to_json
 from homebot.messages.message import Message
 from homebot.messages.std_msgs import Header
+from homebot.rights import Right
 
 DRIVE = {"linear": {"x": 0.5, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": -0.25}}
 

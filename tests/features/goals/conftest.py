@@ -13,11 +13,12 @@ from anyio.lowlevel import checkpoint
 from tests.control.conftest import Home, home, home_settings, open_home
 from tests.one_task import in_one_task
 
-from homebot.features.goals.messages import Achieve, AchieveFeedback, AchieveGoal, AchieveResult
-from homebot.devices.names import ACHIEVE, IMPORT_PLACES, WHERE_IS_ROBOT
+from homebot.devices.names import IMPORT_PLACES, WHERE_IS_ROBOT
 from homebot.devices.places_messages import ImportPlaces, ImportPlacesRequest
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
+from homebot.features.goals import ACHIEVE
 from homebot.features.goals.achieve_server import AchieveServer
+from homebot.features.goals.messages import Achieve, AchieveFeedback, AchieveGoal, AchieveResult
 from homebot.graph import Node
 from homebot.graph.actions import ActionClient, ActionServer, ClientGoal
 from homebot.messages import Time
@@ -86,7 +87,7 @@ class Family:
 
     async def begin(self, goal: str, **more: Any) -> ClientGoal[AchieveResult, AchieveFeedback]:
         await anyio.sleep(0.01)
-        client = ActionClient(self.home.app, Achieve, ACHIEVE)
+        client = ActionClient(self.home.app, Achieve, ACHIEVE.name)
         asked = AchieveGoal(goal=goal, **{"issuer": "client:anna", "scope": ("read", "act: all"), **more})
         return await client.send_goal(asked, self.feedback.append)
 
@@ -143,5 +144,5 @@ async def family(home: Home) -> AsyncIterator[Family]:
 @asynccontextmanager
 async def goals_of(home: Home) -> AsyncIterator[None]:
     async with Node(home.graph, "goals") as node:
-        AchieveServer(node, lambda: home.control, {}, checkpoint).serve_goals()
+        AchieveServer(node, lambda: home.control, {}, checkpoint).serve(ACHIEVE.name)
         yield

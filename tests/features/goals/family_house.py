@@ -12,10 +12,8 @@ import anyio
 
 from homebot.clock import LoopClock
 from homebot.config import parse_config
-from homebot.features.goals.messages import Achieve, AchieveFeedback, AchieveGoal, AchieveResult
 from homebot.devices.journal_messages import ExplainDevice, ExplainDeviceRequest
 from homebot.devices.names import (
-    ACHIEVE,
     ANSWER_QUESTION,
     CHANGE_SCENE,
     EXPLAIN_DEVICE,
@@ -26,6 +24,8 @@ from homebot.devices.places_messages import ImportPlaces, ImportPlacesRequest
 from homebot.devices.question_messages import AnswerQuestion, AnswerQuestionRequest, OpenQuestions
 from homebot.devices.scene_messages import ChangeScene, ChangeSceneRequest
 from homebot.devices.wording.journal_words import finding_text
+from homebot.features.goals import ACHIEVE
+from homebot.features.goals.messages import Achieve, AchieveFeedback, AchieveGoal, AchieveResult
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.actions import ActionClient, ClientGoal
 from homebot.house import World
@@ -37,7 +37,7 @@ from homebot.runtime import Runtime
 
 __all__ = ["DASH", "FamilyHouse", "family_house"]
 
-FAMILY: Final = tomllib.loads((Path(__file__).parents[2] / "examples/houses/family.toml").read_text("utf-8"))
+FAMILY: Final = tomllib.loads((Path(__file__).parents[3] / "examples/houses/family.toml").read_text("utf-8"))
 SLIDING: Final = {"kind": "cover", "is_open": False, "travel_time": 5.0}
 MORE: Final[dict[str, dict[str, Any]]] = {
     "kitchen_slide": {**SLIDING, "room": "kitchen"},
@@ -99,7 +99,7 @@ class FamilyHouse:
         return (await (await self.begin(goal, **more)).result())[1]
 
     async def begin(self, goal: str, **more: Any) -> ClientGoal[AchieveResult, AchieveFeedback]:
-        client = ActionClient(self.node, Achieve, ACHIEVE)
+        client = ActionClient(self.node, Achieve, ACHIEVE.name)
         asked = AchieveGoal(goal=goal, **{"issuer": "client:anna", "scope": ("read", "act: all"), **more})
         return await client.send_goal(asked, self.feedback.append)
 

@@ -11,8 +11,8 @@ from tests.control.conftest import OpenHome
 from tests.features.goals.conftest import NAVIGATE, Family, goals_of
 from tests.patience import PATIENCE
 
+from homebot.features.goals import ACHIEVE
 from homebot.features.goals.messages import Achieve, AchieveFeedback, AchieveGoal
-from homebot.devices.names import ACHIEVE
 from homebot.graph import Node
 from homebot.graph.actions import ActionClient, ActionServer, GoalState
 
@@ -32,9 +32,9 @@ async def test_a_robot_achieves_a_goal_with_the_rights_of_its_token(open_home: O
     ):
         await home.lamp("on_off", before={"on_off": False})
         with anyio.fail_after(PATIENCE):
-            await all_parts(both.robot, ACHIEVE)
+            await all_parts(both.robot, ACHIEVE.name)
             asked = AchieveGoal(goal="lamp on", issuer="client:owner", scope=("act: all",))
-            goal = await ActionClient(nav, Achieve, ACHIEVE).send_goal(asked, feedback.append)
+            goal = await ActionClient(nav, Achieve, ACHIEVE.name).send_goal(asked, feedback.append)
             answer = (await goal.result())[1]
             while answer.success and not any(one.steps[0].outcome.startswith("confirmed") for one in feedback):
                 await anyio.lowlevel.checkpoint()  # on the wire feedback may come after the result

@@ -25,7 +25,6 @@ from homebot.devices.wording.journal_words import (
     finding_text,
     issuer_text,
     result_text,
-    step_text,
     was_obeyed,
 )
 from homebot.devices.wording.json_message import JsonMessage
@@ -38,7 +37,6 @@ from homebot.units import parse_duration
 
 if TYPE_CHECKING:
     from homebot.devices import Device
-    from homebot.features.goals.messages import AchieveResponse
     from homebot.devices.approval_messages import UnapprovedResponse
     from homebot.devices.command_messages import CommandDevicesResponse, CommandedPart
     from homebot.devices.habit_messages import SuggestHabitsResponse
@@ -179,14 +177,6 @@ def _outcome(
         command_id=worst.command_id,
         parts={name_of(one): one.result.text for one in answer.results} if len(results) > 1 else {},
     )
-
-
-async def achieve(home: HomeCalls, asked: shapes.GoalQuestion) -> shapes.GoalAnswer:
-    """Plan for a goal and, unless only the plan is wanted, do it."""
-    request = {"goal": asked.goal, "is_dry_run": asked.dry_run}
-    answer = cast("AchieveResponse", await home.call(names.ACHIEVE_WORDS, request))
-    steps = tuple(map(step_text, answer.steps))
-    return shapes.GoalAnswer(reached=answer.success, text=answer.message, steps=steps, tried=answer.tried)
 
 
 async def propose_routine(home: HomeCalls, asked: shapes.RoutineQuestion) -> shapes.ProposalAnswer:

@@ -17,6 +17,7 @@ from homebot.bridges.home_api import answers, shapes
 from homebot.bridges.home_api.device_search import HomeCalls
 from homebot.bridges.home_api.shapes import PROBLEMS, Problem, ProblemError
 from homebot.errors import HomebotError, UsageError
+from homebot.feature import all_features, load
 from homebot.version import __version__
 
 _JSON: Final = "application/json"
@@ -34,14 +35,13 @@ class ApiRoute(NamedTuple):
     handle: Callable[[HomeCalls, Any], Awaitable[BaseModel]]
 
 
-ROUTES: Final = (
+_CORE_ROUTES: Final = (
     ApiRoute("GET", "/api/home", shapes.NoQuestion, shapes.HomeAnswer, answers.home_in_short),
     ApiRoute("GET", "/api/devices", shapes.ListQuestion, shapes.DeviceList, answers.find_devices),
     ApiRoute("GET", "/api/devices/{id}", shapes.DeviceQuestion, shapes.DeviceDetails, answers.device_details),
     ApiRoute("POST", "/api/command", shapes.CommandQuestion, shapes.OutcomeAnswer, answers.command),
     ApiRoute("GET", "/api/scenes", shapes.NoQuestion, shapes.SceneList, answers.list_scenes),
     ApiRoute("POST", "/api/scene", shapes.SceneQuestion, shapes.OutcomeAnswer, answers.apply_scene),
-    ApiRoute("POST", "/api/goal", shapes.GoalQuestion, shapes.GoalAnswer, answers.achieve),
     ApiRoute("POST", "/api/routines", shapes.RoutineQuestion, shapes.ProposalAnswer, answers.propose_routine),
     ApiRoute("GET", "/api/habits", shapes.NoQuestion, shapes.HabitList, answers.list_habits),
     ApiRoute("GET", "/api/why/{id}", shapes.WhyQuestion, shapes.WhyAnswer, answers.why),
@@ -50,13 +50,19 @@ ROUTES: Final = (
 
 
 @cache
+def all_routes() -> tuple[ApiRoute, ...]:
+    """Return the routes of the core and of all features."""
+    return (*_CORE_ROUTES, *(route for feature in all_features() if feature.routes for route in load(feature.routes)))
+
+
+@cache
 def openapi_text() -> bytes:
     """Return the description as JSON."""
-    models: list[type[BaseModel]] = [shapes.Problem, *(one.answer for one in ROUTES)]
-    models += [one.question for one in ROUTES if one.method == "POST"]
+    models: list[type[BaseModel]] = [shapes.Problem, *(one.answer for one in all_routes())]
+    models += [one.question for one in all_routes() if one.method == "POST"]
     _, schemas = models_json_schema([(one, "serialization") for one in models], ref_template=_REFERENCE)
     paths: dict[str, Any] = {}
-    for route in ROUTES:
+    for route in all_routes():
         paths.setdefault(route.path, {})[route.method.lower()] = _operation(route)
     document = {
         "openapi": "3.1.0",
@@ -153,9 +159,9 @@ def _text(found: BaseModel) -> bytes:
 
 def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
     url = urlsplit(request.target)
-    fitting = [one for one in ROUTES if _fits(one.path, url.path)]
+    fitting = [one for one in all_routes() if _fits(one.path, url.path)]
     if not fitting:
-        known = ", ".join([*(f"{one.method} {one.path}" for one in ROUTES), f"GET {_OPENAPI}"])
+        known = ", ".join([*(f"{one.method} {one.path}" for one in all_routes()), f"GET {_OPENAPI}"])
         raise ProblemError(HTTPStatus.NOT_FOUND, f"there is no {url.path[:100]}; there are {known}")
     route = fitting[0]
     if request.method != route.method:

@@ -17,7 +17,7 @@ ShortValue: TypeAlias = bool | int | float | str | list[float]
 
 ProblemOutcome: TypeAlias = Literal["refused", "not_found", "several", "invalid", "failed"]
 
-_Told: TypeAlias = Annotated[str, AfterValidator(lambda text: printable(text, 1000))]
+PrintableText: TypeAlias = Annotated[str, AfterValidator(lambda text: printable(text, 1000))]
 """A text in which devices may have words of their own: bounded, and in one line."""
 
 PROBLEMS: Mapping[HTTPStatus, ProblemOutcome] = {
@@ -39,8 +39,8 @@ MOST_COMMANDED: Final = 50
 MOST_POINTS: Final = 500
 """Values of each capability in a history."""
 
-_Name: TypeAlias = Annotated[ShortText, Field(min_length=1)]
-_Names: TypeAlias = Annotated[tuple[_Name, ...], Field(min_length=1, max_length=MOST_COMMANDED)]
+ShortName: TypeAlias = Annotated[ShortText, Field(min_length=1)]
+_Names: TypeAlias = Annotated[tuple[ShortName, ...], Field(min_length=1, max_length=MOST_COMMANDED)]
 
 
 class ProblemError(HomebotError):
@@ -56,29 +56,33 @@ class ProblemError(HomebotError):
         self.allow = allow
 
 
-class _Question(BaseModel):
+class Question(BaseModel):
+    """A question, in which an unknown field is a mistake."""
+
     model_config = ConfigDict(extra="forbid", defer_build=True, hide_input_in_errors=True)
 
 
-class _Answer(BaseModel):
+class Answer(BaseModel):
+    """An answer."""
+
     model_config = ConfigDict(frozen=True, defer_build=True)
 
 
-class NoQuestion(_Question):
+class NoQuestion(Question):
     """Nothing to ask."""
 
 
-class ListQuestion(_Question):
+class ListQuestion(Question):
     """A query for devices, such as `light in kitchen`; empty for all."""
 
     q: Annotated[str, Field(max_length=1000)] = ""
     limit: Annotated[int, Field(ge=1, le=MOST_LISTED)] = 50
 
 
-class DeviceQuestion(_Question):
+class DeviceQuestion(Question):
     """A device by its id or name."""
 
-    id: _Name
+    id: ShortName
 
 
 class WhyQuestion(DeviceQuestion):
@@ -87,48 +91,41 @@ class WhyQuestion(DeviceQuestion):
     state: Annotated[str, Field(max_length=100)] = ""
 
 
-class HistoryQuestion(_Question):
+class HistoryQuestion(Question):
     """A device, a capability (empty for all), and the length of time, such as `24h` or `7d`."""
 
-    device: _Name
+    device: ShortName
     capability: ShortText = ""
     since: Annotated[str, Field(max_length=40)] = "24h"
     points: Annotated[int, Field(ge=1, le=MOST_POINTS)] = 50
 
 
-class CommandQuestion(_Question):
+class CommandQuestion(Question):
     """A command in words to one device, or to each of several: `on`, `40 %`, `level 40`, `unlock`.
 
     With `ask`, a person in the house must agree first, as to all that the token has the right `ask` for.
     """
 
-    device: _Name | _Names
+    device: ShortName | _Names
     do: Annotated[str, Field(min_length=1, max_length=300)]
     ask: bool = False
 
 
-class SceneQuestion(_Question):
+class SceneQuestion(Question):
     """A scene by its name or id; with `undo`, the values before it are brought back."""
 
-    scene: _Name
+    scene: ShortName
     undo: bool = False
     transition: Annotated[float, Field(ge=0.0, le=86_400.0)] = 0.0
 
 
-class GoalQuestion(_Question):
-    """A goal in words, such as `kitchen lit and rosie in kitchen`; with `dry_run` only its plan is made."""
-
-    goal: Annotated[str, Field(max_length=1000)]
-    dry_run: bool = False
-
-
-class RoutineQuestion(_Question):
+class RoutineQuestion(Question):
     """A routine to propose: its table `[[routines]]` in TOML."""
 
     text: Annotated[str, Field(max_length=20_000)]
 
 
-class DeviceLine(_Answer):
+class DeviceLine(Answer):
     """A device and its values, by capability: `on`, `level`, `temperature`; with several parts by `PART.CAPABILITY`."""
 
     model_config = ConfigDict(extra="allow")
@@ -143,25 +140,25 @@ class DeviceLine(_Answer):
     waits_for_approval: bool = False
 
 
-class DeviceList(_Answer):
+class DeviceList(Answer):
     """Devices, how many more fit, and why there are none, or what they only nearly fit."""
 
     devices: tuple[DeviceLine, ...]
     more: int = 0
-    note: _Told = ""
+    note: PrintableText = ""
 
 
 class DeviceDetails(DeviceLine):
     """A device, with its commands, why it always asks a person, and whether it was found by words of no name."""
 
-    state: _Told = ""
-    takes: dict[str, _Told] = {}
-    always_asks: _Told = ""
+    state: PrintableText = ""
+    takes: dict[str, PrintableText] = {}
+    always_asks: PrintableText = ""
     last_seen: str = ""
     by_words: bool = False
 
 
-class HomeAnswer(_Answer):
+class HomeAnswer(Answer):
     """The house in short: the number of devices by room and type."""
 
     home: str = ""
@@ -171,79 +168,70 @@ class HomeAnswer(_Answer):
     waiting_for_approval: tuple[str, ...] = ()
 
 
-class OutcomeAnswer(_Answer):
+class OutcomeAnswer(Answer):
     """The outcome of a command, the worst of all parts, with its evidence or reason; of several devices the worst."""
 
     id: str
     outcome: OutcomeKind
-    text: _Told
+    text: PrintableText
     evidence: str = ""
     policy: str = ""
-    reason: _Told = ""
+    reason: PrintableText = ""
     command_id: str = ""
-    parts: dict[str, _Told] = {}
+    parts: dict[str, PrintableText] = {}
     devices: "tuple[OutcomeAnswer, ...]" = ()
 
 
-class SceneLine(_Answer):
+class SceneLine(Answer):
     """A scene, with the values of its parts by name; a part without values has those of the bridge that keeps it."""
 
-    scene: _Told
+    scene: PrintableText
     id: str = ""
     room: str = ""
-    parts: dict[str, _Told] = {}
+    parts: dict[str, PrintableText] = {}
 
 
-class SceneList(_Answer):
+class SceneList(Answer):
     """The scenes of the house."""
 
     scenes: tuple[SceneLine, ...]
 
 
-class GoalAnswer(_Answer):
-    """The plan with the outcomes of its steps, and whether the goal is reached, or the fact that is in the way."""
-
-    reached: bool
-    text: _Told
-    steps: tuple[_Told, ...] = ()
-    tried: tuple[_Told, ...] = ()
-
-
-class ProposalAnswer(_Answer):
+class ProposalAnswer(Answer):
     """The result of a proposal; the routine does not start until the owner enables it."""
 
-    text: _Told
+    text: PrintableText
 
 
-class HabitLine(_Answer):
+class HabitLine(Answer):
     """A habit of the people in the house, with the routine that would act as they do, and its proof."""
 
-    name: _Told
+    name: PrintableText
     text: Annotated[str, Field(max_length=2000)] = ""
-    proof: _Told
+    proof: PrintableText
     precision: float = 0.0
     recall: float = 0.0
 
 
-class HabitList(_Answer):
+class HabitList(Answer):
     """The habits that the owner may accept as routines."""
 
     habits: tuple[HabitLine, ...]
 
 
-class WhyAnswer(_Answer):
+class WhyAnswer(Answer):
     """The reason for a state and the newest steps that led to it; where a state was named, the commands for that."""
 
     id: str
-    state: _Told
+    state: PrintableText
     since: str = ""
-    why: _Told
+    why: PrintableText
     is_so: bool | None = None
-    steps: tuple[_Told, ...] = ()
+    steps: tuple[PrintableText, ...] = ()
     more: int = 0
 
 
-class ValueSeries(_Answer):
+class ValueSeries(Answer):
     """The values of a capability with their times; of numbers the mean of `width` seconds each if that is not 0."""
 
     capability: str
@@ -253,7 +241,7 @@ class ValueSeries(_Answer):
     points: tuple[tuple[str, ShortValue], ...]
 
 
-class HistoryAnswer(_Answer):
+class HistoryAnswer(Answer):
     """The history of a device, and how many more series there are."""
 
     id: str
@@ -261,7 +249,7 @@ class HistoryAnswer(_Answer):
     more: int = 0
 
 
-class Problem(_Answer):
+class Problem(Answer):
     """A request that was not carried out (RFC 9457)."""
 
     title: str

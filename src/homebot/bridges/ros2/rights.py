@@ -12,9 +12,10 @@ import zenoh
 
 from homebot.bridges.ros2.robots import token_of
 from homebot.bridges.ros2.tokens import ALL_TOKENS
-from homebot.devices.client_rights import OWNER_CLIENT, Right, read_scope
+from homebot.devices.client_rights import OWNER_CLIENT, read_scope
 from homebot.errors import UsageError
 from homebot.names import escape_token
+from homebot.rights import Right
 
 if TYPE_CHECKING:
     from pydantic import SecretStr

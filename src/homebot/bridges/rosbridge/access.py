@@ -16,66 +16,19 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from homebot.bridges.client_error_log import short_text
 from homebot.bridges.rosbridge import protocol
-from homebot.devices import names
-from homebot.devices.client_rights import ALL_ROBOTS, LOCAL_CLIENT, ClientRights, Right, issuer_of_client
+from homebot.devices.client_rights import ALL_ROBOTS, LOCAL_CLIENT, ClientRights, issuer_of_client
+from homebot.devices.own_services import is_own, right_to_call
 from homebot.errors import PeerError
 from homebot.messages.definition import fields_of
 from homebot.messages.json import message_from_json, message_to_json
 from homebot.messages.message import Message
+from homebot.rights import Right
 
 if TYPE_CHECKING:
     from homebot.devices.robot_owners import RobotOwners
 
 MessageT = TypeVar("MessageT", bound=Message)
 
-_READING: Final = frozenset(
-    {
-        names.EXPLAIN_DEVICE,
-        names.EXPLAIN_MISSING_STATE,
-        names.EXPORT_PLACES,
-        names.FIND_DEVICES,
-        names.GET_CHANGES,
-        names.GET_INDEX_DATA,
-        names.GET_CAUSES,
-        names.GET_LEASES,
-        names.GET_PLACES,
-        names.GET_QUESTIONS,
-        names.GET_UNAPPROVED,
-        names.LIST_APPS,
-        names.LIST_DEVICES,
-        names.LIST_GROUPS,
-        names.LIST_ROUTINES,
-        names.LIST_SCENES,
-        names.QUERY_DEVICES,
-        names.READ_ENERGY,
-        names.READ_HISTORY,
-        names.READ_JOURNAL,
-        names.SUGGEST_HABITS,
-        names.WHERE_IS_ROBOT,
-        "/subscribe_to_mqtt_topic",
-    }
-)
-_ACTING: Final = frozenset(
-    {
-        names.ACHIEVE,
-        names.ACHIEVE_WORDS,
-        names.ANSWER_QUESTION,
-        names.APPLY_SCENE,
-        names.COMMAND_DEVICES,
-        names.DEFINE_TYPE,
-        names.HOLD_DEVICE,
-        names.HOME_PLACE,
-        names.HOLD_PART,
-        names.IDENTIFY_DEVICE,
-        names.PERFORM_COMMAND,
-        names.PERFORM_COMMANDS,
-        names.PROPOSE_ROUTINE,
-        names.RELEASE_LEASE,
-        names.RENEW_LEASE,
-        names.SEE_ALERTS,
-        names.SEND_TEXT,
-    }
-)
 _PUBLISHING: Final = frozenset({"advertise", "advertise_action", "advertise_service", "publish"})
 _CALLING: Final = frozenset({"call_service", "send_action_goal"})
 _DOOR_REQUESTS: Final = frozenset({"/adapter_door_requests", "/door_requests"})
@@ -85,24 +38,6 @@ _SEVERAL: Final = "?"
 _LONGEST_NAME: Final = 247
 _WORD: Final = re.compile(r"[A-Za-z_ ]{1,40}")
 """A command without a number, so that it contains no code."""
-_SETTING_PARAMETERS: Final = frozenset({"/rosapi/delete_param", "/rosapi/set_param"})
-_OF_EACH_NODE: Final = {
-    "health": Right.READ,
-    "describe_parameters": Right.READ,
-    "get_parameter_types": Right.READ,
-    "get_parameters": Right.READ,
-    "list_parameters": Right.READ,
-    "set_parameters": Right.MANAGE,
-    "set_parameters_atomically": Right.MANAGE,
-}
-"""Services that any node may offer, by the last parts of their names."""
-
-_GATEWAY_RIGHTS: Final = {
-    **dict.fromkeys(names.GATEWAY_READING, Right.READ),
-    "refresh": Right.ACT,
-    "send_command": Right.RAW,
-}
-"""Services of gateways, by the last parts of their names; the others manage the gateway."""
 
 
 class MissingRightError(PeerError):
@@ -179,7 +114,7 @@ class ClientAccess:
 
         It does not for a client that may only command some devices, as the app might command others.
         """
-        return not _is_own(name) and self.rights.acts_on_harmless
+        return not is_own(name) and self.rights.acts_on_harmless
 
     @staticmethod
     def command_in(op: protocol.Operation) -> tuple[str, str]:
@@ -262,27 +197,7 @@ def _stamped_fields(message_type: type[Message]) -> tuple[str, ...]:
 @lru_cache(maxsize=1024)
 def right_to_publish(name: str) -> Right:
     """Return the right needed to publish on the topic, or to provide the service, with the full *name*."""
-    return Right.RAW if _is_own(name) or name.endswith("/inbox") else Right.ACT
-
-
-@lru_cache(maxsize=1024)
-def right_to_call(name: str) -> Right:
-    """Return the right needed to call the service, or to send a goal to the action, with the full *name*."""
-    *path, last = name.split("/")[1:]
-    if last in _OF_EACH_NODE:
-        return _OF_EACH_NODE[last]
-    if name in _ACTING or not _is_own(name):
-        return Right.ACT
-    if name.endswith("/_action/send_goal"):
-        return Right.RAW  # such a goal would keep the client's choice of issuer, and outlive its connection
-    if path[:1] == ["gateway"]:
-        return _GATEWAY_RIGHTS.get(last, Right.MANAGE)
-    is_reading = name in _READING or (path == ["rosapi"] and name not in _SETTING_PARAMETERS)
-    return Right.READ if is_reading else Right.MANAGE
-
-
-def _is_own(name: str) -> bool:
-    return name.split("/", 2)[1] in names.OWN_NAMESPACES
+    return Right.RAW if is_own(name) or name.endswith("/inbox") else Right.ACT
 
 
 def _text(values: Mapping[str, object], key: str) -> str:

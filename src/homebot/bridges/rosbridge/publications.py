@@ -23,11 +23,11 @@ from homebot.bridges.rosbridge.types import (
     message_type_of_topic,
     partial_message_from_client,
 )
-from homebot.devices.client_rights import Right
 from homebot.errors import PeerError, TypeMismatchError
 from homebot.graph import DurabilityPolicy, Publisher, QoSProfile
 from homebot.graph.subscription import key_of
 from homebot.messages.message import Message
+from homebot.rights import Right
 
 # As in the original bridge: compatible with every request, and late subscribers miss nothing.
 _QOS = QoSProfile(durability=DurabilityPolicy.TRANSIENT_LOCAL)

@@ -25,12 +25,13 @@ from homebot.bridges.rosbridge.connection import DoorConnection, client_frames, 
 from homebot.bridges.rosbridge.entrance import LOG_IN, Entrance, Site, address_of, is_for_api, is_for_websocket
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
-from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights, Right
+from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights
 from homebot.devices.exposure import NetworkService
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.names import HOME_HEADER
 from homebot.errors import UsageError
 from homebot.graph import Node
+from homebot.rights import Right
 from homebot.support.counters import Severity
 from homebot.support.logger import get_logger
 from homebot.support.owner_token import OwnerToken

@@ -19,7 +19,8 @@ from homebot.bridges.rosbridge.protocol import (
 from homebot.bridges.rosbridge.shared_state import Provisions, SharedState
 from homebot.bridges.rosbridge.types import request_from_client, service_type_of
 from homebot.bridges.turns import ServerTurns
-from homebot.devices.names import ACHIEVE_WORDS, COMMAND_DEVICES, HOLD_PART, MACHINE_NODE, PERFORM_COMMAND, SEND_TEXT
+from homebot.devices.names import MACHINE_NODE
+from homebot.devices.own_services import row_of_service
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.term_messages import QueryTerm, query_terms, query_words
 from homebot.devices.query.terms import Or
@@ -84,8 +85,6 @@ def refusal(service: str, response: Message, problem: UsageError) -> Message:
 
 _DEFAULT_TIMEOUT = 5.0
 _MAX_TIMEOUT = 3600.0
-_WAITING_FOR_DEVICES = frozenset({ACHIEVE_WORDS, COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND, SEND_TEXT})
-"""Services that answer once the outcome of a command is known, however slow the device, or a person who must agree."""
 _OF_PARAMETERS = frozenset(PARAMETER_SERVICES.values())
 _ROSAPI = "/rosapi/"
 """The services that libraries call with types of their own: ``rosapi/Topics``, ``rosapi_msgs/srv/ActionServers``."""
@@ -178,7 +177,8 @@ def _timeout(op: CallService, service: str) -> float:
 
 def usual_timeout(service: str) -> float:
     """Return the seconds that a call of *service* may take if its client names none."""
-    return _MAX_TIMEOUT if service in _WAITING_FOR_DEVICES else _DEFAULT_TIMEOUT
+    row = row_of_service(service)
+    return _MAX_TIMEOUT if row is not None and row.waits else _DEFAULT_TIMEOUT
 
 
 def _unavailable(node: Node, error: ServiceUnavailableError) -> str:

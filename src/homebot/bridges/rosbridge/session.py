@@ -22,11 +22,11 @@ from homebot.bridges.rosbridge.publications import Publications
 from homebot.bridges.rosbridge.services import ProvidedServices, call_service, missing_service
 from homebot.bridges.rosbridge.shared_state import Provisions
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
-from homebot.devices.client_rights import Right
 from homebot.errors import HomebotError, LinkError, PeerError
 from homebot.graph import Client
 from homebot.log import LogLimit
 from homebot.messages.message import Message
+from homebot.rights import Right
 from homebot.support.rate_limit import RateLimit
 
 if TYPE_CHECKING:

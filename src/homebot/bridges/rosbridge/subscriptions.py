@@ -23,12 +23,12 @@ from homebot.bridges.rosbridge.protocol import (
     publish_frame,
 )
 from homebot.bridges.rosbridge.types import message_type_of_topic
-from homebot.devices.client_rights import Right
 from homebot.errors import HomebotError, PeerError
 from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, ReliabilityPolicy
 from homebot.graph.subscription import key_of
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
+from homebot.rights import Right
 
 _BINARY: frozenset[Compression] = frozenset({"cbor", "cbor-raw"})
 

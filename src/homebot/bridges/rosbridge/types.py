@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from homebot.devices.access_messages import DefineTypeRequest, DefineTypeResponse
 from homebot.errors import PeerError, TypeMismatchError, UsageError
+from homebot.feature import all_features
 from homebot.graph import Graph
 from homebot.messages.builtin_interfaces import Duration, Time
 from homebot.messages.definition import FieldDefinition, fields_by_name, nested_types, zero_of
@@ -29,9 +30,8 @@ if TYPE_CHECKING:
 
 InterfaceT = TypeVar("InterfaceT", type[Message], ServiceType[Any, Any], "ActionType[Any, Any, Any]")
 
-OWN_MODULES: Final = (
+_CORE_MODULES: Final = (
     "homebot.devices.access_messages",
-    "homebot.features.goals.messages",
     "homebot.devices.action_messages",
     "homebot.devices.device",
     "homebot.devices.gateway_messages",
@@ -42,7 +42,12 @@ OWN_MODULES: Final = (
     "homebot.devices.robot_messages",
     "homebot.devices.services",
 )
-"""The modules with messages and services for clients of the door."""
+"""The modules of the core with messages and services for clients of the door."""
+
+
+def own_modules() -> tuple[str, ...]:
+    """Return the modules with messages and services for clients of the door, those of features included."""
+    return (*_CORE_MODULES, *(module for feature in all_features() for module in feature.messages))
 
 
 def same_type(first: str, second: str) -> bool:
@@ -138,7 +143,7 @@ def _find(
 
 def interfaces_of(graph: Graph) -> Interfaces:
     """Return the interfaces of *graph*, including homebot's own."""
-    graph.interfaces.add_modules("homebot", OWN_MODULES)
+    graph.interfaces.add_modules("homebot", own_modules())
     return graph.interfaces
 
 

@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-from homebot.bridges.rosbridge.types import OWN_MODULES
+from homebot.bridges.rosbridge.types import own_modules
 from homebot.cli.arguments import DEFAULT_CONFIG, add_verb, add_verbs, set_command
 from homebot.config import load_config
 from homebot.errors import UnknownTypeError, UsageError
@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _interfaces(options: argparse.Namespace) -> Interfaces:
     path = options.config or (DEFAULT_CONFIG if DEFAULT_CONFIG.exists() else None)
     known = read_interfaces(load_config(path).ros if path else {}, str(path), path.parent if path else Path())
-    known.add_modules("homebot", OWN_MODULES)
+    known.add_modules("homebot", own_modules())
     return known
 
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, TypeAlias
 from homebot.devices.outcomes import has_succeeded
 from homebot.devices.wording.time_format import ago, to_seconds
 from homebot.devices.wording.values import plain_value, value_text
+from homebot.feature import cause_words
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
-    from homebot.features.goals.messages import PlannedStep
     from homebot.devices.command_messages import Setting
     from homebot.devices.journal_messages import ExplainDeviceResponse, JournalEntry
     from homebot.devices.trigger import Trigger
@@ -100,20 +100,12 @@ def _cause_text(trigger: Trigger, names: Mapping[str, str]) -> str:
             return f"{name} {printable(trigger.text, 100)}"
         case "end":
             return f"{printable(trigger.text, 200)}, and it is put back"
-        case "goal":
-            return f"the goal {printable(trigger.text, 200)!r} needs it"
         case "client":
             issuer, _, rest = trigger.text.partition(" ")
             return f"{issuer_text(issuer)} {printable(rest, 100)}"
         case "timer":
             return f"its timer ({printable(trigger.text)}) was due"
-    return ""
-
-
-def step_text(step: PlannedStep) -> str:
-    """Return a step of the plan for a goal, why it asks first, and its outcome."""
-    asks = f" (asks first: {step.asks})" if step.asks else ""
-    return printable(f"{step.text}{asks}{f': {step.outcome}' if step.outcome else ''}", 1000)
+    return cause_words(trigger.kind).format(text=printable(trigger.text, 200)) if trigger.kind else ""
 
 
 def settings_text(settings: Iterable[Setting | Reading]) -> str:

@@ -9,6 +9,13 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias, final
 import anyio
 
 from homebot.command_words.command_service import UNNAMED_CLIENT
+from homebot.devices.command_messages import PerformCommand
+from homebot.devices.names import PERFORM_COMMAND
+from homebot.devices.wording.journal_words import issuer_text
+from homebot.errors import HomebotError
+from homebot.features.goals import ACHIEVE, ACHIEVE_WORDS, CUT_OFF_GOALS
+from homebot.features.goals.achievement import Achievement
+from homebot.features.goals.house_now import HouseReader
 from homebot.features.goals.messages import (
     Achieve,
     AchieveFeedback,
@@ -18,12 +25,6 @@ from homebot.features.goals.messages import (
     AchieveResult,
     AchieveWords,
 )
-from homebot.devices.command_messages import PerformCommand
-from homebot.devices.names import ACHIEVE, ACHIEVE_WORDS, PERFORM_COMMAND
-from homebot.devices.wording.journal_words import issuer_text
-from homebot.errors import HomebotError
-from homebot.features.goals.achievement import Achievement
-from homebot.features.goals.house_now import HouseReader
 from homebot.graph.actions import ActionServer, ServerGoal
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from homebot.devices import Device, DevicePart
     from homebot.devices.command_messages import CommandRequest
     from homebot.devices.outcomes import Refused
+    from homebot.feature_context import FeatureContext
     from homebot.features.goals.achievement import Move
     from homebot.graph import Node
 
@@ -67,17 +69,15 @@ class AchieveServer:
         self._claiming = anyio.Lock()
         self._under_way: dict[Achievement, str] = {}
 
-    def serve_goals(self) -> None:
-        """Create the server of the action."""
-        ActionServer(self._node, Achieve, ACHIEVE, self._execute)
+    def serve(self, name: str) -> None:
+        """Create the action or the service *name*."""
+        if name == ACHIEVE.name:
+            ActionServer(self._node, Achieve, name, self._execute)
+        else:
+            self._node.create_service(AchieveWords, ACHIEVE_WORDS.name, self._achieve_words)
 
-    def serve_words(self) -> None:
-        """Create the service."""
-
-        async def achieve(request: AchieveRequest) -> AchieveResponse:
-            return await self._achieve(self._new_run(), request, lambda _: None)
-
-        self._node.create_service(AchieveWords, ACHIEVE_WORDS, achieve)
+    async def _achieve_words(self, request: AchieveRequest) -> AchieveResponse:
+        return await self._achieve(self._new_run(), request, lambda _: None)
 
     def record_cut_off(self) -> None:
         """Say in the log and in the journal which goals the end of homebot cut off."""
@@ -90,7 +90,7 @@ class AchieveServer:
     def _record(self, devices: Iterable[str], issuer: str, text: str) -> None:
         control = self._control()
         if control is not None:
-            control.record_goal(devices, issuer, text)
+            control.record_note(devices, issuer, text)
 
     def _new_run(self) -> str:
         return f"{next(self._numbers)}-{self._node.graph.clock.now():.0f}"
@@ -161,3 +161,10 @@ class AchieveServer:
             "devices": sorted(achievement.devices.union(before["devices"]))[:_MOST_DEVICES],
         }
         await self._flush()
+
+
+def start(node: Node, house: FeatureContext) -> AchieveServer:
+    """Return the server; goals that the end of homebot cut off are recorded first."""
+    server = AchieveServer(node, house.control, house.store(CUT_OFF_GOALS), house.write_stores)
+    server.record_cut_off()
+    return server

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final, final
 
 import anyio
 
-from homebot.features.goals.messages import AchieveFeedback, AchieveRequest, AchieveResponse, PlannedStep
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.names import APPLY_SCENE
 from homebot.devices.scene_messages import ApplyScene, ApplySceneRequest
@@ -17,6 +16,7 @@ from homebot.devices.trigger import Trigger
 from homebot.errors import GoalAbortedError, HomebotError
 from homebot.features.goals.house_now import Assumed, HouseNow, HouseReader
 from homebot.features.goals.meanings import UnderstoodGoal, understood
+from homebot.features.goals.messages import AchieveFeedback, AchieveRequest, AchieveResponse, PlannedStep
 from homebot.features.goals.obstacles import why_not
 from homebot.features.goals.operators import GoalProblem, Operator, PlanStep
 from homebot.features.goals.planner import find_plan

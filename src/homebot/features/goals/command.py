@@ -10,9 +10,9 @@ from homebot.cli.arguments import set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.goals import perform_goal
-from homebot.devices.names import ACHIEVE
-from homebot.devices.wording.journal_words import step_text
 from homebot.devices.wording.json_message import JsonMessage
+from homebot.features.goals import ACHIEVE
+from homebot.features.goals.step_words import step_text
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ _EXAMPLES = """\
 A wish is ROOM lit, ROOM dark, ROBOT in ROOM, or any query with a state, as for `homebot find`. The plan is shown before
 it runs. Exit code 0 means that the goal is reached or, with --dry-run, would be; 1 that it is not, with the reason.
 """
-_TYPE: Final = "homebot/action/Achieve"
 _WIDEST: Final = 1000
 
 
@@ -48,7 +47,9 @@ def _achieve(options: argparse.Namespace) -> int:
         shown = lines
 
     def run(door: DoorClient, _: argparse.Namespace) -> int:
-        values = perform_goal(door, ACHIEVE, _TYPE, {"goal": options.goal, "is_dry_run": options.dry_run}, show)
+        values = perform_goal(
+            door, ACHIEVE.name, ACHIEVE.ros_type, {"goal": options.goal, "is_dry_run": options.dry_run}, show
+        )
         result = cast("AchieveResult", JsonMessage(values))
         print(json_text(values) if options.json else printable(result.message, _WIDEST))
         return 0 if result.success else 1

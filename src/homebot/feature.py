@@ -1,0 +1,140 @@
+"""The contract of a feature: data alone, so that listing all features loads nothing of them (docs/features.md).
+
+A feature of homebot itself is a folder in :mod:`homebot.features` whose package has the object ``FEATURE``; that of
+another package is at an entry point ``homebot.features``. The core loops over features, and names none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+from homebot.errors import PluginError
+from homebot.plugins import entry_points_of_others, error_text
+from homebot.rights import OfferedService
+
+GROUP: Final = "homebot.features"
+
+_FOLDER: Final = Path(__file__).with_name("features")
+
+
+class Verb(NamedTuple):
+    """A command of the command line.
+
+    Attributes:
+        purpose: Its use, in a line.
+        add_arguments: The function that adds its arguments to a parser, as ``module:name``.
+    """
+
+    purpose: str
+    add_arguments: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Feature:
+    """A feature. Texts of the form ``module:name`` are loaded when they are needed; empty ones are left out.
+
+    Attributes:
+        name: The name of its node, which no app may have.
+        server: Returns an object with ``serve(name)``, which creates the service or action *name*; it is called with
+            the node and a :class:`~homebot.feature_context.FeatureContext` when one is first used.
+        services: Its services and actions.
+        stores: Names of stores of work to finish after a restart: with anything in one, *server* is called at once.
+        verbs: Its commands of the command line, by name.
+        messages: Modules with its messages, for clients.
+        routes: Its routes of the HTTP API, a tuple of :class:`~homebot.bridges.home_api.routes.ApiRoute`.
+        tools: A function that adds its tools to the server for agents, with the client of the HTTP API.
+        causes: How ``why`` and the journal word a trigger of its kinds, with ``{text}`` for the trigger's text.
+    """
+
+    name: str
+    server: str = ""
+    services: tuple[OfferedService, ...] = ()
+    stores: tuple[str, ...] = ()
+    verbs: Mapping[str, Verb] = field(default_factory=dict)
+    messages: tuple[str, ...] = ()
+    routes: str = ""
+    tools: str = ""
+    causes: Mapping[str, str] = field(default_factory=dict)
+
+    def offers(self) -> Iterator[str]:
+        """Yield the names that no other feature may offer."""
+        yield f"the node {self.name}"
+        yield from (f"the service {service.name}" for service in self.services)
+        yield from (f"the command {verb}" for verb in self.verbs)
+        yield from (f"the cause {kind}" for kind in self.causes)
+
+
+class FoundFeatures(NamedTuple):
+    """The features of this installation.
+
+    Attributes:
+        features: Those that can be used, by name.
+        problems: Why some of other packages cannot, by name: homebot runs without them.
+    """
+
+    features: Mapping[str, Feature]
+    problems: Mapping[str, str]
+
+
+@cache
+def find_features() -> FoundFeatures:
+    """Find all features, each of which is a few lines of data.
+
+    Raises:
+        PluginError: A feature of homebot itself is wrong.
+    """
+    found: dict[str, Feature] = {}
+    taken: dict[str, str] = {}
+    for name in sorted(file.parent.name for file in _FOLDER.glob("*/__init__.py")):
+        _add(load(f"homebot.features.{name}:FEATURE"), name, found, taken)
+    problems: dict[str, str] = {}
+    for point in entry_points_of_others(GROUP):
+        try:
+            _add(load(point.value), point.name, found, taken)
+        except PluginError as exc:
+            problems[point.name] = str(exc)
+    return FoundFeatures(found, problems)
+
+
+def _add(feature: object, name: str, found: dict[str, Feature], taken: dict[str, str]) -> None:
+    if not isinstance(feature, Feature) or feature.name != name:
+        raise PluginError(name, f"is {feature!r:.200}, not a Feature of that name")
+    for offer in feature.offers():
+        if offer in taken:
+            raise PluginError(name, f"offers {offer}, as the feature {taken[offer]} does")
+    taken.update(dict.fromkeys(feature.offers(), name))
+    found[name] = feature
+
+
+def all_features() -> tuple[Feature, ...]:
+    """Return the features that can be used."""
+    return tuple(find_features().features.values())
+
+
+def load(path: str) -> Any:
+    """Return the object that a feature names as ``module:name``.
+
+    Raises:
+        PluginError: It cannot be imported.
+    """
+    module, _, name = path.partition(":")
+    try:
+        return getattr(import_module(module), name)
+    except (Exception, SystemExit) as exc:
+        raise PluginError(path, f"cannot be loaded: {error_text(exc)}") from exc
+
+
+def cause_words(kind: str) -> str:
+    """Return how a trigger of *kind* is worded; as its text if no feature knows the kind."""
+    return next((feature.causes[kind] for feature in all_features() if kind in feature.causes), "{text}")
+
+
+@cache
+def feature_services() -> Mapping[str, OfferedService]:
+    """Return the services and actions of all features, by name."""
+    return {service.name: service for feature in all_features() for service in feature.services}

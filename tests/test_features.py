@@ -1,0 +1,131 @@
+"""Features: each is data until it is used, says what it offers, and is known to no other module."""
+
+import ast
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.source_trees import source_trees
+
+from homebot.bridges.rosbridge.services import usual_timeout
+from homebot.config import parse_config
+from homebot.devices.own_services import CORE_SERVICES, right_to_call
+from homebot.errors import ConfigError
+from homebot.feature import Feature, all_features, find_features, load
+from homebot.rights import OfferedService
+from homebot.runtime.plan import make_plan
+
+FEATURES = {feature.name: feature for feature in all_features()}
+
+
+@pytest.fixture
+def other_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder of Python's path with the package ``acme``, whose feature is at an entry point."""
+    info = tmp_path / "acme-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: acme\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[homebot.features]\nacme = acme:FEATURE\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    find_features.cache_clear()
+    yield tmp_path
+    monkeypatch.undo()
+    find_features.cache_clear()
+    find_features()
+    sys.modules.pop("acme", None)
+
+
+def paths(feature: Feature) -> list[str]:
+    """All that a feature names as ``module:name``."""
+    own = (feature.server, feature.routes, feature.tools, *(verb.add_arguments for verb in feature.verbs.values()))
+    return list(filter(None, own))
+
+
+@pytest.mark.parametrize("feature", FEATURES.values(), ids=list(FEATURES))
+def test_all_that_a_feature_names_is_in_its_folder_and_its_services_need_the_right_that_it_says(
+    feature: Feature,
+) -> None:
+    for path in paths(feature):
+        assert path.startswith(f"homebot.features.{feature.name}.")
+        load(path)
+    for service in feature.services:
+        assert right_to_call(service.name) is service.right
+
+
+def test_a_service_without_a_right_cannot_be_written_down() -> None:
+    with pytest.raises(TypeError, match="right"):
+        OfferedService("/devices/dance")  # type: ignore[call-arg]
+
+
+@pytest.mark.parametrize("name", FEATURES)
+def test_no_app_has_the_name_of_a_feature(name: str) -> None:
+    config = parse_config({"apps": {name: {"class": "homebot.apps.lights_out:LightsOut"}}}, "homebot.toml")
+    with pytest.raises(ConfigError, match=f"apps.{name}: is the name of one of homebot's own nodes"):
+        make_plan(config)
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("FEATURE = Feature(name='acme', verbs={'dance': Verb('dance', 'acme:dance')})", ""),
+        ("FEATURE = 1 / 0", "ZeroDivisionError"),
+        ("raise SystemExit(3)", "it calls sys.exit"),
+        ("FEATURE = 'acme'", "is 'acme', not a Feature of that name"),
+        ("FEATURE = Feature(name='goals')", "not a Feature of that name"),
+        (
+            "FEATURE = Feature(name='acme', services=(OfferedService('/devices/achieve', Right.READ, 'a/srv/A'),))",
+            "offers the service /devices/achieve, as the feature goals does",
+        ),
+    ],
+)
+def test_a_feature_of_another_package_is_found_and_a_broken_one_stops_nothing(
+    other_package: Path, text: str, problem: str
+) -> None:
+    (other_package / "acme.py").write_text(
+        f"from homebot.feature import Feature, Verb\nfrom homebot.rights import OfferedService, Right\n{text}\n"
+    )
+    found = find_features()
+    assert found.features.keys() == {*FEATURES, *([] if problem else ["acme"])}
+    assert found.problems.keys() == ({"acme"} if problem else set())
+    assert problem in found.problems.get("acme", "")
+    left_out = make_plan(parse_config({}, "homebot.toml")).left_out
+    assert [*left_out] == ["features.acme"] * bool(problem)
+
+
+def test_the_list_of_features_loads_nothing_of_them() -> None:
+    code = "import sys; from homebot.feature import all_features; all_features(); print(*sys.modules, sep='\\n')"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = done.stdout.split()
+    assert {one for one in loaded if one.startswith("homebot.features.")} == {
+        f"homebot.features.{one}" for one in FEATURES
+    }
+    assert not {"pydantic", "asyncio", "homebot.devices"}.intersection(loaded)
+
+
+def test_no_module_outside_its_folder_imports_a_feature_names_a_module_of_it_or_spells_its_service() -> None:
+    """Not even in a function, or for the type checker; the protocol that others speak is in ``devices``."""
+    services = {service.name: name for name, feature in FEATURES.items() for service in feature.services}
+    found = []
+    for path, tree in source_trees().items():
+        own = path.split("/")[1] if path.startswith("features/") else ""
+        for node in ast.walk(tree):
+            texts = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            texts += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            texts += [node.value] if isinstance(node, ast.Constant) and isinstance(node.value, str) else []
+            for text in texts:
+                named = {services.get(text, ""), *re.findall(r"homebot\.features\.(\w+)", text)} - {"", own}
+                if named and path != "devices/names.py":
+                    found.append(f"{path}: {text}")
+    assert found == []
+
+
+def test_no_two_rows_of_services_are_of_one_name() -> None:
+    names = [row.name for row in (*CORE_SERVICES, *(service for one in FEATURES.values() for service in one.services))]
+    assert sorted(names) == sorted(set(names))
+
+
+@pytest.mark.parametrize("name", ["/devices/achieve_words", "/control/perform", "/devices/command", "/scenes/apply"])
+def test_a_call_that_waits_for_devices_may_take_an_hour(name: str) -> None:
+    assert (usual_timeout(name), usual_timeout("/discovery/query")) == (3600.0, 5.0)
