@@ -1,6 +1,6 @@
 """Plays between commands, persons, devices and programs: each report has one cause, whoever asks; in virtual time.
 
-After each play the journal, ``why``, the presence guard, the service of causes and the number of messages are compared.
+After each play the journal, ``why``, the guard, the service of causes, an app and the number of messages are compared.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from tests.control.test_explanations import explain
 
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
-from homebot.devices.handles import Handle, Light
+from homebot.devices.handles import Handle, HandleChange, Light
 from homebot.devices.journal_messages import GetCauses, GetCausesRequest, JournalEntry
 from homebot.devices.names import GET_CAUSES, PERFORM_COMMAND
 from homebot.devices.outcomes import Outcome, Refused
@@ -253,6 +253,9 @@ async def test_all_readers_are_told_the_same_cause_and_no_person_is_overridden(o
         await home.report("motion", "occupancy", False)
         home.tasks.start_soon(_say_clear, home)
         await anyio.sleep(1500)
+        changes: list[HandleChange[Handle]] = []
+        home.tasks.start_soon(_follow, home, play.of, changes)
+        await anyio.sleep(1)
         before = len(home.commands)
         await play.act(home, part)
         await anyio.sleep(15)
@@ -263,11 +266,20 @@ async def test_all_readers_are_told_the_same_cause_and_no_person_is_overridden(o
         causes = (await client.call(GetCausesRequest(devices=("lamp",)))).causes
         (newest,) = [one for one in causes if one.capability == play.of]
         assert newest.may_be_person == (play.cause <= PERSON)
+        assert newest.cause in play.cause
+        assert await changes[-1].cause(play.of) == newest
+        assert part.value(play.of) == newest.value.plain() != changes[-1].before[play.of]
         why = await explain(home, "lamp")
         has_obeyed = why.finding == "command" and _outcome(why.entries) in {"", "confirmed"}
         assert has_obeyed if play.cause <= COMMAND else not (has_obeyed and play.cause <= PERSON)
         guard = await (await home.handle(Handle, "lamp")).command(*_annoying(play))
         assert isinstance(guard, Refused) == (play.cause <= PERSON)
+
+
+async def _follow(home: Home, capability: str, changes: list[HandleChange[Handle]]) -> None:
+    """Follow the lamp as an app does."""
+    async for change in home.devices.follow(Handle, name="lamp"):
+        changes += [change] if capability in change.before else []
 
 
 async def _say_clear(home: Home) -> None:

@@ -135,6 +135,7 @@ class Timelines:
                     command=fact.attribution.command,
                     issuer=entry.timeline.issuer_of(fact.attribution.command),
                     may_be_person=fact.attribution.may_be_person,
+                    cause=fact.attribution.cause.value,
                 )
 
     def _create(

@@ -3,7 +3,7 @@
 from typing import final
 
 from homebot.devices.device import Device, State, StateChange
-from homebot.devices.value import PlainValue, Reading, Value
+from homebot.devices.value import UNKNOWN, PlainValue, Reading, Value
 from homebot.messages import Time
 
 
@@ -14,22 +14,29 @@ class DeviceView:
     Attributes:
         device: The newest description; use :meth:`current` for the newest values.
         sequence: The number of the last change that it includes.
+        replaced: The values that the last change replaced, by part and capability.
     """
 
-    __slots__ = ("__weakref__", "_held", "_newer", "device", "is_gone", "sequence")
+    __slots__ = ("__weakref__", "_held", "_newer", "device", "is_gone", "replaced", "sequence")
 
     def __init__(self, device: Device, sequence: int) -> None:
         self.device = device
         self.is_gone = False
         self.sequence = sequence
-        self._newer: dict[tuple[str, str], tuple[StateChange, Reading, bool]] = {}
+        self.replaced: dict[tuple[str, str], Value] = {}
+        self._newer: dict[tuple[str, str], tuple[StateChange, Reading, bool, Value]] = {}
         self._held: dict[tuple[str, str], State] = {}  # the last values before those that are unknown
 
     def update(self, device: Device, sequence: int, *, is_gone: bool = False) -> None:
         """Store a description unless it is older than the stored one."""
         if sequence < self.sequence:
             return
+        known = {(state.part, state.capability): state.value for state in self.device.states}
+        known |= {place: _value_before(new) for place, new in self._newer.items()}
+        self.replaced = {}
         for state in device.states:
+            if (before := known.get(place := (state.part, state.capability), UNKNOWN)) != state.value:
+                self.replaced[place] = before
             if not state.value.type or self._held:
                 self._hold(state.part, state.capability, state.value)
         self.sequence, self.device, self.is_gone = sequence, device, is_gone
@@ -41,6 +48,7 @@ class DeviceView:
 
     def record_values(self, change: StateChange) -> None:
         """Store new values, ordered by sequence number, because the clock may have been set back."""
+        self.replaced = {}
         for reading in change.readings:
             known = self._newer.get(place := (reading.part, reading.capability))
             if change.sequence >= (self.sequence if known is None else known[0].sequence):
@@ -48,10 +56,12 @@ class DeviceView:
                     self._hold(*place, reading.value)
                 if known is None:
                     state = self.state(*place)
+                    before = UNKNOWN if state is None else state.value
                     is_first = state is None or (state.is_first and not state.value.type)
                 else:
+                    before = _value_before(known)
                     is_first = known[2] and not known[1].value.type
-                self._newer[place] = change, reading, is_first
+                self._newer[place], self.replaced[place] = (change, reading, is_first, before), before
 
     def record_result(self, part_id: str, capability: str, value: PlainValue, now: float) -> None:
         """Store a value from an outcome, reported at *now* in seconds since the Unix epoch, until a newer one comes."""
@@ -80,7 +90,7 @@ class DeviceView:
     def state(self, part_id: str, capability: str) -> State | None:
         """Return the latest value of the part, with its times; None if it has reported none."""
         if (new := self._newer.get((part_id, capability))) is not None:
-            change, reading, is_first = new
+            change, reading, is_first, _ = new
             state, held = change.state_of(reading, is_first=is_first), self._held.get((part_id, capability))
             is_back = held is not None and held.value == state.value
             return state.model_copy(update={"since": held.since}) if held is not None and is_back else state
@@ -124,3 +134,9 @@ class DeviceView:
                 del self._held[place]
         elif place not in self._held and (state := self.state(part_id, capability)) is not None and state.value.type:
             self._held[place] = state
+
+
+def _value_before(new: tuple[StateChange, Reading, bool, Value]) -> Value:
+    """Return the value that a newer one replaces: what an outcome said was no change yet."""
+    change, reading, _, before = new
+    return reading.value if change.stream else before

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import closing, suppress
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Final, final
 from weakref import WeakKeyDictionary, WeakValueDictionary, ref
@@ -13,7 +13,7 @@ import anyio
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
 from homebot.devices.device_view import DeviceView
 from homebot.devices.name_checks import NameChecks
-from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES, QUERY_DEVICES
+from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, DIRECTORY_NODE, FIND_DEVICES, GET_CAUSES, QUERY_DEVICES
 from homebot.devices.query.term_messages import query_terms
 from homebot.devices.query.terms import Query
 from homebot.devices.services import (
@@ -30,8 +30,12 @@ from homebot.log import LogLimit
 
 if TYPE_CHECKING:
     from homebot.devices.commander import Commander
+    from homebot.devices.journal_messages import KnownCause
 
 NO_ANSWER = "devices.no_answer"
+
+_GATHERED: Final = 0.6
+"""Seconds for which the directory gathers changes of settings, and a little more."""
 
 _PAUSE: Final = 0.5
 """Seconds until a directory that did not answer is asked again."""
@@ -116,6 +120,18 @@ class HouseView:
         if not answer.success and not answer.is_mistake:
             raise RefusedError("the search", answer.message)
         return FindDevicesResponse(devices=tuple(one.device for one in answer.results), sequence=answer.sequence)
+
+    async def cause(self, device: str, part: str, capability: str) -> KnownCause | None:
+        """Return the cause of the newest change of a value; None if the control layer does not know it."""
+        from homebot.devices.journal_messages import GetCauses, GetCausesRequest  # noqa: PLC0415 - few apps ask for it
+
+        with closing(self._node.create_client(GetCauses, GET_CAUSES)) as client, suppress(ServiceError):
+            for pause in (0.0, _GATHERED):  # the first change of a part comes to the control layer with some others
+                await anyio.sleep(pause)
+                for cause in (await client.call(GetCausesRequest(devices=(device,)))).causes:
+                    if (cause.part, cause.capability) == (part, capability):
+                        return cause
+        return None
 
     @cached_property
     def names(self) -> NameChecks:

@@ -274,6 +274,7 @@ class KnownCause(Message):
         command: The id of the command behind it; empty for none.
         issuer: Who gave that command; empty if that is not known.
         may_be_person: Whether it has to be treated as a person's action.
+        cause: See :attr:`JournalEntry.cause`.
     """
 
     device: str
@@ -283,6 +284,7 @@ class KnownCause(Message):
     command: str
     may_be_person: bool
     issuer: str = ""
+    cause: str = ""
 
 
 class KnownCauses(ServiceAnswer):

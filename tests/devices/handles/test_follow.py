@@ -71,8 +71,11 @@ async def test_each_part_is_followed_by_itself(house: House) -> None:
     )
     on = house.devices.follow(Switch, on=True)
     assert await heard(on) == []
-    house.says("s", "on_off", True, part_id="2")
-    assert await heard(on) == ["appeared s#2"]
+    house.says("s", "on_off", False, part_id="2")
+    assert await heard(on) == []
+    house.says("s", "on_off", True, part_id="2", told_at=2)
+    change = await anext(on)
+    assert (change.kind, change.handle.id, change.before) == ("appeared", "s#2", {"on_off": False})
     house.tells("changed", house.device("s", house.part("switch", "on_off", part_id="1")))
     assert await heard(on) == ["removed s#2"]
 
@@ -85,8 +88,12 @@ async def test_changes_while_the_reader_is_busy_are_told_as_one(house: House) ->
     for level in range(1, 1001):
         house.says("a", "level", float(level % 100 + 1), told_at=level)
         await anyio.lowlevel.checkpoint()
-    assert await heard(lamps) == ["changed a"]
-    assert first.handle.level == 1.0
+    change = await anext(lamps)
+    assert (change.kind, change.before, change.handle.level) == ("changed", {"level": None}, 1.0)
+    house.says("a", "level", 50.0, told_at=1001)
+    assert (await anext(lamps)).before == {"level": 1.0}
+    assert await heard(lamps) == []
+    assert first.handle.level == 50.0
 
 
 async def test_a_device_that_is_back_before_the_reader_reads_is_still_present(house: House) -> None:

@@ -50,6 +50,7 @@ class ReportLog:
                         value=entry.settings[0].value,
                         command=entry.command,
                         issuer=issuers.get(entry.command, ""),
+                        cause=entry.cause,
                         may_be_person=entry.cause in {"person", "unknown"} or entry.command not in {"", *issuers},
                     )
                 )

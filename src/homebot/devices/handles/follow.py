@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections import deque
-from collections.abc import AsyncIterator, Callable, Hashable, Iterable, Iterator
-from dataclasses import dataclass
+from collections import defaultdict, deque
+from collections.abc import AsyncIterator, Callable, Hashable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from datetime import timedelta
 from functools import partial
 from typing import TYPE_CHECKING, Final, Generic, Literal, NamedTuple, Self, TypeAlias, TypeVar, final, get_args
@@ -20,6 +20,7 @@ from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleQuery
 from homebot.devices.house_view import HouseView
 from homebot.devices.query.terms import And
+from homebot.devices.value import PlainValue, Value
 from homebot.errors import UsageError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -28,6 +29,7 @@ from homebot.units import parse_duration
 
 if TYPE_CHECKING:
     from homebot.devices.gateway_messages import RawMessage
+    from homebot.devices.journal_messages import KnownCause
 
 HandleT = TypeVar("HandleT", bound=Handle)
 HandleT_co = TypeVar("HandleT_co", bound=Handle, covariant=True)
@@ -55,17 +57,29 @@ class HandleChange(Generic[HandleT_co]):
         handle: The handle of the part, the same object each time.
         event: The event, in ``event.capability`` and ``event.value``; None for the other kinds.
         message: The raw message; None for the other kinds.
+        before: The values that changed since the last change of the handle, as they were then, by capability; None for
+            one that was unknown. ``handle.value`` returns the present ones.
     """
 
     kind: _Kind
     handle: HandleT_co
     event: State | None = None
     message: RawMessage | None = None
+    before: Mapping[str, PlainValue] = field(default_factory=dict, hash=False)
 
     @property
     def text(self) -> str:
         """The raw message, stripped and in lower case; empty if it is not text, and for the other kinds."""
         return "" if self.message is None else self.message.payload.decode(errors="ignore").strip().lower()
+
+    async def cause(self, capability: str = "") -> KnownCause | None:
+        """Return the cause of the newest change of a setting; None if the control layer has not seen it change.
+
+        Args:
+            capability: The setting; by default the first that changed.
+        """
+        capability = capability or next(iter(self.before), "")
+        return await self.handle.cause(capability) if capability else None
 
 
 class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
@@ -88,6 +102,7 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
         self._query = query
         self._text = text
         self._reported: dict[str, dict[str, HandleChange[HandleT]]] = {}  # by device and part, prepared as "changed"
+        self._before: dict[str, dict[tuple[str, str], Value]] = {}  # by device: what unread changes replaced
         self._compared: dict[str, Device] = {}  # the compared description, if new values cannot change the matches
         self._clock = node.graph.clock
         self._events: deque[StateChange] = deque()
@@ -146,17 +161,21 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
     def close(self) -> None:
         """End the query; idempotent."""
         self._events.clear()
+        self._before.clear()
         super().close()
 
     def on_device(self, change: DeviceChange) -> None:
         """Store the newest change of a device for the reader, and the events that awaited its description."""
         super().on_device(change)
+        if change.kind == "changed":
+            self._keep_replaced(change.device.id)
         if self._early_events:
             self._add_early(change.device.id)
 
     def on_values(self, change: StateChange) -> None:
         """Record that the values of a device changed."""
         super().on_values(change)
+        self._keep_replaced(change.device)
         self._changed[change.device] = change
         self._news.set()
 
@@ -166,6 +185,10 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
             self._add_event(change)
         else:
             self._early_events.append((self._clock.monotonic(), change))
+
+    def _keep_replaced(self, device_id: str) -> None:
+        if self._view is not None and (known := self._view.get(device_id)) is not None:
+            self._before[device_id] = known.replaced | self._before.get(device_id, {})
 
     def _add_event(self, change: StateChange) -> None:
         if len(self._events) >= _MAX_EVENTS:
@@ -197,24 +220,28 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
     def _compare(self, view: HouseView, device_id: str) -> None:
         """Compare the handles of a device that were reported with those that match now."""
         known = view.get(device_id)
-        reported = self._reported.pop(device_id, {})
+        reported, replaced = self._reported.pop(device_id, {}), self._before.pop(device_id, {})
+        parts = [] if known is None else self._parts_now(known, reported)
+        before: defaultdict[str, dict[str, PlainValue]] = defaultdict(dict)
+        for (part, capability), value in replaced.items():
+            before[part][capability] = value.plain()
+        self._ready.extend(
+            HandleChange("removed", change.handle, before=before[part])
+            for part, change in reported.items()
+            if part not in parts
+        )
         if known is None:
             self._compared.pop(device_id, None)
-            self._ready.extend(HandleChange("removed", change.handle) for change in reported.values())
             return
-        parts = self._parts_now(known, reported)
-        self._ready.extend(
-            HandleChange("removed", change.handle) for part, change in reported.items() if part not in parts
-        )
         matching: dict[str, HandleChange[HandleT]] = {}
         for part in parts:
             if part in reported:
-                matching[part] = reported[part]
-                self._ready.append(reported[part])
+                matching[part] = change = reported[part]
+                self._ready.append(replace(change, before=before[part]) if part in before else change)
             else:
                 handle = self._query.kind(known, part, view)
                 matching[part] = HandleChange("changed", handle)
-                self._ready.append(HandleChange("appeared", handle))
+                self._ready.append(HandleChange("appeared", handle, before=before[part]))
         if matching:
             self._reported[device_id] = matching
 

@@ -21,6 +21,7 @@ from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
     from homebot.devices.hold import Hold
+    from homebot.devices.journal_messages import KnownCause
     from homebot.devices.outcomes import Outcome
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
@@ -138,6 +139,10 @@ class Handle:
         """Return since when *capability* has had its value, in seconds since the Unix epoch; 0 if unknown."""
         state = self._view.state(self._part_id, capability)
         return state.since.to_seconds() if state is not None and state.value.type else 0.0
+
+    async def cause(self, capability: str) -> KnownCause | None:
+        """Return the cause of the newest change of a setting; None if the control layer has not seen it change."""
+        return await self._house.cause(self._view.device.id, self._part_id, capability)
 
     @property
     def told_at(self) -> float:
