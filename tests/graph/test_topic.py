@@ -6,6 +6,7 @@ from typing import ClassVar
 import anyio
 import pytest
 from structlog.testing import capture_logs
+from tests.call_counts import calls
 
 from homebot.errors import ClosedError, InvalidNameError, QosError, TypeMismatchError
 from homebot.graph import (
@@ -53,6 +54,14 @@ async def test_every_subscription_gets_every_message_itself(node: Node) -> None:
     assert one.take() is message
     assert other.take() is message
     assert publisher.subscription_count == 2
+
+
+async def test_one_more_subscription_costs_the_same_beside_many(graph: Graph) -> None:
+    """As hundreds of routines subscribe to the same topics."""
+    async with Node(graph, "publisher") as one, Node(graph, "reader") as reader:
+        one.create_publisher(String, "/t")
+        first, *_, last = [calls(lambda: reader.create_subscription(String, "/t")) for _ in range(100)][1:]
+    assert last < first + 20
 
 
 async def test_a_full_queue_keeps_the_newest_and_counts_the_loss(node: Node) -> None:

@@ -184,9 +184,9 @@ class Publisher(GraphEntity, Generic[MessageT]):
     def connect(self, subscriptions: tuple[Subscription[MessageT], ...]) -> None:
         """Publish to *subscriptions* from now on; called by the topic."""
         before, self._subscriptions = self._subscriptions, subscriptions
-        self._mailboxes = tuple(subscription.mailbox for subscription in subscriptions)
+        self._mailboxes = tuple([subscription.mailbox for subscription in subscriptions])
         self.subscription_count = len(subscriptions)
-        if self.watchers or any(one.watchers for one in (*before, *subscriptions)):
+        if self.watchers or [one for one in (*before, *subscriptions) if one.watchers]:
             for one in before:
                 if one not in subscriptions:
                     self._report_match(one, -1)

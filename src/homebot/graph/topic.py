@@ -44,7 +44,7 @@ class Topic:
         for subscription in self.subscriptions:
             if _is_wanted(publisher, subscription):
                 self._report_mismatch(publisher, subscription)
-        self._connect(publisher)
+        publisher.connect(tuple(one for one in self.subscriptions if _fit(publisher, one)))
 
     def add_subscription(self, subscription: Subscription[Any]) -> None:
         """Connect *subscription* with every matching publisher and replay their history."""
@@ -55,7 +55,7 @@ class Topic:
                 continue
             if subscription.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL:
                 publisher.replay(subscription)
-            self._connect(publisher)
+            publisher.connect((*publisher.matched_ends(), subscription))
 
     def remove(self, end: Publisher[Any] | Subscription[Any]) -> None:
         """Disconnect one of its ends."""
@@ -66,10 +66,7 @@ class Topic:
         self.subscriptions.remove(end)
         end.matched_ends = tuple
         for publisher in self.publishers:
-            self._connect(publisher)
-
-    def _connect(self, publisher: Publisher[Any]) -> None:
-        publisher.connect(tuple(one for one in self.subscriptions if _fit(publisher, one)))
+            publisher.connect(tuple(one for one in publisher.matched_ends() if one is not end))
 
     def _report_mismatch(self, publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
         """Log a QoS mismatch for both ends; return whether there is one."""

@@ -13,7 +13,7 @@ from homebot.devices.device import Device, State, target_of
 from homebot.devices.obedience import changes, related
 from homebot.devices.query.facets import Facets, facets_of
 from homebot.devices.query.matching import compares, fits
-from homebot.devices.query.terms import StateIs, leaves
+from homebot.devices.query.terms import StateIs
 from homebot.devices.value import PlainValue, Value
 from homebot.routines.conditions import Condition, exclude_each_other
 from homebot.routines.times import DaysAndTime
@@ -177,11 +177,9 @@ def _may_coincide(one: Trigger, other: Trigger) -> bool:
 
 def _may_both_hold(one: Becomes, other: Becomes) -> bool:
     """Return whether the same values of one device may match both, as far as can be told from the texts."""
-    places = [[term for term in leaves(each.query) if not isinstance(term, StateIs)] for each in (one, other)]
-    if set(map(repr, places[0])) != set(map(repr, places[1])):
-        return False
-    states = [[term for term in leaves(each.query) if isinstance(term, StateIs)] for each in (one, other)]
-    return not any(a.capability == b.capability and not _share(a, b) for a, b in product(*states))
+    return one.scope == other.scope and not any(
+        a.capability == b.capability and not _share(a, b) for a, b in product(one.states, other.states)
+    )
 
 
 def _share(one: StateIs, other: StateIs) -> bool:

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Final, TypeAlias
 
 from homebot.devices.capabilities import CAPABILITIES
@@ -53,7 +53,7 @@ NOBODY: Final = re.compile(r"(?P<word>nobody|somebody) (?:is )?(?P<sleeps>sleeps
 _ARRIVAL: Final = re.compile(r"(?P<robot>\w+) (?P<word>arrives in|leaves) (?P<room>.+)", re.IGNORECASE)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Becomes:
     """A device begins to match a query with a state, such as ``hall motion occupied``.
 
@@ -69,10 +69,20 @@ class Becomes:
     words: str = ""
     is_none: bool = False
 
-    @property
+    @cached_property  # as the next ones: each routine is compared with all others
+    def states(self) -> tuple[StateIs, ...]:
+        """The values that decide."""
+        return tuple(term for term in leaves(self.query) if isinstance(term, StateIs))
+
+    @cached_property
     def capabilities(self) -> frozenset[str]:
-        """The capabilities with the values that decide."""
-        return frozenset(one.capability for one in leaves(self.query) if isinstance(one, StateIs))
+        """The capabilities with these values."""
+        return frozenset(state.capability for state in self.states)
+
+    @cached_property
+    def scope(self) -> frozenset[str]:
+        """The other terms, as texts: which devices it is about."""
+        return frozenset(repr(term) for term in leaves(self.query) if not isinstance(term, StateIs))
 
 
 @dataclass(frozen=True, slots=True)
