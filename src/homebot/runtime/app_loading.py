@@ -66,7 +66,7 @@ class FreshCode:
                 module = run()
             kind = getattr(module, class_name or plugins.class_in(module, name, App), None)
             if not isinstance(kind, type):
-                raise TypeError(f"{class_name} is {kind!r}, not a class")  # noqa: TRY301 - restored in one place
+                raise TypeError(f"{class_name} is {kind!r}, not a class")
         except (Exception, SystemExit) as exc:
             self.restore()
             if isinstance(exc, PluginError):

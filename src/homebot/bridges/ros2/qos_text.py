@@ -41,7 +41,7 @@ def qos_from_text(text: str) -> QoSProfile:
     try:
         fields = [[int(number or -1) for number in field.split(",")] for field in text.split(":")]
         if tuple(map(len, fields)) != _FIELDS or max(map(max, fields)) >= _TOO_LARGE:
-            raise ValueError  # noqa: TRY301 - one message for both
+            raise ValueError
         (reliability,), (durability,), (history, depth), deadline, lifespan, (liveliness, *lease) = fields
         return QoSProfile(
             depth=min(max(depth, 1), _DEEPEST) if depth >= 0 else _DEFAULT.depth,
