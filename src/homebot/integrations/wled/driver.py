@@ -59,12 +59,24 @@ class WledDriver(Driver):
 
     async def run(self) -> None:
         """Connect, and report the controller's states, until cancelled."""
+
+        async def ask(address: str) -> Fields:
+            self._origin = http_origin(address, self.service.port)
+            return as_fields(await self._ask("/json/si"))
+
         async with self.http_client(MAX_BYTES, ANSWER_WITHIN) as self._client:
             try:
-                document = await self._probe()
+                document = await first_answer(self.service.name, self.service.addresses, ask)
                 self._effects = effect_names(await self._ask("/json/eff"))
                 await self._update(document)
-                await self._stay_connected()
+                try:
+                    async with self._client.websocket(f"{self._origin}/ws") as socket:
+                        with ungrouped():
+                            async with anyio.create_task_group() as tasks:
+                                tasks.start_soon(self._poll, ASK_AGAIN)
+                                await socket.receive_all(self._receive, self.host.reject)
+                except RefusedError:
+                    await self._poll(POLL)
             finally:
                 self._strip = None
 
@@ -72,9 +84,11 @@ class WledDriver(Driver):
         """Carry out a command; return when the controller has accepted it."""
         if self._strip is None:
             raise LinkError(f"{self.service.name} is not connected")
-        values = {one.capability: one.value.plain() for one in command.singly()}
+        values = {setting.capability: setting.value.plain() for setting in command.singly()}
         state = self._strip.write(command.part, values, command.transition)
-        answer = as_fields(await self._send({**state, "v": True}))
+        url, document = f"{self._origin}/json/state", {**state, "v": True}
+        # a state is absolute, so it can be sent again
+        answer = as_fields(await _patiently(lambda: self._client.send_json("POST", url, document)))
         if "error" in answer:
             raise RefusedError(
                 f"a command to {self.service.name}", f"the device answered error {answer['error']!s:.20}"
@@ -82,16 +96,6 @@ class WledDriver(Driver):
         if "on" in answer:
             await self._publish(self._strip.with_state(answer))
         return values
-
-    async def _stay_connected(self) -> None:
-        try:
-            async with self._client.websocket(f"{self._origin}/ws") as socket:
-                with ungrouped():
-                    async with anyio.create_task_group() as tasks:
-                        tasks.start_soon(self._poll, ASK_AGAIN)
-                        await socket.receive_all(self._receive, self.host.reject)
-        except RefusedError:
-            await self._poll(POLL)
 
     async def _receive(self, payload: bytes) -> None:
         await self.host.deliver_raw(payload)
@@ -104,36 +108,21 @@ class WledDriver(Driver):
             await anyio.sleep(interval)
             await self._update(as_fields(await self._ask("/json/si")))
 
-    async def _probe(self) -> Fields:
-        async def ask(address: str) -> Fields:
-            self._origin = http_origin(address, self.service.port)
-            return as_fields(await self._ask("/json/si"))
-
-        return await first_answer(self.service.name, self.service.addresses, ask)
-
     async def _ask(self, path: str) -> object:
         return await _patiently(lambda: self._client.get_json(f"{self._origin}{path}"))
-
-    async def _send(self, state: Fields) -> object:
-        """Send a state, which is absolute and so can be repeated."""
-        return await _patiently(lambda: self._client.send_json("POST", f"{self._origin}/json/state", state))
 
     async def _update(self, document: Fields) -> None:
         files = as_fields(as_fields(document.get("info")).get("fs"))
         if "pmt" in files and files["pmt"] != self._presets_of:
-            self._presets = await self._ask_presets()
+            try:
+                self._presets = preset_names(await self._ask("/presets.json"))
+            except RefusedError:
+                self._presets = {}
+            except WireError as error:
+                self.host.reject(b"", f"its presets cannot be read: {error}")
+                self._presets = {}
             self._presets_of = files["pmt"]
         await self._publish(WledStrip(document, self._effects, self._presets))
-
-    async def _ask_presets(self) -> Mapping[int, str]:
-        """Return the presets, none without a file; the file is read again when it changes."""
-        try:
-            return preset_names(await self._ask("/presets.json"))
-        except RefusedError:
-            return {}
-        except WireError as error:
-            self.host.reject(b"", f"its presets cannot be read: {error}")
-            return {}
 
     async def _publish(self, strip: WledStrip) -> None:
         """Publish description and state of the controller, or only that it is still there if nothing has changed."""

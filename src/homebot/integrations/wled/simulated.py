@@ -65,7 +65,12 @@ class ServedWled(ServedWebDevice):
         """Return the answer to a request of HTTP."""
         path = request.path.rstrip("/")
         if request.method == "POST" and path in {"/json", "/json/state", "/json/si"}:
-            return self._obey(path, request.body)
+            wanted = json_value(request.body)
+            if not isinstance(wanted, dict):
+                return WebReply(b'{"error":9}', 400)
+            if not self._apply(wanted):
+                return WebReply(b'{"success":true}')
+            return WebReply(as_json(self._state() if path == "/json/state" else self._everything()))
         documents: Mapping[str, Callable[[], object]] = {
             "/json": lambda: self._everything() | {"effects": EFFECTS, "palettes": PALETTES},
             "/json/si": self._everything,
@@ -91,20 +96,13 @@ class ServedWled(ServedWebDevice):
         """Apply a state from a WebSocket."""
         peer.send(self._state_and_info() if self._apply(json_value(message)) else b'{"success":true}')
 
-    def _obey(self, path: str, body: bytes) -> WebReply:
-        wanted = json_value(body)
-        if not isinstance(wanted, dict):
-            return WebReply(b'{"error":9}', 400)
-        is_verbose = self._apply(wanted)
-        if not is_verbose:
-            return WebReply(b'{"success":true}')
-        return WebReply(as_json(self._state() if path == "/json/state" else self._everything()))
-
     def _apply(self, wanted: object) -> bool:
         """Apply a state, and return whether the answer is the whole state."""
         if not isinstance(wanted, dict):
             return False
-        segment = _first_segment(wanted)
+        listed = wanted.get("seg")
+        first = listed[0] if isinstance(listed, list) and listed else listed
+        segment = first if isinstance(first, dict) else {}
         if isinstance(chosen := wanted.get("ps"), int):
             self.preset = chosen
         self.segment |= {name: segment[name] for name in ("col", "fx", "sx", "ix") if name in segment}
@@ -201,12 +199,6 @@ class ServedWled(ServedWebDevice):
             "mac": self.mac,
             "ip": self.server.address,
         }
-
-
-def _first_segment(wanted: Mapping[str, object]) -> Mapping[str, object]:
-    listed = wanted.get("seg")
-    first = listed[0] if isinstance(listed, list) and listed else listed
-    return first if isinstance(first, dict) else {}
 
 
 def _kelvin(cct: object) -> float | None:

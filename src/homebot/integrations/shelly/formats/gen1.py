@@ -84,12 +84,16 @@ class _Gen1Device:
         model = {"manufacturer": "Shelly", "model": self.model.name}
         facts = {name: fact for name, fact in {**self.announced, "mode": clean_text(self.mode, 20)}.items() if fact}
         will = LastWillAvailability(f"{self.topic}/online", b"true", b"false")
+        # Another program may have each channel as a device of its own. Source: Home Assistant core 2026.1,
+        # components/shelly/utils.py: get_block_device_info
+        blocks = sorted({_BLOCKS[match[1]] + match[2] for match in map(_BLOCK.match, self.known()) if match})
+        channels = [f"shelly:{self.mac.upper()}-{block}" for block in blocks] if self.mac and len(blocks) > 1 else []
         return DeviceAnnounced(
             key=self.topic,
             convention="shelly",
             native=True,
             whole_device=True,
-            identifiers=identifiers((in_pairs(self.mac), own_id, *self._channels())),
+            identifiers=identifiers((in_pairs(self.mac), own_id, *channels)),
             name=clean_text(self.name),
             parts=build_parts(self.topic, self.model, self.known(), self.presses),
             topic=self.described_by or topic,
@@ -98,14 +102,6 @@ class _Gen1Device:
             owns=(self.topic,),
             implies_alive=True,
         )
-
-    def _channels(self) -> list[str]:
-        """Return the identifiers of its channels, where another program may have each as a device of its own.
-
-        Source: Home Assistant core 2026.1, ``components/shelly/utils.py``: ``get_block_device_info``.
-        """
-        blocks = sorted({_BLOCKS[found[1]] + found[2] for found in map(_BLOCK.match, self.known()) if found})
-        return [f"shelly:{self.mac.upper()}-{block}" for block in blocks] if self.mac and len(blocks) > 1 else []
 
 
 _HARDWARE_ID = re.compile(r"shelly[a-z0-9-]*-(?:[0-9a-f]{6}|[0-9a-f]{12})", re.IGNORECASE)
@@ -152,36 +148,15 @@ class Gen1:
         if suffix == "announce":
             return self._announced(topic, name, payload) if payload else ()
         if suffix == "online":
-            return self._online(topic, name, payload)
-        is_state = payload not in {b"", NO_VALVE} and is_known_topic(suffix)
-        return self._on_state(topic, name, suffix) if is_state else ()
-
-    def _announced(self, topic: str, name: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        announcement = parse_object(payload)
-        device_id, mac = _ids(announcement)
-        if not name and mac:
-            name = self._names.get(mac, "")
-        device = self._device(name or device_id)
-        if device is None:
+            if payload == b"false" or not payload:
+                return ()
+            device = self._device(name)
+            if device is None or device.is_online:
+                return ()
+            device.is_online = True
+            return () if device.is_announced else self._described(device, topic)
+        if payload in {b"", NO_VALVE} or not is_known_topic(suffix):
             return ()
-        gone = self._renamed(mac, device.name)
-        is_news = device.announce(device_id, mac, announcement)
-        if not device.is_announced:
-            device.is_announced, device.described_by = True, topic
-        elif not gone and topic != device.described_by and not is_news:
-            return ()
-        return gone + self._described(device, topic)
-
-    def _online(self, topic: str, name: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        if payload == b"false" or not payload:
-            return ()
-        device = self._device(name)
-        if device is None or device.is_online:
-            return ()
-        device.is_online = True
-        return () if device.is_announced else self._described(device, topic)
-
-    def _on_state(self, topic: str, name: str, suffix: str) -> tuple[AnnouncementEvent, ...]:
         device = self._device(name)
         if device is None or suffix in device.suffixes:
             return ()
@@ -190,19 +165,34 @@ class Gen1:
         is_news = device.known() != known or not device.described_by
         return self._described(device, topic) if is_news else ()
 
+    def _announced(self, topic: str, name: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+        announcement = parse_object(payload)
+        device_id, mac = announcement.get("id"), announcement.get("mac", "")
+        if not isinstance(device_id, str) or not 0 < len(device_id) <= _LONGEST_NAME or set(device_id) & set("+#/\0"):
+            raise WireError(f"an announcement has the invalid id {shown(device_id)}")
+        if not isinstance(mac, str):
+            raise WireError(f"an announcement has the invalid mac {shown(mac)}")
+        mac = clean_text(mac, 20)
+        if not name and mac:
+            name = self._names.get(mac, "")
+        device = self._device(name or device_id)
+        if device is None:
+            return ()
+        gone: tuple[AnnouncementEvent, ...] = ()
+        before = self._names.get(mac)
+        if mac and (before is not None or len(self._names) < _MAX_DEVICES):
+            self._names[mac] = device.name
+            if before not in {None, device.name} and self._devices.remove(before) is not None:
+                gone = (DeviceWithdrawn(f"shellies/{before}", f"it has been renamed {device.name}"),)
+        is_news = device.announce(device_id, mac, announcement)
+        if not device.is_announced:
+            device.is_announced, device.described_by = True, topic
+        elif not gone and topic != device.described_by and not is_news:
+            return ()
+        return gone + self._described(device, topic)
+
     def _device(self, name: str) -> _Gen1Device | None:
         return self._devices.find(name, lambda: _Gen1Device(name, find_model("", name)))
-
-    def _renamed(self, mac: str, name: str) -> tuple[AnnouncementEvent, ...]:
-        if not mac:
-            return ()
-        before = self._names.get(mac)
-        if before is None and len(self._names) >= _MAX_DEVICES:
-            return ()
-        self._names[mac] = name
-        if before is None or before == name or self._devices.remove(before) is None:
-            return ()
-        return (DeviceWithdrawn(f"shellies/{before}", f"it has been renamed {name}"),)
 
     def _described(self, device: _Gen1Device, topic: str) -> tuple[AnnouncementEvent, ...]:
         if not (device.is_announced or device.is_online):
@@ -213,12 +203,3 @@ class Gen1:
         self._devices.pin(device.name)
         device.described_by = described.topic
         return (described,)
-
-
-def _ids(announcement: Mapping[str, object]) -> tuple[str, str]:
-    device_id, mac = announcement.get("id"), announcement.get("mac", "")
-    if not isinstance(device_id, str) or not 0 < len(device_id) <= _LONGEST_NAME or set(device_id) & set("+#/\0"):
-        raise WireError(f"an announcement has the invalid id {shown(device_id)}")
-    if not isinstance(mac, str):
-        raise WireError(f"an announcement has the invalid mac {shown(mac)}")
-    return device_id, clean_text(mac, 20)

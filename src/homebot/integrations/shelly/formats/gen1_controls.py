@@ -196,32 +196,28 @@ class _Gen1Lamp:
         if not isinstance(message, dict):
             return NO_READINGS
         is_color = self.kind == "color" and message.get("mode", "color") == "color"
-        found = dict(read_lamp(message, "ison", "gain" if is_color else "brightness"))
+        readings = dict(read_lamp(message, "ison", "gain" if is_color else "brightness"))
         kelvin = to_number(message.get("temp"))
         if self.has_white and kelvin is not None:
-            found["color_temperature"] = None if is_color or kelvin <= 0 else kelvin
+            readings["color_temperature"] = None if is_color or kelvin <= 0 else kelvin
         if self.kind == "color":
-            found["color"] = read_rgb(list(map(message.get, _CHANNELS))) if is_color else None
-        return found
+            readings["color"] = read_rgb(list(map(message.get, _CHANNELS))) if is_color else None
+        return readings
 
     def publish(self, command: LightCommand) -> Publications:
         turn = "on" if command.on else "off"
-        fields: dict[str, object] = {"turn": turn, **self._light_fields(command)}
+        is_color, percent = self.kind == "color", command.percent
+        fields: dict[str, object] = {"turn": turn}
+        if command.color:
+            channels = dict(zip(_CHANNELS, command.color, strict=True))
+            fields |= {**({"mode": "color"} if self.has_white else {}), **channels, "white": 0}
+        elif command.white is not None:
+            fields |= {**({"mode": "white"} if is_color else {}), "temp": round(command.white)}
+        if percent is not None:
+            fields |= {"gain": percent} if is_color else {}
+            fields |= {"brightness": percent} if self.has_white or not is_color else {}
         if command.transition:
             fields["transition"] = min(round(command.transition * 1000), _LONGEST_TRANSITION)
         if len(fields) == 1 and self.kind != "white":
             return (Publication(f"{self.topic}/command", turn.encode()),)
         return (Publication(f"{self.topic}/set", compact_json(fields).encode()),)
-
-    def _light_fields(self, command: LightCommand) -> dict[str, object]:
-        is_color, percent = self.kind == "color", command.percent
-        fields: dict[str, object] = {}
-        if command.color:
-            channels = dict(zip(_CHANNELS, command.color, strict=True))
-            fields = {**({"mode": "color"} if self.has_white else {}), **channels, "white": 0}
-        elif command.white is not None:
-            fields = {**({"mode": "white"} if is_color else {}), "temp": round(command.white)}
-        if percent is not None:
-            fields |= {"gain": percent} if is_color else {}
-            fields |= {"brightness": percent} if self.has_white or not is_color else {}
-        return fields

@@ -199,7 +199,9 @@ def build_parts(
         presses: Reports of each of its inputs, which outlive the description.
     """
     parts: list[BytesPart | JsonPart] = []
-    for kind, index in _channels(suffixes):
+    matches = [match for match in map(_CHANNEL.fullmatch, suffixes) if match and int(match[2]) < _MAX_CHANNELS]
+    channels = {("input" if match[1] == "input_event" else match[1], int(match[2])) for match in matches}
+    for kind, index in sorted(channels, key=lambda channel: (_RANKS[channel[0]], channel[1])):
         parts.extend(_build_channel(base, kind, index, suffixes, model, presses))
     if "relay/power" in suffixes and "relay/0/power" not in suffixes:
         parts.append(build_meter(base, "meter", {name: f"relay/{name}" for name in _METER}))
@@ -210,13 +212,6 @@ def build_parts(
     for part in parts[:1]:
         part.add_state_request(Publication(f"{base}/command", b"update"))
     return tuple(part.build() for part in parts)
-
-
-def _channels(suffixes: frozenset[str]) -> list[tuple[str, int]]:
-    """Return kind and number of the channels, in the order of their parts."""
-    matches = [match for match in map(_CHANNEL.fullmatch, suffixes) if match and int(match[2]) < _MAX_CHANNELS]
-    found = {("input" if match[1] == "input_event" else match[1], int(match[2])) for match in matches}
-    return sorted(found, key=lambda channel: (_RANKS[channel[0]], channel[1]))
 
 
 def _build_channel(

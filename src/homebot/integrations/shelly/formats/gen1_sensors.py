@@ -48,13 +48,13 @@ class Gen1Sensor:
             return {self.capability: self.values[text]}
         if not self.is_number:
             return unreadable(text, self.values)
-        found = read_number(self.capability, text)
-        number = found.get(self.capability)
+        readings = read_number(self.capability, text)
+        number = readings.get(self.capability)
         is_out = isinstance(number, float) and not self.least <= number <= self.most
         if is_out:
             return {self.capability: None}
         # home-assistant/core#177168; the other probe of the add-on, a DHT22, ends at 80 °C
-        return read_probe(found, DS18X20_RESET) if self.suffix == "ext_temperature" else found
+        return read_probe(readings, DS18X20_RESET) if self.suffix == "ext_temperature" else readings
 
 
 _FLAG_VALUES: Mapping[str, PlainValue] = {"true": True, "false": False, "1": True, "0": False, "-1": None}
@@ -110,31 +110,26 @@ def build_sensor(base: str, sensor: Gen1Sensor, index: int | None = None) -> Byt
     service_type = sensor.service_type or sensor_type(sensor.capability)
     part = BytesPart(part_id, service_type, advertised=sensor.suffix, category=sensor.category)
     if sensor.suffix == "sensor/temperature":
-        _read_room(part, topic, f"{base}/info", sensor)
+        is_fahrenheit = False
+
+        def read_info(payload: bytes) -> Readings:
+            nonlocal is_fahrenheit
+            status = as_fields(to_json(payload))
+            is_fahrenheit = as_fields(status.get("tmp")).get("units") == "F"
+            return _read_temperature(sensor.capability, status)
+
+        def read(payload: bytes) -> Readings:
+            readings = sensor.read(payload)
+            number = readings.get(sensor.capability)
+            return {sensor.capability: to_celsius(number)} if is_fahrenheit and isinstance(number, float) else readings
+
+        part.read_from(topic, read)
+        part.read_from(f"{base}/info", read_info)
+        part.remembers()
     else:
         part.read_from(topic, sensor.read)
     part.add_capability(sensor.capability, unit=sensor.unit)
     return part
-
-
-def _read_room(part: BytesPart, topic: str, info: str, sensor: Gen1Sensor) -> None:
-    """Read the temperature of a room, which is in the unit of the owner; only *info* names it."""
-    is_fahrenheit = False
-
-    def read_info(payload: bytes) -> Readings:
-        nonlocal is_fahrenheit
-        status = as_fields(to_json(payload))
-        is_fahrenheit = as_fields(status.get("tmp")).get("units") == "F"
-        return _read_temperature(sensor.capability, status)
-
-    def read(payload: bytes) -> Readings:
-        found = sensor.read(payload)
-        number = found.get(sensor.capability)
-        return {sensor.capability: to_celsius(number)} if is_fahrenheit and isinstance(number, float) else found
-
-    part.read_from(topic, read)
-    part.read_from(info, read_info)
-    part.remembers()
 
 
 def build_meter(base: str, part_id: str, suffixes: Mapping[str, str]) -> BytesPart:

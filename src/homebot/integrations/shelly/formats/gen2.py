@@ -65,13 +65,27 @@ class Gen2:
         if topic.startswith(f"{self._client}/") and topic.endswith("/rpc"):
             return self._answered(topic.removeprefix(f"{self._client}/").removesuffix("/rpc"), payload)
         if topic.endswith("/events/rpc"):
-            return self._notified(topic.removesuffix("/events/rpc"), payload)
+            prefix = topic.removesuffix("/events/rpc")
+            frame = as_fields(to_json(payload))
+            device = self._device(prefix) if frame else None
+            method, params = frame.get("method"), frame.get("params")
+            if device is None or not isinstance(params, dict):
+                return ()
+            if device.has_status and device.described:
+                return (self._request(device),) if method == "NotifyEvent" and is_config_change(params) else ()
+            if method == "NotifyStatus" and mac_in(prefix):
+                return self._add_components(device, params, f"{prefix}/events/rpc", len(payload))
+            requests = self._requests(device)
+            if method == "NotifyFullStatus" and self._record_answer(device, "status", params, len(payload)):
+                return self._described(device, f"{prefix}/events/rpc", text_of(frame.get("src"))) + requests
+            return requests
         prefix, _, component = topic.partition("/status/")
         if component:
-            return self._on_status(prefix, component, payload) if mac_in(prefix) else ()
-        return self._online(topic.removesuffix("/online"), payload, retained=retained)
-
-    def _online(self, prefix: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
+            device = self._device(prefix) if mac_in(prefix) else None
+            if device is None or device.has_status:
+                return ()
+            return self._add_components(device, {component: to_json(payload)}, topic, len(payload))
+        prefix = topic.removesuffix("/online")
         if not payload:
             return self._gone(prefix)
         if payload != b"true":
@@ -82,12 +96,6 @@ class Gen2:
         if device.described:
             return () if retained else (self._request(device),)
         return (self._request(device),) if retained else self._requests(device)
-
-    def _on_status(self, prefix: str, component: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        device = self._device(prefix)
-        if device is None or device.has_status:
-            return ()
-        return self._add_components(device, {component: to_json(payload)}, f"{prefix}/status/{component}", len(payload))
 
     def _add_components(
         self, device: Gen2Device, components: Fields, topic: str, size: int
@@ -110,24 +118,6 @@ class Gen2:
     def _release(self, device: Gen2Device) -> None:
         self._kept -= sum(device.sizes.values())
 
-    def _notified(self, prefix: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
-        frame = as_fields(to_json(payload))
-        device = self._device(prefix) if frame else None
-        method, params = frame.get("method"), frame.get("params")
-        if device is None or not isinstance(params, dict):
-            return ()
-        if device.has_status and device.described:
-            return self._on_event(device, method, params)
-        if method == "NotifyStatus" and mac_in(prefix):
-            return self._add_components(device, params, f"{prefix}/events/rpc", len(payload))
-        requests = self._requests(device)
-        if method == "NotifyFullStatus" and self._record_answer(device, "status", params, len(payload)):
-            return self._described(device, f"{prefix}/events/rpc", text_of(frame.get("src"))) + requests
-        return requests
-
-    def _on_event(self, device: Gen2Device, method: object, params: Fields) -> tuple[AnnouncementEvent, ...]:
-        return (self._request(device),) if method == "NotifyEvent" and is_config_change(params) else ()
-
     def _answered(self, prefix: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         frame = parse_object(payload, MAX_ANSWER_BYTES)
         result, source = frame.get("result"), frame.get("src")
@@ -140,19 +130,16 @@ class Gen2:
         if device is None or not kind:
             return ()
         if kind == "components":
-            if following := self._add_page(device, result, len(payload)):
+            size, following = len(payload), 0
+            start = device.page_start(result)
+            if start is not None and self._has_room(device, page_name(start), size):
+                following = device.add_page(result, start, size)
+            if following:
                 key = f"{device.prefix}#{page_name(following)}"  # another key than that of a request of all answers
                 return (DeviceRequest(key, (self._call_components(device, following),)),)
         elif not self._record_answer(device, kind, result, len(payload)):
             return ()
         return self._described(device, f"{device.prefix}/rpc", text_of(source))
-
-    def _add_page(self, device: Gen2Device, page: Fields, size: int) -> int:
-        """Add a page of components of *size* bytes; return the number at which the next one begins, or 0."""
-        start = device.page_start(page)
-        if start is None or not self._has_room(device, page_name(start), size):
-            return 0
-        return device.add_page(page, start, size)
 
     def _device(self, prefix: str) -> Gen2Device | None:
         return self._devices.find(prefix, lambda: Gen2Device(prefix)) if is_prefix(prefix) else None

@@ -44,7 +44,7 @@ class BluetoothDevice(NamedTuple):
     @property
     def name(self) -> str:
         """Its name in the Shelly, or else its model."""
-        given = [one.name for one in self.components if one.kind != "bthomesensor" and one.name]
+        given = [component.name for component in self.components if component.kind != "bthomesensor" and component.name]
         return given[0] if given else self.model.name_at(self.address)
 
     @property
@@ -63,20 +63,22 @@ class BluetoothDevice(NamedTuple):
 
     def parts(self) -> tuple[JsonPart, ...]:
         """Return its parts; a value that several components have counts once."""
-        first, found = self.components[0], dict[str, JsonPart]()
+        first, parts_by_id = self.components[0], dict[str, JsonPart]()
         if first.kind == "blutrv":  # it has all that its broadcasts have
             parts = chain((("thermostat", _valve_part(first)),), _own_parts(first))
         else:
-            values = chain.from_iterable(_value_parts(one, self.model) for one in self.components)
+            values = chain.from_iterable(_value_parts(component, self.model) for component in self.components)
             parts = chain(values, self._key_parts(), _own_parts(self.components[-1]))
         for part_id, part in parts:
-            found.setdefault(part_id, part)
-        return tuple(found.values())
+            parts_by_id.setdefault(part_id, part)
+        return tuple(parts_by_id.values())
 
     def _key_parts(self) -> Iterator[tuple[str, JsonPart]]:
         """Yield the buttons; before firmware 1.6 each had a component of its own."""
         device, count = self.components[-1], self.model.keys
-        own = {_index(one): one for one in self.components if one.config.get("obj_id") == BUTTON}
+        own = {
+            _index(component): component for component in self.components if component.config.get("obj_id") == BUTTON
+        }
         for number in sorted({*range(count), *own}):
             part_id = _numbered("button", number)
             part = JsonPart(part_id, "generic_switch", name=own[number].name if number in own else "")
@@ -92,11 +94,11 @@ class BluetoothDevice(NamedTuple):
 
 def group_by_address(components: Iterable[ShellyComponent]) -> tuple[BluetoothDevice, ...]:
     """Return the Bluetooth devices of those *components* that have an address."""
-    found: defaultdict[str, list[ShellyComponent]] = defaultdict(list)
+    components_by_address: defaultdict[str, list[ShellyComponent]] = defaultdict(list)
     for component in components:
         if address := text_of(component.config.get("addr")).casefold():
-            found[address].append(component)
-    return tuple(BluetoothDevice(address, tuple(own)) for address, own in found.items())
+            components_by_address[address].append(component)
+    return tuple(BluetoothDevice(address, tuple(own)) for address, own in components_by_address.items())
 
 
 def _index(component: ShellyComponent) -> int:

@@ -241,11 +241,11 @@ def _read_events(frame: Fields, key: str, presses: Mapping[str, str], index: int
     events = as_fields(frame.get("params")).get("events")
     if not isinstance(events, list):
         return NO_READINGS
-    found: dict[str, PlainValue] = {}
+    readings: dict[str, PlainValue] = {}
     for event in events[:_MOST_EVENTS]:
         fields = as_fields(event)
         is_own = fields.get("component") == key and index in {None, fields.get("idx", 0)}
         name = fields.get("event") if is_own else None
         if isinstance(name, str) and name in presses:
-            found["press"] = presses[name]
-    return found
+            readings["press"] = presses[name]
+    return readings

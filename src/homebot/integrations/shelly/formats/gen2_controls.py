@@ -92,23 +92,23 @@ def _build_slot(component: ShellyComponent, slot: str) -> tuple[JsonPart, ...]:
 
 
 def _decode_cover(status: Fields) -> Readings:
-    found: dict[str, PlainValue] = {}
+    readings: dict[str, PlainValue] = {}
     if (state := status.get("state")) in _MOVEMENTS or state == "calibrating":
-        found["movement"] = None if state == "calibrating" else str(state)
+        readings["movement"] = None if state == "calibrating" else str(state)
     for field, capability in (("current_pos", "position"), ("slat_pos", "tilt")):
         if field in status:
-            found[capability] = percent_of(status[field])
-    return found
+            readings[capability] = percent_of(status[field])
+    return readings
 
 
 def _decode_thermostat(mode: str, action: str, status: Fields) -> Readings:
-    found: dict[str, PlainValue] = {}
+    readings: dict[str, PlainValue] = {}
     enable, output = status.get("enable"), status.get("output")
     if isinstance(enable, bool):
-        found["thermostat_mode"] = mode if enable else "off"
+        readings["thermostat_mode"] = mode if enable else "off"
     if isinstance(output, bool):
-        found["thermostat_action"] = action if output else "idle"
-    return found
+        readings["thermostat_action"] = action if output else "idle"
+    return readings
 
 
 _ANY_WHITE = (2700, 6500)
@@ -146,16 +146,16 @@ def build_light(component: ShellyComponent) -> tuple[JsonPart, ...]:
 
 
 def _decode_light(features: LightFeatures, on_key: str, status: Fields) -> Readings:
-    found = dict(read_lamp(status, on_key, "brightness"))
+    readings = dict(read_lamp(status, on_key, "brightness"))
     if (effect := text_of(status.get("effect"))) in features.effects:
-        found["effect"] = effect
+        readings["effect"] = effect
     mode = status.get("mode")
     if features.has_white and (kelvin := to_number(status.get("ct"))) is not None:
-        found["color_temperature"] = kelvin if kelvin > 0 and mode != "rgb" else None
+        readings["color_temperature"] = kelvin if kelvin > 0 and mode != "rgb" else None
     rgb = status.get("rgb")
     if features.color_mode and isinstance(rgb, list) and (color := read_rgb(rgb)) is not None:
-        found["color"] = color if mode != "cct" else None
-    return found
+        readings["color"] = color if mode != "cct" else None
+    return readings
 
 
 def _set_light(component: ShellyComponent, command: LightCommand) -> Publications:

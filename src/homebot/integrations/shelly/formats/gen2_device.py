@@ -120,7 +120,7 @@ MAX_COMPONENTS = 300
 def _build_parts(components: Sequence[ShellyComponent]) -> list[JsonPart]:
     """Return the parts of the device itself, the main one first."""
     parts: list[JsonPart] = []
-    roles = {role_of(one.config): one for one in components}
+    roles = {role_of(component.config): component for component in components}
     for component in components:
         role = role_of(component.config)
         if role == TARGET:
@@ -166,25 +166,21 @@ _RANKS = {kind: rank for rank, kind in enumerate((*_BUILDERS, *BLUETOOTH))}
 
 
 def _components(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[ShellyComponent, ...]:
-    found: list[ShellyComponent] = []
+    components: list[ShellyComponent] = []
     is_meter = any(key.startswith(("em:", "em1:")) for key in status)
     is_actuator = as_fields(status.get("sys")).get("relay_in_thermostat") is True  # the thermostat switches its relay
     kinds = _RANKS.keys() - ({"switch"} if is_actuator else set())
+    loads = as_fields(as_fields(config.get("sys")).get("ui_data")).get("consumption_types")  # of the device's own pages
     for key, fields in status.items():
-        if len(found) >= MAX_COMPONENTS:
+        if len(components) >= MAX_COMPONENTS:
             break
         if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in kinds:
-            load = _load(config, key) if key.startswith("switch:") else ""
+            load = ""
+            if key.startswith("switch:") and isinstance(loads, list) and (index := int(key[7:])) < len(loads):
+                load = text_of(loads[index]).casefold()
             is_inside = is_meter and _OWN_TEMPERATURE.fullmatch(key) is not None
-            found.append(ShellyComponent(topics, key, fields, as_fields(config.get(key)), load, is_inside))
-    return tuple(sorted(found, key=lambda one: (_RANKS[one.kind], one.index)))
-
-
-def _load(config: Fields, key: str) -> str:
-    """Return the load of a relay in the settings of the device's own pages."""
-    loads = as_fields(as_fields(config.get("sys")).get("ui_data")).get("consumption_types")
-    index = int(key.partition(":")[2])
-    return text_of(loads[index]).casefold() if isinstance(loads, list) and index < len(loads) else ""
+            components.append(ShellyComponent(topics, key, fields, as_fields(config.get(key)), load, is_inside))
+    return tuple(sorted(components, key=lambda component: (_RANKS[component.kind], component.index)))
 
 
 @dataclass(slots=True)
@@ -258,7 +254,7 @@ class Gen2Device:
 
     def _with_added(self, kind: Literal["status", "config"]) -> Fields:
         answer = self.status if kind == "status" else self.config
-        return {**{key: as_fields(one.get(kind)) for key, one in self.added.items()}, **answer}
+        return {**{key: as_fields(component.get(kind)) for key, component in self.added.items()}, **answer}
 
     @property
     def has_status(self) -> bool:
@@ -300,12 +296,14 @@ class Gen2Device:
             The descriptions that are new or changed, and the keys of devices that are gone.
         """
         device_id = text_of(self.info.get("id")) or device_id
-        fresh = {one.key: one for one in self._describe_all(client, topic, device_id)}
-        if needs_parts and not any(one.parts for one in fresh.values()):
+        fresh = {announced.key: announced for announced in self._describe_all(client, topic, device_id)}
+        if needs_parts and not any(announced.parts for announced in fresh.values()):
             fresh = {}
-        changed = {key for key, one in fresh.items() if _fingerprint(one) != _fingerprint(self.described.get(key))}
+        changed = {
+            key for key, announced in fresh.items() if _fingerprint(announced) != _fingerprint(self.described.get(key))
+        }
         gone = frozenset(self.described.keys() - fresh.keys())
-        self.described = {key: one if key in changed else self.described[key] for key, one in fresh.items()}
+        self.described = {key: announced if key in changed else self.described[key] for key, announced in fresh.items()}
         return tuple(self.described[key] for key in fresh if key in changed), gone
 
     def _describe_all(self, client: str, topic: str, device_id: str) -> Iterator[DeviceAnnounced]:
@@ -315,14 +313,16 @@ class Gen2Device:
         topics = Gen2Topics(self.prefix, client, f"{source}/rpc", is_plug)
         components = _components(topics, self._with_added("status"), self._with_added("config"))
         pages = [call(self.prefix, source, COMPONENTS, components_from(offset)) for offset in self._pages]
-        parts = _build_parts([one for one in components if one.kind not in BLUETOOTH])
+        parts = _build_parts([component for component in components if component.kind not in BLUETOOTH])
+        own_id = device_id if device_id.casefold().startswith("shelly") else ""
+        configured = as_fields(as_fields(self.config.get("sys")).get("device")).get("name")
         whole = DeviceAnnounced(
             key=self.prefix,
             convention="shelly",
             native=True,
             whole_device=True,
-            identifiers=self._identifiers(device_id),
-            name=self._name(),
+            identifiers=identifiers((in_pairs(self.mac), own_id, *self._channels())),
+            name=text_of(self.info.get("name")) or text_of(configured) or clean_text(self.prefix),
             parts=_built(parts, [call(self.prefix, source, ANSWERS["status"]), *pages]),
             topic=self.described[self.prefix].topic if self.prefix in self.described else topic,
             facts=self._facts(),
@@ -333,7 +333,7 @@ class Gen2Device:
             implies_alive=True,
         )
         yield whole
-        for device in group_by_address(one for one in components if one.kind in BLUETOOTH):
+        for device in group_by_address(component for component in components if component.kind in BLUETOOTH):
             yield whole._replace(
                 key=f"{self.prefix}/{device.address}",
                 whole_device=False,  # several Shellys may receive it
@@ -344,10 +344,6 @@ class Gen2Device:
                 implies_alive=False,
             )
 
-    def _identifiers(self, device_id: str) -> tuple[str, ...]:
-        own_id = device_id if device_id.casefold().startswith("shelly") else ""
-        return identifiers((in_pairs(self.mac), own_id, *self._channels()))
-
     def _channels(self) -> list[str]:
         """Return the identifiers of its channels, where another program may have each as a device of its own.
 
@@ -355,12 +351,8 @@ class Gen2Device:
         """
         channels = [key for key in self.status if _CHANNEL.fullmatch(key)]
         phases = [f"{key}-{phase}" for key in self.status if _PHASES.fullmatch(key) for phase in "abc"]
-        found = [*channels, *phases] if self.mac and len(channels) + len(phases) > 1 else []
-        return [f"shelly:{self.mac.upper()}-{key}" for key in found]
-
-    def _name(self) -> str:
-        configured = as_fields(as_fields(self.config.get("sys")).get("device")).get("name")
-        return text_of(self.info.get("name")) or text_of(configured) or clean_text(self.prefix)
+        channels_and_phases = [*channels, *phases] if self.mac and len(channels) + len(phases) > 1 else []
+        return [f"shelly:{self.mac.upper()}-{key}" for key in channels_and_phases]
 
     def _facts(self) -> dict[str, str]:
         generation = to_number(self.info.get("gen"))

@@ -77,7 +77,7 @@ class Gen2RpcDevice:
         if not changed and not gone:
             return ()
         described = tuple(self._device.described.values())
-        self._parts = {(one.key, part.part.id): part for one in described for part in one.parts}
+        self._parts = {(announced.key, part.part.id): part for announced in described for part in announced.parts}
         return described
 
     @property
@@ -109,8 +109,8 @@ class Gen2RpcDevice:
             raise RefusedError(f"a command to {part[1][:60]!r}", "the device has no such part any more")
         assert isinstance(described.codec, WritesSeveral), "a codec made of tables"  # noqa: S101 - for the type checker
         publications, names = described.codec.write_several(values, transition=transition)
-        frames = [parse_object(one.payload) for one in publications]
-        return tuple([(str(one["method"]), as_fields(one.get("params"))) for one in frames]), names
+        frames = [parse_object(publication.payload) for publication in publications]
+        return tuple([(str(frame["method"]), as_fields(frame.get("params"))) for frame in frames]), names
 
     def _read(self, topic: str, frame: bytes) -> Iterator[tuple[PartKey, Readings]]:
         for part, described in self._parts.items():

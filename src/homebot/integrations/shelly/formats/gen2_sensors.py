@@ -116,10 +116,7 @@ def build_input(component: ShellyComponent) -> Parts:
         return _build_measured_input(component, "percent", "%")
     if kind == "count":
         return _build_measured_input(component, "counts.total", "")
-    return _build_binary_input(component, is_button=kind != "switch")
-
-
-def _build_binary_input(component: ShellyComponent, *, is_button: bool) -> Parts:
+    is_button = kind != "switch"
     part = component.part("", "generic_switch" if is_button else "x_binary_sensor")
     if not is_button or component.status.get("state") is not None:
         component.add_value(part, "state", "state")

@@ -71,7 +71,7 @@ VALVE_STATE, CONSUMPTION = "state", "water_consumption"
 _PHASES = "phase_info"
 _CHARGED: tuple[tuple[str, Mapping[str, str]], ...] = (
     ("", {"power": "total_power", "energy": "total_act_energy"}),
-    *((f"phase_{one}", {key: f"phase_{one}.{key}" for key in ("power", "voltage", "current")}) for one in "abc"),
+    *((f"phase_{phase}", {key: f"phase_{phase}.{key}" for key in ("power", "voltage", "current")}) for phase in "abc"),
 )
 """Meters of the Top AC Portable EV Charger, of which the object has that role: in kW and kWh."""
 
@@ -86,19 +86,12 @@ def build_virtual(component: ShellyComponent) -> Parts:
         return (build_valve(component, role),)
     is_shown = _ui(component.config).get("view") in _DISPLAYS or not {"w", "*"} & set(access)
     if is_shown or (component.kind == "number" and role in _MEASURED):
-        return (_build_sensor(component, role),)
-    return (_build_setting(component, role),)
-
-
-def build_virtual_button(component: ShellyComponent) -> Parts:
-    """Describe a button that can be pressed by command."""
-    part = component.part("", "generic_switch")
-    writer = push_writer("push", lambda: component.call("Button.Trigger", event="single_push"))
-    part.add_capability("push", writer=writer, readable=False)
-    return (part,)
-
-
-def _build_setting(component: ShellyComponent, role: str) -> JsonPart:
+        plain = VIRTUAL[component.kind][1]
+        own_unit = _unit(component.config) if plain == "measurement" else ""
+        capability, unit = _MEASURED.get(role if component.kind == "number" else "", (plain, own_unit))
+        part = component.part("", sensor_type(capability))
+        component.add_value(part, capability, unit=unit)
+        return (part,)
     kind, config = component.kind, component.config
     service_type, capability = _CONTROLLED.get((kind, role), ("x_setting", VIRTUAL[kind][0]))
     part = component.part("", service_type, category="config" if service_type == "x_setting" else "")
@@ -111,16 +104,15 @@ def _build_setting(component: ShellyComponent, role: str) -> JsonPart:
         grid=_grid_of(config),
         options=texts_of(config.get("options")) if kind == "enum" else (),
     )
-    return part
+    return (part,)
 
 
-def _build_sensor(component: ShellyComponent, role: str) -> JsonPart:
-    plain = VIRTUAL[component.kind][1]
-    own_unit = _unit(component.config) if plain == "measurement" else ""
-    capability, unit = _MEASURED.get(role if component.kind == "number" else "", (plain, own_unit))
-    part = component.part("", sensor_type(capability))
-    component.add_value(part, capability, unit=unit)
-    return part
+def build_virtual_button(component: ShellyComponent) -> Parts:
+    """Describe a button that can be pressed by command."""
+    part = component.part("", "generic_switch")
+    writer = push_writer("push", lambda: component.call("Button.Trigger", event="single_push"))
+    part.add_capability("push", writer=writer, readable=False)
+    return (part,)
 
 
 def build_valve(component: ShellyComponent, role: str) -> JsonPart:
@@ -209,7 +201,7 @@ def build_service_thermostat(roles: Mapping[str, ShellyComponent]) -> JsonPart:
     part = target.part("", "thermostat")
     bounds = _bounds_of(target.config) or _USUAL
     listed = ("heat",) if working is None else texts_of(working.config.get("options"))
-    functions = tuple(_WORKING_MODES[one] for one in listed if one in _WORKING_MODES)
+    functions = tuple(_WORKING_MODES[option] for option in listed if option in _WORKING_MODES)
     for setpoint in ("heating_setpoint", *(("cooling_setpoint",) if "cool" in functions else ())):
         target.add_value(part, setpoint, method="Number.Set", bounds=bounds, grid=_grid_of(target.config))
     if (room := roles.get("current_temperature")) is not None:

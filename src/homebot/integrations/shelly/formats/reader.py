@@ -20,12 +20,12 @@ class ShellyReader:
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Return the descriptions and requests that follow from a message."""
-        if self._is_first(topic):
-            return self._gen1.read_message(topic, payload)
-        return self._gen2.read_message(topic, payload, retained=retained)
-
-    def _is_first(self, topic: str) -> bool:
-        """Return whether *topic* belongs to the first generation; a prefix of the second may be among its topics."""
-        if not topic.startswith("shellies/") or topic.endswith("/events/rpc"):
-            return False
-        return not (topic.endswith("/online") and self._gen2.knows(topic.removesuffix("/online")))
+        is_second = (
+            not topic.startswith("shellies/")
+            or topic.endswith("/events/rpc")
+            # a prefix of the second generation may be among the topics of the first
+            or (topic.endswith("/online") and self._gen2.knows(topic.removesuffix("/online")))
+        )
+        if is_second:
+            return self._gen2.read_message(topic, payload, retained=retained)
+        return self._gen1.read_message(topic, payload)

@@ -47,7 +47,7 @@ def reader_of(path: str, capability: str, factor: float = 1.0) -> StatusDecoder:
 def texts_of(listed: object) -> tuple[str, ...]:
     """Return the options that *listed* has."""
     options = listed[:_MOST_OPTIONS] if isinstance(listed, list) else ()
-    return tuple(one for one in options if isinstance(one, str) and len(one) <= LONGEST_TEXT)
+    return tuple(option for option in options if isinstance(option, str) and len(option) <= LONGEST_TEXT)
 
 
 def value_at(status: Fields, path: str) -> object:

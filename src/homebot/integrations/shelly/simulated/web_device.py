@@ -86,7 +86,10 @@ class ServedShelly(ServedWebDevice):
         peer.name = str(call["src"])
         if self._password and call.get("method") not in OPEN_METHODS and not self._is_signed(call.get("auth")):
             self.refused_calls += 1
-            peer.send(as_json(self._refusal(call)))
+            self._count = 0
+            challenge = {"auth_type": "digest", "nonce": NONCE, "nc": 1, "realm": self.id, "algorithm": ALGORITHM}
+            error = {"code": UNAUTHORIZED, "message": json.dumps(challenge)}
+            peer.send(as_json({"id": call.get("id"), "src": self.id, "dst": call.get("src"), "error": error}))
             return
         for answer in self._run(call):
             peer.send(as_json(answer))
@@ -110,12 +113,6 @@ class ServedShelly(ServedWebDevice):
             "auth_en": has_password,
             "auth_domain": self.id if has_password else None,
         }
-
-    def _refusal(self, call: Mapping[str, object]) -> dict[str, object]:
-        self._count = 0
-        challenge = {"auth_type": "digest", "nonce": NONCE, "nc": 1, "realm": self.id, "algorithm": ALGORITHM}
-        error = {"code": UNAUTHORIZED, "message": json.dumps(challenge)}
-        return {"id": call.get("id"), "src": self.id, "dst": call.get("src"), "error": error}
 
     def _is_signed(self, auth: object) -> bool:
         """Return whether *auth* correctly answers the last challenge with an unused count."""

@@ -55,21 +55,41 @@ class WledSegment:
         return LightFeatures(
             frozenset(modes | ({"rgb"} if self.abilities & _RGB else set())),
             _WHITES,
-            effects=tuple(dict.fromkeys(one for one in self.effects if one)),
+            effects=tuple(dict.fromkeys(effect for effect in self.effects if effect)),
             only_in_bounds=True,
             most_seconds=math.inf,
         )
 
     def read(self, state: Fields) -> Readings:
         """Return its readings in the *state* of the controller."""
-        return self._read_light(state) | self._read_colors() | self._read_effect()
+        master, own_on = read_master(state), _flag(self.fields.get("on", True))
+        master_on, own_level = master["on_off"], _byte(self.fields.get("bri", _FULL))
+        master_level = _byte(state.get("bri")) if self.part == MASTER else _FULL
+        level = None if own_level is None or master_level is None else own_level * master_level / _FULL
+        readings = {
+            "on_off": None if master_on is None or own_on is None else master_on and own_on,
+            "level": _percent(level),
+            **self._read_colors(),
+        }
+        if self.effects:
+            number = self.fields.get("fx")
+            is_known = isinstance(number, int) and 0 <= number < len(self.effects)
+            readings["effect"] = (self.effects[number] or None) if is_known and isinstance(number, int) else None
+        return readings
 
     def write(self, command: LightCommand) -> dict[str, object]:
         """Return the state of the controller that carries out *command*."""
         if not command.on:
             return {"on": False} if self.part == MASTER else {"seg": [{"id": self.id, "on": False}]}
-        fields: dict[str, object] = {"id": self.id, "on": True, **self._color_fields(command)}
+        fields: dict[str, object] = {"id": self.id, "on": True}
         whole: dict[str, object] = {"on": True, "seg": [fields]}
+        if command.color:
+            rgb = [int(channel) for channel in command.color]
+            fields["col"] = [[*rgb, 0] if len(self._channels or ()) == 4 else rgb]
+        elif command.white is not None:
+            fields["cct"] = round((command.white - _WARMEST) / _STEP)
+            if self.abilities & _RGB:
+                fields["col"] = [[0, 0, 0, _FULL] if self.abilities & _WHITE else [_FULL] * 3]
         if command.level is not None:
             fields["bri"] = command.brightness
             if self.part == MASTER:
@@ -78,43 +98,20 @@ class WledSegment:
             fields["fx"] = self.effects.index(command.effect)
         return whole
 
-    def _color_fields(self, command: LightCommand) -> dict[str, object]:
-        if command.color:
-            rgb = [int(one) for one in command.color]
-            return {"col": [[*rgb, 0] if len(self._channels or ()) == 4 else rgb]}
-        if command.white is None:
-            return {}
-        white = [0, 0, 0, _FULL] if self.abilities & _WHITE else [_FULL] * 3
-        colors = {"col": [white]} if self.abilities & _RGB else {}
-        return {"cct": round((command.white - _WARMEST) / _STEP), **colors}
-
-    def _read_light(self, state: Fields) -> dict[str, PlainValue]:
-        master, own_on = read_master(state), _flag(self.fields.get("on", True))
-        master_on, own_level = master["on_off"], _byte(self.fields.get("bri", _FULL))
-        master_level = _byte(state.get("bri")) if self.part == MASTER else _FULL
-        level = None if own_level is None or master_level is None else own_level * master_level / _FULL
-        return {
-            "on_off": None if master_on is None or own_on is None else master_on and own_on,
-            "level": _percent(level),
-        }
-
     def _read_colors(self) -> dict[str, PlainValue]:
         channels, steps = self._channels, _byte(self.fields.get("cct"))
-        found: dict[str, PlainValue] = {}
+        readings: dict[str, PlainValue] = {}
         if self.abilities & _RGB:
-            found["color"] = None if channels is None else _hue_saturation(channels)
+            readings["color"] = None
+            if channels is not None:
+                white = channels[3] if len(channels) == 4 else 0.0
+                rgb = tuple(min(_FULL, channel + white) for channel in channels[:3])
+                readings["color"] = to_hue_saturation("rgb", rgb, _WHITES.kelvins)
         if self.abilities & _CCT:
             is_white = channels is not None and len(set(channels[:3])) == 1
             shows_white = is_white or not self.abilities & _RGB
-            found["color_temperature"] = _WARMEST + _STEP * steps if steps is not None and shows_white else None
-        return found
-
-    def _read_effect(self) -> dict[str, PlainValue]:
-        if not self.effects:
-            return {}
-        number = self.fields.get("fx")
-        is_known = isinstance(number, int) and 0 <= number < len(self.effects)
-        return {"effect": (self.effects[number] or None) if is_known and isinstance(number, int) else None}
+            readings["color_temperature"] = _WARMEST + _STEP * steps if steps is not None and shows_white else None
+        return readings
 
     @property
     def _channels(self) -> tuple[float, ...] | None:
@@ -123,7 +120,7 @@ class WledSegment:
         first = colors[0] if isinstance(colors, list) and colors else None
         if not isinstance(first, list) or len(first) not in {3, 4}:
             return None
-        channels = tuple(one for one in map(_byte, first) if one is not None)
+        channels = tuple(channel for channel in map(_byte, first) if channel is not None)
         return channels if len(channels) == len(first) else None
 
 
@@ -134,7 +131,9 @@ def read_master(state: Fields) -> dict[str, PlainValue]:
 
 def find_segments(state: Fields, leds: Fields, effects: tuple[str, ...]) -> Iterator[WledSegment]:
     """Yield the segments with LEDs; a single one is the master part."""
-    lit = _with_leds(state)
+    listed = state.get("seg")
+    given = [segment for segment in listed if isinstance(segment, dict)] if isinstance(listed, list) else []
+    lit = [segment for segment in given[:_MOST_SEGMENTS] if segment.get("stop") != 0]
     known = leds.get("seglc")
     by_place = isinstance(known, list) and len(known) == len(lit)
     seen: set[int] = set()
@@ -148,25 +147,14 @@ def find_segments(state: Fields, leds: Fields, effects: tuple[str, ...]) -> Iter
         yield WledSegment(number, part, text_of(fields.get("n"), LONGEST_NAME), abilities, fields, effects)
 
 
-def _with_leds(state: Fields) -> list[Fields]:
-    listed = state.get("seg")
-    given = [one for one in listed if isinstance(one, dict)] if isinstance(listed, list) else []
-    return [one for one in given[:_MOST_SEGMENTS] if one.get("stop") != 0]
-
-
 def _abilities(segment: Fields, leds: Fields, place: int) -> int:
     """Return the abilities of a segment: from 16 on it names them itself, before 0.13 no segment does."""
     known = leds.get("seglc")
     of_place = known[place] if isinstance(known, list) and place < len(known) else None
-    for one in (segment.get("lc"), of_place, leds.get("lc")):
-        if isinstance(one, int) and not isinstance(one, bool) and 0 <= one <= _FULL:
-            return one
+    for abilities in (segment.get("lc"), of_place, leds.get("lc")):
+        if isinstance(abilities, int) and not isinstance(abilities, bool) and 0 <= abilities <= _FULL:
+            return abilities
     return _RGB | (_WHITE if leds.get("rgbw") is True else 0)
-
-
-def _hue_saturation(channels: tuple[float, ...]) -> tuple[float, float]:
-    white = channels[3] if len(channels) == 4 else 0.0
-    return to_hue_saturation("rgb", tuple(min(_FULL, one + white) for one in channels[:3]), _WHITES.kelvins)
 
 
 def _flag(value: object) -> bool | None:

@@ -78,7 +78,9 @@ class WledStrip:
         self._info: Fields = info
         self._effects = effects if any(effects) else ()
         self._presets = presets
-        self._segments = {one.part: one for one in find_segments(state, as_fields(info.get("leds")), self._effects)}
+        self._segments = {
+            segment.part: segment for segment in find_segments(state, as_fields(info.get("leds")), self._effects)
+        }
 
     def with_state(self, state: Fields) -> WledStrip:
         """Return the same controller in another state."""
@@ -107,10 +109,12 @@ class WledStrip:
 
     def parts(self) -> tuple[Part, ...]:
         """Return its parts, the master first."""
-        found = [_lamp(one.part, one.name, "segment", one.features) for one in self._segments.values()]
+        described = [
+            _lamp(segment.part, segment.name, "segment", segment.features) for segment in self._segments.values()
+        ]
         if MASTER not in self._segments:
-            found.insert(0, _lamp(MASTER, "", "wled", MASTER_FEATURES))
-        return (*found, *(extra for extra, _ in self._extras()))
+            described.insert(0, _lamp(MASTER, "", "wled", MASTER_FEATURES))
+        return (*described, *(extra for extra, _ in self._extras()))
 
     def readings(self) -> Iterator[tuple[str, Readings]]:
         """Yield the reports of each part, by its id."""
@@ -134,7 +138,8 @@ class WledStrip:
             owner, field = _PATHS[part]
             return {owner: {field: require_bool(capability, value)}}
         if part == _PRESET and self._presets and capability == "option":
-            return given | {"ps": self._preset_number(require_option(capability, value, self._presets.values()))}
+            name = require_option(capability, value, self._presets.values())
+            return given | {"ps": next(number for number, preset in self._presets.items() if preset == name)}
         if part in self._segments:
             segment = self._segments[part]
             return given | segment.write(segment.features.joint_command(values))
@@ -149,20 +154,14 @@ class WledStrip:
                 yield switch, is_on
         if self._presets:
             options = Capability(name="option", settable=True, options=tuple(self._presets.values()))
-            yield _own(_PRESET, "Preset", "x_setting", "config", options), self._shown_preset()
+            numbers = (number for field in ("pl", "ps") if isinstance(number := self._state.get(field), int))
+            shown = next((self._presets[number] for number in numbers if number in self._presets), None)
+            yield _own(_PRESET, "Preset", "x_setting", "config", options), shown
         if isinstance(is_live := self._info.get("live"), bool):
             yield _LIVE, is_live
         wifi = as_fields(self._info.get("wifi"))
         if "rssi" in wifi:
             yield _SIGNAL, to_number(wifi["rssi"])
-
-    def _preset_number(self, name: str) -> int:
-        return next(number for number, one in self._presets.items() if one == name)
-
-    def _shown_preset(self) -> str | None:
-        """Return the name of the running playlist, or of the preset that was chosen last."""
-        numbers = (number for field in ("pl", "ps") if isinstance(number := self._state.get(field), int))
-        return next((self._presets[number] for number in numbers if number in self._presets), None)
 
 
 def effect_names(document: object) -> tuple[str, ...]:
@@ -172,8 +171,8 @@ def effect_names(document: object) -> tuple[str, ...]:
         document: The answer to ``/json/eff``: a list of texts; any other document has no effects.
     """
     names: list[str] = []
-    for one in document[:_MOST_EFFECTS] if isinstance(document, list) else ():
-        name = text_of(one, 40).partition("@")[0]
+    for effect in document[:_MOST_EFFECTS] if isinstance(document, list) else ():
+        name = text_of(effect, 40).partition("@")[0]
         names.append("" if name in _NO_EFFECTS or name in names else name)
     return tuple(names)
 
@@ -195,5 +194,7 @@ def preset_names(document: object) -> dict[int, str]:
 
 
 def _lamp(part: str, name: str, advertised: str, features: LightFeatures) -> Part:
-    capabilities = tuple(Capability(name=one, settable=True, **more) for one, more in features.abilities().items())
+    capabilities = tuple(
+        Capability(name=capability, settable=True, **more) for capability, more in features.abilities().items()
+    )
     return Part(id=part, name=name, service_type="light", advertised=advertised, capabilities=capabilities)
