@@ -67,11 +67,11 @@ ROWS: Mapping[str, tuple[_Row, ...]] = {
 
 def _nodes(kind: str) -> dict[str, dict[str, object]]:
     """Return the nodes of a device as its description has them; the type of each is its name."""
-    found: dict[str, dict[str, object]] = {}
+    nodes: dict[str, dict[str, object]] = {}
     for node, _, _, _ in ROWS[kind]:
         properties = {prop: form for owner, prop, form, _ in ROWS[kind] if owner == node}
-        found[node] = {"type": f"{PROFILE}/{node}", "properties": properties}
-    return found
+        nodes[node] = {"type": f"{PROFILE}/{node}", "properties": properties}
+    return nodes
 
 
 class HomieDialect(Dialect):

@@ -74,8 +74,8 @@ class _Sensor:
         self.last: Advertisement | None = None
 
     def expiries(self) -> dict[str, tuple[AutoExpiry, ...]]:
-        moments = [one for one in self.parts.values() if one.id in self.moments]
-        return {one.id: (AutoExpiry(one.capabilities[0].name, MOMENT),) for one in moments}
+        moments = [part for part in self.parts.values() if part.id in self.moments]
+        return {moment.id: (AutoExpiry(moment.capabilities[0].name, MOMENT),) for moment in moments}
 
 
 class SensorLibraryParser(BroadcastParser):
@@ -122,7 +122,7 @@ class SensorLibraryParser(BroadcastParser):
             values=values if is_new else (),
             expiries=sensor.expiries(),
             metadata=_metadata(update),
-            silence=ON_BATTERY if any("battery" in one for one in sensor.parts) else 0.0,
+            silence=ON_BATTERY if any("battery" in part for part in sensor.parts) else 0.0,
             problem=_problem(sensor.reader),
         )
 
@@ -166,25 +166,25 @@ def _libraries() -> tuple[type[BluetoothData], ...]:
         return ()
     from bluetooth_sensor_state_data import BluetoothData  # noqa: PLC0415 - an extra
 
-    found: list[type[BluetoothData]] = []
+    libraries: list[type[BluetoothData]] = []
     for name in sorted(set(_names())):
         try:
             module = importlib.import_module(name.replace("-", "_"))
         except Exception as exc:
             raise PluginError(name, f"cannot be imported: {str(exc)[:200]}") from exc
-        found += [
-            one
-            for one in vars(module).values()
-            if isinstance(one, type) and issubclass(one, BluetoothData) and one is not BluetoothData
+        libraries += [
+            member
+            for member in vars(module).values()
+            if isinstance(member, type) and issubclass(member, BluetoothData) and member is not BluetoothData
         ]
-    return tuple(found)
+    return tuple(libraries)
 
 
 def _names() -> Iterator[str]:
     """Yield the installed packages that require the base."""
-    for one in distributions():
-        name = (one.name or "").lower()
-        if name.endswith("-ble") and any(each.startswith(BASE) for each in one.requires or ()):
+    for distribution in distributions():
+        name = (distribution.name or "").lower()
+        if name.endswith("-ble") and any(requirement.startswith(BASE) for requirement in distribution.requires or ()):
             yield name
 
 
@@ -210,15 +210,17 @@ def _service_info(advertisement: Advertisement) -> BluetoothServiceInfoBleak:
 def _read_update(sensor: _Sensor, update: SensorUpdate) -> Iterator[BroadcastValue]:
     """Add the parts of an update, and yield the values of its packet: an update has all values so far."""
     parts, before = sensor.parts, sensor.values
-    sensor.values = {id(one): one for one in (*update.entity_values.values(), *update.binary_entity_values.values())}
+    sensor.values = {
+        id(value): value for value in (*update.entity_values.values(), *update.binary_entity_values.values())
+    }
     for key, measured in update.entity_values.items():
         description = update.entity_descriptions[key]
         device_class = str(getattr(description.device_class, "value", "") or "")
         if device_class not in _OWN_CLASSES and id(measured) not in before:
             yield from _measured(parts, _part_id(key), description, device_class, measured.native_value)
-    for key, one in update.binary_entity_values.items():
-        if id(one) not in before:
-            yield from _condition(sensor, key, update.binary_entity_descriptions[key].device_class, one.native_value)
+    for key, value in update.binary_entity_values.items():
+        if id(value) not in before:
+            yield from _condition(sensor, key, update.binary_entity_descriptions[key].device_class, value.native_value)
     for key, event in update.events.items():
         yield from _happened(sensor, _part_id(key), event)
 
@@ -237,7 +239,7 @@ def _happened(sensor: _Sensor, part_id: str, event: Event) -> Iterator[Broadcast
 
     The last is of a part of its own: a lock has a state of the same name.
     """
-    kind, value = part_id.partition("_")[0], _PRESSES.get(event.event_type, event.event_type[:_LONGEST_EVENT])
+    kind, value = part_id.partition("_")[0], _PRESSES.get(event.event_type, event.event_type[:_MAX_EVENT_CHARACTERS])
     service_type, capability = "", "press"
     if kind in _MOMENTS:
         service_type, capability = condition_of(kind)
@@ -250,7 +252,7 @@ def _happened(sensor: _Sensor, part_id: str, event: Event) -> Iterator[Broadcast
         yield BroadcastValue(part_id, capability, True if kind in _MOMENTS else said)
 
 
-_LONGEST_EVENT = 100
+_MAX_EVENT_CHARACTERS = 100
 
 
 def _measured(
@@ -269,12 +271,12 @@ def _measured(
         )
     if not _has(parts, part):
         return
-    found: PlainValue = None
+    value_read: PlainValue = None
     if is_text:
-        found = value.isoformat() if isinstance(value, date) else str(value)[:200]
+        value_read = value.isoformat() if isinstance(value, date) else str(value)[:200]
     elif isinstance(value, int | float | Decimal):
-        found = quantity.value(float(value))
-    yield BroadcastValue(part_id, part.capabilities[0].name, found)
+        value_read = quantity.value(float(value))
+    yield BroadcastValue(part_id, part.capabilities[0].name, value_read)
 
 
 def _quantity(device_class: str, unit: str) -> Quantity:
@@ -299,7 +301,7 @@ def _part_id(key: DeviceKey) -> str:
 
 def _name_of(update: SensorUpdate) -> str:
     """Return the name that a library without titles gives the device: ``RuuviTag EFAF``, ``IBS-TH EEFF``."""
-    return next((one.name for one in update.devices.values() if one.name), "")
+    return next((device.name for device in update.devices.values() if device.name), "")
 
 
 def _metadata(update: SensorUpdate) -> dict[str, str]:

@@ -30,7 +30,7 @@ ON_BATTERY: Final = 300.0
 _BODY: Final = 8
 """The first byte in the maker's data after the address, a counter and flags."""
 
-_MOST_PPM: Final = 9999
+_MAX_PPM: Final = 9999
 _OPEN_TILT: Final = 50
 """Slats are closed upwards at 100 and downwards at 0."""
 
@@ -73,7 +73,7 @@ def _climate_at(at: int) -> tuple[_SwitchbotRow, ...]:
 
 def _carbon_dioxide(_service: bytes, maker: bytes) -> PlainValue:
     ppm = maker[13] << 8 | maker[14]
-    return float(ppm) if ppm <= _MOST_PPM else None
+    return float(ppm) if ppm <= _MAX_PPM else None
 
 
 def _tilt(_service: bytes, maker: bytes) -> PlainValue:
@@ -188,7 +188,9 @@ class SwitchbotParser(BroadcastParser):
 
 
 def _service_data(advertisement: Advertisement) -> bytes:
-    return next((advertisement.service_data[one] for one in SERVICES if one in advertisement.service_data), b"")
+    return next(
+        (advertisement.service_data[service] for service in SERVICES if service in advertisement.service_data), b""
+    )
 
 
 def _model_of(service: bytes) -> tuple[str, tuple[_SwitchbotRow, ...]] | None:

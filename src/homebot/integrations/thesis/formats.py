@@ -92,7 +92,7 @@ def _meaning(service_type: str) -> tuple[str, str, tuple[Capability, ...]]:
     name, tag = _CLEARED.get(meant, (next(iter(meant)) if len(meant) == 1 else "", ""))
     if tag == "door" and "garage" in service_type.casefold():
         tag = "garage_door"
-    capabilities = [Capability(name=one, settable=True) for one in _SETTABLE.get(name, ())]
+    capabilities = [Capability(name=capability, settable=True) for capability in _SETTABLE.get(name, ())]
     capabilities += [Capability(name=_READABLE[name])] if name in _READABLE else []
     return (name, tag, tuple(capabilities)) if capabilities else ("", "", ())
 

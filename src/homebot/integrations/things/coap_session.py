@@ -167,17 +167,17 @@ class ThingEndpointSession(EndpointSession):
         if endpoint.description:
             return [self._described(await self._read_description(endpoint.description), endpoint.key)]
         links = await self._links()
-        found: list[tuple[GatewayDevice, Thing]] = []
+        devices: list[tuple[GatewayDevice, Thing]] = []
         for uri in self._descriptions(links):
-            key = endpoint.key if not found else f"{endpoint.key}{uri.removeprefix(endpoint.base)}"
-            found.append(self._described(await self._read_description(uri), key))
-        if found:
-            return found
+            key = endpoint.key if not devices else f"{endpoint.key}{uri.removeprefix(endpoint.base)}"
+            devices.append(self._described(await self._read_description(uri), key))
+        if devices:
+            return devices
         try:
             return [self._described(await self._read_description(endpoint.base + _WOT), endpoint.key)]
         except (RefusedError, WireError):
             pass  # most have none
-        own = {one.target: self._resolved(one) for one in links}
+        own = {link.target: self._resolved(link) for link in links}
         thing = thing_of_links(links, own, endpoint.name or endpoint.base.partition("://")[2])
         return [self._described(thing, endpoint.key, links)]
 
@@ -191,8 +191,8 @@ class ThingEndpointSession(EndpointSession):
         return parse_links(answer.payload)
 
     def _descriptions(self, links: tuple[WebLink, ...]) -> list[str]:
-        named = [one for one in links if str(TD_FORMAT) in one.words("ct") or "wot.thing" in one.words("rt")]
-        return list(dict.fromkeys(uri for one in named if (uri := self._resolved(one))))[:MAX_THINGS]
+        named = [link for link in links if str(TD_FORMAT) in link.words("ct") or "wot.thing" in link.words("rt")]
+        return list(dict.fromkeys(uri for link in named if (uri := self._resolved(link))))[:MAX_THINGS]
 
     def _resolved(self, link: WebLink) -> str:
         """Return the address of a link; empty for one of another host, which this one does not speak for."""
@@ -209,7 +209,7 @@ class ThingEndpointSession(EndpointSession):
 
     def _described(self, thing: Thing, key: str, links: tuple[WebLink, ...] = ()) -> tuple[GatewayDevice, Thing]:
         endpoint = self.endpoint
-        kinds = " ".join(dict.fromkeys(word for one in links for word in one.words("rt")))
+        kinds = " ".join(dict.fromkeys(word for link in links for word in link.words("rt")))
         device = describe_thing(thing, key, COAP_BINDING)
         facts = {"address": endpoint.base, **endpoint.facts, **device.metadata}
         if kinds:

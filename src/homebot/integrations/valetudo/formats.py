@@ -88,20 +88,20 @@ def read_map(payload: bytes) -> VacuumMap:
     if sum(map(text.count, (b":", b"[", b"{"))) > _MAX_VALUES:
         raise WireError(f"it has more than {_MAX_VALUES:,} keys, lists and tables")
     try:
-        found = _Map.model_validate_json(text)
+        vacuum_map = _Map.model_validate_json(text)
     except ValidationError as exc:
         error = exc.errors(include_url=False, include_input=False)[0]
         raise WireError(f"it is no map of Valetudo: {'.'.join(map(str, error['loc']))} {error['msg']}") from exc
-    layers = [one for one in found.layers if one.type == "segment"]
-    if sum(len(one.compressed_pixels) + len(one.pixels) for one in layers) > _MAX_NUMBERS:
+    layers = [layer for layer in vacuum_map.layers if layer.type == "segment"]
+    if sum(len(layer.compressed_pixels) + len(layer.pixels) for layer in layers) > _MAX_NUMBERS:
         raise WireError(f"its pixels have more than {_MAX_NUMBERS:,} numbers")
-    robots = [one for one in found.entities if one.type == "robot_position"]
+    robots = [entity for entity in vacuum_map.entities if entity.type == "robot_position"]
     return VacuumMap(
-        vendor_id=str(found.meta_data.vendor_map_id)[:100],
-        pixel=found.pixel_size / 100,
-        height=found.size.y / 100,
+        vendor_id=str(vacuum_map.meta_data.vendor_map_id)[:100],
+        pixel=vacuum_map.pixel_size / 100,
+        height=vacuum_map.size.y / 100,
         segments=tuple(map(_segment, layers)),
-        robot=_pose(robots[-1], found.size.y) if robots else None,
+        robot=_pose(robots[-1], vacuum_map.size.y) if robots else None,
     )
 
 

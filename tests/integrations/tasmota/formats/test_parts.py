@@ -13,7 +13,7 @@ from homebot.errors import RefusedError
 from homebot.integrations.tasmota.formats.config import read_config
 from homebot.integrations.tasmota.formats.light import LampState, speed_for
 from homebot.integrations.tasmota.formats.parts import build_parts, count_shutters
-from homebot.integrations.tasmota.formats.sensors import MOST_SENSORS, read_leaves
+from homebot.integrations.tasmota.formats.sensors import MAX_SENSORS, read_leaves
 
 MAC = "2462AB000011"
 
@@ -333,7 +333,7 @@ def test_other_leaves_are_left_out() -> None:
 
 def test_sensors_are_bounded() -> None:
     assert built({"A" * 101: {"b": 1}, "A": {"b" * 101: 1}}) == {}
-    assert len(built({"A": {f"n{number}": number for number in range(10_000)}})) == MOST_SENSORS
+    assert len(built({"A": {f"n{number}": number for number in range(10_000)}})) == MAX_SENSORS
 
 
 def test_the_signal_strength_is_a_diagnostic_part() -> None:

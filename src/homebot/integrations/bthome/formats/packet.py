@@ -36,7 +36,7 @@ from homebot.errors import WireError
 BTHOME_UUID = "0000fcd2-0000-1000-8000-00805f9b34fb"
 VERSION = 2
 _ADDRESS = 6
-_MOST_ARGUMENTS = 0x1F
+_MAX_ARGUMENTS = 0x1F
 _WORDS = {BUTTON: BUTTON_PRESSES, DIMMER: DIMMER_TURNS, COMMAND: COMMANDS}
 
 
@@ -132,7 +132,7 @@ def read_objects(body: bytes) -> BTHomePacket:
         elif object_id == DEVICE_TYPE:
             device_type = int.from_bytes(data, "little")
         elif object_id in {FIRMWARE_3, FIRMWARE_4}:
-            firmware = ".".join(str(one) for one in reversed(data))
+            firmware = ".".join(str(byte) for byte in reversed(data))
         else:
             kind = BTHOME_OBJECTS[object_id]
             count = seen[kind.name] = seen.get(kind.name, 0) + 1
@@ -153,7 +153,7 @@ def _objects(body: bytes) -> Iterator[tuple[int, bytes, int]]:
         if not size:
             if begin == len(body):
                 raise WireError(f"BTHome: the object {object_id:#04x} has no length", body)
-            size = body[begin] if object_id != COMMAND else 1 + (body[begin] & _MOST_ARGUMENTS)
+            size = body[begin] if object_id != COMMAND else 1 + (body[begin] & _MAX_ARGUMENTS)
             begin += 1
         at = begin + size
         if at > len(body):

@@ -99,20 +99,20 @@ class _BTHomeSender:
         self.was_read, self.packet_id = True, packet.packet_id
         self._record_metadata(packet)
         values = tuple(map(self._meant, packet.values))
-        for one in values:
-            if one.part not in self.parts and len(self.parts) < MAX_PARTS:
-                kind = one.object
+        for value in values:
+            if value.part not in self.parts and len(self.parts) < MAX_PARTS:
+                kind = value.object
                 category: Category = "diagnostic" if kind.is_diagnostic else ""
                 tag = TAGS.get(kind.name, "")
-                self.parts[one.part] = sensor_part(
-                    one.part, kind.capability, unit=kind.unit, tag=tag, category=category
+                self.parts[value.part] = sensor_part(
+                    value.part, kind.capability, unit=kind.unit, tag=tag, category=category
                 )
-            if one.object.capability.startswith("battery"):
+            if value.object.capability.startswith("battery"):
                 self.silence = max(self.silence, ON_BATTERY)
         return tuple(
-            BroadcastValue(one.part, one.object.capability, one.value)
-            for one in values
-            if one.part in self.parts and not (one.value is None and CAPABILITIES[one.object.capability].is_event)
+            BroadcastValue(value.part, value.object.capability, value.value)
+            for value in values
+            if value.part in self.parts and not (value.value is None and CAPABILITIES[value.object.capability].is_event)
         )
 
     def _meant(self, measured: Measured) -> Measured:
@@ -187,5 +187,5 @@ class BTHomeParser(BroadcastParser):
             raise WireError(f"BTHome: {address[:40]} is not a MAC address, which decryption needs") from exc
         if len(key) != KEY_SIZE:
             raise WireError(f"BTHome: its bind key has {len(key)} bytes, not {KEY_SIZE}")
-        found = self._keys[address] = BindKey(key, mac)
-        return found
+        bind_key = self._keys[address] = BindKey(key, mac)
+        return bind_key

@@ -24,8 +24,6 @@ from homebot.integrations.esphome.driver.settings import KEY_ADVICE, PASSWORD_AD
 from homebot.integrations.esphome.formats.device import ListedEntity
 from homebot.support.rate_limit import RateLimit
 
-__all__ = ["BURST", "PER_SECOND", "RECEIVED_AT_ONCE", "EsphomeConnection", "MeteredSocket", "connected", "open_socket"]
-
 PING_EVERY = 4.0
 """Seconds of silence, at most twice as many, after which the device is pinged; the library then waits 4.5 times as long
 for anything to come."""
@@ -61,7 +59,9 @@ class EsphomeConnection:
             entities, _ = await self._client.list_entities_services()
         version = self._client.api_version or model.APIVersion()
         return info.to_dict(), [
-            (_COMPONENTS[type(one)], _with_compatible(one, version)) for one in entities if type(one) in _COMPONENTS
+            (_COMPONENTS[type(entity)], _with_compatible(entity, version))
+            for entity in entities
+            if type(entity) in _COMPONENTS
         ]
 
     def subscribe(self, on_state: Callable[[str, Fields], None]) -> None:

@@ -70,7 +70,8 @@ class EsphomeDriver(Driver):
             raise LinkError(f"{self.service.name} is not connected")
         entity = device.entity(command.part)
         fields, along = join(
-            command, lambda one: entity.command(one.capability, one.value.plain(), one.transition, one.code)
+            command,
+            lambda setting: entity.command(setting.capability, setting.value.plain(), setting.transition, setting.code),
         )
         connection.send(entity.component, entity.key, fields)
         return along

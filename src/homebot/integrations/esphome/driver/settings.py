@@ -111,17 +111,17 @@ class EsphomeSettings(EsphomeSecrets, DriverSettings):
         secrets, table = (self, "") if own is None else (own, f"devices.{device}.")
         return secrets.read_key(table), secrets.read_password(table)
 
-    def addresses_of(self, device: str, found: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the addresses among *found* at which a device may be connected to: all, unless its table names one.
+    def addresses_of(self, device: str, announced: tuple[str, ...]) -> tuple[str, ...]:
+        """Return those of *announced* at which a device may be connected to: all, unless its table names one.
 
         Raises:
             RefusedError: None of them is the one in its table; the message gives the remedy.
         """
         own = self.devices.get(device)
         if own is None or own.allow_plaintext_at is None:
-            return found
-        if own.allow_plaintext_at not in found:
-            why = f"it is announced at {found[0] if found else 'no address'}, and its allow_plaintext_at is"
+            return announced
+        if own.allow_plaintext_at not in announced:
+            why = f"it is announced at {announced[0] if announced else 'no address'}, and its allow_plaintext_at is"
             raise RefusedError(f"the connection to {device}", f"{why} {own.allow_plaintext_at}; {PLAINTEXT_ADVICE}")
         return (own.allow_plaintext_at,)
 

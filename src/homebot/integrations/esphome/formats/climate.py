@@ -34,12 +34,12 @@ _WATER_TARGET, _WATER_SWITCH, _WATER_PAIR, _WATER_ON = 2, 16, 32, 2
 _FAHRENHEIT, _KELVIN = 1, 2
 _ZERO = 273.15
 _ANY_CELSIUS = (-100.0, 200.0)
-_MOST_LEVELS = 1000
+_MAX_LEVELS = 1000
 
 
 def _named(names: tuple[str, ...], field: str) -> Callable[[Fields], Mapping[str, object]]:
     """Return the choices of an enum that a list of the description has."""
-    return lambda info: {names[one]: one for one in numbers_of(info, field) if 0 <= one < len(names)}
+    return lambda info: {names[number]: number for number in numbers_of(info, field) if 0 <= number < len(names)}
 
 
 _modes_of = _named(_MODES, "supported_modes")
@@ -211,7 +211,7 @@ WATER_HEATER: Final = EntityComponent(
 def _speed_levels(info: Fields) -> int:
     """Return the number of speeds; 0 if it has none or too many."""
     levels = int(number_of(info, "supported_speed_count") or 0) if info.get("supports_speed") is True else 0
-    return levels if 0 < levels <= _MOST_LEVELS else 0
+    return levels if 0 < levels <= _MAX_LEVELS else 0
 
 
 def _directions(info: Fields) -> Mapping[str, object]:

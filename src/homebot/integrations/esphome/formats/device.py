@@ -39,7 +39,7 @@ class EsphomeDevice:
         self._info = info
         known = [(kind, fields) for kind, fields in listed if kind in KINDS and _is_to_be_read(kind, fields)]
         self.left_out = max(0, len(known) - MAX_ENTITIES)
-        for kind, fields in sorted(known[:MAX_ENTITIES], key=lambda one: _ORDER[one[0]]):
+        for kind, fields in sorted(known[:MAX_ENTITIES], key=lambda kind_and_fields: _ORDER[kind_and_fields[0]]):
             self._add(EsphomeEntity(kind, fields, KINDS[kind]), _object_id(fields))
 
     @property

@@ -25,7 +25,7 @@ from homebot.devices.part import Category, Part
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number
 
-_MOST_SECONDS = 4_000_000.0
+_MAX_TRANSITION_S = 4_000_000.0
 """Longest transition: ESPHome counts milliseconds with 32 bits."""
 
 _TAGS: Mapping[str, str] = {"occupancy": "presence"}
@@ -57,13 +57,13 @@ class EsphomeEntity:
     def part(self, part_id: str, owner: str = "") -> Part:
         """Return its part; the name of its sub-device, *owner*, precedes its own."""
         service_type, _, tag = self._kind
-        told = tag_of(self.info, is_set=any(one.settable for one in self._capabilities))
+        declared = tag_of(self.info, is_set=any(capability.settable for capability in self._capabilities))
         return Part(
             id=part_id,
             name=f"{owner} {text_of(self.info, 'name')}".strip(),
             service_type=service_type if isinstance(service_type, str) else service_type(self.info),
             advertised=self.component,
-            tag=_TAGS.get(told, told) if tag is None else tag,
+            tag=_TAGS.get(declared, declared) if tag is None else tag,
             category=_CATEGORIES.get(whole_of(self.info, "entity_category"), ""),
             capabilities=self._capabilities,
         )
@@ -74,8 +74,8 @@ class EsphomeEntity:
         readers = [(name, row.read) for name, row in self._rows.items() if row.read is not None]
         if state.get("missing_state") is True:
             return {name: None for name, _ in readers}
-        found = {name: read(self.info, state) for name, read in readers}
-        return {name: value for name, value in found.items() if value is not None or name not in EVENTS}
+        readings = {name: read(self.info, state) for name, read in readers}
+        return {name: value for name, value in readings.items() if value is not None or name not in EVENTS}
 
     def command(self, capability: str, value: PlainValue, transition: float = 0.0, code: str = "") -> Fields:
         """Return the fields of the command that sets *capability*.
@@ -85,7 +85,7 @@ class EsphomeEntity:
         """
         fields = writer_of(self._rows.values(), capability)(self.info, value, code)
         if self.component == "light" and transition:
-            return {**fields, "transition_length": require_transition(transition, _MOST_SECONDS)}
+            return {**fields, "transition_length": require_transition(transition, _MAX_TRANSITION_S)}
         return fields
 
 
@@ -103,7 +103,7 @@ def number_of(fields: Fields, name: str) -> float | None:
 def numbers_of(fields: Fields, name: str) -> tuple[int, ...]:
     """Return the whole numbers of a list."""
     value = fields.get(name)
-    return tuple(int(one) for one in value if isinstance(one, int)) if isinstance(value, list) else ()
+    return tuple(int(number) for number in value if isinstance(number, int)) if isinstance(value, list) else ()
 
 
 def read_text(field: str) -> ReadField:
@@ -133,7 +133,7 @@ def write_percent(name: str, field: str, **more: object) -> WriteField:
 
 def listed(field: str) -> Callable[[Fields], Mapping[str, object]]:
     """Return the choices that are the texts of a list of the description."""
-    return lambda info: {one: one for one in options_of(info, field)}
+    return lambda info: {option: option for option in options_of(info, field)}
 
 
 def supports(field: str) -> Callable[[Fields], bool]:

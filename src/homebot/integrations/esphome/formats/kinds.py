@@ -72,7 +72,7 @@ _PLAYBACKS = {"playing": (16_384, 0), "paused": (1, 1), "stopped": (4096, 2)}
 """The feature and the command of each."""
 
 _PASSWORD = 1
-_MOST_SECONDS = 2**32
+_MAX_DURATION_S = 2**32
 
 
 def _read_movement(_info: Fields, state: Fields) -> PlainValue:
@@ -156,7 +156,7 @@ _read_playback = read_named("state", _PLAYER_STATES)
 
 def _playbacks(info: Fields) -> tuple[str, ...]:
     flags = whole_of(info, "feature_flags")
-    return tuple(one for one, (feature, _) in _PLAYBACKS.items() if flags & feature)
+    return tuple(playback for playback, (feature, _) in _PLAYBACKS.items() if flags & feature)
 
 
 def _write_playback(info: Fields, value: PlainValue, _code: str) -> Fields:
@@ -201,7 +201,7 @@ def _moment(kind: str) -> EntityComponent:
             moment = (date if kind == "date" else time).fromisoformat(text)
             return {name: getattr(moment, name) for name in names}
         seconds = int(datetime.fromisoformat(text).timestamp())
-        if not 0 <= seconds < _MOST_SECONDS:
+        if not 0 <= seconds < _MAX_DURATION_S:
             raise RefusedError(f"text {shown(value)}", "it takes a datetime from 1970 to 2106")
         return {"epoch_seconds": seconds}
 

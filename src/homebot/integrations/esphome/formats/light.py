@@ -27,7 +27,7 @@ _WHITES = (11, 19, 47, 51)
 """Colour modes with whites from warm to cold, best first."""
 
 _NO_EFFECT = "None"
-_MOST_MIRED = 1000.0
+_MAX_MIRED = 1000.0
 _USUAL_KELVINS = (2_000, 6_535)
 
 
@@ -45,7 +45,7 @@ def _first_mode(modes: Iterable[int], info: Fields) -> int:
 def _mired_range(info: Fields) -> tuple[float, float]:
     """Return coldest and warmest white in mired; zeros if it has no valid range."""
     coldest, warmest = (number_of(info, name) or 0.0 for name in ("min_mireds", "max_mireds"))
-    return (coldest, warmest) if 1 <= coldest <= warmest <= _MOST_MIRED else (0.0, 0.0)
+    return (coldest, warmest) if 1 <= coldest <= warmest <= _MAX_MIRED else (0.0, 0.0)
 
 
 def _kelvin_bounds(info: Fields) -> tuple[float, ...]:
@@ -65,18 +65,18 @@ def _read_white(info: Fields, state: Fields) -> PlainValue:
     mired = number_of(state, "color_temperature")
     if mode & _COLD_WARM:
         mired = _mixed(info, state, mired)
-    return None if not mired or not 1 <= mired <= _MOST_MIRED else float(round(MIRED / mired))
+    return None if not mired or not 1 <= mired <= _MAX_MIRED else float(round(MIRED / mired))
 
 
 def _write_white(info: Fields, value: PlainValue, _code: str) -> Fields:
     mode, (coldest, warmest) = _first_mode(_WHITES, info), _mired_range(info)
     low, high = _kelvins(info)
     kelvin = require_number("color_temperature", value, low, high, "K")
-    found = {"state": True, "color_mode": mode, "color_temperature": min(max(MIRED / kelvin, coldest), warmest)}
+    state = {"state": True, "color_mode": mode, "color_temperature": min(max(MIRED / kelvin, coldest), warmest)}
     if mode & _RGB:
-        found["color_brightness"] = 0.0
-        return {**found, "white": 1.0} if mode & _COLOR_TEMPERATURE else found
-    return found
+        state["color_brightness"] = 0.0
+        return {**state, "white": 1.0} if mode & _COLOR_TEMPERATURE else state
+    return state
 
 
 def _mixed(info: Fields, state: Fields, reported: float | None) -> float | None:
@@ -108,28 +108,28 @@ def _read_color(info: Fields, state: Fields) -> PlainValue:
     if shares is None:
         return None
     strength, *channels = shares
-    rgb = [one * (strength if whites else 1.0) for one in channels[:3]]
-    return to_hue_saturation(letters, tuple(round(255 * one) for one in (*rgb, *channels[3:])), _kelvins(info))
+    rgb = [channel * (strength if whites else 1.0) for channel in channels[:3]]
+    return to_hue_saturation(letters, tuple(round(255 * channel) for channel in (*rgb, *channels[3:])), _kelvins(info))
 
 
 def _shares(state: Fields, names: tuple[str, ...]) -> list[float] | None:
     """Return the numbers from 0 to 1 with these *names*; None if one of them is none."""
-    found = [number_of(state, name) for name in names]
-    shares = [one for one in found if one is not None and 0 <= one <= 1]
-    return shares if len(shares) == len(found) else None
+    values = [number_of(state, name) for name in names]
+    shares = [value for value in values if value is not None and 0 <= value <= 1]
+    return shares if len(shares) == len(values) else None
 
 
 def _write_color(info: Fields, value: PlainValue, _code: str) -> Fields:
     mode = _first_mode(_CHANNELS, info)
     letters, whites = _CHANNELS[mode]
     hue, saturation = require_color(value)
-    channels = [one / 255 for one in from_hue_saturation(letters, hue, saturation, _kelvins(info))]
+    channels = [channel / 255 for channel in from_hue_saturation(letters, hue, saturation, _kelvins(info))]
     strength = max(channels[:3])
-    rgb = tuple(one / strength for one in channels[:3]) if strength else (1.0, 1.0, 1.0)
-    found = {"state": True, "color_mode": mode, "rgb": rgb, "color_brightness": strength}
+    rgb = tuple(channel / strength for channel in channels[:3]) if strength else (1.0, 1.0, 1.0)
+    state = {"state": True, "color_mode": mode, "rgb": rgb, "color_brightness": strength}
     if mode & _COLOR_TEMPERATURE:
-        found["white"] = 0.0
-    return {**found, **dict(zip(whites, channels[3:], strict=True))}
+        state["white"] = 0.0
+    return {**state, **dict(zip(whites, channels[3:], strict=True))}
 
 
 def _effects(info: Fields) -> Mapping[str, object]:

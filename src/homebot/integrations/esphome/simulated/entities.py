@@ -63,7 +63,7 @@ def _motor(device_class: str) -> EntityTemplate:
 
 
 def _binary_sensor(device_class: str, text: str) -> EntityTemplate:
-    return EntityTemplate("BinarySensor", {"device_class": device_class}, lambda one: {"state": one.text == text})
+    return EntityTemplate("BinarySensor", {"device_class": device_class}, lambda state: {"state": state.text == text})
 
 
 def _sensor(device_class: str, unit: str) -> EntityTemplate:
@@ -110,11 +110,11 @@ ENTITIES: Mapping[str, EntityTemplate] = {
             "visual_min_temperature": 5.0,
             "visual_max_temperature": 30.0,
         },
-        lambda one: {
+        lambda state: {
             "mode": _HEAT,
-            "action": _HEAT if one.heats else 4,
-            "current_temperature": round(one.celsius, 1),
-            "target_temperature": one.target,
+            "action": _HEAT if state.heats else 4,
+            "current_temperature": round(state.celsius, 1),
+            "target_temperature": state.target,
         },
         lambda fields: (number_text(fields["target_temperature"]),) if fields["has_target_temperature"] else (),
     ),

@@ -22,7 +22,7 @@ ApiMessage: TypeAlias = tuple[str, Mapping[str, Any]]
 _PLAIN, _ENCRYPTED = 0x00, 0x01
 _PROLOGUE = b"NoiseAPIInit\x00\x00"
 _PROTOCOL = b"Noise_NNpsk0_25519_ChaChaPoly_SHA256"
-_LONGEST = 65_535
+_MAX_FRAME_BYTES = 65_535
 _NUMBERS: Mapping[str, int] = {proto.__name__: number for number, proto in MESSAGE_TYPE_TO_PROTO.items()}
 
 
@@ -66,7 +66,7 @@ class NativeApiStream(ABC):
             message = kind.FromString(data)
         except Exception as exc:
             raise ClientRefusedError(f"message {number}: {exc}") from exc
-        return kind.__name__, {one.name: getattr(message, one.name) for one in message.DESCRIPTOR.fields}
+        return kind.__name__, {field.name: getattr(message, field.name) for field in message.DESCRIPTOR.fields}
 
     async def send(self, message: ApiMessage) -> None:
         """Send a message."""
@@ -94,7 +94,7 @@ class _PlainStream(NativeApiStream):
             raise ClientRefusedError("Bad indicator byte")
         self.is_first = False
         size, number = await self._varint(), await self._varint()
-        if size > _LONGEST:
+        if size > _MAX_FRAME_BYTES:
             raise ClientRefusedError(f"a message of {size} bytes")
         return number, await self._received.receive_exactly(size) if size else b""
 
@@ -184,8 +184,8 @@ def _noise_frame(data: bytes) -> bytes:
 
 
 def _varint(value: int) -> list[int]:
-    found = []
+    messages = []
     while value > 0x7F:
-        found.append(value & 0x7F | 0x80)
+        messages.append(value & 0x7F | 0x80)
         value >>= 7
-    return [*found, value]
+    return [*messages, value]

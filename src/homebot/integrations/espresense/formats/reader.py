@@ -23,10 +23,10 @@ _SILENT_AFTER: Final = 120.0
 _SELF_NAMED: Final = "name:"
 """Devices with the name that they give themselves by radio: of anybody, and anybody's."""
 
-_MOST_DEVICES: Final = 200
+_MAX_DEVICES: Final = 200
 """Further ones are left out, so that no flood pushes out the phones of the house."""
 
-_MOST_ROOMS: Final = 50
+_MAX_ROOMS: Final = 50
 
 
 class EspresenseReader:
@@ -48,8 +48,8 @@ class EspresenseReader:
         """
         _, _, device, room = topic.split("/")
         name, rooms = self._rooms.get(device, ("", ()))
-        is_known = room in rooms or len(rooms) >= _MOST_ROOMS
-        is_left_out = device.startswith(_SELF_NAMED) or (not rooms and len(self._rooms) >= _MOST_DEVICES)
+        is_known = room in rooms or len(rooms) >= _MAX_ROOMS
+        is_left_out = device.startswith(_SELF_NAMED) or (not rooms and len(self._rooms) >= _MAX_DEVICES)
         if is_known or is_left_out or retained or not (device and room and payload):
             return ()
         name = text_of(parse_object(payload).get("name")) or name

@@ -60,7 +60,9 @@ class Actions:
         steps: list[Step] = []
         for number, node in enumerate(nodes):
             if isinstance(node.value, dict) and _CONDITIONS.isdisjoint(node.value):
-                steps += [step for each in self._automation.each([node], "action", self._steps) for step in each]
+                steps += [
+                    step for node_steps in self._automation.each([node], "action", self._steps) for step in node_steps
+                ]
                 continue
             first_here = conditions_of(self._automation, [node])
             if not steps:
@@ -102,11 +104,11 @@ class Actions:
 
     def _choose(self, fields: UnreadFields) -> list[Step]:
         """Read a choice; each option but the first is tried if those before it do not hold."""
-        found = self._branch(fields.items("default"))
+        default = self._branch(fields.items("default"))
         options = self._automation.each(fields.items("choose"), "choose", self._option)
         for conditions, steps in reversed(options):
-            found = _choice(conditions, steps, found)
-        return found
+            default = _choice(conditions, steps, default)
+        return default
 
     def _option(self, fields: UnreadFields) -> tuple[list[Condition], list[Step]]:
         conditions = conditions_of(self._automation, fields.items("conditions"))
@@ -115,12 +117,12 @@ class Actions:
 
     def _parallel(self, fields: UnreadFields) -> list[Step]:
         """Read simultaneous actions: commands to different devices may be given in a row."""
-        branches = [self._branch([one]) for one in fields.items("parallel")]
+        branches = [self._branch([node]) for node in fields.items("parallel")]
         reached: list[str] = []
         for branch in branches:
-            steps = [read_step(one) if isinstance(one, str) else None for one in branch]
-            targets = {one.target for one in steps if isinstance(one, Do)}
-            if not all(isinstance(one, Do | Notify) for one in steps) or not targets.isdisjoint(reached):
+            steps = [read_step(text) if isinstance(text, str) else None for text in branch]
+            targets = {step.target for step in steps if isinstance(step, Do)}
+            if not all(isinstance(step, Do | Notify) for step in steps) or not targets.isdisjoint(reached):
                 raise NotCarriedError("action parallel: more than commands to different devices")
             reached += targets
         return [*chain.from_iterable(branches)]
@@ -129,7 +131,7 @@ class Actions:
         """Read repeated actions, which are written so often."""
         count, steps = fields.text("count", "0"), self._branch(fields.items("sequence"))
         fields.end()
-        is_plain = all(isinstance(one, str) and not one.startswith("wait until") for one in steps)
+        is_plain = all(isinstance(step, str) and not step.startswith("wait until") for step in steps)
         times = int(count) if count.isdecimal() and len(count) <= _MAX_DIGITS else 0
         if not is_plain or not 0 < times * max(len(steps), 1) <= MOST:  # before they are written
             raise NotCarriedError(
@@ -169,17 +171,19 @@ class Actions:
         """
         started_by = self._automation.starts
         waited = Automation(self._automation.entities, self._automation.problems)
-        texts = waited.each(fields.items("wait_for_trigger"), "trigger", lambda one: read_triggers(waited, one))
-        found = [text for some in texts for text in some]
-        if len(found) != 1 or len(waited.starts) != 1:
+        texts = waited.each(fields.items("wait_for_trigger"), "trigger", lambda node: read_triggers(waited, node))
+        triggers = [text for some in texts for text in some]
+        if len(triggers) != 1 or len(waited.starts) != 1:
             raise NotCarriedError("action wait_for_trigger: routines wait for one state")
         ((ids, states),) = waited.starts
-        is_other = started_by and all(one == ids and old and old.isdisjoint(states) for one, old in started_by)
+        is_other = started_by and all(
+            trigger_ids == ids and old and old.isdisjoint(states) for trigger_ids, old in started_by
+        )
         if not is_other or self._has_waited or self._mode == "queued":
             raise NotCarriedError(
                 "action wait_for_trigger: a routine would go on at once if it is so already; use wait_template"
             )
-        return found[0]
+        return triggers[0]
 
 
 def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: Sequence[Step]) -> list[Step]:
@@ -199,7 +203,7 @@ def _choice(conditions: Sequence[Condition], steps: Sequence[Step], otherwise: S
 
 
 def _written(texts: list[str], steps: Sequence[Step], otherwise: Sequence[Step]) -> dict[str, object]:
-    if any(not isinstance(one, str) for one in steps):
+    if any(not isinstance(step, str) for step in steps):
         raise NotCarriedError("a choice in a choice; routines have one level")
     choice: dict[str, object] = {"if": texts, "do": [*steps]}
     return {**choice, "else": [*otherwise]} if otherwise else choice

@@ -30,14 +30,14 @@ class Automation:
 
     def each(self, nodes: Sequence[Located], what: str, read: Callable[[UnreadFields], T]) -> list[T]:
         """Return what *read* returns for each of *nodes* that is switched on and carried over."""
-        found: list[T] = []
+        results: list[T] = []
         for node in nodes:
             with self.in_line(node.line):
                 fields = UnreadFields(node, what)
                 if fields.flag("enabled", default=True):
-                    found.append(read(fields))
+                    results.append(read(fields))
                     fields.end()
-        return found
+        return results
 
     @contextmanager
     def in_line(self, line: int) -> Iterator[None]:

@@ -23,7 +23,7 @@ NEVER: Final[Condition] = ()
 
 JOINTS: Final = ("and", "or", "not")
 
-_MOST: Final = 50
+_MAX_CONDITIONS: Final = 50
 """Conditions that an ``or`` or ``not`` of others becomes."""
 
 _BY_SUN: Final[dict[Condition, list[Condition]]] = {
@@ -43,7 +43,10 @@ def conditions_of(automation: Automation, nodes: Sequence[Located]) -> list[Cond
 
 def texts_of(conditions: Iterable[Condition]) -> list[str]:
     """Return the texts of *conditions* in routines."""
-    texts = (one[0][1:-1] if len(one) == 1 and one[0][0] == "(" else " or ".join(one) for one in conditions)
+    texts = (
+        condition[0][1:-1] if len(condition) == 1 and condition[0][0] == "(" else " or ".join(condition)
+        for condition in conditions
+    )
     return [*dict.fromkeys(texts)]
 
 
@@ -79,10 +82,10 @@ def _read(automation: Automation, fields: UnreadFields) -> list[Condition]:
     raise NotCarriedError(f"condition: {kind!r} has no counterpart in routines")
 
 
-def _joined(joint: str, each: Sequence[list[Condition]]) -> list[Condition]:
+def _joined(joint: str, alternatives: Sequence[list[Condition]]) -> list[Condition]:
     if joint == "or":
-        return _any_of(each)
-    return [one for some in each for one in (_denied(some) if joint == "not" else some)]
+        return _any_of(alternatives)
+    return [condition for some in alternatives for condition in (_denied(some) if joint == "not" else some)]
 
 
 def _trigger(automation: Automation, fields: UnreadFields) -> list[Condition]:
@@ -93,9 +96,9 @@ def _trigger(automation: Automation, fields: UnreadFields) -> list[Condition]:
 
 def _states(automation: Automation, kind: str, fields: UnreadFields) -> list[Condition]:
     of_any = kind == "state" and fields.text("match", "all") == "any"
-    each = STATES[kind](automation.entities, fields, "state")
-    found = [_any_of([[_state(one)] for one in states]) for states in each]
-    return _any_of(found) if of_any else [*chain.from_iterable(found)]
+    states_of_entities = STATES[kind](automation.entities, fields, "state")
+    conditions = [_any_of([[_state(state)] for state in states]) for states in states_of_entities]
+    return _any_of(conditions) if of_any else [*chain.from_iterable(conditions)]
 
 
 def _state(text: str) -> Condition:
@@ -107,9 +110,9 @@ def _sun(fields: UnreadFields) -> list[Condition]:
     texts = [f"{side} {sun_moment(fields, event, f'{side}_offset')}" for side, event in events.items() if event]
     if not texts:
         raise NotCarriedError("condition sun: `after` and `before` are missing")
-    if (found := _BY_SUN.get(tuple(texts))) is not None:
-        return found
-    return [tuple(texts)] if [*events.values()] == ["sunset", "sunrise"] else [(one,) for one in texts]
+    if (condition := _BY_SUN.get(tuple(texts))) is not None:
+        return condition
+    return [tuple(texts)] if [*events.values()] == ["sunset", "sunrise"] else [(text,) for text in texts]
 
 
 def _time(fields: UnreadFields) -> list[Condition]:
@@ -118,23 +121,25 @@ def _time(fields: UnreadFields) -> list[Condition]:
         case [begin], [end]:
             texts = [f"between {begin} and {end}"]
         case _:
-            texts = [f"{word} {one}" for word, times in (("after", after), ("before", before)) for one in times]
-    spans = [one for one in texts if (span := read_span(one)) and span.begin != span.end]  # others hold always
-    return [(one,) for one in (*spans, days) if one]
+            texts = [f"{word} {time}" for word, times in (("after", after), ("before", before)) for time in times]
+    spans = [text for text in texts if (span := read_span(text)) and span.begin != span.end]  # others hold always
+    return [(text,) for text in (*spans, days) if text]
 
 
-def _any_of(each: Sequence[list[Condition]]) -> list[Condition]:
-    """Return the conditions that hold if those of at least one of *each* do."""
-    if prod(map(len, each)) > _MOST:
+def _any_of(alternatives: Sequence[list[Condition]]) -> list[Condition]:
+    """Return the conditions that hold if those of at least one of *alternatives* do."""
+    if prod(map(len, alternatives)) > _MAX_CONDITIONS:
         raise NotCarriedError("condition: too many of them joined by `or` and `not`")
-    found = [tuple(dict.fromkeys(chain.from_iterable(one))) for one in product(*each)]
-    found = [one for one in found if not any(_other_time(text) in one for text in one)]
-    return [one for one in found if not any({*other} < {*one} for other in found)]
+    conditions = [tuple(dict.fromkeys(chain.from_iterable(texts))) for texts in product(*alternatives)]
+    conditions = [
+        condition for condition in conditions if not any(_other_time(text) in condition for text in condition)
+    ]
+    return [condition for condition in conditions if not any({*other} < {*condition} for other in conditions)]
 
 
 def _denied(conditions: Sequence[Condition]) -> list[Condition]:
     """Return the conditions that hold if at least one of *conditions* does not."""
-    return _any_of([[(_opposite(text),) for text in one] for one in conditions])
+    return _any_of([[(_opposite(text),) for text in condition] for condition in conditions])
 
 
 def _opposite(text: str) -> str:

@@ -90,24 +90,24 @@ class KnownEntity(NamedTuple):
 
     def has(self, name: str) -> bool:
         """Return whether its part tells a capability."""
-        return (found := self._capability(name)) is not None and found.readable
+        return (capability := self._capability(name)) is not None and capability.readable
 
     def takes(self, name: str) -> bool:
         """Return whether its part takes a capability."""
-        return (found := self._capability(name)) is not None and found.settable
+        return (capability := self._capability(name)) is not None and capability.settable
 
     def options(self, name: str) -> tuple[str, ...]:
         """Return the texts of a capability: those of its part, else all that homebot knows."""
-        found = self._capability(name)
-        return (found.options if found else ()) or CAPABILITIES.get(name, OWN).options or ()
+        capability = self._capability(name)
+        return (capability.options if capability else ()) or CAPABILITIES.get(name, OWN).options or ()
 
     def bounds(self, name: str) -> tuple[float, ...]:
         """Return the limits of a capability of its part, else all that homebot knows; empty for none."""
-        found = self._capability(name)
-        return (found.bounds if found else ()) or CAPABILITIES.get(name, OWN).bounds or _USUAL.get(name, ())
+        capability = self._capability(name)
+        return (capability.bounds if capability else ()) or CAPABILITIES.get(name, OWN).bounds or _USUAL.get(name, ())
 
     def _capability(self, name: str) -> Capability | None:
-        return next((one for one in self.part.part.capabilities if one.name == name), None)
+        return next((capability for capability in self.part.part.capabilities if capability.name == name), None)
 
 
 @final
@@ -122,13 +122,13 @@ class Entities:
 
     def __init__(self, devices: Sequence[Device]) -> None:
         self._devices = devices
-        self._names = Counter(name for one in devices for name in _names(one))
-        self._listed = {entity: (one, unit) for one in devices for entity, unit in _listed(one).items()}
+        self._names = Counter(name for device in devices for name in _names(device))
+        self._listed = {entity: (device, unit) for device in devices for entity, unit in _listed(device).items()}
         self._named: dict[str, dict[tuple[str, str, str], _Meant]] = {}
-        for one in devices:
+        for device in devices:
             for domain in (*_CONTROLS, *_SENSORS):
-                for slug, meant in _by_slug(one, domain):
-                    key = one.id, meant.part.id, meant.capability
+                for slug, meant in _by_slug(device, domain):
+                    key = device.id, meant.part.id, meant.capability
                     self._named.setdefault(f"{domain}.{slug}", {})[key] = meant
         self.used: dict[str, KnownEntity] = {}
 
@@ -142,10 +142,10 @@ class Entities:
 
     def device_of(self, device_id: str) -> Device:
         """Return the device with the id *device_id* of Home Assistant."""
-        found = [one for one in self._devices if any(route.key == device_id for route in one.endpoints)]
-        if len(found) != 1:
+        known = [device for device in self._devices if any(route.key == device_id for route in device.endpoints)]
+        if len(known) != 1:
             raise NotCarriedError(f"the device {device_id!r} is not known; its id is of the gateway of Home Assistant")
-        return found[0]
+        return known[0]
 
     def name_of(self, device: Device) -> str:
         """Return the name of *device* if it is plain and no other one has it, else its id."""
@@ -154,18 +154,18 @@ class Entities:
 
     def room_of(self, area_id: str) -> str:
         """Return the room with the id *area_id* of Home Assistant."""
-        areas = {one.area for one in self._devices if one.area}
-        found = [one for one in areas if slug_of(one) == area_id]
-        if len(found) != 1:
+        areas = {device.area for device in self._devices if device.area}
+        areas_found = [area for area in areas if slug_of(area) == area_id]
+        if len(areas_found) != 1:
             raise NotCarriedError(f"the area {area_id!r} is no room that homebot knows")
-        if others := [one for one in areas if one != found[0] and fold(one).startswith(fold(found[0]))]:
+        if others := [area for area in areas if area != areas_found[0] and fold(area).startswith(fold(areas_found[0]))]:
             raise NotCarriedError(f"the area {area_id!r} would mean {others[0]} as well")
-        return found[0]
+        return areas_found[0]
 
     def _find(self, entity_id: str) -> KnownEntity:
         device, unit = self._listed.get(entity_id, (None, ""))
         named = self._named.get(entity_id, {}).values()
-        meant = [one for one in named if device is None or one.device is device]
+        meant = [entity for entity in named if device is None or entity.device is device]
         if device is not None and not meant:
             meant = _only_one(device, entity_id.partition(".")[0])
         if len(meant) != 1 or (device is None and entity_id.startswith("input_")):  # no device has helpers
@@ -186,31 +186,33 @@ def slug_of(name: str) -> str:
 
 
 def _names(device: Device) -> set[str]:
-    return {fold(one) for one in (device.id, device.name, *device.names)}
+    return {fold(name) for name in (device.id, device.name, *device.names)}
 
 
 def _listed(device: Device) -> dict[str, str]:
     """Return the entities of a device that Home Assistant told, with their units there if these differ."""
     texts = [text for fact in device.facts if fact.name == "entities" for text in fact.value.split(", ")]
-    return {found["id"]: found["unit"] or "" for found in map(_LISTED.fullmatch, texts) if found}
+    return {match["id"]: match["unit"] or "" for match in map(_LISTED.fullmatch, texts) if match}
 
 
 def _only_one(device: Device, domain: str) -> list[_Meant]:
     """Return the only part of *device* that an entity of *domain* may be, if it also has only one such entity."""
-    ids = [one for one in _listed(device) if one.startswith(f"{domain}.")]
+    ids = [entity_id for entity_id in _listed(device) if entity_id.startswith(f"{domain}.")]
     possible = [*_possible(device, domain)]
     return possible if len(ids) == len(possible) == 1 else []
 
 
 def _by_slug(device: Device, domain: str) -> Iterator[tuple[str, _Meant]]:
     """Yield the parts of *device* that may be entities of *domain*, by the ends of their ids."""
-    names = {slug_of(one) for one in _names(device)}
+    names = {slug_of(name) for name in _names(device)}
     possible = [*_possible(device, domain)]
-    for one in possible:
-        part = one.part.part
-        own = {slug_of(text) for text in (part.name, part.tag, _NAMES.get(one.capability, one.capability))} - {""}
+    for own_part in possible:
+        part = own_part.part.part
+        own = {
+            slug_of(text) for text in (part.name, part.tag, _NAMES.get(own_part.capability, own_part.capability))
+        } - {""}
         ends = {f"_{text}" for text in own} | ({""} if len(possible) == 1 else set())
-        yield from ((f"{name}{end}", one) for name in names for end in ends)
+        yield from ((f"{name}{end}", own_part) for name in names for end in ends)
 
 
 def _possible(device: Device, domain: str) -> Iterator[_Meant]:
@@ -218,13 +220,13 @@ def _possible(device: Device, domain: str) -> Iterator[_Meant]:
     kinds, able = _CONTROLS.get(domain, ("", ""))
     for part in device.parts:
         yield from (_Meant(device, part, name) for name in _measured(part.part, domain))
-        abilities = {one.name for one in part.part.capabilities}
+        abilities = {capability.name for capability in part.part.capabilities}
         if part.part.service_type in kinds.split() and not abilities.isdisjoint(able.split()):
             yield _Meant(device, part, "")
 
 
 def _measured(part: Part, domain: str) -> Iterator[str]:
-    for one in part.capabilities if domain in _SENSORS else ():
-        is_flag = CAPABILITIES.get(one.name, OWN).kind == "bool" or one.name == "state"
-        if one.readable and not one.settable and is_flag is _SENSORS[domain]:
-            yield one.name
+    for capability in part.capabilities if domain in _SENSORS else ():
+        is_flag = CAPABILITIES.get(capability.name, OWN).kind == "bool" or capability.name == "state"
+        if capability.readable and not capability.settable and is_flag is _SENSORS[domain]:
+            yield capability.name

@@ -26,7 +26,7 @@ _FLAGS: Final = {
 _FOR_PEOPLE: Final = frozenset({"alias", "metadata", "continue_on_error"})
 """Keys that change nothing: a routine goes on after an error."""
 
-_LONGEST: Final = 60
+_MAX_SHOWN_CHARACTERS: Final = 60
 
 
 class NotCarriedError(UsageError):
@@ -57,14 +57,14 @@ class UnreadFields:
             raise _wrong(node, what, "has no fields")
         self._what = what
         self._line = node.line
-        self.left: dict[str, Located] = {key: one for key, one in node.value.items() if key not in _FOR_PEOPLE}
+        self.left: dict[str, Located] = {key: value for key, value in node.value.items() if key not in _FOR_PEOPLE}
 
     def __contains__(self, key: str) -> bool:
         return key in self.left
 
     def first_of(self, keys: Iterable[str]) -> str:
         """Return the first of *keys* that is there; empty if none is."""
-        return next((one for one in keys if one in self.left), "")
+        return next((key for key in keys if key in self.left), "")
 
     def end(self) -> None:
         """Check that all fields were read."""
@@ -77,7 +77,7 @@ class UnreadFields:
 
     def items(self, *keys: str) -> list[Located]:
         """Return the elements of the lists of *keys*, or values that stand for lists of one."""
-        return [one for key in keys for one in items_of(self.take(key), key)]
+        return [item for key in keys for item in items_of(self.take(key), key)]
 
     def inner(self, *keys: str) -> "UnreadFields":
         """Return the fields of *keys* together, any of which may be missing."""
@@ -91,9 +91,9 @@ class UnreadFields:
         """Return a truth value, also as YAML 1.1 spells it: ``off`` and ``no``."""
         if (node := self.take(key)) is None:
             return default
-        if (found := _FLAGS.get(str(node.value).casefold())) is None:
+        if (flag := _FLAGS.get(str(node.value).casefold())) is None:
             raise _wrong(node, key, "is neither true nor false")
-        return found
+        return flag
 
     def text(self, key: str, default: str | None = None) -> str:
         """Return a text, or a number as text; without *default* it is an error if it is missing."""
@@ -105,22 +105,22 @@ class UnreadFields:
 
     def texts(self, key: str) -> list[str]:
         """Return a list of texts, or a text with commas, as Home Assistant reads ids of entities."""
-        return [part.strip() for one in self.items(key) for part in _text(one, key).split(",") if part.strip()]
+        return [part.strip() for item in self.items(key) for part in _text(item, key).split(",") if part.strip()]
 
     def numbers(self, key: str) -> list[float]:
         """Return a list of numbers, or one number; empty if it is missing."""
-        return [_number(one, key) for one in self.items(key)]
+        return [_number(item, key) for item in self.items(key)]
 
     def clock_times(self, key: str) -> list[str]:
         """Return a list of times of day, or one; empty if it is missing."""
-        return [_clock_time(one, key) for one in self.items(key)]
+        return [_clock_time(item, key) for item in self.items(key)]
 
     def days(self) -> str:
         """Return the days of the week of ``weekday`` as a condition: ``on mon,tue``; empty for none."""
-        is_given, days = "weekday" in self, [one.casefold() for one in self.texts("weekday")]
+        is_given, days = "weekday" in self, [text.casefold() for text in self.texts("weekday")]
         if (wrong := {*days} - {*_DAYS}) or (is_given and not days):  # without a day it never holds
             raise NotCarriedError(f"weekday: {min(wrong, default='')!r} is no day such as mon or tue", self._line)
-        return f"on {','.join(one for one in _DAYS if one in days)}" if days else ""
+        return f"on {','.join(day for day in _DAYS if day in days)}" if days else ""
 
     def duration(self, key: str) -> str:
         """Return a length of time as homebot spells it, with its sign: ``5m``; empty for none."""
@@ -136,22 +136,22 @@ def items_of(node: Located | None, what: str) -> list[Located]:
         return []
     if node.tag:
         raise _wrong(node, what, "is not here")
-    return [one for item in node.value for one in items_of(item, what)] if isinstance(node.value, list) else [node]
+    return [inner for item in node.value for inner in items_of(item, what)] if isinstance(node.value, list) else [node]
 
 
 def walk(node: Located) -> Iterator[dict[str, Located]]:
     """Yield all mappings in *node*."""
     if isinstance(node.value, dict):
         yield node.value
-    for one in node.value.values() if isinstance(node.value, dict) else items_of(node, "") if not node.tag else ():
-        if one is not node:
-            yield from walk(one)
+    for inner in node.value.values() if isinstance(node.value, dict) else items_of(node, "") if not node.tag else ():
+        if inner is not node:
+            yield from walk(inner)
 
 
 def shown(node: Located) -> str:
     """Return a value for a message."""
     text = repr(_plain(node))
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
+    return text if len(text) <= _MAX_SHOWN_CHARACTERS else f"{text[:_MAX_SHOWN_CHARACTERS]}…"
 
 
 def _wrong(node: Located, what: str, problem: str) -> NotCarriedError:
@@ -200,11 +200,11 @@ def _seconds(node: Located, what: str) -> float:
         raise _wrong(node, what, "may be minutes or hours; write it as hh:mm:ss")
     if (clock := _CLOCK.fullmatch(text)) is None:
         return _number(node, what)
-    hours, minutes, seconds = (int(clock[one] or 0) for one in ("hours", "minutes", "seconds"))
+    hours, minutes, seconds = (int(clock[unit] or 0) for unit in ("hours", "minutes", "seconds"))
     return (-1 if clock["sign"] == "-" else 1) * (3600 * hours + 60 * minutes + seconds)
 
 
 def _plain(node: Located) -> object:
     if isinstance(node.value, dict):
-        return {key: _plain(one) for key, one in node.value.items()}
-    return [_plain(one) for one in node.value] if isinstance(node.value, list) else node.value
+        return {key: _plain(value) for key, value in node.value.items()}
+    return [_plain(value) for value in node.value] if isinstance(node.value, list) else node.value

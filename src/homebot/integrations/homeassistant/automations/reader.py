@@ -22,7 +22,7 @@ from homebot.support.located import Located
 
 _MODES: Final = frozenset({"single", "restart", "queued", "parallel"})
 _USUAL: Final[Mapping[str, object]] = {"if": [], "mode": "single", "enabled": True}
-_MOST_RUNS: Final = 10.0
+_MAX_RUNS: Final = 10.0
 """The default of ``max``, and the limit of routines."""
 
 
@@ -46,7 +46,7 @@ class HomeAssistantAutomations:
                 tables = [*_tables(whole, UnreadFields(node, "automation"), name)]
                 written = [] if whole.problems else _written(tables, names, f"{source}, line {node.line}", entities)
                 texts += written
-            refused += dict.fromkeys(Refusal(one.line, name, str(one)) for one in whole.problems)
+            refused += dict.fromkeys(Refusal(problem.line, name, str(problem)) for problem in whole.problems)
         return ImportedRoutines(tuple(texts), tuple(refused), len(nodes))
 
 
@@ -61,7 +61,7 @@ def _automations(document: Located) -> Iterator[Located]:
 
 def _name_of(node: Located) -> str:
     fields = node.value if isinstance(node.value, dict) else {}
-    name = next((str(fields[one].value) for one in ("alias", "id") if one in fields), "")
+    name = next((str(fields[key].value) for key in ("alias", "id") if key in fields), "")
     return " ".join(name.split())[:80] or f"automation in line {node.line}"
 
 
@@ -70,7 +70,7 @@ def _tables(whole: Automation, fields: UnreadFields, name: str) -> Iterator[dict
     for key in ("id", "description", "trace", "max_exceeded"):
         fields.take(key)
     enabled, mode = fields.flag("initial_state", default=True), _mode(fields)
-    triggers, conditions, actions = (fields.items(one, f"{one}s") for one in ("trigger", "condition", "action"))
+    triggers, conditions, actions = (fields.items(key, f"{key}s") for key in ("trigger", "condition", "action"))
     with whole.in_line(0):
         fields.end()
     parts = _parts([*conditions, *actions], triggers)
@@ -87,7 +87,7 @@ def _table(
     part: Automation, triggers: list[Located], conditions: list[Located], reader: Actions, actions: list[Located]
 ) -> dict[str, object]:
     """Return the keys of a routine; none if it would never do anything."""
-    when = [one for each in part.each(triggers, "trigger", partial(read_triggers, part)) for one in each]
+    when = [text for texts in part.each(triggers, "trigger", partial(read_triggers, part)) for text in texts]
     if len(part.starts) != len(triggers):
         part.starts.clear()
     held = conditions_of(part, conditions)
@@ -102,20 +102,24 @@ def _mode(fields: UnreadFields) -> str:
     mode, most = fields.text("mode", "single"), fields.numbers("max")
     if mode not in _MODES:
         raise NotCarriedError(f"mode: {mode!r}")
-    if mode in {"queued", "parallel"} and most not in ([], [_MOST_RUNS]):
+    if mode in {"queued", "parallel"} and most not in ([], [_MAX_RUNS]):
         raise NotCarriedError("max: routines have no such limit")
     return mode
 
 
 def _parts(asking: Sequence[Located], triggers: Sequence[Located]) -> list[tuple[str | None, list[Located]]]:
     """Return the triggers, apart by their ids if a condition asks for these."""
-    if not any("condition" in one and one["condition"].value == "trigger" for node in asking for one in walk(node)):
+    if not any(
+        "condition" in fields_inside and fields_inside["condition"].value == "trigger"
+        for node in asking
+        for fields_inside in walk(node)
+    ):
         return [(None, [*triggers])]
     by_id: dict[str | None, list[Located]] = {}
-    for number, one in enumerate(triggers):
-        fields = UnreadFields(one, "trigger")
+    for number, trigger in enumerate(triggers):
+        fields = UnreadFields(trigger, "trigger")
         if fields.flag("enabled", default=True):
-            by_id.setdefault(fields.text("id", str(number)), []).append(one)
+            by_id.setdefault(fields.text("id", str(number)), []).append(trigger)
     return [*by_id.items()]
 
 
@@ -128,17 +132,18 @@ def _in_unit(entity: KnownEntity) -> str:
 def _written(tables: Sequence[Mapping[str, object]], names: set[str], origin: str, entities: Entities) -> list[str]:
     """Return the texts of *tables*, which homebot accepts, with their origin and the meaning of their entities."""
     known = "".join(
-        f"# {one.id}: {' '.join(one.device.name.split())}{_in_unit(one)}\n" for one in entities.used.values()
+        f"# {entity.id}: {' '.join(entity.device.name.split())}{_in_unit(entity)}\n"
+        for entity in entities.used.values()
     )
     texts = [routine_text(table) for table in tables]
     try:
-        found = [read_routines(text, origin)[0] for text in texts]
+        routines = [read_routines(text, origin)[0] for text in texts]
     except ConfigError as exc:
         raise NotCarriedError(f"{exc.key.rpartition('.')[2]}: {exc.reason}") from exc
-    if not found:
+    if not routines:
         raise NotCarriedError("it would do nothing")
-    for one in found:
-        if one.app in names:
-            raise NotCarriedError(f"another automation is called {one.name!r}")
-        names.add(one.app)
+    for routine in routines:
+        if routine.app in names:
+            raise NotCarriedError(f"another automation is called {routine.name!r}")
+        names.add(routine.app)
     return [f"# {' '.join(origin.split())}\n{known}{text}" for text in texts]

@@ -13,10 +13,10 @@ from homebot.routines.steps import Do, Notify, read_step
 
 _ON_OFF: Final = ("light", "switch", "input_boolean", "fan", "siren", "humidifier", "media_player", "homeassistant")
 _WORDS: Final = {
-    **{f"{one}.turn_on": "on_off on" for one in _ON_OFF},
-    **{f"{one}.turn_off": "on_off off" for one in _ON_OFF},
-    **{f"{one}.toggle": "on_off toggle" for one in _ON_OFF},
-    **{f"alarm_control_panel.alarm_arm_{one}": f"alarm alarm armed_{one}" for one in ("home", "away", "night")},
+    **{f"{domain}.turn_on": "on_off on" for domain in _ON_OFF},
+    **{f"{domain}.turn_off": "on_off off" for domain in _ON_OFF},
+    **{f"{domain}.toggle": "on_off toggle" for domain in _ON_OFF},
+    **{f"alarm_control_panel.alarm_arm_{mode}": f"alarm alarm armed_{mode}" for mode in ("home", "away", "night")},
     "cover.open_cover": "movement|position open",
     "cover.close_cover": "movement|position close",
     "cover.stop_cover": "movement stop",
@@ -101,17 +101,18 @@ def steps_of_service(entities: Entities, fields: UnreadFields, key: str) -> list
             raise NotCarriedError(f"{name}: by `area_id` or `all` only lights are switched, and only on and off")
         return _steps_of_lights(entities, target.areas, settings[0].words)
     known = _of_domain(domain, [*map(entities.find, target.entities)])
-    return [_step_of(one, settings, over) for one in known]
+    return [_step_of(entity, settings, over) for entity in known]
 
 
 def _of_domain(domain: str, known: list[KnownEntity]) -> list[KnownEntity]:
-    if others := [one.id for one in known if domain not in {one.domain, "homeassistant"}]:
+    if others := [entity.id for entity in known if domain not in {entity.domain, "homeassistant"}]:
         raise NotCarriedError(f"a service of {domain}: {others[0]} belongs to another domain")
     return known
 
 
 def _steps_of_lights(entities: Entities, areas: Sequence[str], words: str) -> list[str]:
-    return [_step(one, [words]) for one in [f"lights in {entities.room_of(one)}" for one in areas] or ["all lights"]]
+    scopes = [f"lights in {entities.room_of(area)}" for area in areas] or ["all lights"]
+    return [_step(scope, [words]) for scope in scopes]
 
 
 class _Target(NamedTuple):
@@ -124,7 +125,7 @@ class _Target(NamedTuple):
     @property
     def is_to_notify(self) -> bool:
         """True unless other entities than those of messages are named."""
-        return all(one.startswith("notify.") for one in self.entities)
+        return all(entity.startswith("notify.") for entity in self.entities)
 
     @property
     def is_of_rooms(self) -> bool:
@@ -156,7 +157,7 @@ def _target_of(fields: UnreadFields, data: UnreadFields) -> _Target:
     """Return the target, which older texts have in the data or beside the service."""
     target = fields.inner("target")
     ids, areas, devices = (
-        [one for place in (target, data, fields) for one in place.texts(kind)]
+        [text for place in (target, data, fields) for text in place.texts(kind)]
         for kind in ("entity_id", "area_id", "device_id")
     )
     target.end()
@@ -220,14 +221,14 @@ def _color(data: UnreadFields) -> tuple[float, float] | None:
 
 def _step_of(entity: KnownEntity, settings: Sequence[_Setting], over: str) -> str:
     """Return the step that sets *settings*."""
-    names = [_taken(entity, one) for one in settings]
-    words = [_words(entity, *one) for one in zip(names, settings, strict=True)]
+    names = [_taken(entity, setting) for setting in settings]
+    words = [_words(entity, *name_and_setting) for name_and_setting in zip(names, settings, strict=True)]
     return _step(_target(entity, names), [*words, *([f"over {over}"] if over else [])])
 
 
 def _taken(entity: KnownEntity, setting: _Setting) -> str:
     """Return the capability of *setting* that an entity takes."""
-    able = [one for one in setting.capabilities.replace("|", " ").split() if entity.takes(one)]
+    able = [capability for capability in setting.capabilities.replace("|", " ").split() if entity.takes(capability)]
     if not able or (len(able) > 1 and "|" not in setting.capabilities):
         raise NotCarriedError(f"{entity.name} takes {' and '.join(able) or f'no {setting.capabilities}'}")
     return able[0]
@@ -250,14 +251,16 @@ def _words(entity: KnownEntity, name: str, setting: _Setting) -> str:
 def _target(entity: KnownEntity, names: Sequence[str]) -> str:
     """Return the name of the device, with the id of its part if several take the command."""
     taking = [
-        one for one in entity.device.parts if any(can.name in names and can.settable for can in one.part.capabilities)
+        part
+        for part in entity.device.parts
+        if any(can.name in names and can.settable for can in part.part.capabilities)
     ]
     return entity.name if len(taking) == 1 else f"{entity.device.id}#{entity.part.id}"
 
 
 def _step(target: str, words: Sequence[str]) -> str:
     """Return a step that homebot reads as a command to *target*."""
-    count = len([one for one in words[1:] if not one.startswith("over ")])
+    count = len([word for word in words[1:] if not word.startswith("over ")])
     for text in (f"{target} {', '.join(words)}", *([f"{target}: {words[0]}"] if len(words) == 1 else [])):
         try:
             step = read_step(text)

@@ -55,17 +55,17 @@ def state_texts(entities: Entities, entity_id: str, states: Sequence[str], key: 
     if not states:
         raise NotCarriedError(f"any change of {entity_id}; name the state with `{key}`")
     if entity_id == "sun.sun" and SUN[key].keys() >= {*states}:
-        return [SUN[key][one] for one in states]
-    return [_state_text(entities.find(entity_id), one) for one in states]
+        return [SUN[key][state] for state in states]
+    return [_state_text(entities.find(entity_id), state) for state in states]
 
 
 def state_of_template(entities: Entities, fields: UnreadFields, key: str) -> str:
     """Return the state that the template in the field *key* asks for."""
     node = fields.take(key)
     text = str(node.value if node else "").strip()
-    if (found := _IS_STATE.fullmatch(text.replace('"', "'"))) is None:
+    if (match := _IS_STATE.fullmatch(text.replace('"', "'"))) is None:
         raise NotCarriedError(f"{key}: {text[:60]!r}; only is_state(...) is carried over")
-    entity, state = filter(None, found.groups())
+    entity, state = filter(None, match.groups())
     return state_texts(entities, entity, [state])[0]
 
 
@@ -76,7 +76,7 @@ def _state_text(entity: KnownEntity, state: str) -> str:
 
 def _of_states(entities: Entities, fields: UnreadFields, key: str) -> list[list[str]]:
     states = fields.texts(key)
-    return [state_texts(entities, one, states, key) for one in _ids(fields)]
+    return [state_texts(entities, entity_id, states, key) for entity_id in _ids(fields)]
 
 
 def _of_limits(entities: Entities, fields: UnreadFields, _key: str) -> list[list[str]]:
@@ -84,13 +84,13 @@ def _of_limits(entities: Entities, fields: UnreadFields, _key: str) -> list[list
     limits = [(operator, number) for operator, key in given for number in fields.numbers(key)]
     if not limits:
         raise NotCarriedError("`above` or `below` is missing")
-    return [[_limit_text(entities.find(one), limits)] for one in _ids(fields)]
+    return [[_limit_text(entities.find(entity_id), limits)] for entity_id in _ids(fields)]
 
 
 def _of_zone(entities: Entities, fields: UnreadFields, _key: str) -> list[list[str]]:
     if fields.texts("zone") != ["zone.home"]:
         raise NotCarriedError("zone: homebot knows zone.home alone")
-    return [state_texts(entities, one, ["home"]) for one in _ids(fields)]
+    return [state_texts(entities, entity_id, ["home"]) for entity_id in _ids(fields)]
 
 
 def _of_device(entities: Entities, fields: UnreadFields, _key: str) -> list[list[str]]:
@@ -98,7 +98,7 @@ def _of_device(entities: Entities, fields: UnreadFields, _key: str) -> list[list
     word = kind.removeprefix("is_").removeprefix("turned_")
     if {word, word.removeprefix("not_"), word.removeprefix("no_")}.isdisjoint(_ON | {"off"}):
         raise NotCarriedError(f"device: {kind!r} of an entity; use its state")
-    return [state_texts(entities, one, ["on" if word in _ON else "off"]) for one in _ids(fields)]
+    return [state_texts(entities, entity_id, ["on" if word in _ON else "off"]) for entity_id in _ids(fields)]
 
 
 STATES: Final[Mapping[str, Callable[[Entities, UnreadFields, str], list[list[str]]]]] = {
@@ -160,13 +160,13 @@ def _told(entity: KnownEntity, capability: str) -> Collection[str]:
 def _text(entity: KnownEntity, states: Sequence[StateIs]) -> str:
     """Return the query for *states* of the part, which is read again to be sure of its meaning."""
     kind, capability = entity.part.part.service_type, states[0].capability
-    having = [one for one in entity.device.parts if any(can.name == capability for can in one.part.capabilities)]
-    if len(having) != 1 and len([one for one in having if one.part.service_type == kind]) != 1:
+    having = [part for part in entity.device.parts if any(can.name == capability for can in part.part.capabilities)]
+    if len(having) != 1 and len([part for part in having if part.part.service_type == kind]) != 1:
         raise NotCarriedError(f"{entity.id} is one of several parts of {entity.name}, which cannot be asked alone")
     types = frozenset() if len(having) == 1 else frozenset({kind})
     words = [kind.removeprefix("x_").replace("_", " ")] if types else []
     text = " ".join([*words, f"name={text_value(entity.name)}", *map(_word, states)])
-    if not _means(text, entity.name, [replace(one, types=types) for one in states]):
+    if not _means(text, entity.name, [replace(state, types=types) for state in states]):
         raise NotCarriedError(f"{entity.id}: the state of {entity.name} cannot be written as a query")
     return text
 
@@ -178,7 +178,7 @@ def _means(text: str, name: str, states: Sequence[StateIs]) -> bool:
         lasting = read_state(f"{text} for 1m")
     except UsageError:
         return False
-    terms = [one for one in leaves(query) if not isinstance(one, TypeIs)]
+    terms = [term for term in leaves(query) if not isinstance(term, TypeIs)]
     return isinstance(query, And) and terms == [NameIs(fold(name)), *states] and lasting.query == query
 
 

@@ -46,7 +46,7 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[str]:
 
 def _times(fields: UnreadFields) -> list[str]:
     days = fields.days()
-    times = [f"{one} {days}".rstrip() for one in fields.clock_times("at")]
+    times = [f"{time} {days}".rstrip() for time in fields.clock_times("at")]
     if not times:
         raise NotCarriedError("trigger time: `at` is missing")
     return times
@@ -59,21 +59,21 @@ def _state(automation: Automation, fields: UnreadFields) -> list[str]:
     automation.starts.append((frozenset(ids), frozenset(states)))
     _check_before(ids, before, states)
     lasting, attribute = _lasting(fields), fields.text("attribute", "")
-    found = []
-    for one in ids:
-        entity = None if lasting or before or one == "sun.sun" else automation.entities.find(one)
+    triggers = []
+    for entity_id in ids:
+        entity = None if lasting or before or entity_id == "sun.sun" else automation.entities.find(entity_id)
         if entity is not None and entity.has("press"):
-            found += _presses(entity, states, attribute)
+            triggers += _presses(entity, states, attribute)
         elif attribute:
             raise NotCarriedError(f"trigger state: the attribute {attribute!r}")
         else:
-            found += [f"{text}{lasting}" for text in state_texts(automation.entities, one, states, "to")]
-    return found
+            triggers += [f"{text}{lasting}" for text in state_texts(automation.entities, entity_id, states, "to")]
+    return triggers
 
 
 def _check_before(ids: list[str], before: list[str], states: list[str]) -> None:
-    are_two = _OF_TWO_STATES.issuperset(one.partition(".")[0] for one in ids)
-    if before and not (are_two and [_OPPOSITES.get(one, "") for one in states] == before):
+    are_two = _OF_TWO_STATES.issuperset(entity_id.partition(".")[0] for entity_id in ids)
+    if before and not (are_two and [_OPPOSITES.get(state, "") for state in states] == before):
         raise NotCarriedError(f"trigger state: `from` {', '.join(before)}; routines know only the new state")
 
 
@@ -81,8 +81,8 @@ def _other_state(automation: Automation, kind: str, fields: UnreadFields) -> lis
     """Read a state of a kind that conditions have as well."""
     leaves = kind == "zone" and fields.text("event", "enter") == "leave"
     lasting = _lasting(fields)
-    texts = [text for each in STATES[kind](automation.entities, fields, "to") for text in each]
-    return [f"{one.replace('place=', 'place!=') if leaves else one}{lasting}" for one in texts]
+    texts = [text for entity_texts in STATES[kind](automation.entities, fields, "to") for text in entity_texts]
+    return [f"{text.replace('place=', 'place!=') if leaves else text}{lasting}" for text in texts]
 
 
 def _device_press(automation: Automation, fields: UnreadFields) -> str:
@@ -102,7 +102,7 @@ def _presses(entity: KnownEntity, states: list[str], attribute: str) -> list[str
     """Return the presses of an entity of events: its state is a time, and that of a sensor is the event itself."""
     is_event_itself = entity.domain == "sensor" and not attribute
     if states and (is_event_itself or attribute == "event_type"):
-        return [_press(entity.name, one) for one in states]
+        return [_press(entity.name, state) for state in states]
     if entity.domain == "event" and not states and not attribute:
         return [_press(entity.name, "")]
     raise NotCarriedError(f"trigger state: {entity.id} has only the attribute event_type")
@@ -112,10 +112,10 @@ def _press(name: str, event: str) -> str:
     value = event if not event or event.replace("_", "").isalnum() else text_value(event)
     text = f"name={text_value(name)} press {value}".rstrip()
     try:
-        found = read_trigger(text)
+        trigger = read_trigger(text)
     except UsageError:
-        found = None
-    if not isinstance(found, Press) or found.value != event.casefold():
+        trigger = None
+    if not isinstance(trigger, Press) or trigger.value != event.casefold():
         raise NotCarriedError(f"the event {event!r} of {name} cannot be written as a trigger")
     return text
 

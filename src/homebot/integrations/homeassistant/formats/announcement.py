@@ -77,7 +77,7 @@ def _with_base(fields: dict[str, object]) -> dict[str, object]:
     based = {key: _based(base, value) if key.endswith("topic") else value for key, value in fields.items()}
     availability = based.get("availability")
     if isinstance(availability, list):
-        based["availability"] = [_based_entry(base, one) for one in availability]
+        based["availability"] = [_based_entry(base, entry) for entry in availability]
     elif availability is not None:
         based["availability"] = _based_entry(base, availability)
     return based
@@ -109,11 +109,11 @@ def _child_devices(fields: Fields) -> Iterator[Fields]:
 
 
 def _whole_device(topic: ConfigTopic, fields: Fields) -> Announced:
-    families = [one for one in (fields, *_child_devices(fields)) if one.get("components") is not None]
+    families = [family for family in (fields, *_child_devices(fields)) if family.get("components") is not None]
     if not families:
         raise WireError("a device's message has no components")
     common = {key: fields[key] for key in _SHARED if key in fields}
-    found: list[DiscoveryConfig] = []
+    configs: list[DiscoveryConfig] = []
     problems: list[WireError] = []
     for name, entry, child in _entries(families):
         try:
@@ -121,10 +121,10 @@ def _whole_device(topic: ConfigTopic, fields: Fields) -> Announced:
         except WireError as error:
             problems.append(WireError(f"component {shown(name)}: {error}"))
         else:
-            found += () if component is None else (component,)
-    if problems and not found:
+            configs += () if component is None else (component,)
+    if problems and not configs:
         raise problems[0]
-    return Announced(tuple(found), fields, tuple(problems))
+    return Announced(tuple(configs), fields, tuple(problems))
 
 
 def _entries(families: Iterable[Fields]) -> list[tuple[str, object, Fields]]:

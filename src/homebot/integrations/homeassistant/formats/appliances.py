@@ -32,7 +32,7 @@ from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.entity import Entity, Scale
 from homebot.integrations.homeassistant.formats.topics import CommandTopic, ValueSource
 
-_LONGEST_MODE = 120
+_MAX_MODE_CHARACTERS = 120
 _DIRECTIONS = ("forward", "reverse")
 _EMPTY_PAYLOADS = (b"", b"None")
 _VACUUM_FEATURES = ("start", "stop", "return_home", "battery", "clean_spot")
@@ -179,17 +179,17 @@ def _read_siren(text: str, states: Mapping[str, bool | None], tones: tuple[str, 
     if text in states:
         return {"on_off": states[text]}
     message = fields_of(text)
-    found: dict[str, PlainValue] = {}
+    readings: dict[str, PlainValue] = {}
     state, tone, volume = message.get("state"), message.get("tone"), number_of(message.get("volume_level"))
     if isinstance(state, str) and state in states:
-        found["on_off"] = states[state]
+        readings["on_off"] = states[state]
     else:
         unreadable(state if text.startswith("{") else text, states)
     if isinstance(tone, str) and tone in tones:
-        found["siren_tone"] = tone
+        readings["siren_tone"] = tone
     if has_volume and volume is not None and 0 <= volume <= 1:
-        found["volume"] = volume * 100
-    return found
+        readings["volume"] = volume * 100
+    return readings
 
 
 def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
@@ -234,12 +234,12 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     def read(text: str) -> Readings:
         message = fields_of(text)
         speed, charge = message.get("fan_speed"), message.get("battery_level")
-        found = dict(_read_vacuum_state(message, text))
+        readings = dict(_read_vacuum_state(message, text))
         if speeds and isinstance(speed, str):
-            found["fan_mode"] = clean_text(speed, _LONGEST_MODE)
+            readings["fan_mode"] = clean_text(speed, _MAX_MODE_CHARACTERS)
         if "battery" in features and (percent := number_of(charge)) is not None:
-            found["battery"] = max(0.0, min(100.0, percent))
-        return found
+            readings["battery"] = max(0.0, min(100.0, percent))
+        return readings
 
     entity = Entity(config, "robotic_vacuum_cleaner")
     readable = entity.read_text_from(config.source("state_topic", template_key=""), read)

@@ -272,11 +272,11 @@ class _Targets:
         return {name: self._last_values.get(self._key(name)) for name in self._names}
 
     def _read(self, key: str, text: str) -> Readings:
-        found = read_number(key, text, convert=self._temperatures.celsius)
-        if not found:
+        readings = read_number(key, text, convert=self._temperatures.celsius)
+        if not readings:
             return NO_READINGS
-        self._last_values[key] = found[key]
-        return {name: found[key] for name in self._names if self._key(name) == key}
+        self._last_values[key] = readings[key]
+        return {name: readings[key] for name in self._names if self._key(name) == key}
 
     def _write(self, name: str, value: PlainValue, _transition: float) -> Publications:
         number = self._temperatures.number(require_number(name, value, *self._temperatures.bounds, "°C"))

@@ -80,12 +80,12 @@ class DiscoveryConfig:
         """
         keys = sorted(filter(_is_of_commands, self.values))
         values = {**self.values, "code": self.has("code")} if "code" in self.values else self.values
-        found = list(zip(keys, map(values.__getitem__, keys), strict=True))
+        pairs = list(zip(keys, map(values.__getitem__, keys), strict=True))
         kinds = sorted(filter(_is_command_topic, self.values))
         topics = list(map(str, map(self.values.get, kinds)))
         if len(set(topics)) < len(topics):
-            found.append(("topics", list(zip(kinds, map(topics.index, topics), strict=True))))
-        return found
+            pairs.append(("topics", list(zip(kinds, map(topics.index, topics), strict=True))))
+        return pairs
 
     def has(self, key: str) -> bool:
         """Return whether the field exists and is not null."""
@@ -159,7 +159,7 @@ class DiscoveryConfig:
         entries = value if isinstance(value, list) else [value]
         if len(entries) > MAX_OPTIONS:
             raise self._refusal(key, value, f"a list of at most {MAX_OPTIONS} texts")
-        options = tuple([one if isinstance(one, str) else self._as_text(key, one) for one in entries])
+        options = tuple([entry if isinstance(entry, str) else self._as_text(key, entry) for entry in entries])
         longest = max(options, key=len, default="")
         if len(longest) > _MAX_OPTION:
             raise self._refusal(key, longest, f"texts of at most {_MAX_OPTION} characters")

@@ -156,8 +156,8 @@ def _as_text(value: object, limit: int) -> str:
 
 
 def _declared(device: Mapping[str, object]) -> list[str]:
-    ids = [one for one in _as_list(device.get("identifiers")) if one != ""]
-    pairs = [one for one in _as_list(device.get("connections")) if not (isinstance(one, list) and one[1:] == [""])]
+    ids = [identifier for identifier in _as_list(device.get("identifiers")) if identifier != ""]
+    pairs = [pair for pair in _as_list(device.get("connections")) if not (isinstance(pair, list) and pair[1:] == [""])]
     if len(ids) + len(pairs) > MAX_IDENTIFIERS:
         raise WireError(f"a device has {len(ids) + len(pairs)} identifiers; {MAX_IDENTIFIERS} is the limit")
     return [*map(_identifier, ids), *map(_connection, pairs)]
@@ -177,7 +177,7 @@ def _identifier(value: object) -> str:
 def _connection(pair: object) -> str:
     if not isinstance(pair, list) or len(pair) != _PAIR:
         raise WireError(f"a connection of a device is {shown(pair)}, not a type and a value")
-    kind, value = (_identifier(one) for one in pair)
+    kind, value = (_identifier(item) for item in pair)
     return in_pairs(value) if kind.lower() in _PLAIN_CONNECTIONS else f"{kind}:{value}"
 
 

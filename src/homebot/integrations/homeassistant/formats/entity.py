@@ -85,9 +85,9 @@ class Entity(BytesPart):
 
     def add_commands(self, *commands: CommandTopic | None) -> None:
         """Add the topics of its commands."""
-        for one in commands:
-            if one is not None:
-                self.add_command_topics(one.topic)
+        for command in commands:
+            if command is not None:
+                self.add_command_topics(command.topic)
 
     def add_value(
         self,
@@ -187,9 +187,9 @@ class Entity(BytesPart):
             state.
         """
         if self._config.flag("optimistic") or (self._readers and self._readers.keys() <= self._writes.keys()):
-            for name, one in self._capabilities.items():
-                if one.readable and one.settable:
-                    self._capabilities[name] = one.model_copy(update={"echoed": True})
+            for name, capability in self._capabilities.items():
+                if capability.readable and capability.settable:
+                    self._capabilities[name] = capability.model_copy(update={"echoed": True})
         return super().build(payloads or (self._config.of_commands() if self._writes else None), digest=digest)
 
 

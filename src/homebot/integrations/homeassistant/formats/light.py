@@ -42,7 +42,7 @@ _NAMES: Mapping[str, tuple[str, ...]] = {
 }
 """The names of the channels in templates."""
 
-_MOST = {"hs": (360, 100), "xy": (1, 1)}
+_CHANNEL_ENDS = {"hs": (360, 100), "xy": (1, 1)}
 _DIMMED = ("rgb", "rgbw", "rgbww")
 """Modes with the brightness in their channels, unless it has a topic of its own."""
 
@@ -144,19 +144,19 @@ class _BasicLight:
     def _read_color(self, mode: str, text: str) -> Readings:
         """Read a colour, and the brightness of a lamp without a topic for it."""
         channels = numbers_of(text, len(CHANNELS[mode]))
-        most = _MOST.get(mode, (_BYTE,) * len(CHANNELS[mode]))
-        if channels is None or not all(0 <= one <= limit for one, limit in zip(channels, most, strict=True)):
+        most = _CHANNEL_ENDS.get(mode, (_BYTE,) * len(CHANNELS[mode]))
+        if channels is None or not all(0 <= channel <= limit for channel, limit in zip(channels, most, strict=True)):
             return unreadable(text, f"{mode} with commas")
-        found: dict[str, PlainValue] = {}
+        readings: dict[str, PlainValue] = {}
         if not self._own_level and mode in _DIMMED:
             brightness = int(max(channels))
             if not brightness:
                 return NO_READINGS
-            channels = tuple(min(round(one / brightness * _BYTE), _BYTE) for one in channels)
+            channels = tuple(min(round(channel / brightness * _BYTE), _BYTE) for channel in channels)
             self._brightness = brightness
-            found["level"] = brightness * 100 / _BYTE
+            readings["level"] = brightness * 100 / _BYTE
         self._colors[mode] = channels
-        return {**found, **self._report(mode, to_hue_saturation(mode, channels, self.lamp.white.kelvins))}
+        return {**readings, **self._report(mode, to_hue_saturation(mode, channels, self.lamp.white.kelvins))}
 
     def publish(self, command: LightCommand) -> Publications:
         """Encode a command: the values on their topics, and its switch before, after, or not at all."""
@@ -169,18 +169,18 @@ class _BasicLight:
         return (*values, on) if self._order == "last" else values
 
     def _values(self, command: LightCommand) -> Publications:
-        found: list[Publication] = []
+        publications: list[Publication] = []
         brightness = self._brightness_of(command)
         if command.color:
-            found.append(self._paint(command.mode, command.color))
+            publications.append(self._paint(command.mode, command.color))
         if brightness is not None:
-            found += self._dim(brightness, has_color=bool(command.color))
+            publications += self._dim(brightness, has_color=bool(command.color))
         if command.kelvin is not None and self._white_command is not None:
             value = command.kelvin if self._in_kelvin else kelvin_mired(command.kelvin)
-            found.append(self._white_command.publication(value))
+            publications.append(self._white_command.publication(value))
         if command.effect and self._effect_command is not None:
-            found.append(self._effect_command.publication(command.effect))
-        return tuple(found)
+            publications.append(self._effect_command.publication(command.effect))
+        return tuple(publications)
 
     def _brightness_of(self, command: LightCommand) -> int | None:
         """Return the brightness of a command; the last one, if the brightness is what turns the lamp on."""
@@ -194,7 +194,7 @@ class _BasicLight:
         return self._color(mode, color, full)
 
     def _dim(self, brightness: int, *, has_color: bool) -> list[Publication]:
-        mode = next((one for one in _DIMMED if one in self._color_commands), "")
+        mode = next((mode_known for mode_known in _DIMMED if mode_known in self._color_commands), "")
         if self._level_command is not None:
             value = max(min(round(brightness / _BYTE * self._scale), self._scale), 1)
             publications = [self._level_command.publication(value)]

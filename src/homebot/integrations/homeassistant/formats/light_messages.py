@@ -34,8 +34,6 @@ from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.entity import Entity
 from homebot.integrations.homeassistant.formats.topics import ValueSource
 
-__all__ = ["JsonLight", "build_json_light", "build_template_light", "read_white_range"]
-
 
 def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     """Describe a lamp that uses JSON."""
@@ -105,29 +103,29 @@ class JsonLight:
         message = json_object(payload)
         if message is None:
             return NO_READINGS
-        found = dict(self._read_switch(message))
+        readings = dict(self._read_switch(message))
         lamp = self.lamp
         mode = message["color_mode"] if "color_mode" in message else self._only_mode(message)
         if isinstance(mode, str) and mode in lamp.modes:
-            self._add_color(mode, message, found)
+            self._add_color(mode, message, readings)
         if lamp.has_effect:
             effect = message.get("effect")
             if isinstance(effect, str):
-                found["effect"] = clean_text(effect)
-        return found
+                readings["effect"] = clean_text(effect)
+        return readings
 
     def _read_switch(self, message: Mapping[str, object]) -> Readings:
-        found: dict[str, PlainValue] = {}
+        readings: dict[str, PlainValue] = {}
         state, brightness = message.get("state", ""), message.get("brightness")
         if (state is None or isinstance(state, str)) and state in _STATES:
-            found["on_off"] = _STATES[state]
+            readings["on_off"] = _STATES[state]
         else:
             unreadable(state, ("ON", "OFF"))
         if self.lamp.has_level and isinstance(brightness, (int, float)) and 0 < brightness < _HUGE:
-            found["level"] = max(min(brightness * 100 / self._scale, 100.0), 100 / 255)
+            readings["level"] = max(min(brightness * 100 / self._scale, 100.0), 100 / 255)
         elif self.lamp.has_level and brightness != 0:
             unreadable(brightness, "a brightness")
-        return found
+        return readings
 
     def _only_mode(self, message: Mapping[str, object]) -> str:
         """Return the only mode with a value in the message; empty for none or several."""
@@ -138,19 +136,19 @@ class JsonLight:
         fitting = [mode for mode in CHANNELS if mode in self.lamp.modes and letters.issuperset(CHANNELS[mode])]
         return max(fitting, key=lambda mode: len(CHANNELS[mode]), default="")
 
-    def _add_color(self, mode: str, message: Mapping[str, object], found: dict[str, PlainValue]) -> None:
+    def _add_color(self, mode: str, message: Mapping[str, object], readings: dict[str, PlainValue]) -> None:
         if mode == "color_temp":
             kelvin = white_kelvin(number_of(message.get("color_temp")), in_kelvin=self._in_kelvin)
             if kelvin is not None:
-                found["color_temperature"] = kelvin
+                readings["color_temperature"] = kelvin
                 if self.lamp.color_mode:
-                    found["color"] = None
+                    readings["color"] = None
         elif mode in CHANNELS:
             color = _hue_saturation(mode, message.get("color"), self.lamp.white.kelvins)
             if color is not None:
-                found["color"] = color
+                readings["color"] = color
                 if self.lamp.has_white:
-                    found["color_temperature"] = None
+                    readings["color_temperature"] = None
 
 
 _MODES = frozenset({"onoff", "brightness", "color_temp", "white", *CHANNELS})
@@ -176,10 +174,10 @@ def read_white_range(config: DiscoveryConfig) -> WhiteRange:
     """Return the range of whites, in kelvin or mired in the config."""
     if _WHITE_FIELDS.isdisjoint(config.values):
         return _USUAL_WHITE
-    most = config.integer("max_mireds", 0, least=0, most=_MOST_WHITE)
-    least = config.integer("min_mireds", 0, least=0, most=_MOST_WHITE)
-    low = config.integer("min_kelvin", _USUAL_WHITE.kelvins[0], least=1, most=_MOST_WHITE)
-    high = config.integer("max_kelvin", _USUAL_WHITE.kelvins[1], least=1, most=_MOST_WHITE)
+    most = config.integer("max_mireds", 0, least=0, most=_MAX_WHITE)
+    least = config.integer("min_mireds", 0, least=0, most=_MAX_WHITE)
+    low = config.integer("min_kelvin", _USUAL_WHITE.kelvins[0], least=1, most=_MAX_WHITE)
+    high = config.integer("max_kelvin", _USUAL_WHITE.kelvins[1], least=1, most=_MAX_WHITE)
     return WhiteRange(
         kelvins=(kelvin_mired(most) if most else low, kelvin_mired(least) if least else high),
         bounds=(
@@ -191,7 +189,7 @@ def read_white_range(config: DiscoveryConfig) -> WhiteRange:
 
 _WHITE_FIELDS = frozenset({"max_mireds", "min_mireds", "min_kelvin", "max_kelvin"})
 _USUAL_WHITE = WhiteRange((2_000, 6_535), (2_000.0, 6_535.0))
-_MOST_WHITE = 1_000_000
+_MAX_WHITE = 1_000_000
 
 
 def build_template_light(config: DiscoveryConfig) -> DescribedPart:
@@ -247,7 +245,7 @@ class _TemplateLight:
         if command.color:
             hue, saturation = command.color
             channels = colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1)
-            variables |= {color: round(one * _BYTE) for color, one in zip(_RGB, channels, strict=True)}
+            variables |= {color: round(channel * _BYTE) for color, channel in zip(_RGB, channels, strict=True)}
             variables |= {"hue": hue, "sat": saturation}
         if command.effect:
             variables["effect"] = command.effect
@@ -261,7 +259,7 @@ class _TemplateLight:
             ("on_off", "state", meaning_reader("on_off", _WORDS)),
             ("level", "brightness", _read_level),
             ("color_temperature", "color_temp", self._read_white),
-            ("effect", "effect", meaning_reader("effect", {one: one for one in self.lamp.effects})),
+            ("effect", "effect", meaning_reader("effect", {effect: effect for effect in self.lamp.effects})),
         )
         readable = {name for name, key, read in rows if entity.read_text_from(self._sources.get(key), read)}
         red = entity.usable(self._sources.get("red"))
@@ -277,11 +275,11 @@ class _TemplateLight:
         return unreadable(text, "a white") if kelvin is None else {"color_temperature": kelvin}
 
     def _read_color(self, payload: bytes) -> Readings:
-        texts = [self._sources[one].text(payload) if one in self._sources else None for one in _RGB]
+        texts = [self._sources[color].text(payload) if color in self._sources else None for color in _RGB]
         if texts == ["None"] * len(_RGB):
             return {"color": None}
-        channels = [value for one in texts if one and (value := whole_of(one)) is not None]
-        if len(channels) != len(_RGB) or not all(0 <= one <= _BYTE for one in channels):
+        channels = [value for text in texts if text and (value := whole_of(text)) is not None]
+        if len(channels) != len(_RGB) or not all(0 <= channel <= _BYTE for channel in channels):
             return unreadable(" ".join(filter(None, texts)), "red, green and blue from 0 to 255")
         return {"color": to_hue_saturation("rgb", tuple(channels), self.lamp.white.kelvins)}
 

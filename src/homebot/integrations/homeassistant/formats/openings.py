@@ -120,23 +120,23 @@ class _Cover:
     def read_position(self, text: str) -> Readings:
         """Read the position, and the movement of a cover that reports no state or only that it stopped."""
         value: object = text
-        found: dict[str, PlainValue] = {}
+        readings: dict[str, PlainValue] = {}
         if text.startswith("{"):
             message = fields_of(text)
             if "position" not in message:
                 return NO_READINGS
-            found.update(self.read_tilt(message.get("tilt_position")))
+            readings.update(self.read_tilt(message.get("tilt_position")))
             value = message["position"]
         number = number_of(value)
         if number is None:
             return unreadable(value, "a position")
         self._percent = percent = min(100.0, max(0.0, self.scale.percent(number)))
-        found["position"] = percent
+        readings["position"] = percent
         if self.state is None:
-            found["movement"] = "open" if percent else "closed"
+            readings["movement"] = "open" if percent else "closed"
         elif self._is_settling and not self._is_of_one_message:
-            found["movement"] = _ENDS.get(percent, "stopped")
-        return found
+            readings["movement"] = _ENDS.get(percent, "stopped")
+        return readings
 
     def read_tilt(self, value: object) -> Readings:
         number = number_of(value)
@@ -213,15 +213,15 @@ class _Valve:
             state, position = message.get("state"), message["position"]
         if state == "None":
             return {"position": None, "valve": None}
-        found: dict[str, PlainValue] = {}
+        readings: dict[str, PlainValue] = {}
         number = number_of(position)
         if number is not None:
             percent = min(100.0, max(0.0, self.scale.percent(number)))
-            found = {"position": percent, "valve": "open" if percent else "closed"}
+            readings = {"position": percent, "valve": "open" if percent else "closed"}
         moving = self._states.get(state) if isinstance(state, str) else None
         if moving in _MOVING:
-            found["valve"] = moving
-        return found or unreadable(position, "a position")
+            readings["valve"] = moving
+        return readings or unreadable(position, "a position")
 
     def move(self, value: PlainValue, transition: float) -> Publications:
         state = require_option("valve", value, self._payloads)

@@ -166,7 +166,7 @@ def publish_mower(entity: PublishedEntity, available: Available, _part: Part) ->
 def publish_alarm(entity: PublishedEntity, available: Available, _part: Part) -> None:
     """Publish an alarm. It asks for no code: a client that may command homebot may command it."""
     payloads = {action.upper(): state for state, (_, action) in ALARM_ACTIONS.items()}
-    features = [one.lower() for one in settable_payloads(available["alarm"], payloads) if one != "DISARM"]
+    features = [payload.lower() for payload in settable_payloads(available["alarm"], payloads) if payload != "DISARM"]
     entity.config |= {"supported_features": features, **dict.fromkeys(_CODES, False)}
     entity.add_state("state_topic", "alarm")  # required
     entity.add(available.pop("alarm"), Row("alarm", "", "command_topic", commands=payloads))

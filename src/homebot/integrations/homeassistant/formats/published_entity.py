@@ -196,7 +196,7 @@ _BUTTONS: Mapping[str, tuple[str, Mapping[str, object]]] = {
 }
 """Component and fields of the capabilities that are pressed."""
 
-_MOST_STEPS = 200.0
+_MAX_STEPS = 200.0
 _STEPS = ((1.0, 0.01), (50.0, 0.1))
 """The step of a number entity, by the width of its range."""
 
@@ -248,8 +248,10 @@ def _number_fields(capability: Capability) -> dict[str, object]:
     if low >= high:
         low, high = _WIDE
     span = high - low
-    fields: dict[str, object] = {"min": low, "max": high, "mode": "box" if span > _MOST_STEPS else "auto"}
-    fields["step"] = capability.grid[1] if capability.grid else next((one for most, one in _STEPS if span <= most), 1.0)
+    fields: dict[str, object] = {"min": low, "max": high, "mode": "box" if span > _MAX_STEPS else "auto"}
+    fields["step"] = (
+        capability.grid[1] if capability.grid else next((step for most, step in _STEPS if span <= most), 1.0)
+    )
     unit = capability.unit or known.unit
     return {**fields, "unit_of_measurement": unit} if unit else fields
 

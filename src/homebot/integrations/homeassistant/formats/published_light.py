@@ -36,10 +36,10 @@ def publish_light(entity: PublishedEntity, available: Available, _part: Part) ->
         return compact_json(message)
 
     def read(text: str) -> Values:
-        found = light.read(text.encode())
-        if found.get("on_off") is not True:
-            return {"on_off": False} if found.get("on_off") is False else {}
-        return {**{name: found[name] for name in lamp if found.get(name) is not None}, "on_off": True}
+        readings = light.read(text.encode())
+        if readings.get("on_off") is not True:
+            return {"on_off": False} if readings.get("on_off") is False else {}
+        return {**{name: readings[name] for name in lamp if readings.get(name) is not None}, "on_off": True}
 
     entity.config |= _config(lamp)
     if switch.readable:

@@ -112,23 +112,28 @@ class HomeAssistantPublisher:
             self._published.pop(offer.id, None)
         else:
             self._published[offer.id] = entities
-        return tuple(one for part, found in entities for entity in found for one in publish(offer, part, entity))
+        return tuple(
+            publication
+            for part, entities_of_part in entities
+            for entity in entities_of_part
+            for publication in publish(offer, part, entity)
+        )
 
     def states(
         self, offer: ExposedDevice, known: Mapping[tuple[str, str], PlainValue], changed: Collection[tuple[str, str]]
     ) -> Publications:
         """Return the states of *offer* with a *changed* value among the *known* ones, by part and capability."""
-        found: list[Publication] = []
+        publications: list[Publication] = []
         for part, entities in self._published.get(offer.id, ()):
             news = {name for part_id, name in changed if part_id == part.id}
             values = {name: value for (part_id, name), value in known.items() if part_id == part.id} if news else {}
-            found.extend(
+            publications.extend(
                 Publication(state.topic, state.write(values).encode(), qos=1, retain=not state.is_event)
                 for entity in entities
                 for state in entity.states
                 if state.capabilities & news
             )
-        return tuple(found)
+        return tuple(publications)
 
     def read_command(self, topic: str, payload: bytes) -> tuple[Command, ...]:
         """Return the commands in a message on one of the filters, in this order."""
@@ -148,14 +153,17 @@ class HomeAssistantPublisher:
     def _entities(self, offer: ExposedDevice, part: Part) -> tuple[PublishedEntity, ...]:
         """Return the entities of *part*: the main one, then one for each other capability."""
         base = f"{self._base}/{_slug(offer.id)}/{_slug(part.id) or '_'}"
-        available: Available = {one.name: one for one in part.capabilities}
-        found: list[PublishedEntity] = []
+        available: Available = {capability.name: capability for capability in part.capabilities}
+        entities: list[PublishedEntity] = []
         for whole in _WHOLE:
             if whole.fits(part, available):
                 entity = PublishedEntity(base, whole.component)
                 whole.publish(entity, available, part)
-                found += [entity] if entity.commands or entity.states else []
-        return (*found, *(one for capability in available.values() for one in publish_single(part, capability, base)))
+                entities += [entity] if entity.commands or entity.states else []
+        return (
+            *entities,
+            *(entity for capability in available.values() for entity in publish_single(part, capability, base)),
+        )
 
     def _config(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> Publications:
         for topic, read in entity.commands.items():
@@ -169,7 +177,7 @@ class HomeAssistantPublisher:
         if entity.component == "tag":
             config = {key: config[key] for key in ("device", "origin", "topic")}
         else:
-            config["name"] = " ".join(one for one in (part.name, entity.name.replace("_", " ")) if one) or None
+            config["name"] = " ".join(word for word in (part.name, entity.name.replace("_", " ")) if word) or None
             config["unique_id"] = f"{self._owner}_{self._object_id(offer, part, entity)}"
             if part.category:
                 config["entity_category"] = "diagnostic" if entity.component in _WATCHED else part.category
@@ -189,7 +197,7 @@ class HomeAssistantPublisher:
 
     def _object_id(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> str:
         """Return the object id; its pieces are separated by two ``_``, which no piece has."""
-        return "__".join(_slug(one) for one in (offer.id, part.id, entity.name or entity.component) if one)
+        return "__".join(_slug(word) for word in (offer.id, part.id, entity.name or entity.component) if word)
 
     def _device(self, offer: ExposedDevice) -> dict[str, object]:
         facts = {

@@ -141,7 +141,12 @@ def _shared_availability(
     if whole is None and all(part.availability == described[0].availability for part in described):
         whole = described[0].availability
     if whole is not None:
-        described = tuple([one._replace(availability=None) if one.availability == whole else one for one in described])
+        described = tuple(
+            [
+                announced._replace(availability=None) if announced.availability == whole else announced
+                for announced in described
+            ]
+        )
     return described, whole
 
 
@@ -158,5 +163,5 @@ def _with_members(described: DescribedPart, config: DiscoveryConfig) -> Describe
     """Return *described* with the members of a group, which its config names by their ``unique_id``."""
     members = config.values.get("group")
     listed = members[:_MAX_MEMBERS] if isinstance(members, list) else ()
-    named = tuple([f"#{clean_text(one)}" for one in listed if isinstance(one, str)])
+    named = tuple([f"#{clean_text(entity_id)}" for entity_id in listed if isinstance(entity_id, str)])
     return described._replace(part=described.part.model_copy(update={"members": named}))

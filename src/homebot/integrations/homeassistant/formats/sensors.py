@@ -25,9 +25,9 @@ from homebot.errors import WireError
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.entity import Entity
 
-_LONGEST = 255
-_LONGEST_PLACE = 120
-_LONGEST_UNIT = 40
+_MAX_TEXT_CHARACTERS = 255
+_MAX_PLACE_CHARACTERS = 120
+_MAX_UNIT_CHARACTERS = 40
 _IMAGE = Capability(name="image", readable=False)
 _UNKNOWN: Readings = {"value": None}
 _TEXT_CLASSES = frozenset({"date", "enum", "timestamp"})
@@ -42,7 +42,7 @@ def build_sensor(config: DiscoveryConfig) -> DescribedPart:
     source = config.required_source("state_topic").without_payload()
     device_class = config.device_class
     if device_class not in _TEXT_CLASSES and (is_quantity(device_class) or any(map(config.has, _NUMERIC_FIELDS))):
-        quantity = quantity_of(device_class, config.clean_text("unit_of_measurement", _LONGEST_UNIT))
+        quantity = quantity_of(device_class, config.clean_text("unit_of_measurement", _MAX_UNIT_CHARACTERS))
         entity = Entity(config, quantity.service_type)
         if entity.read_text_from(source, _number_reader(quantity)):
             entity.add_capability(quantity.capability, unit=quantity.unit)
@@ -66,17 +66,17 @@ def _number_reader(quantity: Quantity) -> Callable[[object], Readings]:
 def _read_text(options: Mapping[str, object], text: str) -> Readings:
     if text == "None":
         return _UNKNOWN
-    if len(text) > _LONGEST or (options and text not in options):
-        return unreadable(text, options or f"at most {_LONGEST} characters")
+    if len(text) > _MAX_TEXT_CHARACTERS or (options and text not in options):
+        return unreadable(text, options or f"at most {_MAX_TEXT_CHARACTERS} characters")
     if text.startswith("{") and names_secret(text):  # the whole message of a lock, without a template
         return NO_READINGS
-    return {"value": clean_text(text, _LONGEST)}
+    return {"value": clean_text(text, _MAX_TEXT_CHARACTERS)}
 
 
 def _read_moment(device_class: str, text: str) -> Readings:
     """Read a date or a timestamp; one without time zone is ambiguous and ignored."""
     try:
-        moment = datetime.fromisoformat(text[:_LONGEST])
+        moment = datetime.fromisoformat(text[:_MAX_TEXT_CHARACTERS])
     except ValueError:
         unreadable(text, f"a {device_class} in ISO 8601")
         return _UNKNOWN
@@ -130,7 +130,7 @@ def build_device_tracker(config: DiscoveryConfig) -> DescribedPart:
     def read(text: str) -> Readings:
         if not text.strip():
             return NO_READINGS
-        return {"place": places[text] if text in places else clean_text(text, _LONGEST_PLACE)}
+        return {"place": places[text] if text in places else clean_text(text, _MAX_PLACE_CHARACTERS)}
 
     entity = Entity(config, "x_tracker", config.clean_text("source_type"))
     entity.add_value("place", source, read)
@@ -173,7 +173,7 @@ def build_trigger(config: DiscoveryConfig) -> DescribedPart:
 
 def build_tag(config: DiscoveryConfig) -> DescribedPart:
     """Describe a reader of tags; each message is one scanned tag."""
-    return _build_events(config, "x_tag_reader", "scan", "topic", lambda text: clean_text(text, _LONGEST))
+    return _build_events(config, "x_tag_reader", "scan", "topic", lambda text: clean_text(text, _MAX_TEXT_CHARACTERS))
 
 
 def _build_events(
@@ -252,12 +252,12 @@ class _Versions:
     def read_latest(self, text: str) -> Readings:
         return self._found({"latest_version": _version(text)} if text else {})
 
-    def _found(self, found: dict[str, PlainValue]) -> Readings:
-        if not found:
+    def _found(self, readings: dict[str, PlainValue]) -> Readings:
+        if not readings:
             return NO_READINGS
-        self.known.update(found)
+        self.known.update(readings)
         latest, installed = (self.known.get(name, "") for name in ("latest_version", "version"))
-        return found if "" in (latest, installed) else {**found, "update_available": _is_newer(latest, installed)}
+        return readings if "" in (latest, installed) else {**readings, "update_available": _is_newer(latest, installed)}
 
 
 _VERSION_KEYS = {"version": "installed_version", "latest_version": "latest_version"}
@@ -266,7 +266,7 @@ _NUMBERS = re.compile(r"v?([0-9]{1,9}(?:\.[0-9]{1,9}){0,9})(?![0-9A-Za-z])")
 
 def _version(value: object) -> str | None:
     if isinstance(value, str):
-        return None if value == "None" else clean_text(value, _LONGEST)
+        return None if value == "None" else clean_text(value, _MAX_TEXT_CHARACTERS)
     return str(value) if isinstance(value, float) else shown(value) if isinstance(value, int) else None
 
 
@@ -274,5 +274,7 @@ def _is_newer(latest: PlainValue, installed: PlainValue) -> bool | None:
     """Return whether a version is newer: by the numbers at its beginning, or else if it differs; None for unknown."""
     if not isinstance(latest, str) or not isinstance(installed, str):
         return None
-    numbers = [tuple(map(int, found[1].split("."))) for one in (latest, installed) if (found := _NUMBERS.match(one))]
+    numbers = [
+        tuple(map(int, match[1].split("."))) for version in (latest, installed) if (match := _NUMBERS.match(version))
+    ]
     return latest != installed and (len(numbers) < 2 or numbers[0] >= numbers[1])

@@ -17,8 +17,8 @@ from homebot.errors import RefusedError, WireError
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.entity import Entity
 
-_LONGEST_TEXT = 255
-_LONGEST_MESSAGE = 4096
+_MAX_TEXT_CHARACTERS = 255
+_MAX_MESSAGE_CHARACTERS = 4096
 
 
 def build_button(config: DiscoveryConfig) -> DescribedPart:
@@ -98,23 +98,23 @@ def build_select(config: DiscoveryConfig) -> DescribedPart:
 def build_text(config: DiscoveryConfig) -> DescribedPart:
     """Describe a text. A password is sent, but never read."""
     least = config.integer("min", 0, least=0)
-    most = config.integer("max", _LONGEST_TEXT, least=0, most=_LONGEST_TEXT)
+    most = config.integer("max", _MAX_TEXT_CHARACTERS, least=0, most=_MAX_TEXT_CHARACTERS)
     if least > most:
         raise WireError(f"text: max is {most}, below min {least}")
 
     def read(text: str) -> Readings:
         if text == "None":
             return {"text": None}
-        if len(text) > _LONGEST_TEXT:
-            return unreadable(text, f"at most {_LONGEST_TEXT} characters")
-        return {"text": clean_text(text, _LONGEST_TEXT)}
+        if len(text) > _MAX_TEXT_CHARACTERS:
+            return unreadable(text, f"at most {_MAX_TEXT_CHARACTERS} characters")
+        return {"text": clean_text(text, _MAX_TEXT_CHARACTERS)}
 
     return _build_text(config, least, most, None if config.text("mode", "text").lower() == "password" else read)
 
 
 def build_notify(config: DiscoveryConfig) -> DescribedPart:
     """Describe a display or a speaker of messages."""
-    return _build_text(config, 0, _LONGEST_MESSAGE, None)
+    return _build_text(config, 0, _MAX_MESSAGE_CHARACTERS, None)
 
 
 def _build_text(

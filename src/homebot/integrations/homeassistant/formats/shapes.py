@@ -27,7 +27,7 @@ _OWN = frozenset(
 
 _PLAIN_TOPIC = re.compile("[^+#$\x00-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]{1,255}").fullmatch
 _MAX_SHAPES = 1000
-_LONGEST_SHAPE = 2048
+_MAX_SHAPE_CHARACTERS = 2048
 
 
 class _Shape(NamedTuple):
@@ -89,6 +89,6 @@ def _shape_of(config: DiscoveryConfig, topics: list[str]) -> _Shape | None:
         elif key not in _OWN:
             others[key] = value
     text = to_json(others)
-    if len(text) > _LONGEST_SHAPE:
+    if len(text) > _MAX_SHAPE_CHARACTERS:
         return None
     return _Shape(config.component, config.is_secret, tuple(names), tuple(places), text)

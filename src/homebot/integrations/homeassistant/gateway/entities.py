@@ -118,12 +118,16 @@ class HomeAssistantEntities:
         Args:
             forget: Whether to drop entities that have neither a state nor ever had an entry.
         """
-        gone = [key for key, one in self._entities.items() if not one.has_state and not self.registries.has_entity(key)]
+        gone = [
+            key
+            for key, entity in self._entities.items()
+            if not entity.has_state and not self.registries.has_entity(key)
+        ]
         for entity_id in gone:
             if forget or self._entities[entity_id].entry.key != entity_id:
                 del self._entities[entity_id]
         self._parts = groups = self._group()
-        self._devices = {key: one for key, one in self._devices.items() if key in groups}
+        self._devices = {key: device for key, device in self._devices.items() if key in groups}
         return {key: tuple(parts.values()) for key, parts in groups.items()}
 
     def of(self, key: str) -> tuple[HomeAssistantEntity, ...]:
@@ -137,7 +141,7 @@ class HomeAssistantEntities:
     def is_reached(self, key: str) -> bool:
         """Return whether Home Assistant can reach a device; None without entities."""
         entities = self.of(key)
-        return not entities or any(one.is_available for one in entities)
+        return not entities or any(entity.is_available for entity in entities)
 
     def key_of(self, entity_id: str) -> str:
         """Return the key of the device of an entity; empty for none."""
@@ -164,11 +168,11 @@ class HomeAssistantEntities:
     def describe(self, key: str) -> GatewayDevice:
         """Describe a device from the registries and the attributes of its entities."""
         entities = self.of(key)
-        ids = [one.entity_id for one in entities]
+        ids = [entity.entity_id for entity in entities]
         device = self.registries.device(key) or DeviceInfo((), "", "", {})
         name = device.name or _own_name(entities) or key
-        sole = [one for one in entities if not one.entry.category]
-        area, floor = self.registries.place(key, [one.entity_id for one in sole or entities])
+        sole = [entity for entity in entities if not entity.entry.category]
+        area, floor = self.registries.place(key, [entity.entity_id for entity in sole or entities])
         parts = [*map(self._part, entities), *self.triggers.get(key, ())]
         self._devices[key] = described = GatewayDevice(
             key,
@@ -179,7 +183,7 @@ class HomeAssistantEntities:
             authenticated=True,  # our token proved that it is the owner's Home Assistant
             area=area,
             raw_address=f"homeassistant/{key}",
-            codecs={one.entry.part_id: _ServiceCodec(one) for one in entities},
+            codecs={entity.entry.part_id: _ServiceCodec(entity) for entity in entities},
             native=False,  # the gateway of its native protocol knows it better
         )
         return described
@@ -187,14 +191,14 @@ class HomeAssistantEntities:
     def _part(self, entity: HomeAssistantEntity) -> Part:
         if entity.domain not in {"scene", "person"} and not entity.reaches_others(self.registries):
             return entity.part()
-        members = tuple([f"#{self.registries.entity(one).part_id}" for one in entity.members])
+        members = tuple([f"#{self.registries.entity(member).part_id}" for member in entity.members])
         return entity.part().model_copy(update={"members": members})
 
     def _facts(
         self, key: str, name: str, ids: list[str], sole: list[HomeAssistantEntity], known: Mapping[str, str]
     ) -> dict[str, str]:
         """Return the labels, further names and entities of a device, and its *known* facts, without empty ones."""
-        shown_as = {text_of(one.info.get("friendly_name")) for one in sole if len(sole) == 1} - {"", name}
+        shown_as = {text_of(entity.info.get("friendly_name")) for entity in sole if len(sole) == 1} - {"", name}
         aliases = (*shown_as, *self.registries.listed("aliases", key, ids))
         facts = {"tags": ", ".join(self.registries.listed("labels", key, ids)), "aliases": ", ".join(aliases)}
         facts |= {**known, "entities": ", ".join(map(self._listed, ids))[:_MAX_FACT]}
@@ -227,15 +231,15 @@ class HomeAssistantEntities:
         return groups
 
 
-def _order(one: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, bool, str]:
+def _order(key_and_entity: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, bool, str]:
     """Return the sort key of an entity: settings last, then as :data:`DOMAINS` are sorted, a whole before its parts."""
-    entity_id, entity = one
+    entity_id, entity = key_and_entity
     return bool(entity.entry.category), _ORDER[entity.domain], not entity.is_group, entity_id
 
 
 def _own_name(entities: Iterable[HomeAssistantEntity]) -> str:
     """Return the name of the first of *entities*; empty without any."""
-    names = (one.name or one.entity_id.partition(".")[2].replace("_", " ") for one in entities)
+    names = (entity.name or entity.entity_id.partition(".")[2].replace("_", " ") for entity in entities)
     return next(names, "")
 
 

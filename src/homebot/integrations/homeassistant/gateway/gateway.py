@@ -28,7 +28,7 @@ from homebot.integrations.homeassistant.gateway.triggers import DeviceTriggers
 from homebot.support.isolation import ungrouped
 
 SETTLES: Final = 0.05
-LONGEST_SETTLING: Final = 0.5
+MAX_SETTLING_S: Final = 0.5
 """Least and most seconds for which changes of the registries are collected, as a new device is a change per entity.
 Within these, four times the duration of the last listing, so that listing takes at most a fifth of the time."""
 
@@ -124,12 +124,12 @@ class HomeAssistantGateway(LinkedGateway):
 
     async def _with_aliases(self, listed: object) -> object:
         """Return the entries of entities with their aliases, which the list omits."""
-        ids = [text_of(as_fields(one).get("entity_id")) for one in listed] if isinstance(listed, list) else []
+        ids = [text_of(as_fields(row).get("entity_id")) for row in listed] if isinstance(listed, list) else []
         try:
-            found = await self._link.call("the aliases", "config/entity_registry/get_entries", {"entity_ids": ids})
+            rows = await self._link.call("the aliases", "config/entity_registry/get_entries", {"entity_ids": ids})
         except RefusedError:  # it came in 2023.2
             return listed
-        return list(as_fields(found).values()) or listed
+        return list(as_fields(rows).values()) or listed
 
     async def _follow_registries(self, triggers: DeviceTriggers) -> None:
         """Follow the triggers of all devices; read changed registries again, and regroup the entities."""
@@ -145,7 +145,7 @@ class HomeAssistantGateway(LinkedGateway):
             began = clock.monotonic()
             await self._list(stale)
             await self._describe_all("Home Assistant described it anew")
-            settles = min(max(SETTLES, 4 * (clock.monotonic() - began)), LONGEST_SETTLING)
+            settles = min(max(SETTLES, 4 * (clock.monotonic() - began)), MAX_SETTLING_S)
 
     async def _on_press(self, key: str, part: str, press: str) -> None:
         if self.devices.admits(key):
@@ -178,13 +178,13 @@ class HomeAssistantGateway(LinkedGateway):
         if not self.devices.admits(source):
             return
         try:
-            found = self._entities.put(entity_id, change, is_new=is_new)
+            known = self._entities.put(entity_id, change, is_new=is_new)
         except WireError as exc:
             self.devices.reject(source, compact_json(change).encode(), str(exc))
             return
-        if found is None or is_first:
+        if known is None or is_first:
             return
-        entity, is_described_anew = found
+        entity, is_described_anew = known
         if not key:
             if self._entities.is_new(entity_id):
                 self._mark_stale("device", "entity")  # or its id has changed
@@ -228,8 +228,8 @@ class HomeAssistantGateway(LinkedGateway):
             if described == before:
                 continue
             self.devices.put(described, why, confirmed=self._entities.is_reached(key))
-            for one in entities:
-                await self._report(one)
+            for entity in entities:
+                await self._report(entity)
             await anyio.lowlevel.checkpoint()
 
     async def maintain(self) -> None:
@@ -247,9 +247,9 @@ class HomeAssistantGateway(LinkedGateway):
         self.check_link()
         entity = self._entities.entity(command.key, command.part)
 
-        def write(one: Command) -> Fields:
-            call = entity.call(one.capability, one.value.plain(), one.transition, one.code)
-            alone = {} if call.service == "turn_on" else {"alone": one.capability}
+        def write(setting: Command) -> Fields:
+            call = entity.call(setting.capability, setting.value.plain(), setting.transition, setting.code)
+            alone = {} if call.service == "turn_on" else {"alone": setting.capability}
             return {"service": call.service, "data": dict(call.data), **alone}
 
         message, along = join(command, write)

@@ -37,7 +37,7 @@ GREETS_WITHIN: Final = 5.0
 ANSWERS_WITHIN: Final = 30.0
 """In seconds; a service that takes longer, such as for a sleepy device, continues without us."""
 
-MOST_INVALID: Final = 100
+MAX_INVALID_MESSAGES: Final = 100
 """Consecutive invalid frames after which the connection is closed."""
 
 OLDEST: Final = (2022, 11)
@@ -82,7 +82,7 @@ class HomeAssistantLink:
         """
         invalid = 0
         try:
-            while invalid < MOST_INVALID:
+            while invalid < MAX_INVALID_MESSAGES:
                 payload = await self._receive()
                 try:
                     frame = await self._parsed(payload)
@@ -91,7 +91,7 @@ class HomeAssistantLink:
                 except WireError as exc:
                     self._on_invalid(payload, str(exc))
                     invalid += 1
-            raise WireError(f"Home Assistant sent {MOST_INVALID} invalid frames in a row")
+            raise WireError(f"Home Assistant sent {MAX_INVALID_MESSAGES} invalid frames in a row")
         finally:
             self._calls.end()
 
@@ -149,7 +149,7 @@ class HomeAssistantLink:
         if frame.get("type") != kind:
             raise WireError("the server at this address is not Home Assistant")
         version = text_of(frame.get("ha_version"), 40)
-        numbers = [int(one) if one.isdecimal() else 0 for one in version.split(".")[:2]]
+        numbers = [int(number) if number.isdecimal() else 0 for number in version.split(".")[:2]]
         if tuple(numbers) < OLDEST:
             raise WireError(f"it is Home Assistant {version}; homebot needs {OLDEST[0]}.{OLDEST[1]} or later")
 

@@ -34,10 +34,10 @@ class HomeAssistantGatewaySettings(GatewaySettings):
     @field_validator("url")
     @classmethod
     def _check_url(cls, url: str) -> str:
-        found = urlsplit(url)  # raises ValueError itself
-        if found.scheme not in {"ws", "wss", "http", "https"} or not found.hostname:
+        address = urlsplit(url)  # raises ValueError itself
+        if address.scheme not in {"ws", "wss", "http", "https"} or not address.hostname:
             raise ValueError("the address of Home Assistant is written like http://homeassistant.local:8123")
-        if found.username is not None or found.password is not None:
+        if address.username is not None or address.password is not None:
             raise ValueError("Home Assistant takes a token, not a user and a password; leave them out")
         return url.rstrip("/")
 

@@ -13,7 +13,7 @@ from homebot.errors import RefusedError
 from homebot.integrations.homeassistant.formats.states.domains import DOMAINS
 from homebot.integrations.homeassistant.gateway.link import HomeAssistantLink
 
-_MOST: Final = 100
+_MAX_TRIGGERS: Final = 100
 """Triggers of one device."""
 
 
@@ -39,7 +39,9 @@ class DeviceTriggers:
     async def _subscribe(self, device_id: str) -> tuple[Part, ...]:
         try:
             listed = await self._link.call("the triggers", "device_automation/trigger/list", {"device_id": device_id})
-            triggers = [one for one in listed if _is_own(one)][:_MOST] if isinstance(listed, list) else []
+            triggers = (
+                [trigger for trigger in listed if _is_own(trigger)][:_MAX_TRIGGERS] if isinstance(listed, list) else []
+            )
             if not triggers:
                 return ()
             parts = tuple(map(_part, triggers))
@@ -53,7 +55,7 @@ class DeviceTriggers:
             await self._link.call("the triggers", "subscribe_trigger", {"trigger": triggers}, on_trigger)
         except RefusedError:  # an integration without triggers, or a user without the right to follow them
             return ()
-        return tuple({one.id: one for one in parts}.values())
+        return tuple({part.id: part for part in parts}.values())
 
 
 def _is_own(trigger: object) -> bool:

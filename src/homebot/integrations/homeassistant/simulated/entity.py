@@ -57,12 +57,12 @@ def _cover(device_class: str) -> ServedEntityKind:
 
 def _sensor(device_class: str, unit: str) -> ServedEntityKind:
     fixed = {"device_class": device_class, "unit_of_measurement": unit, "state_class": "measurement"}
-    return ServedEntityKind("sensor", lambda one: (f"{one.value:g}", {}), fixed)
+    return ServedEntityKind("sensor", lambda state: (f"{state.value:g}", {}), fixed)
 
 
 def _binary(device_class: str, on: str) -> ServedEntityKind:
     fixed = {"device_class": device_class}
-    return ServedEntityKind("binary_sensor", lambda one: ("on" if one.text == on else "off", {}), fixed)
+    return ServedEntityKind("binary_sensor", lambda state: ("on" if state.text == on else "off", {}), fixed)
 
 
 _LIGHT: Final = {

@@ -122,8 +122,8 @@ class SimulatedHomeAssistant(WebDevice):
         """Fire a trigger of a device."""
         for peer, number, followed in self._followed:
             if trigger in followed and peer in self.server.peers:
-                found = {"idx": str(followed.index(trigger)), "platform": "device"}
-                peer.send(_event(number, {"variables": {"trigger": found}, "context": None}))
+                variables = {"idx": str(followed.index(trigger)), "platform": "device"}
+                peer.send(_event(number, {"variables": {"trigger": variables}, "context": None}))
 
     def greet(self, peer: WebPeer, path: str) -> bool:
         """Accept a WebSocket and ask for a token."""
@@ -148,7 +148,7 @@ class SimulatedHomeAssistant(WebDevice):
         peer.send(as_json({"id": number, "type": "result", **answer}))
         if frame.get("type") == "subscribe_entities":
             self._states[peer] = number
-            peer.send(_event(number, {"a": {key: _compressed(one) for key, one in self.entities.items()}}))
+            peer.send(_event(number, {"a": {key: _compressed(entity) for key, entity in self.entities.items()}}))
 
     def _run(self, peer: WebPeer, number: int, frame: Fields) -> tuple[bool, object]:
         match frame.get("type"):
@@ -182,9 +182,9 @@ class SimulatedHomeAssistant(WebDevice):
             case "floor":
                 return [{"floor_id": name, "name": name} for name in set(self.floors.values())]
             case "device":
-                return [one.device_entry() for one in self.entities.values()]
+                return [entity.device_entry() for entity in self.entities.values()]
             case "entity":
-                return [{"entity_id": key, **one.entry()} for key, one in self.entities.items()]
+                return [{"entity_id": key, **entity.entry()} for key, entity in self.entities.items()]
         return []
 
     def _call(self, frame: Fields) -> tuple[bool, object]:

@@ -20,7 +20,7 @@ MAX_CHARACTERISTICS: Final = 100
 """The limits of the specification (2.3) are 150 accessories, and 100 services and characteristics of each."""
 
 _BASE: Final = "-0000-1000-8000-0026BB765291"
-_LONGEST: Final = 256
+_MAX_TEXT_CHARACTERS: Final = 256
 _FINEST: Final = 1e-6
 """A finer step is none."""
 
@@ -75,19 +75,23 @@ class HapService:
 
     def can(self, kind: str, permission: str) -> bool:
         """Return whether it has the characteristic *kind* with a permission."""
-        found = self.characteristics.get(kind)
-        return found is not None and permission in found.perms
+        characteristic = self.characteristics.get(kind)
+        return characteristic is not None and permission in characteristic.perms
 
     def number(self, kind: str) -> float | None:
         """Return the value of a characteristic that is a number, or true (1) or false (0); None for unknown."""
-        found = self.characteristics.get(kind)
-        value = None if found is None else found.value
+        characteristic = self.characteristics.get(kind)
+        value = None if characteristic is None else characteristic.value
         return float(value) if isinstance(value, bool) else finite_number(value)
 
     def text(self, kind: str) -> str:
         """Return the value of a characteristic that is a text; empty for none."""
-        found = self.characteristics.get(kind)
-        return clean_text(found.value)[:_LONGEST] if found is not None and isinstance(found.value, str) else ""
+        characteristic = self.characteristics.get(kind)
+        return (
+            clean_text(characteristic.value)[:_MAX_TEXT_CHARACTERS]
+            if characteristic is not None and isinstance(characteristic.value, str)
+            else ""
+        )
 
 
 @dataclass(eq=False, slots=True)
@@ -100,17 +104,19 @@ class Accessory:
     @property
     def information(self) -> HapService:
         """The service with its name, maker and serial number; an empty one where it has none."""
-        return next((one for one in self.services.values() if one.type == INFORMATION), HapService(0, INFORMATION))
+        return next(
+            (service for service in self.services.values() if service.type == INFORMATION), HapService(0, INFORMATION)
+        )
 
     @property
     def sleeps(self) -> bool:
         """True if its radio sleeps: the interval, in milliseconds, is not 0."""
-        return any(one.number(SLEEP_INTERVAL) for one in self.services.values())
+        return any(service.number(SLEEP_INTERVAL) for service in self.services.values())
 
 
 def short_type(uuid: object) -> str:
     """Return a type as short as the specification allows: ``43`` for ``00000043-0000-1000-8000-0026BB765291``."""
-    text = uuid.upper()[:_LONGEST] if isinstance(uuid, str) else ""
+    text = uuid.upper()[:_MAX_TEXT_CHARACTERS] if isinstance(uuid, str) else ""
     return text.removesuffix(_BASE).lstrip("0") if text.endswith(_BASE) or len(text) <= len("00000043") else text
 
 
@@ -123,11 +129,11 @@ def parse_accessories(listed: object) -> dict[int, Accessory]:
     if not isinstance(listed, list) or not listed:
         raise WireError(f"the accessories are {shown(listed)}, not a list")
     accessories: dict[int, Accessory] = {}
-    for one in listed[:MAX_ACCESSORIES]:
-        fields = as_fields(one)
+    for entry in listed[:MAX_ACCESSORIES]:
+        fields = as_fields(entry)
         aid, services = whole_number(fields.get("aid")), fields.get("services")
         if aid is None or aid < 1 or not isinstance(services, list):
-            raise WireError(f"an accessory is {shown(one)}")
+            raise WireError(f"an accessory is {shown(entry)}")
         parsed = (_parse_service(service) for service in services[:MAX_SERVICES])
         accessories[aid] = Accessory(aid, {service.iid: service for service in parsed if service is not None})
     return accessories
@@ -139,9 +145,9 @@ def _parse_service(data: object) -> HapService | None:
     if iid is None or not kind or not isinstance(listed, list):
         return None
     service = HapService(iid, kind)
-    for one in map(_parse_characteristic, listed[:MAX_CHARACTERISTICS]):
-        if one is not None:
-            service.characteristics.setdefault(one.type, one)
+    for characteristic in map(_parse_characteristic, listed[:MAX_CHARACTERISTICS]):
+        if characteristic is not None:
+            service.characteristics.setdefault(characteristic.type, characteristic)
     return service
 
 
@@ -150,7 +156,7 @@ def _bounds(least: float | None, most: float | None) -> tuple[float, ...]:
 
 
 def _whole_numbers(values: object) -> tuple[int, ...]:
-    return tuple(int(one) for one in values if finite_number(one) is not None) if isinstance(values, list) else ()
+    return tuple(int(value) for value in values if finite_number(value) is not None) if isinstance(values, list) else ()
 
 
 def _parse_characteristic(data: object) -> HapCharacteristic | None:
@@ -163,7 +169,7 @@ def _parse_characteristic(data: object) -> HapCharacteristic | None:
         iid,
         kind,
         str(fields.get("format"))[:10],
-        frozenset(one for one in perms if isinstance(one, str)),
+        frozenset(permission for permission in perms if isinstance(permission, str)),
         fields.get("value"),
         _bounds(least, most),
         (int(least),) if least is not None and least == most else _whole_numbers(fields.get("valid-values")),

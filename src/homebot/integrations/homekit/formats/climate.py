@@ -54,7 +54,7 @@ def _setpoint_bounds(threshold: str, service: HapService) -> tuple[float, ...]:
 
 def _check_order(service: HapService, capability: str, kind: str, celsius: float) -> None:
     """Refuse a temperature to heat to above the one to cool to."""
-    ends = {one: service.number(one) for one in (HEAT_TO, COOL_TO)} | {kind: celsius}
+    ends = {end: service.number(end) for end in (HEAT_TO, COOL_TO)} | {kind: celsius}
     low, high = ends[HEAT_TO], ends[COOL_TO]
     if low is not None and high is not None and low > high:
         raise RefusedError(f"{capability} {celsius:g}", f"it would heat to {low:g} °C, and cool to {high:g} °C")

@@ -39,7 +39,8 @@ _SENSOR_ROWS: Final = (
     service_row(f"{MONOXIDE} {AIR}", "carbon_monoxide", "90"),
     service_row(DIOXIDE, "safety", "92"),
     service_row(f"{DIOXIDE} {AIR}", "carbon_dioxide", "93"),
-    service_row(AIR, "air_quality_index", "95", read=lambda one: one.number("95") or None),  # 1 is excellent, 5 is poor
+    # 1 is excellent, 5 is poor
+    service_row(AIR, "air_quality_index", "95", read=lambda service: service.number("95") or None),
     service_row(AIR, "pm25", "C6"),
     service_row(AIR, "pm10", "C7"),
     service_row(AIR, "volatile_organic_compounds", "C8"),
@@ -114,14 +115,14 @@ def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
     """Yield the parts of an accessory; last that of its information, which a bridge does not need."""
     own_name = accessory.information.text(_NAME)
     rows, has_function = (*_ROWS, *_source_rows(accessory)), False
-    for service in sorted(accessory.services.values(), key=lambda one: one.type == INFORMATION):
-        found: dict[str, tuple[Capability, ServiceRow]] = {}
+    for service in sorted(accessory.services.values(), key=lambda service: service.type == INFORMATION):
+        rows_by_capability: dict[str, tuple[Capability, ServiceRow]] = {}
         for capability, row in described(rows, service):
-            found.setdefault(capability.name, (capability, row))
-        if found and (has_function or service.type != INFORMATION):
+            rows_by_capability.setdefault(capability.name, (capability, row))
+        if rows_by_capability and (has_function or service.type != INFORMATION):
             has_function = True
-            part = _part(service, own_name, tuple(capability for capability, _ in found.values()))
-            yield HomekitPart(part, service, {name: row for name, (_, row) in found.items()})
+            part = _part(service, own_name, tuple(capability for capability, _ in rows_by_capability.values()))
+            yield HomekitPart(part, service, {name: row for name, (_, row) in rows_by_capability.items()})
         yield from _child_lock(service)
 
 
@@ -142,9 +143,9 @@ def _child_lock(service: HapService) -> Iterator[HomekitPart]:
 def _source_rows(accessory: Accessory) -> Iterator[ServiceRow]:
     """Yield the row of a television's sources, which are services beside it."""
     sources: dict[int, str] = {}
-    for one in accessory.services.values():
-        number, name = one.number(_INPUT_ID), one.text(_CONFIGURED_NAME) or one.text(_NAME)
-        if one.type == _INPUT and number is not None and name:
+    for other in accessory.services.values():
+        number, name = other.number(_INPUT_ID), other.text(_CONFIGURED_NAME) or other.text(_NAME)
+        if other.type == _INPUT and number is not None and name:
             sources[int(number)] = f"{name} {number:.0f}" if name in sources.values() else name
     if sources:
         yield service_row(_TELEVISION, "option", _SOURCE, _SOURCE, sources)

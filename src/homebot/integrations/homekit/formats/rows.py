@@ -57,8 +57,8 @@ def service_row(
         is_of_row = first in service.characteristics and (not types or service.type in types)
         return is_of_row and (when is None or bool(when(service)))
 
-    def of_number(found: Callable[[HapService], tuple[float, ...]]) -> Callable[[HapService], tuple[float, ...]]:
-        return lambda service: found(service) if is_number and service.can(target, "pw") else ()
+    def of_number(values_of: Callable[[HapService], tuple[float, ...]]) -> Callable[[HapService], tuple[float, ...]]:
+        return lambda service: values_of(service) if is_number and service.can(target, "pw") else ()
 
     return ServiceRow(
         capability,
@@ -102,17 +102,21 @@ def _bounds(capability: str, target: str, service: HapService, *, is_own: bool) 
 
 
 def _grid(target: str, service: HapService) -> tuple[float, ...]:
-    found = service.characteristics[target]
-    return number_grid(sum(found.bounds[:1]), found.step)
+    characteristic = service.characteristics[target]
+    return number_grid(sum(characteristic.bounds[:1]), characteristic.step)
 
 
 def known_values(service: HapService, kind: str, values: Mapping[int, str]) -> dict[int, str]:
     """Return those of the *values* that a characteristic can have."""
-    found = service.characteristics.get(kind)
-    if found is None:
+    characteristic = service.characteristics.get(kind)
+    if characteristic is None:
         return {}
-    least, most = found.bounds or (0.0, 2.0**32)
-    return {raw: text for raw, text in values.items() if raw in (found.valid_values or (raw,)) and least <= raw <= most}
+    least, most = characteristic.bounds or (0.0, 2.0**32)
+    return {
+        raw: text
+        for raw, text in values.items()
+        if raw in (characteristic.valid_values or (raw,)) and least <= raw <= most
+    }
 
 
 def read_number(capability: str, kind: str, service: HapService) -> float | None:

@@ -28,7 +28,7 @@ def read_homekit_code(text: str) -> SetupCode:
     code = text.upper().removeprefix(_URI)
     number, setup_id = code[:_DIGITS], code[_DIGITS:]
     whole = (*number, *setup_id)
-    if len(number) < _DIGITS or len(setup_id) not in {0, _SETUP_ID} or any(one not in _BASE36 for one in whole):
+    if len(number) < _DIGITS or len(setup_id) not in {0, _SETUP_ID} or any(sign not in _BASE36 for sign in whole):
         raise WireError("a HomeKit code must have 9 digits of base 36, and then a setup ID of 4 or nothing")
     facts = {"category": str(int(number, 36) >> 31 & 0xFF), "setup_id": setup_id}
     return SetupCode("homekit", "HomeKit device", facts, partial(_fits, setup_id))

@@ -34,40 +34,42 @@ class AccessoryDevice:
 
     def find(self, iid: int) -> HapCharacteristic | None:
         """Return a characteristic of its parts, or None for an unknown *iid*."""
-        known = (one for part in self.parts.values() for one in part.service.characteristics.values())
-        return next((one for one in known if one.iid == iid), None)
+        known = (
+            characteristic for part in self.parts.values() for characteristic in part.service.characteristics.values()
+        )
+        return next((characteristic for characteristic in known if characteristic.iid == iid), None)
 
 
-def describe(found: FoundAccessory, accessory: Accessory | None = None) -> AccessoryDevice:
+def describe(sighted: FoundAccessory, accessory: Accessory | None = None) -> AccessoryDevice:
     """Return an accessory as a device; without parts if it is not paired."""
     known = accessory or Accessory(_FIRST)
-    key, information, is_first = key_of(found.id, known.aid), known.information, known.aid == _FIRST
-    parts = {one.part.id: one for one in parts_of(known)}
-    facts = _facts_of(found, known)
+    key, information, is_first = key_of(sighted.id, known.aid), known.information, known.aid == _FIRST
+    parts = {part.part.id: part for part in parts_of(known)}
+    facts = _facts_of(sighted, known)
     own = "pairing" if is_first else f"aid {known.aid}"
     serial = information.text(_SERIAL)
     device = GatewayDevice(
         key,
-        information.text(_NAME) or found.name,
-        tuple(one.part for one in parts.values()),
+        information.text(_NAME) or sighted.name,
+        tuple(part.part for part in parts.values()),
         facts,
         identifiers(
             [
-                f"homekit {found.id.upper()} {own}",
+                f"homekit {sighted.id.upper()} {own}",
                 *([serial] if may_be_unique(serial, facts.get("model", "")) else []),
             ]
         ),
         whole_device=True,
         authenticated=accessory is not None,  # it has proved the key of its pairing
-        service_type="" if parts else found.service_type,
+        service_type="" if parts else sighted.service_type,
         raw_address=f"homekit/{key}",
         sleeps=known.sleeps,
     )
     return AccessoryDevice(known.aid, device, parts)
 
 
-def _facts_of(found: FoundAccessory, accessory: Accessory) -> dict[str, str]:
+def _facts_of(sighted: FoundAccessory, accessory: Accessory) -> dict[str, str]:
     facts = {fact: accessory.information.text(kind) for fact, kind in _FACTS.items()}
-    facts["model"] = facts["model"] or found.model
-    facts["via_device"] = "" if accessory.aid == _FIRST else found.id
+    facts["model"] = facts["model"] or sighted.model
+    facts["via_device"] = "" if accessory.aid == _FIRST else sighted.id
     return {fact: text for fact, text in facts.items() if text}

@@ -59,13 +59,13 @@ class AccessoryRunner(DeviceRunner):
         sleeps: Whether its radio is off most of the time, so that a lost connection does not mean that it is away.
     """
 
-    def __init__(self, found: FoundAccessory, pairing: Pairing, devices: PublishedDevices, port: HomekitPort) -> None:
-        super().__init__(found.name, found.id, devices, LOST_BACKOFF)
+    def __init__(self, sighted: FoundAccessory, pairing: Pairing, devices: PublishedDevices, port: HomekitPort) -> None:
+        super().__init__(sighted.name, sighted.id, devices, LOST_BACKOFF)
         self.link: HomekitLink | None = None
-        self._found = found
+        self._found = sighted
         self._pairing = pairing
         self._port = port
-        self.sleeps = found.is_on_thread  # possible, until it describes itself
+        self.sleeps = sighted.is_on_thread  # possible, until it describes itself
         self._attempt_ended, self._doubted = anyio.Event(), anyio.Event()
         self._accessories: dict[int, AccessoryDevice] = {}
         self._waiting = asyncio.Queue[Callable[[], Awaitable[None]]](MAX_EVENTS)
@@ -75,21 +75,22 @@ class AccessoryRunner(DeviceRunner):
     @property
     def keys(self) -> frozenset[str]:
         """The keys of its devices."""
-        return frozenset({self.key, *(one.device.key for one in self._accessories.values())})
+        return frozenset({self.key, *(accessory.device.key for accessory in self._accessories.values())})
 
-    def change(self, found: FoundAccessory) -> None:
+    def change(self, sighted: FoundAccessory) -> None:
         """Use the new announcement of the accessory; reconnect if its accessories have changed.
 
         If values or its address have changed, all values are read at once, which also tests the connection, as anyone
         can announce its ID.
         """
-        before, self._found = self._found, found
-        self.name = found.name
-        has_moved = (found.address, found.port) != (before.address, before.port)
-        is_left_alone = self.link is None and found.is_on_thread  # a cancelled attempt leaves a socket of aiocoap open
-        if not is_left_alone and (found.version != before.version or (has_moved and self.link is None)):
+        before, self._found = self._found, sighted
+        self.name = sighted.name
+        has_moved = (sighted.address, sighted.port) != (before.address, before.port)
+        # a cancelled attempt leaves a socket of aiocoap open
+        is_left_alone = self.link is None and sighted.is_on_thread
+        if not is_left_alone and (sighted.version != before.version or (has_moved and self.link is None)):
             self.restart()
-        elif has_moved or found.state != before.state:
+        elif has_moved or sighted.state != before.state:
             self._doubted.set()
         self.wake()
 
@@ -132,12 +133,12 @@ class AccessoryRunner(DeviceRunner):
         accessory, part = self._find(command)
         known = part.service.characteristics
 
-        def write(one: Command) -> Mapping[str, object]:
-            written = writer_of(part.rows.values(), one.capability)(part.service, one)
-            return written if one.capability in LIGHT_CAPABILITIES else {**written, "": one.capability}
+        def write(setting: Command) -> Mapping[str, object]:
+            written = writer_of(part.rows.values(), setting.capability)(part.service, setting)
+            return written if setting.capability in LIGHT_CAPABILITIES else {**written, "": setting.capability}
 
         message, along = join(command, write)
-        watched = {kind for one in (command.capability, *along) for kind in part.rows[one].watched}
+        watched = {kind for setting in (command.capability, *along) for kind in part.rows[setting].watched}
         wanted = {
             known[kind]: known[kind].encode(value)
             for kind, value in message.items()
@@ -145,17 +146,26 @@ class AccessoryRunner(DeviceRunner):
         }
         self._writes += 1
         statuses = await link.write(
-            {(accessory.aid, one.iid): value for one, value in wanted.items()},
-            is_timed=any("tw" in one.perms for one in wanted),
+            {(accessory.aid, characteristic.iid): value for characteristic, value in wanted.items()},
+            is_timed=any("tw" in characteristic.perms for characteristic in wanted),
         )
         _check(f"{command.capability} for {accessory.device.name}", statuses.values())
-        for one, value in wanted.items():
-            one.value = value  # the next command, before it is read back, may depend on it: a temperature on a mode
-        self._read_back(link, accessory.aid, (one for one in known.values() if one in wanted or one.type in watched))
+        for characteristic, value in wanted.items():
+            # the next command, before it is read back, may depend on it: a temperature on a mode
+            characteristic.value = value
+        self._read_back(
+            link,
+            accessory.aid,
+            (
+                characteristic
+                for characteristic in known.values()
+                if characteristic in wanted or characteristic.type in watched
+            ),
+        )
         return along
 
     def _read_back(self, link: HomekitLink, aid: int, written: Iterable[HapCharacteristic]) -> None:
-        ids = {(aid, one.iid) for one in written if "pr" in one.perms}
+        ids = {(aid, characteristic.iid) for characteristic in written if "pr" in characteristic.perms}
         if ids and self._tasks is not None and self.link is link:
             self._tasks.start_soon(self._read, link, ids)
 
@@ -182,22 +192,23 @@ class AccessoryRunner(DeviceRunner):
     def _describe(self, listed: object) -> None:
         """Publish the accessories, and remove those that no longer exist."""
         before, accessories = self.keys, parse_accessories(listed)
-        self.sleeps = any(one.sleeps for one in accessories.values())
+        self.sleeps = any(accessory.sleeps for accessory in accessories.values())
         self._accessories.clear()
         for aid, accessory in accessories.items():
-            self._accessories[aid] = found = describe(self._found, accessory)
-            self._devices.put(found.device, "it described itself")
+            self._accessories[aid] = described = describe(self._found, accessory)
+            self._devices.put(described.device, "it described itself")
         for key in before - self.keys:
             self._devices.remove(key, "its bridge no longer has it")
 
     def _ids(self, permission: str) -> list[CharacteristicId]:
         """Return the characteristics of known capabilities with a permission."""
         return sorted(
-            (aid, one.iid)
+            (aid, characteristic.iid)
             for aid, accessory in self._accessories.items()
             for part in accessory.parts.values()
-            for one in part.service.characteristics.values()
-            if permission in one.perms and any(one.type in row.watched for row in part.rows.values())
+            for characteristic in part.service.characteristics.values()
+            if permission in characteristic.perms
+            and any(characteristic.type in row.watched for row in part.rows.values())
         )
 
     def _on_event(self, values: HomekitValues) -> None:
@@ -239,29 +250,29 @@ class AccessoryRunner(DeviceRunner):
         """
         news: dict[int, dict[int, object]] = {}
         for (aid, iid), fields in values.items():
-            one, accessory = as_fields(fields), self._accessories.get(aid)
+            entry, accessory = as_fields(fields), self._accessories.get(aid)
             known = None if accessory is None else accessory.find(iid)
-            if accessory is None or known is None or not ("value" in one or is_read):
+            if accessory is None or known is None or not ("value" in entry or is_read):
                 self.reject(b"", f"{aid}.{iid} {shown(fields)} is not the value of a characteristic that it has")
                 continue
             if is_read:
-                is_away = whole_number(one.get("status")) == _NO_POWER
+                is_away = whole_number(entry.get("status")) == _NO_POWER
                 self._devices.report_reachable(accessory.device.key, reachable=not is_away)
-            if self._store(known, one, is_routine=is_routine):
-                news.setdefault(aid, {})[iid] = one["value"]
+            if self._store(known, entry, is_routine=is_routine):
+                news.setdefault(aid, {})[iid] = entry["value"]
         for aid, changed in news.items():
             await self._report_changed(self._accessories[aid], changed)
 
-    def _store(self, known: HapCharacteristic, one: Mapping[str, object], *, is_routine: bool) -> bool:
+    def _store(self, known: HapCharacteristic, entry: Mapping[str, object], *, is_routine: bool) -> bool:
         """Keep a value, and return whether to report it; reject one that should be a press and is not."""
-        value = one.get("value")
+        value = entry.get("value")
         if known.type == PRESS and whole_number(value) not in PRESSES:
             if value is not None:  # as it is read
                 self.reject(b"", f"{shown(value)} is not a press")
             return False
         is_old = is_routine and value == known.value
         known.value = value  # None for one that could not be read, so the next one is news
-        return "value" in one and not is_old
+        return "value" in entry and not is_old
 
     async def _report_changed(self, accessory: AccessoryDevice, values: Mapping[int, object]) -> None:
         key = accessory.device.key
@@ -270,7 +281,11 @@ class AccessoryRunner(DeviceRunner):
             payload = compact_json({"aid": accessory.aid, "iid": iid, "value": value})
             await self._devices.deliver_raw(key, payload.encode())
         for part in accessory.parts.values():
-            kinds = {one.type for one in part.service.characteristics.values() if one.iid in values}
+            kinds = {
+                characteristic.type
+                for characteristic in part.service.characteristics.values()
+                if characteristic.iid in values
+            }
             for row in part.rows.values():  # one by one, as the newest report of each set of capabilities is kept
                 if row.read is not None and not kinds.isdisjoint(row.watched):
                     await self._devices.report(key, {row.capability: row.read(part.service)}, part.part.id)

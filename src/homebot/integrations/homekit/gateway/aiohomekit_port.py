@@ -194,7 +194,7 @@ class _ThreadLink(_PairedLink):
 
     def _on_event(self, values: HomekitValues) -> None:
         """Relay the reports of the accessory, but not the library's repetitions of a write."""
-        self._relay({key: one for key, one in values.items() if key not in self._written})
+        self._relay({key: value for key, value in values.items() if key not in self._written})
 
 
 class AiohomekitPort(HomekitPort):
@@ -204,39 +204,41 @@ class AiohomekitPort(HomekitPort):
         self._connects_within = connects_within
 
     @asynccontextmanager
-    async def connected(self, found: FoundAccessory, pairing: Pairing, on_event: OnEvent) -> AsyncIterator[HomekitLink]:
+    async def connected(
+        self, sighted: FoundAccessory, pairing: Pairing, on_event: OnEvent
+    ) -> AsyncIterator[HomekitLink]:
         """Connect to a paired accessory."""
-        address = {"AccessoryIP": found.address, "AccessoryIPs": [found.address], "AccessoryPort": found.port}
-        name = "CoAP" if found.is_on_thread else "IP"
-        with _translated(found.name):
-            loaded = _controller_of(found).load_pairing(found.id, {**pairing, **address, "Connection": name})
-            link = (_ThreadLink if found.is_on_thread else _IpLink)(found.name, loaded, on_event)
+        address = {"AccessoryIP": sighted.address, "AccessoryIPs": [sighted.address], "AccessoryPort": sighted.port}
+        name = "CoAP" if sighted.is_on_thread else "IP"
+        with _translated(sighted.name):
+            loaded = _controller_of(sighted).load_pairing(sighted.id, {**pairing, **address, "Connection": name})
+            link = (_ThreadLink if sighted.is_on_thread else _IpLink)(sighted.name, loaded, on_event)
         try:
-            with _translated(found.name):
+            with _translated(sighted.name):
                 await link.open(self._connects_within)
             yield link
         finally:
             with anyio.CancelScope(shield=True):
                 await link.close()
 
-    async def pair(self, found: FoundAccessory, digits: str) -> Pairing:
+    async def pair(self, sighted: FoundAccessory, digits: str) -> Pairing:
         """Pair with an accessory."""
-        kind: Any = CoAPDiscovery if found.is_on_thread else IpDiscovery
-        discovery = kind(_controller_of(found), _service_of(found))
+        kind: Any = CoAPDiscovery if sighted.is_on_thread else IpDiscovery
+        discovery = kind(_controller_of(sighted), _service_of(sighted))
         try:
-            with _translated(found.name, is_pairing=True), anyio.fail_after(PAIRS_WITHIN):
-                if not found.is_on_thread:
+            with _translated(sighted.name, is_pairing=True), anyio.fail_after(PAIRS_WITHIN):
+                if not sighted.is_on_thread:
                     await _connect(discovery.connection, self._connects_within)
-                finish = await discovery.async_start_pairing(found.id)
+                finish = await discovery.async_start_pairing(sighted.id)
                 return dict((await finish(digits)).pairing_data)
         finally:
             with anyio.CancelScope(shield=True):
                 await discovery.close()
 
 
-def _controller_of(found: FoundAccessory) -> Any:
+def _controller_of(sighted: FoundAccessory) -> Any:
     """Return a controller that finds nothing by itself: the mDNS gateway does."""
-    kind: Any = CoAPController if found.is_on_thread else IpController
+    kind: Any = CoAPController if sighted.is_on_thread else IpController
     return kind(CharacteristicCacheMemory(), None)
 
 
@@ -248,26 +250,26 @@ async def _connect(connection: HomeKitConnection, within: float) -> None:
         raise connection.last_connector_error or TimeoutError
 
 
-def _service_of(found: FoundAccessory) -> HomeKitService:
+def _service_of(sighted: FoundAccessory) -> HomeKitService:
     return HomeKitService(
-        name=found.name,
-        id=found.id,
-        model=found.model,
-        feature_flags=FeatureFlags(found.features),
+        name=sighted.name,
+        id=sighted.id,
+        model=sighted.model,
+        feature_flags=FeatureFlags(sighted.features),
         status_flags=StatusFlags.UNPAIRED,
         config_num=1,
         state_num=1,
         category=Categories.OTHER,
         protocol_version="1.1",
-        type=f"{found.service_type}.local.",
-        address=found.address,
-        addresses=[found.address],
-        port=found.port,
+        type=f"{sighted.service_type}.local.",
+        address=sighted.address,
+        addresses=[sighted.address],
+        port=sighted.port,
     )
 
 
 def _statuses(answer: HomekitValues) -> StatusCodes:
-    statuses = {key: whole_number(one.get("status")) for key, one in answer.items()}
+    statuses = {key: whole_number(result.get("status")) for key, result in answer.items()}
     return {key: status for key, status in statuses.items() if status}
 
 
@@ -304,7 +306,7 @@ def _translated(name: str, *, is_pairing: bool = False) -> Iterator[None]:
 def _error_of(name: str, error: Exception, *, is_pairing: bool) -> HomebotError:
     what, causes = f"{'pairing' if is_pairing else 'the connection to'} {name}", tuple(_causes(error))
     for kind, reason in (_PAIRING_REFUSALS if is_pairing else _REFUSALS).items():
-        if any(isinstance(one, kind) for one in causes):
+        if any(isinstance(cause, kind) for cause in causes):
             is_wrong = is_pairing and kind is exceptions.AuthenticationError
             return WrongCodeError(what, reason) if is_wrong else RefusedError(what, reason)
     if isinstance(error, _LOST):

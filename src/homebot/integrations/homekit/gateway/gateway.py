@@ -109,24 +109,24 @@ class HomekitGateway(Gateway):
 
     async def pair(self, key: str, code: str) -> str:
         """Pair with an accessory by its setup code, and connect to it; return its name."""
-        found = self._found.get(key)
-        if found is None or self._port is None:
+        sighted = self._found.get(key)
+        if sighted is None or self._port is None:
             raise LinkError(f"{key[:40]} is not on the network now")
         if not code:
-            raise UnableError(f"{found.name} is paired by the code on it: homebot pair '{found.name}' CODE")
-        if found.is_paired and key not in self._pairings:
-            raise UnableError(_next_step(found))
+            raise UnableError(f"{sighted.name} is paired by the code on it: homebot pair '{sighted.name}' CODE")
+        if sighted.is_paired and key not in self._pairings:
+            raise UnableError(_next_step(sighted))
         if key in self._runners and self._runners[key].link is not None:
-            raise UnableError(f"{found.name} is paired with homebot already")
-        pairing = await self._port.pair(found, read_homekit_digits(code))
+            raise UnableError(f"{sighted.name} is paired with homebot already")
+        pairing = await self._port.pair(sighted, read_homekit_digits(code))
         await self._save_pairings({**self._pairings, key: pairing})
         self._stop(key)
-        self._start(found)
-        return found.name
+        self._start(sighted)
+        return sighted.name
 
     async def unpair(self, key: str) -> str:
         """End the pairing with an accessory, and return its name; if it is away, only delete its key."""
-        runner = next((one for one in self._runners.values() if key in one.keys), None)
+        runner = next((runner for runner in self._runners.values() if key in runner.keys), None)
         if runner is not None and key != runner.key:
             raise UnableError(f"{key} is behind the bridge {runner.name}, which is paired as a whole")
         if key not in self._pairings:
@@ -134,7 +134,7 @@ class HomekitGateway(Gateway):
         link = None if runner is None else runner.link
         if link is not None:
             await link.unpair()
-        await self._save_pairings({one: keys for one, keys in self._pairings.items() if one != key})
+        await self._save_pairings({other: keys for other, keys in self._pairings.items() if other != key})
         self._stop(key)
         self._publish_unpaired(key, (key,) if runner is None else runner.keys, is_paired=link is None)
         return key if runner is None else runner.name
@@ -142,18 +142,18 @@ class HomekitGateway(Gateway):
     def _publish_unpaired(self, key: str, devices: Iterable[str], *, is_paired: bool) -> None:
         for device in devices:
             self.devices.remove(device, "it is not paired any more")
-        if found := self._found.get(key):
-            self._found[key] = replace(found, is_paired=is_paired)  # until it announces that itself
-            self.devices.put(describe(found).device, "it is announced")
+        if sighted := self._found.get(key):
+            self._found[key] = replace(sighted, is_paired=is_paired)  # until it announces that itself
+            self.devices.put(describe(sighted).device, "it is announced")
 
     async def _save_pairings(self, pairings: dict[str, Pairing]) -> None:
         await self._file.keep(pairings)
         self._pairings = pairings
 
-    def _start(self, found: FoundAccessory) -> None:
+    def _start(self, sighted: FoundAccessory) -> None:
         if self._tasks is not None and self._port is not None:
-            runner = AccessoryRunner(found, self._pairings[found.id], self.devices, self._port)
-            self._runners[found.id] = runner
+            runner = AccessoryRunner(sighted, self._pairings[sighted.id], self.devices, self._port)
+            self._runners[sighted.id] = runner
             self._tasks.start_soon(run_as, self.node.full_name, runner.run)
 
     def _stop(self, key: str) -> None:
@@ -168,23 +168,23 @@ class HomekitGateway(Gateway):
             if not self.devices.admits(sighting.key):
                 continue
             try:
-                found = FoundAccessory.of(sighting)
+                sighted = FoundAccessory.of(sighting)
             except WireError as exc:
                 self.devices.reject(sighting.key, b"", str(exc))
                 continue
-            if found is not None and sighting.kind == "removed":
-                self._on_lost(found.id)
-            elif found is not None:
-                self._on_found(found)
+            if sighted is not None and sighting.kind == "removed":
+                self._on_lost(sighted.id)
+            elif sighted is not None:
+                self._on_found(sighted)
 
-    def _on_found(self, found: FoundAccessory) -> None:
-        self._found[found.id] = found
-        if (runner := self._runners.get(found.id)) is not None:
-            runner.change(found)
-        elif found.id in self._pairings:
-            self._start(found)
+    def _on_found(self, sighted: FoundAccessory) -> None:
+        self._found[sighted.id] = sighted
+        if (runner := self._runners.get(sighted.id)) is not None:
+            runner.change(sighted)
+        elif sighted.id in self._pairings:
+            self._start(sighted)
         else:
-            self.devices.put(describe(found).device, "it is announced")
+            self.devices.put(describe(sighted).device, "it is announced")
 
     def _on_lost(self, key: str) -> None:
         """Remove an accessory that is no longer announced, unless it is paired and so only away."""
@@ -193,19 +193,19 @@ class HomekitGateway(Gateway):
             self.devices.remove(key, "it is not announced any more")
 
     def _notes(self) -> Iterator[str]:
-        waiting = (one for key, one in self._found.items() if key not in self._pairings)
+        waiting = (sighted for key, sighted in self._found.items() if key not in self._pairings)
         return map(_next_step, islice(waiting, MAX_PROBLEMS))
 
     async def _perform(self, command: Command) -> Collection[str]:
-        runner = next((one for one in self._runners.values() if command.key in one.keys), None)
+        runner = next((runner for runner in self._runners.values() if command.key in runner.keys), None)
         if runner is None:
             raise LinkError(f"{command.key[:100]} is not paired with homebot")
         return await runner.perform(command)
 
 
-def _next_step(found: FoundAccessory) -> str:
+def _next_step(sighted: FoundAccessory) -> str:
     """Return why an accessory is not used, and the next step."""
-    command = f"`homebot pair '{found.name}' CODE`"
-    if found.is_paired:
-        return f"{found.name}: it is paired with another controller; remove it there, or reset it, then {command}"
-    return f"{found.name}: it is not paired yet; {command}, with the code that is printed on it"
+    command = f"`homebot pair '{sighted.name}' CODE`"
+    if sighted.is_paired:
+        return f"{sighted.name}: it is paired with another controller; remove it there, or reset it, then {command}"
+    return f"{sighted.name}: it is not paired yet; {command}, with the code that is printed on it"

@@ -69,14 +69,14 @@ class FoundAccessory:
     @classmethod
     def of(cls, sighting: Sighting) -> FoundAccessory | None:
         """Return the accessory in an mDNS sighting, None for another service; raise WireError if it is invalid."""
-        facts = {one.key: one.value for one in sighting.metadata}
+        facts = {fact.key: fact.value for fact in sighting.metadata}
         if (service_type := facts.get("dns_sd_type", "")) not in _SERVICE_TYPES:
             return None
         key = facts.get("txt_id", "").upper()
         flags, port, features = (facts.get(name, "0") for name in ("txt_sf", "port", "txt_ff"))
         if not _ID.fullmatch(key):
             raise WireError(f"the TXT record of {sighting.key[:100]} has the id {key[:40]!r}, not six pairs of digits")
-        if not all(one.isascii() and one.isdecimal() and len(one) <= 5 for one in (flags, port, features)):
+        if not all(text.isascii() and text.isdecimal() and len(text) <= 5 for text in (flags, port, features)):
             raise WireError(f"the TXT record of {sighting.key[:100]} has sf {flags[:10]!r} and ff {features[:10]!r}")
         return cls(
             key,
@@ -126,7 +126,7 @@ class HomekitPort(ABC):
 
     @abstractmethod
     def connected(
-        self, found: FoundAccessory, pairing: Pairing, on_event: OnEvent
+        self, sighted: FoundAccessory, pairing: Pairing, on_event: OnEvent
     ) -> AbstractAsyncContextManager[HomekitLink]:
         """Connect to a paired accessory; the connection is closed at the end of the block.
 
@@ -136,7 +136,7 @@ class HomekitPort(ABC):
         """
 
     @abstractmethod
-    async def pair(self, found: FoundAccessory, digits: str) -> Pairing:
+    async def pair(self, sighted: FoundAccessory, digits: str) -> Pairing:
         """Pair with an accessory by its setup code ``123-45-678``.
 
         Raises:

@@ -80,10 +80,10 @@ def add_lock(part: BytesPart, props: Props) -> None:
     """
     state, command = props.get("lock"), props.get("lock_action")
     commands = _options_by_command(command, _LOCK_COMMANDS)
-    told = _lock_state(state, command)
+    reported = _lock_state(state, command)
 
     def read(payload: bytes) -> Readings:
-        value = read_plain(told, payload) if told is not None else None
+        value = read_plain(reported, payload) if reported is not None else None
         if isinstance(value, bool):
             return {"lock": _LOCKS[value]}
         state = value.casefold() if isinstance(value, str) else ""
@@ -96,13 +96,13 @@ def add_lock(part: BytesPart, props: Props) -> None:
         option = commands[require_option("lock", value, commands)]
         return () if command is None else (publication(command, option),)
 
-    if told is not None:
-        part.read_from(told.topic, read)
+    if reported is not None:
+        part.read_from(reported.topic, read)
     for prop in (state, command):
         if prop is not None and prop.is_settable:
             part.add_command_topics(f"{prop.topic}/set")
     is_settable = bool(commands) or (state is not None and state.is_settable)
-    part.add_capability("lock", readable=told is not None, writer=write if is_settable else None)
+    part.add_capability("lock", readable=reported is not None, writer=write if is_settable else None)
 
 
 def _tells_lock(command: HomieProperty) -> bool:
@@ -179,7 +179,7 @@ def _options_by_command(prop: HomieProperty | None, spellings: Mapping[str, tupl
     return {
         meaning: by_name[name]
         for meaning, spelled in spellings.items()
-        if (name := next((one for one in spelled if one in by_name), ""))
+        if (name := next((spelling for spelling in spelled if spelling in by_name), ""))
     }
 
 

@@ -37,7 +37,7 @@ class Homie(LazyConvention[HomieSettings, "HomieReader"]):
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of attributes; the states come last."""
-        return tuple(f"{domain}/{one}" for domain in self.settings.domains for one in (*_VERSION_5, *_VERSION_4))
+        return tuple(f"{domain}/{topic}" for domain in self.settings.domains for topic in (*_VERSION_5, *_VERSION_4))
 
     def load_reader(self) -> HomieReader:
         """Return a reader of all versions."""

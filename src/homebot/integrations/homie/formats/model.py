@@ -23,7 +23,7 @@ DEVICE_ATTRIBUTES = ("$name", "$mac", "$fw/name", "$fw/version", "$implementatio
 _MAX_OPTIONS = 200
 """Words that an enum may have."""
 
-_LONGEST_OPTION = 255
+_MAX_OPTION_CHARACTERS = 255
 _FIELDS = 3
 
 
@@ -129,7 +129,7 @@ def parse_options(text: str) -> tuple[str, ...]:
         WireError: There is none, an empty one, one twice, too many, or one too long.
     """
     options = tuple(text.split(",", _MAX_OPTIONS + 1))
-    if len(options) > _MAX_OPTIONS or not all(0 < len(one) <= _LONGEST_OPTION for one in options):
+    if len(options) > _MAX_OPTIONS or not all(0 < len(option) <= _MAX_OPTION_CHARACTERS for option in options):
         raise WireError(f"format {shown(text)} is not a list of values")
     if len(set(options)) != len(options):
         raise WireError(f"format {shown(text)} repeats a value")
@@ -184,10 +184,10 @@ class _StateTopic:
     topic: str
 
     def read(self, payload: bytes) -> bool | None:
-        return STATES.get(payload.decode(errors="replace")) if len(payload) <= _LONGEST else None
+        return STATES.get(payload.decode(errors="replace")) if len(payload) <= _MAX_STATE_CHARACTERS else None
 
 
-_LONGEST = max(map(len, STATES))
+_MAX_STATE_CHARACTERS = max(map(len, STATES))
 
 
 def availability_of(topic: str, root: str) -> Availability:

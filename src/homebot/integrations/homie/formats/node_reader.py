@@ -24,8 +24,8 @@ from homebot.integrations.homie.formats.model import (
 
 T = TypeVar("T")
 
-_LONGEST_TYPE = 200
-_LONGEST_UNIT = 20
+_MAX_TYPE_CHARACTERS = 200
+_MAX_UNIT_CHARACTERS = 20
 _DATATYPES = frozenset({"integer", "float", "boolean", "string", "enum", "color", "datetime", "duration", "json"})
 """Every datatype of versions 3 to 5."""
 
@@ -69,7 +69,7 @@ def read_device(
     return HomieDevice(
         id=device_id,
         name=clean_text(optional(fields, "name", str) or "") or device_id,
-        type=(optional(fields, "type", str) or "")[:_LONGEST_TYPE],
+        type=(optional(fields, "type", str) or "")[:_MAX_TYPE_CHARACTERS],
         topic=topic,
         nodes=nodes,
         root=root,
@@ -87,40 +87,40 @@ class _NodeReader:
         self._count = 0
 
     def nodes(self, fields: Mapping[str, object]) -> tuple[HomieNode, ...]:
-        found = []
+        nodes = []
         for node_id, node in fields.items():
             try:
                 self._check_count()
-                found.append(self._node(node_id, node))
+                nodes.append(self._node(node_id, node))
             except WireError:
                 self.ignored += 1
-        return tuple(found)
+        return tuple(nodes)
 
     def _node(self, node_id: str, node: object) -> HomieNode:
         fields = self._fields(node_id, node)
         return HomieNode(
             id=node_id,
             name=clean_text(optional(fields, "name", str) or ""),
-            type=clean_text(optional(fields, "type", str) or "", _LONGEST_TYPE),
+            type=clean_text(optional(fields, "type", str) or "", _MAX_TYPE_CHARACTERS),
             properties=self._properties(node_id, optional(fields, "properties", dict) or {}),
         )
 
     def _properties(self, node_id: str, fields: Mapping[str, object]) -> tuple[HomieProperty, ...]:
-        found = []
+        properties = []
         for prop_id, prop in fields.items():
             try:
                 self._check_count()
-                found.append(self._property(f"{self._topic}/{node_id}/{prop_id}", prop_id, prop))
+                properties.append(self._property(f"{self._topic}/{node_id}/{prop_id}", prop_id, prop))
             except WireError:
                 self.ignored += 1
             else:
                 self._count += 1
-        return tuple(found)
+        return tuple(properties)
 
     def _property(self, topic: str, prop_id: str, prop: object) -> HomieProperty:
         fields = self._fields(prop_id, prop)
         name, datatype, form, unit = (
-            optional(fields, one, str) or "" for one in ("name", "datatype", "format", "unit")
+            optional(fields, field, str) or "" for field in ("name", "datatype", "format", "unit")
         )
         if datatype not in _DATATYPES:
             raise WireError(f"datatype is {shown(datatype)}")
@@ -133,7 +133,7 @@ class _NodeReader:
             name=clean_text(name),
             datatype=datatype,
             topic=topic,
-            unit=clean_text(unit, _LONGEST_UNIT).translate(_LOOKALIKES),
+            unit=clean_text(unit, _MAX_UNIT_CHARACTERS).translate(_LOOKALIKES),
             range=parse_range(form) if datatype in {"integer", "float"} else Range(),
             options=options if datatype in _WITH_OPTIONS else (),
             is_settable=optional(fields, "settable", bool) or False,

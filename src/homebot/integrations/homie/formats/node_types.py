@@ -76,7 +76,7 @@ _DECLARED = re.compile(
 _CLASS = re.compile(r"(?:hc-smarthome/v[0-9]+/dc/|homie-device-profile/v[0-9]+/type=)([a-z0-9-]{1,40})")
 
 _TOKEN = re.compile(r"[a-z]+[0-9]*")
-_LONGEST = 200
+_MAX_CHARACTERS = 200
 
 
 def declared_kind(node_type: str) -> str:
@@ -93,7 +93,7 @@ def declared_class(device_type: str) -> str:
 
 def tokens_in(*texts: str) -> frozenset[str]:
     """Return the words of *texts* in small letters."""
-    return frozenset(token for text in texts for token in _TOKEN.findall(text[:_LONGEST].casefold()))
+    return frozenset(token for text in texts for token in _TOKEN.findall(text[:_MAX_CHARACTERS].casefold()))
 
 
 _RATINGS = frozenset({"advertised", "limit", "maximum", "nameplate", "nominal", "rated", "rating", "soe"})
@@ -116,8 +116,8 @@ def quantity_of(unit: str, tokens: frozenset[str]) -> str:
     if not tokens.isdisjoint(_RATINGS):
         return "measurement"
     if unit == "%":
-        return next((name for name in _SHARES if any(one.startswith(name) for one in tokens)), "measurement")
+        return next((name for name in _SHARES if any(token.startswith(name) for token in tokens)), "measurement")
     if unit == "dBm":
         return "signal_strength"
-    found = measured_in(unit) or "measurement"
-    return "energy_returned" if found == "energy" and tokens & _RETURNED else found
+    capability = measured_in(unit) or "measurement"
+    return "energy_returned" if capability == "energy" and tokens & _RETURNED else capability

@@ -137,8 +137,8 @@ def _service_type(device: HomieDevice, node: NodeRoles, props: Mapping[str, Homi
     """Return the service type of the controls of *node*; empty if it has none, or only incomplete ones."""
     kind = KINDS[node.kind].service_type if node.kind else ""
     possible = (kind, "light", "window_covering", "switch")
-    found = next((one for one in possible if props.keys() & _NEEDED.get(one, frozenset())), "")
-    return "plug" if found == "switch" and _OUTLETS & tokens_in(node.node.type, device.type) else found
+    guess = next((candidate for candidate in possible if props.keys() & _NEEDED.get(candidate, frozenset())), "")
+    return "plug" if guess == "switch" and _OUTLETS & tokens_in(node.node.type, device.type) else guess
 
 
 _NEEDED: Mapping[str, frozenset[str]] = {

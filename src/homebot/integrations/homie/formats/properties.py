@@ -150,8 +150,8 @@ def _percent_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
         lambda value: _spell_percent(prop, capability, require_number(capability, value, 0, _PERCENT, "%")),
         grid=tuple(
             [
-                (one - shift) * _PERCENT / (most - least)
-                for one, shift in zip(prop.range.grid, (least, 0.0), strict=False)
+                (end - shift) * _PERCENT / (most - least)
+                for end, shift in zip(prop.range.grid, (least, 0.0), strict=False)
             ]
         ),
     )

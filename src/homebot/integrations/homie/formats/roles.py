@@ -29,7 +29,7 @@ def _is_moving(prop: HomieProperty) -> bool:
 
 def _is_white(prop: HomieProperty) -> bool:
     """Return whether its unit and its range are those of a colour temperature."""
-    return prop.unit in _WHITES and (prop.unit != "K" or prop.range.most is None or prop.range.most > _LEAST_KELVIN)
+    return prop.unit in _WHITES and (prop.unit != "K" or prop.range.most is None or prop.range.most > _MIN_KELVIN)
 
 
 def _is_share(prop: HomieProperty) -> bool:
@@ -62,7 +62,7 @@ def _tells_lock(prop: HomieProperty) -> bool:
 
 def _tells_alarm(prop: HomieProperty) -> bool:
     options = _options(prop)
-    return "disarmed" in options and any(one.startswith("armed") for one in options)
+    return "disarmed" in options and any(option.startswith("armed") for option in options)
 
 
 def _is_valve(prop: HomieProperty) -> bool:
@@ -74,7 +74,7 @@ def _is_contact(prop: HomieProperty) -> bool:
 
 
 def _flags(prop: HomieProperty) -> tuple[str, ...]:
-    return tuple(one.casefold() for one in prop.flags)
+    return tuple(flag.casefold() for flag in prop.flags)
 
 
 _THERMAL = frozenset({"heat", "heating", "cool", "cooling", "heat_cool"})
@@ -83,7 +83,7 @@ _WHITES = frozenset({"K", "MK⁻¹", "mired", "mireds"})
 _CELSIUS = frozenset({"", "°C", "C"})
 _FAHRENHEIT = frozenset({"°F", "F"})
 _ENDS = frozenset({1.0, 100.0, 254.0, 255.0})
-_LEAST_KELVIN = 1000.0
+_MIN_KELVIN = 1000.0
 _NUMBER = frozenset({"integer", "float"})
 _BOOLEAN = frozenset({"boolean"})
 _ENUM = frozenset({"enum"})
@@ -218,12 +218,14 @@ def _roles_by_form(node: HomieNode, kind: str) -> tuple[Role, ...]:
     own = node.properties
     if kind == "lock":
         own = tuple(prop for prop in own if tokens_in(prop.id, prop.name).isdisjoint(_OTHER_LOCKS))
-    found = _roles_by_id(node, kind, own)
-    for form in (one for one in _FORMS if kind in one.kinds):
+    names = _roles_by_id(node, kind, own)
+    for form in (form for form in _FORMS if kind in form.kinds):
         fitting = [prop for prop in own if form.holds(prop)]
-        if len(fitting) == 1 and form.role not in found.values():
-            found.setdefault(fitting[0].id, form.role)
-    roles = (Role(found[one.id], one) if one.id in found else _read_only_role(node, one) for one in node.properties)
+        if len(fitting) == 1 and form.role not in names.values():
+            names.setdefault(fitting[0].id, form.role)
+    roles = (
+        Role(names[prop.id], prop) if prop.id in names else _read_only_role(node, prop) for prop in node.properties
+    )
     return _singled(node, roles)
 
 
@@ -233,7 +235,7 @@ def _roles_by_id(node: HomieNode, kind: str, own: Iterable[HomieProperty]) -> di
         return {}
     declared = {KINDS[kind].condition, *KINDS[kind].roles.values()} - {""}
     roles = (_declared_role(node, prop, kind) for prop in own)
-    return {one.prop.id: one.name for one in roles if one.name in declared}
+    return {role.prop.id: role.name for role in roles if role.name in declared}
 
 
 def as_settings(node: NodeRoles, without: tuple[HomieProperty, ...]) -> NodeRoles:

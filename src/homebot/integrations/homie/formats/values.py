@@ -22,8 +22,8 @@ _EMPTY_STRING = "\0"
 _INTEGER = re.compile(r"-?[0-9]{1,19}")
 _FLOAT = re.compile(r"-?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NUMBERS = frozenset({"integer", "float"})
-_LONGEST_TEXT = 255
-_MOST = 1e15
+_MAX_TEXT_CHARACTERS = 255
+_MAX_NUMBER = 1e15
 _EXACT_QOS = 2
 _ANY_WHITE = (2000, 6500)
 _LIMITS = {"hsv": (360.0, 100.0, 100.0), "rgb": (255.0, 255.0, 255.0), "xyz": (1.0, 1.0)}
@@ -44,7 +44,7 @@ def read_plain(prop: HomieProperty, payload: bytes) -> PlainValue:
         case "color":
             return None
         case _:
-            return clean_text(text, _LONGEST_TEXT) if text else None
+            return clean_text(text, _MAX_TEXT_CHARACTERS) if text else None
 
 
 def is_unknown_number(prop: HomieProperty, payload: bytes) -> bool:
@@ -67,8 +67,8 @@ def spell_plain(prop: HomieProperty, capability: str, value: PlainValue) -> str:
         case "enum":
             return require_option(capability, value, prop.options)
         case _:
-            if not isinstance(value, str) or len(value) > _LONGEST_TEXT or not value.isprintable():
-                raise RefusedError(f"{capability} {shown(value)}", f"it takes a text of at most {_LONGEST_TEXT}")
+            if not isinstance(value, str) or len(value) > _MAX_TEXT_CHARACTERS or not value.isprintable():
+                raise RefusedError(f"{capability} {shown(value)}", f"it takes a text of at most {_MAX_TEXT_CHARACTERS}")
             return value or _EMPTY_STRING
 
 
@@ -80,21 +80,21 @@ def read_color(prop: HomieProperty, payload: bytes) -> tuple[float, float, float
     if form == "hsv":
         return numbers[0], numbers[1], numbers[2]
     if form == "rgb":
-        hue, saturation, brightness = colorsys.rgb_to_hsv(*(one / 255 for one in numbers))
+        hue, saturation, brightness = colorsys.rgb_to_hsv(*(number / 255 for number in numbers))
         return round(hue * 360, 3), round(saturation * 100, 3), round(brightness * 100, 3)
     return *to_hue_saturation("xy", numbers, _ANY_WHITE), None
 
 
 def read_hue_saturation(prop: HomieProperty, payload: bytes) -> tuple[float, float] | None:
     """Return hue and saturation of :func:`read_color`."""
-    found = read_color(prop, payload)
-    return None if found is None else found[:2]
+    color = read_color(prop, payload)
+    return None if color is None else color[:2]
 
 
 def _color_channels(prop: HomieProperty, payload: bytes) -> tuple[str, tuple[float, ...]]:
     """Return the form of a colour and its numbers; no numbers for an invalid payload."""
     text = to_text(payload)
-    if text is None or len(text) > _LONGEST_TEXT:
+    if text is None or len(text) > _MAX_TEXT_CHARACTERS:
         return "", ()
     fields = text.split(",")
     form = fields.pop(0) if prop.names_form else (*prop.options, "")[0]
@@ -108,14 +108,14 @@ def _color_channels(prop: HomieProperty, payload: bytes) -> tuple[str, tuple[flo
 
 def spell_color(prop: HomieProperty, hue: float, saturation: float) -> str:
     """Return a colour at full brightness as the payload of a command to *prop*."""
-    form = next((one for one in COLOR_FORMS if one in prop.options), "rgb")
+    form = next((form for form in COLOR_FORMS if form in prop.options), "rgb")
     if form == "hsv":
         numbers: tuple[float, ...] = (round(hue), round(saturation), 100)
     elif form == "rgb":
         numbers = from_hue_saturation("rgb", hue, saturation, _ANY_WHITE)
     else:
         numbers = from_hue_saturation("xy", hue, saturation, _ANY_WHITE)
-    fields = [f"{one:g}" for one in numbers]
+    fields = [f"{number:g}" for number in numbers]
     return ",".join([form, *fields] if prop.names_form else fields)
 
 
@@ -131,9 +131,9 @@ def _read_number(prop: HomieProperty, text: str) -> float | None:
 
 
 def _spell_number(prop: HomieProperty, capability: str, value: PlainValue) -> str:
-    least = -_MOST if prop.range.least is None else prop.range.least
-    most = _MOST if prop.range.most is None else prop.range.most
+    least = -_MAX_NUMBER if prop.range.least is None else prop.range.least
+    most = _MAX_NUMBER if prop.range.most is None else prop.range.most
     number = prop.range.nearest(require_number(capability, value, least, most, prop.unit))
     if prop.datatype == "integer":
         return str(math.floor(number + 0.5))
-    return f"{number:.9f}".rstrip("0").rstrip(".") if abs(number) < _MOST else repr(number)
+    return f"{number:.9f}".rstrip("0").rstrip(".") if abs(number) < _MAX_NUMBER else repr(number)

@@ -30,7 +30,7 @@ _ARRAY = re.compile(r"([0-9]{1,5})-([0-9]{1,5})")
 
 def _nodes(attributes: Mapping[str, str]) -> dict[str, object] | None:
     """Return the nodes of a device as documents of version 5 have them; None while an attribute is missing."""
-    found: dict[str, object] = {}
+    nodes: dict[str, object] = {}
     listed = _listed(attributes.get("$nodes"))
     for name in listed or ():
         node_id = name.removesuffix("[]")
@@ -41,21 +41,23 @@ def _nodes(attributes: Mapping[str, str]) -> dict[str, object] | None:
         shared = attributes.get(f"{node_id}/$name", "")
         for element in elements:
             numbered = shared and shared + element[len(node_id) :].replace("_", " ")
-            found[element] = {
+            nodes[element] = {
                 "name": attributes.get(f"{element}/$name", numbered),
                 "type": attributes.get(f"{node_id}/$type", ""),
                 "properties": properties,
             }
-    return None if listed is None else found
+    return None if listed is None else nodes
 
 
 def _properties(attributes: Mapping[str, str], node_id: str) -> dict[str, object] | None:
     """Return the properties of a node; None while an attribute is missing. Version 3 needs no datatypes."""
     listed = _listed(attributes.get(f"{node_id}/$properties"))
     has_default = attributes.get("$homie", "").startswith("3.")
-    if listed is None or not (has_default or all(f"{node_id}/{one}/$datatype" in attributes for one in listed)):
+    if listed is None or not (
+        has_default or all(f"{node_id}/{property_id}/$datatype" in attributes for property_id in listed)
+    ):
         return None
-    return {one: _property(attributes, f"{node_id}/{one}") for one in listed}
+    return {property_id: _property(attributes, f"{node_id}/{property_id}") for property_id in listed}
 
 
 def _elements(attributes: Mapping[str, str], node_id: str) -> tuple[str, ...] | None:
@@ -82,13 +84,13 @@ def _listed(text: str | None) -> tuple[str, ...] | None:
     """Return the valid ids of a list; None if it is missing."""
     if text is None:
         return None
-    return tuple(dict.fromkeys(one for one in text.split(",") if _LISTED.fullmatch(one)))
+    return tuple(dict.fromkeys(item for item in text.split(",") if _LISTED.fullmatch(item)))
 
 
 _MAX_DEVICES = 2000
 _MAX_CHARACTERS = 16_000_000
 _MAX_ATTRIBUTES = 6 * MAX_PROPERTIES
-_LONGEST = 4000
+_MAX_VALUE_BYTES = 4000
 _ID = re.compile(r"[A-Za-z0-9_-]{1,100}")
 _VERSION = re.compile(r"[34]\.[0-9.]{1,20}")
 _FACTS = {"$mac": "host_mac", "$fw/name": "firmware", "$fw/version": "sw_version", "$implementation": "model"}
@@ -178,7 +180,7 @@ def _is_known(attribute: str) -> bool:
 
 
 def _legal_text(device_id: str, attribute: str, payload: bytes) -> str:
-    text = to_text(payload) if len(payload) <= _LONGEST else None
+    text = to_text(payload) if len(payload) <= _MAX_VALUE_BYTES else None
     if not _ID.fullmatch(device_id) or text is None:
         raise WireError(f"{shown(attribute)} of {shown(device_id)} is {shown(payload)}")
     return text

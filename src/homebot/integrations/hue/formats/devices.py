@@ -44,7 +44,7 @@ _FACTS: Final = {
 _PLAIN: Final = frozenset({"on", "dimming", "color", "color_temperature"})
 """Fields of the actions of scenes of which lamps report the values; not a gradient or an effect."""
 
-_MOST_ACTIONS: Final = 300
+_MAX_ACTIONS: Final = 300
 _REACHABLE: Final = {"connected": True, "disconnected": False, "connectivity_issue": False}
 """By status in the radio network; other states mean that it only sends, or is still searched for."""
 
@@ -82,20 +82,20 @@ def bridge_identifiers(bridge_id: str) -> tuple[str, ...]:
 def devices_of(resources: HueResources, ids: Collection[str]) -> Iterator[HueDevice]:
     """Yield the devices with these ids, and of each room or zone with one the scenes, and all lights, as one device."""
     for rid in ids:
-        one = resources.get(rid)
-        if text_of(one.get("type")) in _DEVICES:
-            yield _device(resources, rid, one)
+        device = resources.get(rid)
+        if text_of(device.get("type")) in _DEVICES:
+            yield _device(resources, rid, device)
             continue
-        if one.get("type") in _GROUPS:
-            yield from _all_lights(resources, one)
-        elif one.get("type") == "grouped_light":
+        if device.get("type") in _GROUPS:
+            yield from _all_lights(resources, device)
+        elif device.get("type") == "grouped_light":
             for _, group in resources.holders(rid, *_GROUPS):
                 yield from _all_lights(resources, group)
-        if one and (scenes := tuple(resources.holders(rid, "scene", "smart_scene"))):
-            members = _members(resources, one)
+        if device and (scenes := tuple(resources.holders(rid, "scene", "smart_scene"))):
+            members = _members(resources, device)
             services = tuple(_scene(resources, scene, fields, members) for scene, fields in scenes)
-            area = _name(one) if one.get("type") == "room" else ""
-            yield HueDevice(rid, f"{_name(one)} scenes".strip(), services, area, identifiers((f"hue:{rid}",)))
+            area = _name(device) if device.get("type") == "room" else ""
+            yield HueDevice(rid, f"{_name(device)} scenes".strip(), services, area, identifiers((f"hue:{rid}",)))
 
 
 def _all_lights(resources: HueResources, group: Fields) -> Iterator[HueDevice]:
@@ -115,18 +115,18 @@ def _lights(resources: HueResources, group: Fields) -> Iterator[str]:
             yield from _lights(resources, resource)
         is_device = resource.get("type") == "device"
         for owner, device in [(child, resource)] if is_device else resources.holders(child, "device"):
-            for one in _services(device, tuple(resources.referred(device, "services"))):
-                if one.part.advertised == "light" and (is_device or one.id == child):
-                    yield f"id:hue:{owner}#{one.part.id}"
+            for service in _services(device, tuple(resources.referred(device, "services"))):
+                if service.part.advertised == "light" and (is_device or service.id == child):
+                    yield f"id:hue:{owner}#{service.part.id}"
 
 
 def _device(resources: HueResources, rid: str, device: Fields) -> HueDevice:
     services = tuple(resources.referred(device, "services"))
-    bridge = next((text_of(one.get("bridge_id")) for _, one in services if one.get("type") == "bridge"), "")
-    radio = next((one for _, one in services if one.get("type") == "zigbee_connectivity"), {})
+    bridge = next((text_of(service.get("bridge_id")) for _, service in services if service.get("type") == "bridge"), "")
+    radio = next((service for _, service in services if service.get("type") == "zigbee_connectivity"), {})
     zones = dict.fromkeys(_name(zone) for service, _ in services for _, zone in resources.holders(service, "zone"))
     group = resources.get(text_of(at(device, "group", "rid")))
-    rooms = (*(one for _, one in resources.holders(rid, "room")), group if group.get("type") == "room" else {})
+    rooms = (*(room for _, room in resources.holders(rid, "room")), group if group.get("type") == "room" else {})
     own = (text_of(radio.get("mac_address")), f"hue:{rid}")
     facts = {fact: text_of(at(device, "product_data", name)) for fact, name in _FACTS.items()}
     facts["tags"] = ", ".join(zones)
@@ -145,29 +145,29 @@ def _device(resources: HueResources, rid: str, device: Fields) -> HueDevice:
 def _services(device: Fields, listed: tuple[tuple[str, Fields], ...]) -> Iterator[HueService]:
     """Yield the services that are parts: ``light``, or ``button-1`` and ``button-2`` if there are several."""
     is_plug = "plug" in (at(device, "metadata", "archetype"), at(device, "product_data", "product_archetype"))
-    used = [(rid, one, kind) for rid, one in listed if (kind := text_of(one.get("type"))) in _TYPES]
+    used = [(rid, service, kind) for rid, service in listed if (kind := text_of(service.get("type"))) in _TYPES]
     counts = Counter(kind for _, _, kind in used)
     taken: set[tuple[str, int]] = set()
-    for rid, one, kind in used:
+    for rid, service, kind in used:
         part_id, name = kind, ""
         if counts[kind] > 1:
-            own = whole_number(at(one, "metadata", "control_id")) or whole_number(one.get("service_id")) or 1
+            own = whole_number(at(service, "metadata", "control_id")) or whole_number(service.get("service_id")) or 1
             number = next(free for free in count(own) if (kind, free) not in taken)
             taken.add((kind, number))
-            part_id, name = f"{kind}-{number}", _name(one) or f"{kind.replace('_', ' ').capitalize()} {number}"
-        yield _service(rid, one, part_id, name, is_plug=is_plug)
+            part_id, name = f"{kind}-{number}", _name(service) or f"{kind.replace('_', ' ').capitalize()} {number}"
+        yield _service(rid, service, part_id, name, is_plug=is_plug)
 
 
 def _scene(resources: HueResources, rid: str, scene: Fields, members: tuple[str, ...]) -> HueService:
     service = _service(rid, scene, rid, _name(scene), members=members)
     values = tuple(_values(resources, scene))
-    is_whole = all(as_fields(as_fields(one).get("action")).keys() <= _PLAIN for one in _actions(scene))
+    is_whole = all(as_fields(as_fields(action).get("action")).keys() <= _PLAIN for action in _actions(scene))
     return service._replace(part=service.part.model_copy(update={"values": values if is_whole else ()}))
 
 
 def _actions(scene: Fields) -> list[object]:
     listed = scene.get("actions")
-    return listed[:_MOST_ACTIONS] if isinstance(listed, list) else []
+    return listed[:_MAX_ACTIONS] if isinstance(listed, list) else []
 
 
 def _values(resources: HueResources, scene: Fields) -> Iterator[SceneValue]:
@@ -176,7 +176,7 @@ def _values(resources: HueResources, scene: Fields) -> Iterator[SceneValue]:
         rid = text_of(at(action, "target", "rid"))
         for owner, device in resources.holders(rid, "device"):
             services = _services(device, tuple(resources.referred(device, "services")))
-            light = next((one for one in services if one.id == rid), None)
+            light = next((service for service in services if service.id == rid), None)
             if light is not None:
                 wanted = {"id": rid, "type": "light", **as_fields(at(action, "action"))}
                 for capability, value in _wanted_values(wanted):
@@ -195,8 +195,8 @@ def _wanted_values(light: Fields) -> Iterator[tuple[str, PlainValue]]:
 def _members(resources: HueResources, group: Fields) -> tuple[str, ...]:
     """Return the identifiers of the devices in a room, or of the lights in a zone."""
     children = list(resources.referred(group, "children"))
-    devices = (one for rid, _ in children for one, _ in resources.holders(rid, "device"))
-    return tuple(f"id:hue:{one}" for one in dict.fromkeys((*(rid for rid, _ in children), *devices)))
+    devices = (holder for rid, _ in children for holder, _ in resources.holders(rid, "device"))
+    return tuple(f"id:hue:{target}" for target in dict.fromkeys((*(rid for rid, _ in children), *devices)))
 
 
 def _service(
@@ -204,17 +204,17 @@ def _service(
 ) -> HueService:
     kind = text_of(resource.get("type"))
     service_type, category = _TYPES[kind]
-    found = described(SERVICE_ROWS, resource)
+    rows = described(SERVICE_ROWS, resource)
     part = Part(
         id=part_id,
         name=name,
         service_type="plug" if is_plug and kind == "light" else service_type,
         advertised=kind,
         category=category,
-        capabilities=tuple(capability for capability, _ in found),
+        capabilities=tuple(capability for capability, _ in rows),
         members=members,
     )
-    return HueService(rid, part, tuple(row for _, row in found))
+    return HueService(rid, part, tuple(row for _, row in rows))
 
 
 def _name(resource: Fields) -> str:

@@ -42,10 +42,10 @@ def hue_row(
         capability,
         read,
         write,
-        lambda one: one.get("type") == kind and needs in one,
+        lambda resource: resource.get("type") == kind and needs in resource,
         options,
         bounds,
-        readable=lambda one: any(field in one for field in fields),
+        readable=lambda resource: any(field in resource for field in fields),
         watched=fields,
     )
 
@@ -58,7 +58,7 @@ def at(resource: object, *path: str) -> object:
 
 
 MAX_RESOURCES: Final = 20_000
-_LONGEST_ID: Final = 100
+_MAX_ID_CHARACTERS: Final = 100
 _DESCRIBING: Final = frozenset({"metadata", "name", "services", "children", "product_data", "group", "actions"})
 """Fields that parts, names and rooms depend on; values do not."""
 
@@ -79,11 +79,11 @@ class HueResources:
         """Keep the resources that the bridge *listed*, and no others; raise WireError if it is no list of them."""
         if not isinstance(listed, list) or len(listed) > MAX_RESOURCES:
             raise WireError(f"the resources of the bridge are {shown(listed)}, not a list of at most {MAX_RESOURCES}")
-        resources = {_id_of(one): as_fields(one) for one in listed}
+        resources = {_id_of(resource): as_fields(resource) for resource in listed}
         self._by_id.clear()
         self._holders.clear()
-        for rid, one in resources.items():
-            self._set(rid, one)
+        for rid, resource in resources.items():
+            self._set(rid, resource)
 
     def change(self, kind: str, item: object) -> frozenset[str]:
         """Apply a change: ``add``, ``update`` or ``delete``.
@@ -117,24 +117,26 @@ class HueResources:
 
     def holders(self, rid: str, *types: str) -> Iterator[tuple[str, Fields]]:
         """Yield the resources of these types that a resource belongs to, or the scenes of a group, with their ids."""
-        found = ((one, self._by_id[one]) for one in self._holders.get(rid, ()))
-        return ((one, resource) for one, resource in found if resource.get("type") in types)
+        holders = ((holder, self._by_id[holder]) for holder in self._holders.get(rid, ()))
+        return ((holder, resource) for holder, resource in holders if resource.get("type") in types)
 
     def _set(self, rid: str, after: Fields) -> frozenset[str]:
         before = self._by_id.pop(rid, {})
         if after:
             self._by_id[rid] = after
         was, now = _held(before), _held(after)
-        for one in was - now:
-            del self._holders[one][rid]
-            if not self._holders[one]:
-                del self._holders[one]
-        for one in now - was:
-            self._holders.setdefault(one, {})[rid] = None
-        is_the_same = all(before.get(one) == after.get(one) for one in ("type", "metadata", "actions"))
+        for target in was - now:
+            del self._holders[target][rid]
+            if not self._holders[target]:
+                del self._holders[target]
+        for target in now - was:
+            self._holders.setdefault(target, {})[rid] = None
+        is_the_same = all(before.get(field) == after.get(field) for field in ("type", "metadata", "actions"))
         changed = {rid, *(was ^ now if is_the_same else was | now)}
-        found = changed.union(*(self._holders.get(one, ()) for one in changed))
-        return frozenset(found.union(home for one in found for home, _ in self.holders(one, "bridge_home")))
+        touched = changed.union(*(self._holders.get(resource, ()) for resource in changed))
+        return frozenset(
+            touched.union(home for resource in touched for home, _ in self.holders(resource, "bridge_home"))
+        )
 
 
 def _held(resource: Fields) -> frozenset[str]:
@@ -146,13 +148,13 @@ def _held(resource: Fields) -> frozenset[str]:
 
 def _references(resource: Fields, name: str) -> Iterator[str]:
     listed = resource.get(name)
-    found = (at(one, "rid") for one in (listed if isinstance(listed, list) else ()))
-    return (rid for rid in found if isinstance(rid, str))
+    ids = (at(entry, "rid") for entry in (listed if isinstance(listed, list) else ()))
+    return (rid for rid in ids if isinstance(rid, str))
 
 
 def _id_of(resource: object) -> str:
     rid = at(resource, "id")
-    if not isinstance(rid, str) or not 0 < len(rid) <= _LONGEST_ID or not rid.isprintable():
+    if not isinstance(rid, str) or not 0 < len(rid) <= _MAX_ID_CHARACTERS or not rid.isprintable():
         raise WireError(f"a resource has the id {shown(rid)}")
     return rid
 

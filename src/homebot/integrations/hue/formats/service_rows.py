@@ -24,7 +24,7 @@ _WHITES: Final = (2000, 6500)
 _MIREK: Final = (153.0, 500.0)
 """Of a light that does not say its own, or says the largest numbers of its bytes."""
 
-_MOST_EFFECTS: Final = 50
+_MAX_EFFECTS: Final = 50
 
 
 def _transition_of(command: Command) -> HueBody:
@@ -90,7 +90,7 @@ def _write_color(_light: Fields, command: Command) -> HueBody:
 
 def _effects(light: Fields) -> tuple[str, ...]:
     listed = at(light, "effects", "effect_values")
-    return tuple(text_of(one, 40) for one in listed[:_MOST_EFFECTS]) if isinstance(listed, list) else ()
+    return tuple(text_of(effect, 40) for effect in listed[:_MAX_EFFECTS]) if isinstance(listed, list) else ()
 
 
 def _read_effect(light: Fields) -> PlainValue:
@@ -116,7 +116,7 @@ def _rows_of(kind: str) -> tuple[HueRow, ...]:
             "on_off",
             ("on",),
             lambda light: _flag(at(light, "on", "on")),
-            lambda _light, one: _body(one, on=one.value.flag),
+            lambda _light, setting: _body(setting, on=setting.value.flag),
         ),
         hue_row(kind, "level", ("dimming",), _read_level, _write_level, "dimming"),
         hue_row(
@@ -140,7 +140,9 @@ _LIGHT_ROWS: Final = (
         "effect",
         ("effects",),
         _read_effect,
-        lambda light, one: _body(one, effects={"effect": require_option("effect", one.value.text, _effects(light))}),
+        lambda light, setting: _body(
+            setting, effects={"effect": require_option("effect", setting.value.text, _effects(light))}
+        ),
         "effects",
         options=_effects,
     ),
@@ -178,15 +180,15 @@ def press_of(change: Fields) -> tuple[str, str]:
 def _presses(button: Fields) -> tuple[str, ...]:
     listed = at(button, "button", "event_values")
     names = listed if isinstance(listed, list) and listed else _PRESSES
-    return tuple(dict.fromkeys(_PRESSES[one] for one in names if isinstance(one, str) and one in _PRESSES))
+    return tuple(dict.fromkeys(_PRESSES[name] for name in names if isinstance(name, str) and name in _PRESSES))
 
 
 def _sensed(sensor: Fields, feature: str, name: str) -> object:
     """Return a value from its report, or from where older firmware has it; None from a sensor that is turned off."""
     if sensor.get("enabled") is False or at(sensor, feature, f"{name}_valid") is False:
         return None
-    found = at(sensor, feature, f"{name}_report", name)
-    return at(sensor, feature, name) if found is None else found
+    report = at(sensor, feature, f"{name}_report", name)
+    return at(sensor, feature, name) if report is None else report
 
 
 def _read_motion(sensor: Fields) -> PlainValue:
@@ -207,12 +209,14 @@ def _read_lux(sensor: Fields) -> PlainValue:
 
 def _read_tamper(sensor: Fields) -> PlainValue:
     reports = sensor.get("tamper_reports")
-    return any(at(one, "state") == "tampered" for one in reports) if isinstance(reports, list) and reports else None
+    return (
+        any(at(report, "state") == "tampered" for report in reports) if isinstance(reports, list) and reports else None
+    )
 
 
 def _words(meanings: Mapping[str, bool], *path: str) -> Callable[[Fields], PlainValue]:
     """Return the reader of a word; None for one that is unknown, or of a sensor that is turned off."""
-    return lambda one: None if one.get("enabled") is False else meanings.get(text_of(at(one, *path)))
+    return lambda service: None if service.get("enabled") is False else meanings.get(text_of(at(service, *path)))
 
 
 def _write_recall(scene: Fields, command: Command) -> HueBody:
@@ -222,7 +226,7 @@ def _write_recall(scene: Fields, command: Command) -> HueBody:
     return {"recall": {"action": "activate"} if is_smart else {"action": "active", **_transition_of(command)}}
 
 
-_MOTION, _WARMTH, _LIGHT = ((one, "enabled") for one in ("motion", "temperature", "light"))
+_MOTION, _WARMTH, _LIGHT = ((kind, "enabled") for kind in ("motion", "temperature", "light"))
 _CONTACT, _POWER, _ANY = ("contact_report", "enabled"), ("power_state",), ("id",)
 
 _read_contact = _words({"contact": False, "no_contact": True}, "contact_report", "state")
@@ -235,7 +239,9 @@ SERVICE_ROWS: Final = (
     hue_row("light_level", "illuminance", _LIGHT, _read_lux),
     hue_row("contact", "contact", _CONTACT, _read_contact),
     hue_row("tamper", "tamper", ("tamper_reports",), _read_tamper),
-    hue_row("device_power", "battery", _POWER, lambda one: finite_number(at(one, "power_state", "battery_level"))),
+    hue_row(
+        "device_power", "battery", _POWER, lambda service: finite_number(at(service, "power_state", "battery_level"))
+    ),
     hue_row("device_power", "battery_low", _POWER, _read_low),
     *(hue_row(kind, "press", _ANY, options=_presses) for kind in BUTTON_KINDS),
     hue_row("relative_rotary", "press", _ANY, options=lambda _: tuple(_TURNS.values())),

@@ -115,12 +115,14 @@ class BridgeRunner(DeviceRunner):
         if self._link is None:
             raise self.not_connected()
         device = self._described[command.key]
-        service = next(one for one in device.services if one.part.id == command.part)
+        service = next(service for service in device.services if service.part.id == command.part)
         resource, of_device = self._resources.get(service.id), {"kind": "device", "rid": device.id}
 
-        def write(one: Command) -> Fields:
-            body = writer_of(service.rows, one.capability)(resource, one)
-            place = of_device if one.capability == "locate" else {"kind": service.part.advertised, "rid": service.id}
+        def write(setting: Command) -> Fields:
+            body = writer_of(service.rows, setting.capability)(resource, setting)
+            place = (
+                of_device if setting.capability == "locate" else {"kind": service.part.advertised, "rid": service.id}
+            )
             return {**place, "body": body}
 
         message, along = join(command, write)
@@ -135,14 +137,16 @@ class BridgeRunner(DeviceRunner):
         """Read a service again; of a group or a scene, the lights in it."""
         if self._link is None:
             raise self.not_connected()
-        service = next(one for one in self._described[key].services if one.part.id == part)
+        service = next(service for service in self._described[key].services if service.part.id == part)
         wanted, members = {service.id}, set(service.part.members)
         for device in self._described.values() if members else ():
             names = {own.id: f"id:hue:{device.id}#{own.part.id}" for own in device.services}
             wanted |= {rid for rid, name in names.items() if name in members or f"id:hue:{device.id}" in members}
         listed = await self._link.read("light" if members else service.part.advertised)
         resources = (
-            [one for one in listed if text_of(as_fields(one).get("id")) in wanted] if isinstance(listed, list) else []
+            [entry for entry in listed if text_of(as_fields(entry).get("id")) in wanted]
+            if isinstance(listed, list)
+            else []
         )
         for item, _ in self._apply({"type": "update", "data": resources}):
             await self._publish(item)
@@ -173,7 +177,7 @@ class BridgeRunner(DeviceRunner):
                 async with link.events() as events:
                     self._link, self._has_answered = link, True
                     await self._read_all(link)
-                    self.origins = (origin, *(one for one in self.origins if one != origin))
+                    self.origins = (origin, *(other for other in self.origins if other != origin))
                     self.on_answer()
                     self.report_reachable(reachable=True)
                     self._on_state()
@@ -190,7 +194,7 @@ class BridgeRunner(DeviceRunner):
     async def _read_all(self, link: BridgeLink) -> None:
         self._has_missed = False
         self._resources.replace(await link.read())
-        self._describe("the bridge listed it", self._resources.ids | {one.id for one in self._described.values()})
+        self._describe("the bridge listed it", self._resources.ids | {device.id for device in self._described.values()})
         for key, device in tuple(self._described.items()):
             for service in device.services:
                 await self._report(key, service, None, is_old=device.reachable is False)
@@ -205,12 +209,16 @@ class BridgeRunner(DeviceRunner):
 
     def _describe(self, why: str, ids: Collection[str]) -> None:
         """Publish the devices with these ids, and remove those that the bridge no longer has."""
-        devices = {self.key if one.is_bridge else one.id: one for one in devices_of(self._resources, sorted(ids))}
+        devices = {
+            self.key if device.is_bridge else device.id: device for device in devices_of(self._resources, sorted(ids))
+        }
         self._forget(ids, devices.keys())
         self._described |= devices
-        self._places = {service.id: (key, service) for key, one in self._described.items() for service in one.services}
+        self._places = {
+            service.id: (key, service) for key, device in self._described.items() for service in device.services
+        }
         self._pressed = {rid: at for rid, at in self._pressed.items() if rid in self._places}
-        is_renamed = any(self._takes_name(one) for one in devices.values())
+        is_renamed = any(self._takes_name(device) for device in devices.values())
         for key, device in (self._described if is_renamed else devices).items():
             self._put(key, device, why)
             if not device.is_bridge:
@@ -223,7 +231,7 @@ class BridgeRunner(DeviceRunner):
         return self.name != before
 
     def _forget(self, ids: Collection[str], kept: Collection[str]) -> None:
-        before = {key for key, one in self._described.items() if one.id in ids}
+        before = {key for key, device in self._described.items() if device.id in ids}
         for gone in before.difference(kept):
             del self._described[gone]
             self._devices.remove(gone, "the bridge no longer has it")
@@ -232,7 +240,7 @@ class BridgeRunner(DeviceRunner):
         published = GatewayDevice(
             key,
             device.name or key,
-            tuple(one.part for one in device.services),
+            tuple(service.part for service in device.services),
             device.metadata if device.is_bridge else {**device.metadata, "via_device": self.name},
             device.identifiers,
             authenticated=True,  # by the bridge's certificate, pinned when its button was pressed
@@ -252,7 +260,7 @@ class BridgeRunner(DeviceRunner):
                 self.reject(payload, str(exc))
             return
         events = parts if isinstance(parts, list) else []
-        changes = [change for one in events for change in self._apply(as_fields(one))]
+        changes = [change for event in events for change in self._apply(as_fields(event))]
         if described := frozenset[str]().union(*(ids for _, ids in changes)):  # once all their resources are known
             self._describe("the bridge reported it", described)
         for item, _ in changes:

@@ -101,7 +101,7 @@ class BridgeLink:
 
 def _check_answer(what: str, answer: Fields) -> None:
     errors = answer.get("errors")
-    texts = [text_of(at(one, "description")) for one in errors] if isinstance(errors, list) else []
+    texts = [text_of(at(error, "description")) for error in errors] if isinstance(errors, list) else []
     problem = next((text for text in texts if _MAY_NOT not in text), "")
     if problem:
         raise RefusedError(what, problem)

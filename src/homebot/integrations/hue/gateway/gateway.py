@@ -145,7 +145,7 @@ class HueGateway(Gateway):
         bridge.restart()
 
     def _on_sighting(self, sighting: Sighting) -> None:
-        facts = {one.key: one.value for one in sighting.metadata}
+        facts = {fact.key: fact.value for fact in sighting.metadata}
         address, port = facts.get("ip_address", ""), facts.get("port", "")
         if sighting.kind == "removed" or sighting.service_type != SERVICE_TYPE or not port.isdecimal():
             return
@@ -191,10 +191,10 @@ class HueGateway(Gateway):
                 break
 
     def _publish_state(self, problem: str = "") -> None:
-        if any(one.is_connected for one in self._bridges.values()):
+        if any(bridge.is_connected for bridge in self._bridges.values()):
             self.publish_state("active")
         else:
-            problems = (f"{one.name}: {one.problem}" for one in self._bridges.values() if one.problem)
+            problems = (f"{bridge.name}: {bridge.problem}" for bridge in self._bridges.values() if bridge.problem)
             unknown = "not connected yet" if self._bridges else _NONE
             self.publish_state("unavailable", next(problems, problem or unknown))
         self._tried.set()
@@ -206,7 +206,7 @@ class HueGateway(Gateway):
         await self._bridge_of(key).refresh(key, part)
 
     def _bridge_of(self, key: str) -> BridgeRunner:
-        bridge = next((one for one in self._bridges.values() if one.has(key)), None)
+        bridge = next((bridge for bridge in self._bridges.values() if bridge.has(key)), None)
         if bridge is None:
             raise LinkError(f"the bridge of {key[:100]} is not connected")
         return bridge

@@ -79,8 +79,8 @@ class SimulatedHueBridge(WebDevice):
         self._is_pressed = False
         self._devices: dict[str, BridgedHueDevice] = {}
         self._events = 0
-        for one in (*bridge_resources(self.id, NAME), *group_resources("bridge_home", home, (), "")):
-            self.resources[str(one["id"])] = one
+        for resource in (*bridge_resources(self.id, NAME), *group_resources("bridge_home", home, (), "")):
+            self.resources[str(resource["id"])] = resource
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Serve until cancelled."""
@@ -93,13 +93,15 @@ class SimulatedHueBridge(WebDevice):
     def add(self, resources: list[Resource], device: BridgedHueDevice | None = None, room: str = "") -> None:
         """Add a device with its services, or bring one back; into a room, whose scenes light its lamps."""
         if device is not None:
-            self._devices.update({str(one["id"]): device for one in resources})
+            self._devices.update({str(resource["id"]): device for resource in resources})
         if str(resources[0]["id"]) in self.resources:
-            for one in resources:
-                self.change(str(one["id"]), {name: one[name] for name in one.keys() - {"id", "type", "owner"}})
+            for resource in resources:
+                self.change(
+                    str(resource["id"]), {name: resource[name] for name in resource.keys() - {"id", "type", "owner"}}
+                )
             return
-        for one in resources:
-            self.resources[str(one["id"])] = one
+        for resource in resources:
+            self.resources[str(resource["id"])] = resource
         self._send("add", resources)
         if room:
             self._furnish(room)
@@ -107,7 +109,7 @@ class SimulatedHueBridge(WebDevice):
     def remove(self, resource_ids: list[str]) -> None:
         """Remove resources."""
         gone = [self.resources.pop(rid) for rid in resource_ids if rid in self.resources]
-        self._send("delete", [{"id": one["id"], "type": one["type"]} for one in gone])
+        self._send("delete", [{"id": resource["id"], "type": resource["type"]} for resource in gone])
 
     def change(self, rid: str, fields: Mapping[str, object]) -> None:
         """Report the fields of a resource, if it is still there, that are different now."""
@@ -182,10 +184,12 @@ class SimulatedHueBridge(WebDevice):
         return WebReply(as_json([{"success": {"username": key}}]))
 
     def _list(self, kind: str, rid: str) -> WebReply:
-        found = [one for own, one in self.resources.items() if kind in {"", one["type"]} and rid in {"", own}]
-        if rid and not found:
+        resources = [
+            resource for own, resource in self.resources.items() if kind in {"", resource["type"]} and rid in {"", own}
+        ]
+        if rid and not resources:
             return _answered(404, error="resource not found")
-        return _answered(200, found)
+        return _answered(200, resources)
 
     def _obey(self, kind: str, rid: str, payload: bytes) -> WebReply:
         resource, body = self.resources.get(rid), as_object(payload)
@@ -212,9 +216,11 @@ class SimulatedHueBridge(WebDevice):
         device = self._devices.get(rid)
         owner = self.resources[rid].get("owner")
         radio = [
-            one for one in self.resources.values() if one["type"] == "zigbee_connectivity" and one["owner"] == owner
+            resource
+            for resource in self.resources.values()
+            if resource["type"] == "zigbee_connectivity" and resource["owner"] == owner
         ]
-        if device is None or any(one["status"] != "connected" for one in radio):
+        if device is None or any(service["status"] != "connected" for service in radio):
             problem = "device (light) has communication issues, command (.on) may not have effect"
             return _answered(207, done, problem)
         device.obey(body)
@@ -223,38 +229,40 @@ class SimulatedHueBridge(WebDevice):
 
     def _group(self, grouped: Resource, body: Mapping[str, object]) -> None:
         children = self.resources[str(at(grouped, "owner", "rid"))]["children"]
-        inside = {at(one, "rid") for one in children} if isinstance(children, list) else set()
-        for rid, one in tuple(self.resources.items()):
-            if one["type"] == "light" and not inside.isdisjoint((rid, at(one, "owner", "rid"))):
+        inside = {at(child, "rid") for child in children} if isinstance(children, list) else set()
+        for rid, resource in tuple(self.resources.items()):
+            if resource["type"] == "light" and not inside.isdisjoint((rid, at(resource, "owner", "rid"))):
                 self._light(rid, body, [])
         self.change(str(grouped["id"]), {"on": body["on"]} if "on" in body else {})
 
     def _recall(self, scene: Resource) -> None:
         self._end_scenes()
         actions = scene["actions"]
-        for one in actions if isinstance(actions, list) else ():
-            if one["target"]["rid"] in self.resources:
-                self._light(one["target"]["rid"], one["action"], [])
+        for action in actions if isinstance(actions, list) else ():
+            if action["target"]["rid"] in self.resources:
+                self._light(action["target"]["rid"], action["action"], [])
         self.change(str(scene["id"]), {"status": {"active": "static", "last_recall": CHANGED}})
 
     def _end_scenes(self) -> None:
-        for rid, one in self.resources.items():
-            if one["type"] == "scene":
+        for rid, resource in self.resources.items():
+            if resource["type"] == "scene":
                 self.change(rid, {"status": {"active": "inactive"}})
 
     def _furnish(self, room: str) -> None:
         """Describe a room, and its scenes, by the devices in it."""
-        inside = {rid: one for rid, one in self._devices.items() if one.device.room == room}
+        inside = {rid: device for rid, device in self._devices.items() if device.device.room == room}
         children = [(rid, "device") for rid in inside if self.resources[rid]["type"] == "device"]
         lights = [rid for rid in inside if self.resources[rid]["type"] == "light"]
-        found = group_resources("room", room, children, "other")
-        found += [scene_resource(room, name, lights, level) for name, level in _SCENES.items() if lights]
-        new = [one for one in found if one["id"] not in self.resources]
-        self.resources.update({str(one["id"]): one for one in new})
+        resources = group_resources("room", room, children, "other")
+        resources += [scene_resource(room, name, lights, level) for name, level in _SCENES.items() if lights]
+        new = [resource for resource in resources if resource["id"] not in self.resources]
+        self.resources.update({str(resource["id"]): resource for resource in new})
         if new:
             self._send("add", new)
-        for one in found:
-            self.change(str(one["id"]), {name: one[name] for name in ("children", "actions") if name in one})
+        for resource in resources:
+            self.change(
+                str(resource["id"]), {name: resource[name] for name in ("children", "actions") if name in resource}
+            )
 
     def _send(self, kind: str, data: list[Resource]) -> None:
         self._events += 1

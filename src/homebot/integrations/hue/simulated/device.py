@@ -55,10 +55,10 @@ class HueHouseDevice(HubDevice):
         """Report the fields that have changed."""
         if not self.is_there:
             return
-        for rid, one in tuple(self._bridge.resources.items()):
-            owner = one.get("owner")
+        for rid, resource in tuple(self._bridge.resources.items()):
+            owner = resource.get("owner")
             if isinstance(owner, dict) and owner.get("rid") == self.owner_id:
-                self._bridge.change(rid, self._fields(rid, str(one["type"])))
+                self._bridge.change(rid, self._fields(rid, str(resource["type"])))
 
     def obey(self, body: Mapping[str, object]) -> None:
         """Carry out a command to its light; the house knows nothing of colours and effects."""
@@ -77,12 +77,12 @@ class HueHouseDevice(HubDevice):
             self.on_command(order)
 
     def _fields(self, rid: str, service: str) -> Resource:
-        found = state_fields(service, self.kind, self.state)
+        fields = state_fields(service, self.kind, self.state)
         if service == "light" and self.kind != "plug":
             now = self._bridge.resources[rid]["color_temperature"]
             if isinstance(now, dict) and now.get("mirek_valid") is False:  # it has a colour, which no state tells
-                found["color_temperature"] = now
-        return found
+                fields["color_temperature"] = now
+        return fields
 
 
 def _first_color(body: Mapping[str, object]) -> object:

@@ -63,18 +63,20 @@ def radio_address(device: SimulatedDeviceInfo) -> str:
 def device_resources(device: SimulatedDeviceInfo, kind: str, state: DeviceState) -> list[Resource]:
     """Return a device and its services, all reachable."""
     owner = {"rid": resource_uuid(device.home, device.device_id), "rtype": "device"}
-    found = [
-        _base(device, one, owner) | _FIXED.get("plug" if kind == "plug" else one, {}) | state_fields(one, kind, state)
-        for one in (*_SERVICES[kind], "zigbee_connectivity")
+    services = [
+        _base(device, kind_of_service, owner)
+        | _FIXED.get("plug" if kind == "plug" else kind_of_service, {})
+        | state_fields(kind_of_service, kind, state)
+        for kind_of_service in (*_SERVICES[kind], "zigbee_connectivity")
     ]
-    for one in found:
-        if one["type"] == "zigbee_connectivity":
-            one |= {"status": "connected", "mac_address": radio_address(device)}
-        if kind == "gradient" and one["type"] == "light":
-            one["gradient"] = dict(_GRADIENT)
-        if one["type"] == "light":
-            one |= {"metadata": {"name": device.device_id, "archetype": _PRODUCTS[kind][2], "function": "mixed"}}
-    return [_device(owner["rid"], device.device_id, kind, found), *found]
+    for service in services:
+        if service["type"] == "zigbee_connectivity":
+            service |= {"status": "connected", "mac_address": radio_address(device)}
+        if kind == "gradient" and service["type"] == "light":
+            service["gradient"] = dict(_GRADIENT)
+        if service["type"] == "light":
+            service |= {"metadata": {"name": device.device_id, "archetype": _PRODUCTS[kind][2], "function": "mixed"}}
+    return [_device(owner["rid"], device.device_id, kind, services), *services]
 
 
 def bridge_resources(bridge_id: str, name: str) -> list[Resource]:
@@ -124,7 +126,7 @@ def scene_resource(room: str, name: str, lights: Iterable[str], brightness: floa
     return {
         "id": resource_uuid("scene", room, name),
         "type": "scene",
-        "actions": [{"target": {"rid": one, "rtype": "light"}, "action": action} for one in lights],
+        "actions": [{"target": {"rid": light, "rtype": "light"}, "action": action} for light in lights],
         "metadata": {"name": name},
         "group": {"rid": resource_uuid("room", room), "rtype": "room"},
         "palette": {"color": [], "dimming": [], "color_temperature": [], "effects": []},
@@ -196,7 +198,7 @@ def _device(rid: str, name: str, kind: str, services: Iterable[Resource]) -> Res
             "software_version": "1.104.2",
         },
         "identify": {},
-        "services": [{"rid": one["id"], "rtype": one["type"]} for one in services],
+        "services": [{"rid": service["id"], "rtype": service["type"]} for service in services],
     }
 
 

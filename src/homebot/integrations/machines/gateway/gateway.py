@@ -204,7 +204,7 @@ class MachineGateway(Gateway):
             health = message_from_cdr(HealthResponse, await self._call("health", request))
         except HomebotError as exc:
             return HealthResponse(counts=own, troubles=() if self._problem else (str(exc),))
-        quarantined = tuple(one.model_copy(update={"gateway": self.node.name}) for one in health.quarantined)
+        quarantined = tuple(device.model_copy(update={"gateway": self.node.name}) for device in health.quarantined)
         return health.model_copy(update={"counts": (*health.counts, *own), "quarantined": quarantined})
 
     async def _subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
@@ -218,7 +218,7 @@ class MachineGateway(Gateway):
             publisher = self._listeners.add(request.topic, device, unescape_token(device), request.listener)
         except HomebotError as exc:
             return SubscribeToTopicResponse(success=False, message=str(exc), data_topic="")
-        missed = tuple(one.model_copy(update={"gateway": self.node.name}) for one in there.missed)
+        missed = tuple(topic.model_copy(update={"gateway": self.node.name}) for topic in there.missed)
         return there.model_copy(update={"data_topic": publisher.topic_name, "missed": missed})
 
     async def _listen_again(self, address: str) -> None:

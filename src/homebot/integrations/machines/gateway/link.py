@@ -61,15 +61,15 @@ class MachineLink:
         """
         if not self._gateway:
             name = machine_name(self._home, self._machine, "gateways")
-            found = (await self._wire.ask(name, GetGateways, GetGatewaysRequest(), MAX_SILENCE_S - LONGEST_QUIET)).names
-            if len(found) != 1:
+            names = (await self._wire.ask(name, GetGateways, GetGatewaysRequest(), MAX_SILENCE_S - LONGEST_QUIET)).names
+            if len(names) != 1:
                 has = (
-                    f"its machine has the gateways {', '.join(found)}; name"
-                    if found
+                    f"its machine has the gateways {', '.join(names)}; name"
+                    if names
                     else "its machine has no gateways yet; add one, and name"
                 )
                 raise UsageError(f'{has} it here, as in gateway = "mqtt", and each in a table of its own')
-            self._gateway = found[0]
+            self._gateway = names[0]
         self._follower, self._number = secrets.token_hex(8), 0
 
     async def news(self) -> FollowGatewayResponse:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 HeardT = TypeVar("HeardT", Sighting, Report)
 
-_MOST = 1000
+_MAX_LENGTH = 1000
 """Characters of a text, and elements of a list, of an announcement: nobody there need be believed."""
 
 _STAMPS = {Sighting: ("seen_at", "expires_at"), Report: ("received_at",)}
@@ -62,16 +62,16 @@ class Mirror:
             self._publish_report(self._own(report, later))
         for answer in news.answers:
             self._answers.publish(answer.model_copy(update={"gateway": self._name}))
-        for one in news.quarantines:
-            self._quarantines.publish(one.model_copy(update={"gateway": self._name}))
-            if one.is_over:
-                self._quarantines.dispose(one.offender)
+        for quarantined in news.quarantines:
+            self._quarantines.publish(quarantined.model_copy(update={"gateway": self._name}))
+            if quarantined.is_over:
+                self._quarantines.dispose(quarantined.offender)
 
     def on_link_loss(self) -> None:
         """Publish of all devices that said that they can be reached that nobody knows it now."""
         for report in tuple(self._reports.values()):
-            if report.address and any(one.capability == REACHABLE for one in report.readings):
-                readings = tuple(one.model_copy(update={"value": UNKNOWN}) for one in report.readings)
+            if report.address and any(reading.capability == REACHABLE for reading in report.readings):
+                readings = tuple(reading.model_copy(update={"value": UNKNOWN}) for reading in report.readings)
                 # without an address: nobody reports it any more
                 self._publish_report(report.model_copy(update={"readings": readings, "address": ""}))
 
@@ -83,20 +83,20 @@ class Mirror:
             heard_at = own["heard_at"] = max(0.0, min(now, message.heard_at + later))
             behind = self._clock.now() - (now - heard_at) - next(iter(stamps.values())).to_seconds()
             if abs(behind) > _SAME_TIME:
-                own |= {name: Time.from_seconds(one.to_seconds() + behind) for name, one in stamps.items()}
+                own |= {name: Time.from_seconds(stamp.to_seconds() + behind) for name, stamp in stamps.items()}
         return message.model_copy(update=own)
 
     def _publish_sighting(self, sighting: Sighting) -> None:
         if sighting.kind == "removed":
             self._devices.pop(sighting.key, None)
-            self._dispose(one.stream for one in tuple(self._reports.values()) if one.key == sighting.key)
+            self._dispose(report.stream for report in tuple(self._reports.values()) if report.key == sighting.key)
         else:
             self._devices[sighting.key] = sighting
         self._gateway.publish_sighting(sighting)
 
     def _publish_report(self, report: Report) -> None:
         self._gateway.reports.publish(report)
-        is_over = report.key not in self._devices or all(one.capability in EVENTS for one in report.readings)
+        is_over = report.key not in self._devices or all(reading.capability in EVENTS for reading in report.readings)
         if is_over:  # nothing is kept of events, and of a device that has just left
             self._gateway.reports.dispose(report.stream)
         else:
@@ -119,5 +119,5 @@ def _is_usual(value: object) -> bool:
     if isinstance(value, Message):
         return all(map(_is_usual, value.__dict__.values()))
     if isinstance(value, tuple):
-        return len(value) <= _MOST and all(map(_is_usual, value))
-    return not isinstance(value, str) or len(value) <= _MOST
+        return len(value) <= _MAX_LENGTH and all(map(_is_usual, value))
+    return not isinstance(value, str) or len(value) <= _MAX_LENGTH

@@ -35,8 +35,6 @@ from homebot.integrations.matter.formats.endpoint import (
 )
 from homebot.support.numbers import whole_number
 
-__all__ = ["APPLIANCE_ROWS", "MODE", "MODE_SELECT", "is_oven_cabinet"]
-
 MODE: Final = "mode"
 """The part of an endpoint that is a setting with a name of its own: of a light, a button or nothing else."""
 
@@ -53,7 +51,7 @@ _MODE_CLUSTERS: Final = (MODE_SELECT, OVEN_MODE, 81, 82, 85, 89, 94, 157, HEATER
 the plain and the energy's are parts beside the mode that operates an endpoint."""
 
 _CHANGE_TO_MODE: Final = 0
-_MOST_MODES: Final = 100
+_MAX_MODES: Final = 100
 _SETPOINT, _LIMITS, _STEP, _LEVEL, _LEVELS = 0, (1, 2), 3, 4, 5
 _BY_NUMBER: Final = 1 << 0
 _ANY_CELSIUS: Final = (-273.15, 327.67)
@@ -91,11 +89,11 @@ def _modes(endpoint: MatterEndpoint, cluster: int) -> Iterator[tuple[int, str, t
 
 
 def _labels(cluster: int, endpoint: MatterEndpoint) -> dict[int, str]:
-    found: dict[int, str] = {}
+    modes: dict[int, str] = {}
     for mode, label, _ in _modes(endpoint, cluster):
-        if label and len(found) < _MOST_MODES:
-            found[mode] = label
-    return found
+        if label and len(modes) < _MAX_MODES:
+            modes[mode] = label
+    return modes
 
 
 def _change_to_mode(cluster: int, mode: int) -> ClusterInvocation:
@@ -127,7 +125,7 @@ def _levels(endpoint: MatterEndpoint) -> dict[int, str]:
 
 
 def _texts(listed: object) -> dict[int, str]:
-    texts = (clean_text(one) for one in listed if isinstance(one, str)) if isinstance(listed, list) else ()
+    texts = (clean_text(text) for text in listed if isinstance(text, str)) if isinstance(listed, list) else ()
     return dict(enumerate(texts))
 
 
@@ -148,16 +146,16 @@ def _button_row(number_: int, name: str, cluster: int = OPERATION, part: str = "
         ACCEPTED_COMMANDS,
         "push",
         write=write,
-        when=lambda one: one.accepts(cluster, number_),
+        when=lambda endpoint: endpoint.accepts(cluster, number_),
         part=part or name.casefold(),
     )
 
 
 def _sounds(endpoint: MatterEndpoint) -> dict[int, str]:
     """Return the installed sounds of a chime, by number."""
-    listed = islice(endpoint.structs(CHIME, 0), _MOST_MODES)
-    found = ((whole_number(field_of(one, 0, "chimeID")), text_of(field_of(one, 1, "name"))) for one in listed)
-    return {number_: name for number_, name in found if number_ is not None and name}
+    listed = islice(endpoint.structs(CHIME, 0), _MAX_MODES)
+    chimes = ((whole_number(field_of(chime, 0, "chimeID")), text_of(field_of(chime, 1, "name"))) for chime in listed)
+    return {number_: name for number_, name in chimes if number_ is not None and name}
 
 
 def _read_vacuum(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
@@ -188,14 +186,14 @@ def _vacuum_orders(endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
 
 def _areas(endpoint: MatterEndpoint) -> dict[str, list[int]]:
     """Return the selection that cleans each area, by its name, and that without one, which cleans all; {} for none."""
-    found: dict[str, list[int]] = {}
+    areas_by_name: dict[str, list[int]] = {}
     for area in endpoint.structs(SERVICE_AREA, _AREAS):
         number_ = whole_number(field_of(area, 0, "areaID"))
         place = as_fields(field_of(as_fields(field_of(area, 2, "areaInfo")), 0, "locationInfo"))
-        if number_ is not None and len(found) < _MOST_MODES:
+        if number_ is not None and len(areas_by_name) < _MAX_MODES:
             name = text_of(field_of(place, 0, "locationName"))
-            found[name if name and name not in found else f"{name or 'Area'} {number_}"] = [number_]
-    return {_EVERYWHERE: [], **found} if found else {}
+            areas_by_name[name if name and name not in areas_by_name else f"{name or 'Area'} {number_}"] = [number_]
+    return {_EVERYWHERE: [], **areas_by_name} if areas_by_name else {}
 
 
 def _write_charging(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
@@ -213,18 +211,20 @@ APPLIANCE_ROWS: Final = (
         TEMPERATURE,
         None,
         "number",
-        lambda one, _raw: number(100)(one, one.value(TEMPERATURE, _SETPOINT)),
+        lambda endpoint, _raw: number(100)(endpoint, endpoint.value(TEMPERATURE, _SETPOINT)),
         lambda _at, command: (_to_temperature("targetTemperature", round(command.value.number * 100)),),
         _BY_NUMBER,
         bounds=_temperature_bounds,
-        grid=lambda one: number_grid(_temperature_bounds(one)[0], (one.number(TEMPERATURE, _STEP) or 0) / 100),
+        grid=lambda endpoint: number_grid(
+            _temperature_bounds(endpoint)[0], (endpoint.number(TEMPERATURE, _STEP) or 0) / 100
+        ),
         unit="°C",
     ),
     replace(
         choice_row(TEMPERATURE, _LEVEL, _levels, partial(_to_temperature, "targetTemperatureLevel")),
         spare_part="temperature",
     ),
-    replace(choice_row(WASHER, _SPIN, lambda one: _texts(one.value(WASHER, 0))), spare_part="spin_speed"),
+    replace(choice_row(WASHER, _SPIN, lambda endpoint: _texts(endpoint.value(WASHER, 0))), spare_part="spin_speed"),
     replace(choice_row(WASHER, _RINSE, _rinses), spare_part="rinses"),
     cluster_row(
         MICROWAVE,
@@ -234,7 +234,7 @@ APPLIANCE_ROWS: Final = (
         lambda _at, command: (
             ClusterInvocation(MICROWAVE, "SetCookingParameters", {"cookTime": round(command.value.number)}),
         ),
-        bounds=lambda one: (1, one.number(MICROWAVE, _LONGEST, 1) or 86_400),
+        bounds=lambda endpoint: (1, endpoint.number(MICROWAVE, _LONGEST, 1) or 86_400),
         unit="s",
         part="cook_time",
     ),
@@ -248,7 +248,7 @@ APPLIANCE_ROWS: Final = (
         _STATE,
         "vacuum",
         _read_vacuum,
-        when=lambda one: one.has(RUN_MODE, _current_attribute(RUN_MODE)),
+        when=lambda endpoint: endpoint.has(RUN_MODE, _current_attribute(RUN_MODE)),
         orders=_vacuum_orders,
         options=_VACUUM_OPTIONS,
         also_read=RUN_MODE,
@@ -257,11 +257,11 @@ APPLIANCE_ROWS: Final = (
         SERVICE_AREA,
         _SELECTED,
         "option",
-        lambda one, raw: next((name for name, areas in _areas(one).items() if areas == raw), None),
+        lambda endpoint, raw: next((name for name, areas in _areas(endpoint).items() if areas == raw), None),
         when=_areas,
-        orders=lambda one: {
+        orders=lambda endpoint: {
             name: ClusterInvocation(SERVICE_AREA, "SelectAreas", {"newAreas": areas})
-            for name, areas in _areas(one).items()
+            for name, areas in _areas(endpoint).items()
         },
         accepts=_SELECT_AREAS,
         spare_part="area",
@@ -271,10 +271,10 @@ APPLIANCE_ROWS: Final = (
         0,
         "playback",
         choice({0: "playing", 1: "paused", 2: "stopped", 3: "buffering"}),
-        orders=lambda one: {
+        orders=lambda endpoint: {
             state: ClusterInvocation(PLAYBACK, name)
             for state, (number_, name) in _PLAYER_COMMANDS.items()
-            if one.accepts(PLAYBACK, number_)
+            if endpoint.accepts(PLAYBACK, number_)
         },
     ),
     cluster_row(EVSE, _SUPPLY, "on_off", one_of(1, 5), _write_charging, accepts=_ENABLE_CHARGING),

@@ -55,8 +55,8 @@ _ROOM_AIR_CONDITIONER, _MORE_MODES = 0x0072, ("fan_only", "dry")
 
 _ACTIONS: Final = ((0b0_1001, "heating"), (0b1_0010, "cooling"), (0b110_0100, "fan"))
 _SCENARIOS: Final = {1: "occupied", 2: "unoccupied", 3: "sleep", 4: "wake", 5: "vacation", 6: "going_to_sleep"}
-_MOST_PRESETS: Final = 50
-_LONGEST_HANDLE: Final = 64
+_MAX_PRESETS: Final = 50
+_MAX_HANDLE_CHARACTERS: Final = 64
 
 _FAN_MODE, _FAN_SEQUENCE, _FAN_SETTING, _FAN_PERCENT, _ROCK_SUPPORT, _ROCK, _AIRFLOW = 0, 1, 2, 3, 7, 8, 11
 _FAN_SPEEDS = 4
@@ -101,15 +101,15 @@ def _read_action(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
 
 def _presets(endpoint: MatterEndpoint) -> dict[str, str]:
     """Return the names of the presets by handle; the server has bytes in Base64."""
-    found: dict[str, str] = {}
+    presets: dict[str, str] = {}
     for preset in endpoint.structs(THERMOSTAT, _PRESETS):
         handle = field_of(preset, 0, "presetHandle")
         scenario = whole_number(field_of(preset, 1, "presetScenario"))
         name = text_of(field_of(preset, 2, "name")) or _SCENARIOS.get(scenario or 0, "")
-        is_handle = isinstance(handle, str) and 0 < len(handle) <= _LONGEST_HANDLE
-        if is_handle and name not in {"", *found.values()} and len(found) < _MOST_PRESETS:
-            found[str(handle)] = name
-    return found
+        is_handle = isinstance(handle, str) and 0 < len(handle) <= _MAX_HANDLE_CHARACTERS
+        if is_handle and name not in {"", *presets.values()} and len(presets) < _MAX_PRESETS:
+            presets[str(handle)] = name
+    return presets
 
 
 def _activate(handle: str) -> MatterOrder:
@@ -148,7 +148,7 @@ def _setpoint_row(name: str, attribute: int, feature: int) -> ClusterRow:
         name,
         number(100, -32_767, 32_767),
         number_writer(THERMOSTAT, attribute, 100),
-        when=lambda one: not one.features(THERMOSTAT) or one.features(THERMOSTAT) & feature,
+        when=lambda endpoint: not endpoint.features(THERMOSTAT) or endpoint.features(THERMOSTAT) & feature,
         bounds=partial(_setpoint_bounds, attribute),
     )
 
@@ -187,14 +187,14 @@ CLIMATE_ROWS: Final = (
     cluster_row(THERMOSTAT, _SYSTEM_MODE, "thermostat_mode", choice(_MODES), orders=_mode_orders),
     cluster_row(THERMOSTAT, _RUNNING_STATE, "thermostat_action", _read_action),
     choice_row(THERMOSTAT, _ACTIVE_PRESET, _presets, _activate, "preset_mode", feature=_HAS_PRESETS),
-    cluster_row(FAN, _FAN_MODE, "on_off", any_bit(), _write_fan_on, when=lambda one: not one.has(ON_OFF)),
+    cluster_row(FAN, _FAN_MODE, "on_off", any_bit(), _write_fan_on, when=lambda endpoint: not endpoint.has(ON_OFF)),
     cluster_row(
         FAN,
         _FAN_SETTING,
         "fan_speed",
         _read_speed,
         lambda _at, command: (AttributeWrite(FAN, _FAN_SETTING, int(command.value.number)),),  # 67 % is 3 speeds of 3
-        grid=lambda one: percent_grid(one.number(FAN, _FAN_SPEEDS) or 0),
+        grid=lambda endpoint: percent_grid(endpoint.number(FAN, _FAN_SPEEDS) or 0),
     ),
     cluster_row(FAN, _FAN_MODE, "fan_mode", choice(_FAN_MODES), orders=_fan_orders),
     cluster_row(FAN, _ROCK, "oscillation", any_bit(), _write_rock, _ROCKS),

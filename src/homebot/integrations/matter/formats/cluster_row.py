@@ -53,24 +53,24 @@ def cluster_row(
         also_read: A further cluster of its value.
     """
 
-    def applies(one: MatterEndpoint) -> object:
-        has_it = one.has(cluster, attribute) and (not feature or one.features(cluster) & feature)
-        return has_it and (when is None or when(one))
+    def applies(endpoint: MatterEndpoint) -> object:
+        has_it = endpoint.has(cluster, attribute) and (not feature or endpoint.features(cluster) & feature)
+        return has_it and (when is None or when(endpoint))
 
-    def order(one: MatterEndpoint, command: Command) -> MatterOrders:
-        known = orders(one) if orders else {}
+    def order(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
+        known = orders(endpoint) if orders else {}
         return (known[require_option(capability, command.value.text, known)],)
 
     return ClusterRow(
         capability,
-        read and (lambda one: read(one, None if attribute is None else one.value(cluster, attribute))),
+        read and (lambda endpoint: read(endpoint, None if attribute is None else endpoint.value(cluster, attribute))),
         write or (order if orders else None),
         applies,
-        options or (lambda one: tuple(orders(one)) if orders else ()),
+        options or (lambda endpoint: tuple(orders(endpoint)) if orders else ()),
         bounds,
         unit,
         grid,
-        settable=lambda one: accepts is None or one.accepts(cluster, accepts),
+        settable=lambda endpoint: accepts is None or endpoint.accepts(cluster, accepts),
         watched=(cluster,) if also_read is None else (cluster, also_read),
         part=part,
         spare_part=spare_part,
@@ -112,10 +112,10 @@ def choice_row(
         cluster,
         attribute,
         capability,
-        lambda one, raw: next((name for known, name in names(one).items() if known == raw), None),
+        lambda endpoint, raw: next((name for known, name in names(endpoint).items() if known == raw), None),
         feature=feature,
         when=names,
-        orders=lambda one: {name: tell(known) for known, name in names(one).items()},
+        orders=lambda endpoint: {name: tell(known) for known, name in names(endpoint).items()},
         accepts=accepts,
     )
 

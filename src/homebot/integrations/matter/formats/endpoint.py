@@ -11,19 +11,6 @@ from typing import Final, NamedTuple, TypeAlias
 from homebot.conventions.payload import text_of
 from homebot.support.numbers import finite_number, whole_number
 
-__all__ = [
-    "ACCEPTED_COMMANDS",
-    "DESCRIPTOR",
-    "TAG_LIST",
-    "AttributeWrite",
-    "ClusterInvocation",
-    "MatterEndpoint",
-    "MatterOrder",
-    "MatterOrders",
-    "MatterScene",
-    "field_of",
-]
-
 DESCRIPTOR: Final = 29
 _DEVICE_TYPE_LIST, _PARTS_LIST, TAG_LIST = 0, 3, 4
 _FEATURE_MAP, ACCEPTED_COMMANDS = 0xFFFC, 0xFFF9
@@ -106,22 +93,25 @@ class MatterEndpoint:
     @property
     def device_types(self) -> tuple[int, ...]:
         """The numbers of its device types."""
-        found = (whole_number(field_of(one, 0, "deviceType")) for one in self.structs(DESCRIPTOR, _DEVICE_TYPE_LIST))
-        return tuple(one for one in found if one is not None)
+        numbers = (
+            whole_number(field_of(struct, 0, "deviceType")) for struct in self.structs(DESCRIPTOR, _DEVICE_TYPE_LIST)
+        )
+        return tuple(number for number in numbers if number is not None)
 
     @property
     def tags(self) -> tuple[tuple[int, int], ...]:
         """The namespaces and numbers of its semantic tags."""
-        found = (
-            (field_of(one, 1, "namespaceID"), field_of(one, 2, "tag")) for one in self.structs(DESCRIPTOR, TAG_LIST)
+        tags = (
+            (field_of(struct, 1, "namespaceID"), field_of(struct, 2, "tag"))
+            for struct in self.structs(DESCRIPTOR, TAG_LIST)
         )
-        return tuple((space, tag) for space, tag in found if isinstance(space, int) and isinstance(tag, int))
+        return tuple((space, tag) for space, tag in tags if isinstance(space, int) and isinstance(tag, int))
 
     @property
     def children(self) -> tuple[int, ...]:
         """The numbers of the endpoints below it; of the root, all other endpoints."""
         value = self.value(DESCRIPTOR, _PARTS_LIST)
-        return tuple(one for one in value if type(one) is int) if isinstance(value, list) else ()
+        return tuple(number for number in value if type(number) is int) if isinstance(value, list) else ()
 
 
 def field_of(struct: Mapping[object, object] | Mapping[str, object], number: int, name: str) -> object:

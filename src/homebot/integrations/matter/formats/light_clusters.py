@@ -16,8 +16,6 @@ from homebot.errors import RefusedError
 from homebot.integrations.matter.formats.cluster_row import ClusterRow, cluster_row, flag
 from homebot.integrations.matter.formats.endpoint import ClusterInvocation, MatterEndpoint, MatterOrders
 
-__all__ = ["LIGHT_ROWS", "ON_OFF", "joint_orders"]
-
 ON_OFF, LEVEL, LOCK, COLOR = 6, 8, 257, 768
 
 _ON_OFF_VALUE = 0
@@ -34,10 +32,10 @@ _DIMMED: Final = frozenset({0x0101, 0x010B, 0x010C, 0x010D, 0x0110})
 """Lights, plugs and mounted controls. Those not dimmed may have a level that does nothing, as Inovelli's VTM30 has."""
 
 _WHITES: Final = (2000, 6500)
-_MOST_COLOR: Final = 65_279
+_MAX_COLOR: Final = 65_279
 _TURN_ON: Final = ClusterInvocation(ON_OFF, "On")
 
-_LONGEST: Final = 6553.0
+_MAX_TRANSITION_S: Final = 6553.0
 """Seconds of a transition: tenths of them in 16 bits."""
 
 _ALSO_WHEN_OFF: Final = {"optionsMask": 1, "optionsOverride": 1}
@@ -104,7 +102,7 @@ def _mode(endpoint: MatterEndpoint) -> int | None:
 
 
 def _read_kelvin(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
-    mireds = endpoint.number(COLOR, _MIREDS, 1, _MOST_COLOR)
+    mireds = endpoint.number(COLOR, _MIREDS, 1, _MAX_COLOR)
     if mireds is None or (_has_colors(endpoint) and _mode(endpoint) != _MODE_MIREDS):
         return None
     return float(round(MIRED / mireds))
@@ -121,7 +119,7 @@ def _read_color(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     if mode == _MODE_MIREDS:
         return None
     if mode == _MODE_XY or not _color_features(endpoint) & _HAS_HUE:
-        x, y = (endpoint.number(COLOR, attribute, 0, _MOST_COLOR) for attribute in (_X, _Y))
+        x, y = (endpoint.number(COLOR, attribute, 0, _MAX_COLOR) for attribute in (_X, _Y))
         return None if x is None or y is None else to_hue_saturation("xy", (x / 65_536, y / 65_536), _WHITES)
     degrees, saturation = _degrees(endpoint), endpoint.number(COLOR, _SATURATION, 0, 254)
     return None if degrees is None or saturation is None else (round(degrees, 2), round(saturation * 100 / 254, 2))
@@ -139,7 +137,7 @@ def _write_color(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
     hue, saturation = command.value.numbers
     features = _color_features(endpoint)
     if not features & _HAS_HUE:
-        x, y = (min(round(one * 65_536), _MOST_COLOR) for one in from_hue_saturation("xy", hue, saturation, _WHITES))
+        x, y = (min(round(share * 65_536), _MAX_COLOR) for share in from_hue_saturation("xy", hue, saturation, _WHITES))
         return _move_color(endpoint, "MoveToColor", command, colorX=x, colorY=y)
     strength = round(saturation * 254 / 100)
     if features & _HAS_ENHANCED_HUE:
@@ -163,17 +161,21 @@ def joint_orders(
     Colours take effect while the lamp is off, and the level turns it on, so that it shines at once as it shall.
     """
     first, *others = command.singly()
-    further = [one for one in others if {one.capability, first.capability} <= LIGHT_CAPABILITIES]
+    further = [other for other in others if {other.capability, first.capability} <= LIGHT_CAPABILITIES]
     rows = tuple(rows)
-    orders = [order for one in (first, *further) for order in writer_of(rows, one.capability)(endpoint, one)]
+    orders = [
+        order for setting in (first, *further) for order in writer_of(rows, setting.capability)(endpoint, setting)
+    ]
     if further:
-        lit = sorted((one for one in orders if one != _TURN_ON), key=lambda one: one.cluster != COLOR)
-        orders = lit if any(one.cluster == LEVEL for one in lit) else [*lit, *(_TURN_ON,) * (len(lit) < len(orders))]
-    return tuple(orders), tuple([one.capability for one in further])
+        lit = sorted((order for order in orders if order != _TURN_ON), key=lambda order: order.cluster != COLOR)
+        orders = (
+            lit if any(order.cluster == LEVEL for order in lit) else [*lit, *(_TURN_ON,) * (len(lit) < len(orders))]
+        )
+    return tuple(orders), tuple([setting.capability for setting in further])
 
 
 def _tenths(command: Command) -> int:
-    return round(require_transition(command.transition, _LONGEST) * 10)
+    return round(require_transition(command.transition, _MAX_TRANSITION_S) * 10)
 
 
 LIGHT_ROWS: Final = (
@@ -192,7 +194,7 @@ LIGHT_ROWS: Final = (
         "on_off",
         flag(),
         _write_on,
-        when=lambda one: not one.has(LOCK) and not _is_speaker(one),
+        when=lambda endpoint: not endpoint.has(LOCK) and not _is_speaker(endpoint),
     ),
     cluster_row(LEVEL, _CURRENT_LEVEL, "volume", _read_level, _write_level, when=_is_speaker),
     cluster_row(LEVEL, _CURRENT_LEVEL, "level", _read_level, _write_level, when=_is_dimmed),
@@ -202,8 +204,8 @@ LIGHT_ROWS: Final = (
         "color_temperature",
         _read_kelvin,
         _write_kelvin,
-        when=lambda one: _color_features(one) & _HAS_MIREDS,
-        bounds=lambda one: nearest_mired_bounds(*_mired_range(one)),
+        when=lambda endpoint: _color_features(endpoint) & _HAS_MIREDS,
+        bounds=lambda endpoint: nearest_mired_bounds(*_mired_range(endpoint)),
     ),
     cluster_row(COLOR, None, "color", _read_color, _write_color, when=_has_colors),
 )

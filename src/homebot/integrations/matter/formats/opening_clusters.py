@@ -135,7 +135,9 @@ def _position(state: object) -> int | None:
 
 
 def _read_closure_movement(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
-    position, target = (_position(endpoint.value(CLOSURE, one)) for one in (_CLOSURE_STATE, _CLOSURE_TARGET))
+    position, target = (
+        _position(endpoint.value(CLOSURE, attribute)) for attribute in (_CLOSURE_STATE, _CLOSURE_TARGET)
+    )
     if endpoint.whole(CLOSURE, _MAIN_STATE) == _MOVING:
         return None if target is None else "closing" if target == _CLOSED else "opening"
     return None if position is None else "closed" if position == _CLOSED else "open"
@@ -175,21 +177,36 @@ _WRITE_LIFT: Final = partial(_write_share, "GoToLiftPercentage", "liftPercent100
 _WRITE_TILT: Final = partial(_write_share, "GoToTiltPercentage", "tiltPercent100thsValue")
 
 OPENING_ROWS: Final = (
-    cluster_row(COVERING, None, "position", lambda one, _raw: _open_percent(one, *_LIFT), _WRITE_LIFT, _KNOWS_LIFT),
-    cluster_row(COVERING, None, "tilt", lambda one, _raw: _open_percent(one, *_TILT), _WRITE_TILT, _KNOWS_TILT),
-    cluster_row(COVERING, None, "movement", _read_covering_movement, orders=_covering_orders, options=_MOVES),
     cluster_row(
-        LOCK, _LOCK_STATE, "lock", choice(_LOCK_STATES), _write_lock, options=lambda one: tuple(_lock_commands(one))
+        COVERING, None, "position", lambda endpoint, _raw: _open_percent(endpoint, *_LIFT), _WRITE_LIFT, _KNOWS_LIFT
     ),
     cluster_row(
-        LOCK, _DOOR_STATE, "contact", choice(_DOOR_STATES), None, _HAS_DOOR, lambda one: one.has(LOCK, _LOCK_STATE)
+        COVERING, None, "tilt", lambda endpoint, _raw: _open_percent(endpoint, *_TILT), _WRITE_TILT, _KNOWS_TILT
+    ),
+    cluster_row(COVERING, None, "movement", _read_covering_movement, orders=_covering_orders, options=_MOVES),
+    cluster_row(
+        LOCK,
+        _LOCK_STATE,
+        "lock",
+        choice(_LOCK_STATES),
+        _write_lock,
+        options=lambda endpoint: tuple(_lock_commands(endpoint)),
+    ),
+    cluster_row(
+        LOCK,
+        _DOOR_STATE,
+        "contact",
+        choice(_DOOR_STATES),
+        None,
+        _HAS_DOOR,
+        lambda endpoint: endpoint.has(LOCK, _LOCK_STATE),
     ),
     cluster_row(VALVE, _VALVE_STATE, "valve", _read_valve, orders=_valve_orders, options=_MOVES[:-1]),
     cluster_row(
         VALVE,
         _VALVE_STATE,
         "position",
-        lambda one, _raw: one.number(VALVE, _VALVE_LEVEL, 0, 100),
+        lambda endpoint, _raw: endpoint.number(VALVE, _VALVE_LEVEL, 0, 100),
         _write_flow,
         _HAS_LEVEL,
     ),
@@ -205,6 +222,12 @@ OPENING_ROWS: Final = (
     ),
     cluster_row(DIMENSION, _PANEL_STATE, "tilt", _read_panel, _write_panel, _POSITIONS, _tilts),
     cluster_row(
-        DIMENSION, _PANEL_STATE, "position", _read_panel, _write_panel, _POSITIONS, lambda one: not _tilts(one)
+        DIMENSION,
+        _PANEL_STATE,
+        "position",
+        _read_panel,
+        _write_panel,
+        _POSITIONS,
+        lambda endpoint: not _tilts(endpoint),
     ),
 )

@@ -22,7 +22,9 @@ from homebot.integrations.matter.formats.sensor_clusters import BATTERY, PLAIN, 
 from homebot.support.numbers import whole_number
 
 _ROWS: Final = (*LIGHT_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *APPLIANCE_ROWS, *SENSOR_ROWS)
-_SERVICE_TYPES: Final[Mapping[int, str]] = {number: one.name for one in DEVICE_TYPES.values() for number in one.matter}
+_SERVICE_TYPES: Final[Mapping[int, str]] = {
+    number: device_type.name for device_type in DEVICE_TYPES.values() for number in device_type.matter
+}
 _METER: Final = "electrical_meter"
 _CAPABILITY_TYPES: Final = {
     "occupancy": "occupancy_sensor",
@@ -80,13 +82,16 @@ _NAMESPACES: Final[Mapping[int, tuple[str, ...]]] = {
 """Common Position, Refrigerator, Switches and Closure Panel: each the words of its tags."""
 
 _COUNTED: Final = frozenset({"row", "column"})
-_LONGEST_NAME: Final = 40
+_MAX_NAME_CHARACTERS: Final = 40
 
 
 def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tuple[Part, tuple[ClusterRow, ...]]]:
     """Yield the parts of an endpoint, the main one first; a closure that *covers* is a blind, or a panel of one."""
-    for suffix, found in _found(endpoint).items():
-        rows, capabilities = (tuple(row for row, _ in found.values()), tuple(one for _, one in found.values()))
+    for suffix, described in _found(endpoint).items():
+        rows, capabilities = (
+            tuple(row for row, _ in described.values()),
+            tuple(capability for _, capability in described.values()),
+        )
         if suffix and rows:
             yield _extra_part(endpoint, suffix, capabilities), rows
         elif any(row.read is not None or row.capability == "press" for row in rows):
@@ -98,9 +103,9 @@ def _found(endpoint: MatterEndpoint) -> Mapping[str, Mapping[str, tuple[ClusterR
     by_suffix: dict[str, dict[str, tuple[ClusterRow, Capability]]] = {"": {}}
     for row in _ROWS:
         is_spare = row.spare_part and row.capability in by_suffix[""]
-        found = by_suffix.setdefault(row.spare_part if is_spare else row.part, {})
-        if row.capability not in found and (capability := row.describe(endpoint)) is not None:
-            found[row.capability] = row, capability
+        described = by_suffix.setdefault(row.spare_part if is_spare else row.part, {})
+        if row.capability not in described and (capability := row.describe(endpoint)) is not None:
+            described[row.capability] = row, capability
     return by_suffix
 
 
@@ -122,7 +127,7 @@ def _extra_part(endpoint: MatterEndpoint, suffix: str, capabilities: tuple[Capab
     if suffix == BATTERY:
         return Part(id=part_id, service_type="x_battery", category="diagnostic", capabilities=capabilities)
     kind = "air_quality_sensor" if suffix in PLAIN.values() else "x_sensor"
-    is_setting = any(one.settable for one in capabilities)
+    is_setting = any(capability.settable for capability in capabilities)
     return Part(
         id=part_id,
         name=(suffix == MODE and endpoint.text(MODE_SELECT, 0)) or suffix.replace("_", " ").capitalize(),
@@ -136,15 +141,19 @@ def _advertised(endpoint: MatterEndpoint) -> str:
     """Return the device types that the vocabulary lacks; the cabinet of an oven is known by its clusters."""
     if is_oven_cabinet(endpoint):
         return "oven"
-    unlisted = [one for one in endpoint.device_types[:5] if one not in _UTILITIES and one not in _SERVICE_TYPES]
-    return ", ".join(sorted(_NAMES.get(one, f"0x{one:04X}") for one in unlisted))  # what ends it counts
+    unlisted = [
+        number for number in endpoint.device_types[:5] if number not in _UTILITIES and number not in _SERVICE_TYPES
+    ]
+    return ", ".join(sorted(_NAMES.get(number, f"0x{number:04X}") for number in unlisted))  # what ends it counts
 
 
 def _service_type(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...]) -> tuple[str, bool]:
     """Return the type of a part, and whether it is guessed; a meter only if it is, and switches, nothing else."""
-    found = [_SERVICE_TYPES[one] for one in endpoint.device_types if one in _SERVICE_TYPES]
-    names = {one.name for one in capabilities}
-    if kind := next((one for one in found if one != _METER), _METER if found and "on_off" not in names else ""):
+    kinds = [_SERVICE_TYPES[number] for number in endpoint.device_types if number in _SERVICE_TYPES]
+    names = {capability.name for capability in capabilities}
+    if kind := next(
+        (candidate for candidate in kinds if candidate != _METER), _METER if kinds and "on_off" not in names else ""
+    ):
         return kind, False
     return next((kind for name, kind in _CAPABILITY_TYPES.items() if name in names), "x_sensor"), True
 
@@ -154,7 +163,7 @@ def _name(endpoint: MatterEndpoint) -> str:
     if label := next(_label_names(endpoint), ""):
         return label
     words = list(dict.fromkeys(_tag_words(endpoint)))
-    while len(" ".join(words)) > _LONGEST_NAME:
+    while len(" ".join(words)) > _MAX_NAME_CHARACTERS:
         words.pop()
     return " ".join(words)
 

@@ -31,8 +31,6 @@ from homebot.integrations.matter.formats.endpoint import (
 )
 from homebot.support.numbers import finite_number, whole_number
 
-__all__ = ["BATTERY", "PLAIN", "SENSOR_ROWS", "SWITCH", "press_of"]
-
 BATTERY: Final = "battery"
 """The part of an endpoint that is its battery."""
 
@@ -127,7 +125,7 @@ def _read_pressure(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
 
 def _hold_bounds(endpoint: MatterEndpoint) -> tuple[float, float]:
     limits = as_fields(endpoint.value(OCCUPANCY, _HOLD_LIMITS))
-    least, most = (finite_number(field_of(limits, *one)) for one in enumerate(("holdTimeMin", "holdTimeMax")))
+    least, most = (finite_number(field_of(limits, *field)) for field in enumerate(("holdTimeMin", "holdTimeMax")))
     return (least, most) if least is not None and most is not None and least < most else (0.0, 65_535.0)
 
 
@@ -147,7 +145,9 @@ def _concentration(cluster: int, name: str, factors: Mapping[int, float]) -> Clu
         factor = factors.get(_unit_of(cluster, endpoint))
         return None if factor is None else number(1 / factor, 0)(endpoint, raw)
 
-    return cluster_row(cluster, _CONCENTRATION, name, read, when=lambda one: _unit_of(cluster, one) in factors)
+    return cluster_row(
+        cluster, _CONCENTRATION, name, read, when=lambda endpoint: _unit_of(cluster, endpoint) in factors
+    )
 
 
 def _is_boolean_state(name: str, endpoint: MatterEndpoint) -> bool:
@@ -162,8 +162,8 @@ def _measurement(cluster: int, units: range, part: str = "") -> ClusterRow:
         _CONCENTRATION,
         "measurement",
         number(1, 0),
-        when=lambda one: _unit_of(cluster, one) in units,
-        unit=lambda one: _UNITS[_unit_of(cluster, one)],
+        when=lambda endpoint: _unit_of(cluster, endpoint) in units,
+        unit=lambda endpoint: _UNITS[_unit_of(cluster, endpoint)],
         part=part,
     )
 

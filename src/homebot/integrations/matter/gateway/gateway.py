@@ -54,10 +54,10 @@ class MatterGatewaySettings(GatewaySettings):
     @field_validator("url")
     @classmethod
     def _check_url(cls, url: str) -> str:
-        found = urlsplit(url)  # raises ValueError itself
-        if found.scheme not in {"ws", "wss", "http", "https"} or not found.hostname:
+        address = urlsplit(url)  # raises ValueError itself
+        if address.scheme not in {"ws", "wss", "http", "https"} or not address.hostname:
             raise ValueError("the address of a Matter server is written like ws://127.0.0.1:5580/ws")
-        if found.username is not None or found.password is not None:
+        if address.username is not None or address.password is not None:
             raise ValueError("a Matter server has no user and no password; leave them out")
         return url
 
@@ -100,10 +100,10 @@ class MatterGateway(LinkedGateway):
         if not isinstance(listed, list):
             raise WireError(f"the list of nodes is {shown(listed)}, not a list")
         present: set[int] = set()
-        for one in listed:
+        for fields in listed:
             try:
-                present.add(node_id_of(as_fields(one).get("node_id")))
-                await self._add_node(one, "the Matter server listed it")
+                present.add(node_id_of(as_fields(fields).get("node_id")))
+                await self._add_node(fields, "the Matter server listed it")
             except WireError as exc:
                 self.devices.reject(self.peer, b"", str(exc))
             await anyio.lowlevel.checkpoint()
@@ -155,21 +155,23 @@ class MatterGateway(LinkedGateway):
         self._nodes[node.id] = node
         self._scenes.look_at(node)
         self._describe(node, why)
-        for one in node.published:
-            for part in one.rows:
-                await self._report(one, part, None, is_old=not node.is_available)
+        for published in node.published:
+            for part in published.rows:
+                await self._report(published, part, None, is_old=not node.is_available)
 
     def _describe(self, node: MatterNode, why: str) -> None:
         """Publish the devices of a node, and remove those that it no longer has."""
         before = node.published
         node.published = node.devices(self._link.fabric)
-        for gone in {one.device.key for one in before} - {one.device.key for one in node.published}:
+        for gone in {published.device.key for published in before} - {
+            published.device.key for published in node.published
+        }:
             self._node_of.pop(gone, None)
             self.devices.remove(gone, "its bridge no longer has it")
-        for one in node.published:
-            self._node_of[one.device.key] = node
-            self.devices.put(one.device, why, confirmed=node.is_available)
-            self.devices.report_reachable(one.device.key, reachable=node.is_reachable(one))
+        for published in node.published:
+            self._node_of[published.device.key] = node
+            self.devices.put(published.device, why, confirmed=node.is_available)
+            self.devices.report_reachable(published.device.key, reachable=node.is_reachable(published))
 
     def _on_scenes(self, node: MatterNode) -> None:
         if self._nodes.get(node.id) is node:
@@ -178,9 +180,9 @@ class MatterGateway(LinkedGateway):
     def _remove_node(self, node_id: int, why: str) -> None:
         node = self._nodes.pop(node_id, None)
         self._scenes.forget(node_id)
-        for one in () if node is None else node.published:
-            self._node_of.pop(one.device.key, None)
-            self.devices.remove(one.device.key, why)
+        for published in () if node is None else node.published:
+            self._node_of.pop(published.device.key, None)
+            self.devices.remove(published.device.key, why)
 
     def _remove_endpoint(self, data: object) -> None:
         fields = as_fields(data)
@@ -202,18 +204,20 @@ class MatterGateway(LinkedGateway):
 
     def _has_other_parts(self, node: MatterNode, endpoint: MatterEndpoint) -> bool:
         """Return whether the parts of an endpoint differ from those published: a limit may have changed."""
-        published = [part for one in node.published for part in one.device.parts if one.rows[part.id][0] is endpoint]
+        published = [
+            part for device in node.published for part in device.device.parts if device.rows[part.id][0] is endpoint
+        ]
         return published != [part for part, _ in parts_of(endpoint)]
 
     async def _report_cluster(self, node: MatterNode, endpoint: MatterEndpoint, cluster: int, payload: bytes) -> None:
-        for one in node.published:
-            parts = [part for part, (of, _) in one.rows.items() if of is endpoint]
-            if not parts and one.root is not endpoint:
+        for published in node.published:
+            parts = [part for part, (of, _) in published.rows.items() if of is endpoint]
+            if not parts and published.root is not endpoint:
                 continue
-            self.devices.put(one.device, "it reported")
-            await self.devices.deliver_raw(one.device.key, payload)
+            self.devices.put(published.device, "it reported")
+            await self.devices.deliver_raw(published.device.key, payload)
             for part in parts:
-                await self._report(one, part, cluster)
+                await self._report(published, part, cluster)
 
     async def _report(self, device: NodeDevice, part: str, cluster: int | None, *, is_old: bool = False) -> None:
         """Report the values of a part from one cluster, or from each cluster by itself; None for all clusters."""
@@ -236,12 +240,12 @@ class MatterGateway(LinkedGateway):
         if fields.get("cluster_id") != SWITCH or not isinstance(event, int):
             return
         press = press_of(endpoint, event, fields.get("data"))
-        for one in node.published:
-            if str(endpoint.id) in one.rows:
-                self.devices.put(one.device, "it reported")
-                await self.devices.deliver_raw(one.device.key, payload)
+        for published in node.published:
+            if str(endpoint.id) in published.rows:
+                self.devices.put(published.device, "it reported")
+                await self.devices.deliver_raw(published.device.key, payload)
                 if press is not None:
-                    await self.devices.report(one.device.key, {"press": press}, str(endpoint.id))
+                    await self.devices.report(published.device.key, {"press": press}, str(endpoint.id))
 
     def _node(self, value: object) -> MatterNode:
         node_id = node_id_of(value)
@@ -307,7 +311,9 @@ class MatterGateway(LinkedGateway):
         """Read the attributes behind the values of a part from its node."""
         node, device = self._reached(key)
         endpoint, rows = device.rows[part]
-        paths = [f"{endpoint.id}/{cluster}/*" for cluster in sorted({one for row in rows for one in row.watched})]
+        paths = [
+            f"{endpoint.id}/{cluster}/*" for cluster in sorted({watched for row in rows for watched in row.watched})
+        ]
         args = {"node_id": node.id, "attribute_path": paths}
         answer = await self._link.call(f"the values of {device.device.name}", "read_attribute", args)
         for path, value in as_fields(answer).items():
@@ -317,7 +323,7 @@ class MatterGateway(LinkedGateway):
         """Return a device that answers, and its node."""
         self.check_link()
         node = self._node_of[key]
-        device = next(one for one in node.published if one.device.key == key)
+        device = next(published for published in node.published if published.device.key == key)
         if not node.is_reachable(device):
             raise LinkError(f"{device.device.name} does not answer the Matter server")
         return node, device

@@ -100,14 +100,14 @@ class MatterNode:
         key = f"node-{self.id}"
         root = self.endpoints.get(0) or MatterEndpoint(0)
         place = f"matter:deviceid_{fabric}-{self.id:016X}" if fabric else ""  # as Home Assistant spells it
-        members = (one for one in self._sorted() if owners.get(one.id, 0) == 0)
-        found = [self._device(key, root, members, "", place and f"{place}-MatterNodeDevice")]
+        members = (endpoint for endpoint in self._sorted() if owners.get(endpoint.id, 0) == 0)
+        devices = [self._device(key, root, members, "", place and f"{place}-MatterNodeDevice")]
         for endpoint in self._sorted():
             if owners.get(endpoint.id) == endpoint.id:
-                members = (one for one in self._sorted() if owners.get(one.id) == endpoint.id)
+                members = (member for member in self._sorted() if owners.get(member.id) == endpoint.id)
                 own = place and f"{place}-{endpoint.id}"
-                found.append(self._device(f"{key}-{endpoint.id}", endpoint, members, key, own))
-        return tuple(found)
+                devices.append(self._device(f"{key}-{endpoint.id}", endpoint, members, key, own))
+        return tuple(devices)
 
     def is_reachable(self, device: NodeDevice) -> bool:
         """Return whether *device*, which is one of its devices, can be reached."""
@@ -118,14 +118,14 @@ class MatterNode:
 
     def _owners(self) -> dict[int, int]:
         """Return the bridged endpoint of each endpoint that belongs to one."""
-        bridged = [one for one in self._sorted() if one.id and _BRIDGED_NODE in one.device_types]
-        owners = {one.id: one.id for one in bridged}
-        for one in bridged:
-            pending = list(one.children)
+        bridged = [endpoint for endpoint in self._sorted() if endpoint.id and _BRIDGED_NODE in endpoint.device_types]
+        owners = {endpoint.id: endpoint.id for endpoint in bridged}
+        for endpoint in bridged:
+            pending = list(endpoint.children)
             while pending:
                 child = pending.pop()
                 if child in self.endpoints and child not in owners and child:
-                    owners[child] = one.id
+                    owners[child] = endpoint.id
                     pending += self.endpoints[child].children
         return owners
 
@@ -151,16 +151,21 @@ class MatterNode:
     def _parts(self, members: Iterable[MatterEndpoint], own: str) -> tuple[list[Part], dict[str, _RowsOfPart]]:
         """Return the parts of a device, which *own* identifies, at the endpoints *members*, and the rows of each."""
         coverings = {
-            number for one in self.endpoints.values() if is_covering(one) for number in (one.id, *one.children)
+            number
+            for endpoint in self.endpoints.values()
+            if is_covering(endpoint)
+            for number in (endpoint.id, *endpoint.children)
         }
         parts: list[Part] = []
         rows: dict[str, _RowsOfPart] = {}
         for endpoint in members:
-            found = [(part, endpoint, some) for part, some in parts_of(endpoint, covers=endpoint.id in coverings)]
-            if found and endpoint.scenes:
-                main, _, its_rows = found[0]
-                found += scene_parts(endpoint, f"{own}#{main.id}" if own else "", its_rows)
-            for part, at, some in found[: MAX_PARTS - len(parts)]:
+            parts_with_rows = [
+                (part, endpoint, some) for part, some in parts_of(endpoint, covers=endpoint.id in coverings)
+            ]
+            if parts_with_rows and endpoint.scenes:
+                main, _, its_rows = parts_with_rows[0]
+                parts_with_rows += scene_parts(endpoint, f"{own}#{main.id}" if own else "", its_rows)
+            for part, at, some in parts_with_rows[: MAX_PARTS - len(parts)]:
                 parts.append(part)
                 rows[part.id] = at, some
         return parts, rows
@@ -171,7 +176,7 @@ def parse_path(path: object) -> tuple[int, int, int]:
     match = _PATH.fullmatch(path) if isinstance(path, str) else None
     if match is None:
         raise WireError(f"{shown(path)} is not the path of an attribute")
-    endpoint, cluster, attribute = (int(one) for one in match.groups())
+    endpoint, cluster, attribute = (int(number) for number in match.groups())
     if endpoint > 0xFFFF or cluster > 0xFFFFFFFF or attribute > 0xFFFFFFFF:
         raise WireError(f"{shown(path)} is not the path of an attribute")
     return endpoint, cluster, attribute
@@ -202,4 +207,4 @@ def _hardware_addresses(root: MatterEndpoint) -> Iterator[str]:
         except (binascii.Error, ValueError):
             continue
         if len(address) in {6, 8} and any(address):
-            yield ":".join(f"{one:02x}" for one in address)
+            yield ":".join(f"{byte:02x}" for byte in address)

@@ -47,7 +47,7 @@ class SceneReader:
     def look_at(self, node: MatterNode) -> None:
         """Give the endpoints of *node* the scenes that are known, and have those with other ones asked."""
         self._give(node)
-        if node.is_available and any(self._is_due(node, one) for one in node.endpoints.values()):
+        if node.is_available and any(self._is_due(node, endpoint) for endpoint in node.endpoints.values()):
             if not self._due:
                 self._gateway.node.create_task(self._run)
             self._due[node.id] = node
@@ -67,7 +67,7 @@ class SceneReader:
     async def _run(self) -> None:
         while self._due:
             node = self._due[next(iter(self._due))]
-            for endpoint in [one for one in node.endpoints.values() if self._is_due(node, one)]:
+            for endpoint in [endpoint for endpoint in node.endpoints.values() if self._is_due(node, endpoint)]:
                 await self._read(node, endpoint)
             if self._due[node.id] is node:
                 del self._due[node.id]
@@ -75,18 +75,18 @@ class SceneReader:
                 self._on_scenes(node)
 
     async def _read(self, node: MatterNode, endpoint: MatterEndpoint) -> None:
-        count, root, found = scene_count(endpoint), node.endpoints.get(0) or MatterEndpoint(0), list[MatterScene]()
+        count, root, scenes = scene_count(endpoint), node.endpoints.get(0) or MatterEndpoint(0), list[MatterScene]()
         try:
             for group in groups_at(root, endpoint) if count else ():
                 for number in scene_numbers(await self._ask(node, endpoint, scenes_of(group))):
                     payload = {"groupID": group, "sceneID": number}
                     answer = await self._ask(node, endpoint, ClusterInvocation(SCENES, "ViewScene", payload))
-                    found.append(read_scene(group, number, answer))
+                    scenes.append(read_scene(group, number, answer))
         except LinkError:
             return  # it is asked when it is reached again
         except PeerError as exc:
             self._gateway.on_invalid(b"", f"the scenes of node {node.id} cannot be read: {exc}")
-        self._known.setdefault(node.id, {})[endpoint.id] = count, tuple(found)
+        self._known.setdefault(node.id, {})[endpoint.id] = count, tuple(scenes)
 
     async def _ask(self, node: MatterNode, endpoint: MatterEndpoint, question: ClusterInvocation) -> object:
         name, args = question.server_call(node.id, endpoint.id)

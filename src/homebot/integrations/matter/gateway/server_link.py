@@ -173,7 +173,7 @@ def result_of(what: str, answer: _Fields, *, is_secret: bool = False) -> object:
     code, text = whole_number(answer["error_code"]), answer.get("details")
     details = text[:2_000] if isinstance(text, str) else ""
     reason = ("" if is_secret else clean_text(details)) or f"the Matter server answered with error {code}"
-    is_timeout = any(one in details.casefold() for one in _TIMEOUTS)
+    is_timeout = any(word in details.casefold() for word in _TIMEOUTS)
     if code in {_NODE_NOT_READY, _NODE_NOT_RESOLVING, _SDK_STACK} or is_timeout:
         raise LinkError(f"{what}: {reason}")
     raise RefusedError(what, reason, code)
@@ -183,7 +183,7 @@ def check_result(what: str, result: object) -> None:
     """Raise RefusedError if the *result* of a command has a status of failure, as writes and operations may."""
     fields = as_fields(result)
     operation = as_fields(fields.get("commandResponseState"))
-    writes = [as_fields(one).get("Status") for one in result] if isinstance(result, list) else []
+    writes = [as_fields(write).get("Status") for write in result] if isinstance(result, list) else []
     for status in (*writes, fields.get("status"), operation.get("errorStateID", operation.get("errorStateId"))):
         if type(status) is int and status != 0:
             raise RefusedError(what, f"the device answered with the status 0x{status:02x}", status)

@@ -91,13 +91,13 @@ def write_orders(kind: str, path: str, value: object) -> tuple[str, ...] | None:
 
 def scene_fields(attributes: Attributes) -> list[object]:
     """Return the extension field sets of a scene: its attributes by cluster."""
-    found: dict[int, list[object]] = {}
+    numbers_by_tag: dict[int, list[object]] = {}
     for path, value in attributes.items():
         cluster, attribute = map(int, path.split("/"))
         size = "valueUnsigned8" if cluster in {6, 8} else "valueUnsigned16"
         pair = {"attributeID": attribute, "valueSigned8": None, size: int(value) if isinstance(value, int) else 0}
-        found.setdefault(cluster, []).append(pair)
-    return [{"clusterID": cluster, "attributeValueList": pairs} for cluster, pairs in found.items()]
+        numbers_by_tag.setdefault(cluster, []).append(pair)
+    return [{"clusterID": cluster, "attributeValueList": pairs} for cluster, pairs in numbers_by_tag.items()]
 
 
 def scene_orders(kind: str, attributes: Attributes) -> tuple[str, ...]:

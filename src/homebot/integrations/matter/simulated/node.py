@@ -84,8 +84,8 @@ class ServedMatterNode(HubDevice, CommissionedNode):
         if command == "ViewScene" and (number := payload.get("sceneID")) in self._scenes:
             name, attributes = self._scenes[number]
             sets = scene_fields(attributes)
-            found = {"groupID": 0, "sceneID": number, "transitionTime": 0, "sceneName": name}
-            return {"status": 0, **found, "extensionFieldSetStructs": sets}
+            fields = {"groupID": 0, "sceneID": number, "transitionTime": 0, "sceneName": name}
+            return {"status": 0, **fields, "extensionFieldSetStructs": sets}
         return None
 
     def write(self, path: str, value: object) -> bool:
@@ -174,7 +174,7 @@ class MatterBridge(CommissionedNode):
         return True
 
     def _endpoint_of(self, device: BridgedMatterDevice) -> int | None:
-        return next((endpoint for endpoint, one in self._devices.items() if one is device), None)
+        return next((endpoint for endpoint, known in self._devices.items() if known is device), None)
 
 
 def _bridge_of(server: SimulatedMatterServer) -> MatterBridge:

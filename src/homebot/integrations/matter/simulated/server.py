@@ -178,7 +178,7 @@ class SimulatedMatterServer(WebDevice):
     def _run(self, command: str, args: Mapping[str, object]) -> _Answer:
         """Run a command; return an error code or None, and the result or the problem."""
         if command in {"start_listening", "get_nodes"}:
-            return None, [one.describe() for one in self.nodes.values()]
+            return None, [node.describe() for node in self.nodes.values()]
         if command == "commission_with_code":
             return self._commission_with_code(args)
         if command not in self._node_commands:

@@ -21,8 +21,8 @@ from homebot.conventions.table_codec import Reader
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
 
-_MOST_NAMED: Final = 20
-_MOST_PHONES: Final = 200
+_MAX_NAMED: Final = 20
+_MAX_PHONES: Final = 200
 
 _LATE: Final = 7 * 86_400.0
 """Seconds; the app for Android tries for a week to send a message. Older ones are those of a clock that was set."""
@@ -39,11 +39,11 @@ class OwnTracksReader:
         self.rejected = 0
         self._prefix = prefix
         self._encrypted: dict[str, None] = {}
-        self._phones: BoundedMap[str, DeviceAnnounced] = BoundedMap(_MOST_PHONES)
+        self._phones: BoundedMap[str, DeviceAnnounced] = BoundedMap(_MAX_PHONES)
 
     def problems(self) -> tuple[str, ...]:
         """Return the phones that encrypt."""
-        return tuple(f"{one} is encrypted; remove the key in the app, and use TLS" for one in self._encrypted)
+        return tuple(f"{phone} is encrypted; remove the key in the app, and use TLS" for phone in self._encrypted)
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Return the phone that told its location; none for any other message.
@@ -56,7 +56,7 @@ class OwnTracksReader:
         if not (user and device and payload):
             return ()
         kind = parse_object(payload).get("_type")
-        if kind == "encrypted" and len(self._encrypted) < _MOST_NAMED:
+        if kind == "encrypted" and len(self._encrypted) < _MAX_NAMED:
             self._encrypted[topic] = None
         if kind != "location":
             return ()
@@ -75,13 +75,13 @@ class _Order:
         """Return *read* for the messages about a place that are not late, and for all others."""
 
         def read_in_order(message: JsonMessage) -> Readings:
-            found, told_at = read(message), number_of(message.get("tst"))
-            if "place" not in found or told_at is None:
-                return found
+            readings, told_at = read(message), number_of(message.get("tst"))
+            if "place" not in readings or told_at is None:
+                return readings
             if 0 < self._newest - told_at <= _LATE:
                 return NO_READINGS
             self._newest = told_at
-            return found
+            return readings
 
         return read_in_order
 
@@ -110,14 +110,14 @@ def _phone(topic: str, user: str, device: str) -> DeviceAnnounced:
 def _read_location(message: JsonMessage) -> Readings:
     if message.get("_type") != "location":
         return NO_READINGS
-    found: dict[str, str | float | None] = {}
+    readings: dict[str, str | float | None] = {}
     if (charge := percent_of(message.get("batt"))) is not None:
-        found["battery"] = charge
+        readings["battery"] = charge
     regions = message.get("inregions", [])
     if isinstance(regions, list):
-        names = [name for one in regions if (name := text_of(one))]
-        found["place"] = "home" if any(map(_is_home, names)) else names[0] if names else "not_home"
-    return found
+        names = [name for region in regions if (name := text_of(region))]
+        readings["place"] = "home" if any(map(_is_home, names)) else names[0] if names else "not_home"
+    return readings
 
 
 def _read_transition(message: JsonMessage) -> Readings:

@@ -116,7 +116,7 @@ def _kind(suffix: str) -> str:
 
 
 _MAX_DEVICES = 5000
-_LONGEST_NAME = 100
+_MAX_NAME_CHARACTERS = 100
 _NO_NAMES = frozenset({"announce", "command"})
 _LEVELS = 3
 
@@ -142,7 +142,7 @@ class Gen1:
         levels = topic.split("/", 2)
         if topic == "shellies/announce":
             return self._announced(topic, "", payload)
-        if len(levels) < _LEVELS or levels[1] in _NO_NAMES or not 0 < len(levels[1]) <= _LONGEST_NAME:
+        if len(levels) < _LEVELS or levels[1] in _NO_NAMES or not 0 < len(levels[1]) <= _MAX_NAME_CHARACTERS:
             return ()
         _, name, suffix = levels
         if suffix == "announce":
@@ -168,7 +168,11 @@ class Gen1:
     def _announced(self, topic: str, name: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         announcement = parse_object(payload)
         device_id, mac = announcement.get("id"), announcement.get("mac", "")
-        if not isinstance(device_id, str) or not 0 < len(device_id) <= _LONGEST_NAME or set(device_id) & set("+#/\0"):
+        if (
+            not isinstance(device_id, str)
+            or not 0 < len(device_id) <= _MAX_NAME_CHARACTERS
+            or set(device_id) & set("+#/\0")
+        ):
             raise WireError(f"an announcement has the invalid id {shown(device_id)}")
         if not isinstance(mac, str):
             raise WireError(f"an announcement has the invalid mac {shown(mac)}")

@@ -166,7 +166,7 @@ _WHITES: Mapping[str, tuple[int, int]] = {"SHBDUO-1": (2700, 6500), "SHBLB-1": (
 """Warmest and coldest white in kelvin of the models that can change it."""
 
 _ANY_WHITE = (2000, 6500)
-_LONGEST_TRANSITION = 5000  # milliseconds
+_MAX_TRANSITION_MS = 5000  # milliseconds
 _CHANNELS = ("red", "green", "blue")
 
 
@@ -217,7 +217,7 @@ class _Gen1Lamp:
             fields |= {"gain": percent} if is_color else {}
             fields |= {"brightness": percent} if self.has_white or not is_color else {}
         if command.transition:
-            fields["transition"] = min(round(command.transition * 1000), _LONGEST_TRANSITION)
+            fields["transition"] = min(round(command.transition * 1000), _MAX_TRANSITION_MS)
         if len(fields) == 1 and self.kind != "white":
             return (Publication(f"{self.topic}/command", turn.encode()),)
         return (Publication(f"{self.topic}/set", compact_json(fields).encode()),)

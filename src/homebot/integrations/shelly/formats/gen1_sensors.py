@@ -58,7 +58,7 @@ class Gen1Sensor:
 
 
 _FLAG_VALUES: Mapping[str, PlainValue] = {"true": True, "false": False, "1": True, "0": False, "-1": None}
-_MOST_CELSIUS = 998.0
+_MAX_CELSIUS = 998.0
 """A broken or missing sensor reports 999."""
 
 _DOORS: Mapping[str, PlainValue] = {"open": True, "close": False, "unknown": None}
@@ -72,7 +72,7 @@ SENSORS: Mapping[str, Gen1Sensor] = {
         Gen1Sensor("sensor/flood", "water_leak", _FLAG_VALUES),
         Gen1Sensor("sensor/smoke", "smoke", _FLAG_VALUES),
         Gen1Sensor("sensor/gas", "gas", _GASES),
-        Gen1Sensor("sensor/temperature", "temperature", is_number=True, most=_MOST_CELSIUS),
+        Gen1Sensor("sensor/temperature", "temperature", is_number=True, most=_MAX_CELSIUS),
         Gen1Sensor("sensor/humidity", "humidity", is_number=True, least=0, most=100),
         Gen1Sensor("sensor/lux", "illuminance", is_number=True, least=0),
         Gen1Sensor("sensor/concentration", "measurement", is_number=True, least=0, unit="ppm"),
@@ -80,10 +80,10 @@ SENSORS: Mapping[str, Gen1Sensor] = {
         Gen1Sensor("sensor/vibration", "vibration", _FLAG_VALUES),
         Gen1Sensor("sensor/battery", "battery", is_number=True, least=0, most=100, category="diagnostic"),
         Gen1Sensor("sensor/charger", "battery_charging", _FLAG_VALUES, category="diagnostic", service_type="x_battery"),
-        Gen1Sensor("temperature", "temperature", is_number=True, most=_MOST_CELSIUS, category="diagnostic"),
+        Gen1Sensor("temperature", "temperature", is_number=True, most=_MAX_CELSIUS, category="diagnostic"),
         Gen1Sensor("overtemperature", "heat", _FLAG_VALUES, category="diagnostic"),
         Gen1Sensor("overpower", "problem", _FLAG_VALUES, category="diagnostic"),
-        Gen1Sensor("ext_temperature", "temperature", is_number=True, most=_MOST_CELSIUS),
+        Gen1Sensor("ext_temperature", "temperature", is_number=True, most=_MAX_CELSIUS),
         Gen1Sensor("ext_humidity", "humidity", is_number=True, least=0, most=100),
         Gen1Sensor("ext_switch", "state", _FLAG_VALUES),
     )

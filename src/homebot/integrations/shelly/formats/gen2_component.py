@@ -18,7 +18,7 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.integrations.shelly.formats.status import (
-    LONGEST_TEXT,
+    MAX_TEXT_CHARACTERS,
     NO_FIELDS,
     Fields,
     StatusDecoder,
@@ -60,7 +60,7 @@ PRESSES: Final[Mapping[str, str]] = {
 }
 """Events of a button, in the words of the vocabulary."""
 
-LONGEST_UNIT: Final = 20
+MAX_UNIT_CHARACTERS: Final = 20
 _ANY_NUMBER = (-1e15, 1e15)
 
 
@@ -202,9 +202,11 @@ def _writer(
         return option_writer(capability, options, publish)
 
     def write_text(value: PlainValue, _transition: float) -> Publications:
-        if isinstance(value, str) and len(value) <= LONGEST_TEXT and value.isprintable():
+        if isinstance(value, str) and len(value) <= MAX_TEXT_CHARACTERS and value.isprintable():
             return publish(value)
-        raise RefusedError(f"{capability} {shown(value)}", f"it takes a text of at most {LONGEST_TEXT} characters")
+        raise RefusedError(
+            f"{capability} {shown(value)}", f"it takes a text of at most {MAX_TEXT_CHARACTERS} characters"
+        )
 
     return write_text
 
@@ -234,7 +236,7 @@ def _read_answer(result: Fields, key: str, decode: StatusDecoder) -> Readings:
     return _read({key: component.get("status")}, key, decode)
 
 
-_MOST_EVENTS = 32
+_MAX_EVENTS = 32
 
 
 def _read_events(frame: Fields, key: str, presses: Mapping[str, str], index: int | None) -> Readings:
@@ -242,7 +244,7 @@ def _read_events(frame: Fields, key: str, presses: Mapping[str, str], index: int
     if not isinstance(events, list):
         return NO_READINGS
     readings: dict[str, PlainValue] = {}
-    for event in events[:_MOST_EVENTS]:
+    for event in events[:_MAX_EVENTS]:
         fields = as_fields(event)
         is_own = fields.get("component") == key and index in {None, fields.get("idx", 0)}
         name = fields.get("event") if is_own else None

@@ -112,7 +112,7 @@ def _decode_thermostat(mode: str, action: str, status: Fields) -> Readings:
 
 
 _ANY_WHITE = (2700, 6500)
-_LEAST_TRANSITION = 0.5
+_MIN_TRANSITION_S = 0.5
 _STRIP = "ledstrip"
 _CALLED: Mapping[str, str] = {"light": "Light", _STRIP: "LedStrip"}
 """The names of components in methods; others are in capitals."""
@@ -171,7 +171,7 @@ def _set_light(component: ShellyComponent, command: LightCommand) -> Publication
     if command.effect:
         params["effect"] = command.effect
     if command.transition and component.kind != _STRIP:
-        params["transition_duration"] = max(_LEAST_TRANSITION, round(command.transition, 1))
+        params["transition_duration"] = max(_MIN_TRANSITION_S, round(command.transition, 1))
     return component.call(f"{_CALLED.get(component.kind, component.kind.upper())}.Set", **params)
 
 

@@ -68,15 +68,15 @@ ANSWERS: Mapping[AnswerKind, str] = {
 """Methods of the answers that describe a device, in the order of their calls."""
 
 _OWN_ID = re.compile(r"shelly[a-z0-9]{0,40}-([0-9a-f]{12})", re.IGNORECASE)
-_LONGEST_PREFIX = 200
-_MOST_EVENTS = 32
-_MOST_PAGES = 100
+_MAX_PREFIX_CHARACTERS = 200
+_MAX_EVENTS = 32
+_MAX_PAGES = 100
 _CHANGES = frozenset({"component_added", "component_removed", "config_changed"})
 
 
 def is_prefix(prefix: str) -> bool:
     """Return whether *prefix* can be the beginning of a device's topics."""
-    return 0 < len(prefix) <= _LONGEST_PREFIX and prefix.isprintable() and not set(prefix) & set("+#$")
+    return 0 < len(prefix) <= _MAX_PREFIX_CHARACTERS and prefix.isprintable() and not set(prefix) & set("+#$")
 
 
 def kind_of(result: Fields) -> str:
@@ -101,7 +101,7 @@ def mac_in(prefix: str) -> str:
 def is_config_change(params: Fields) -> bool:
     """Return whether the *params* of an event report a changed configuration."""
     events = params.get("events")
-    names = [as_fields(event).get("event") for event in events[:_MOST_EVENTS]] if isinstance(events, list) else []
+    names = [as_fields(event).get("event") for event in events[:_MAX_EVENTS]] if isinstance(events, list) else []
     return any(isinstance(name, str) and name in _CHANGES for name in names)
 
 
@@ -246,7 +246,7 @@ class Gen2Device:
         self._staged_pages += (start,) if end > start else ()
         if start < end < min(to_number(page.get("total")) or 0, MAX_COMPONENTS):
             self.pages_asked += 1
-            return end if self.pages_asked < _MOST_PAGES else 0
+            return end if self.pages_asked < _MAX_PAGES else 0
         self.pages_asked = 0
         self.added, self._pages = self._staged, self._staged_pages
         self._staged, self._staged_pages = {}, ()

@@ -35,7 +35,7 @@ RpcCall: TypeAlias = tuple[str, Fields]
 """Method and parameters of a call, such as ``Switch.Set``."""
 
 _DAILY = 24 * 3600.0
-_MOST_SILENT = 7 * _DAILY
+_MAX_SILENCE_S = 7 * _DAILY
 _MISSED = 2.5
 
 
@@ -86,7 +86,7 @@ class Gen2RpcDevice:
         if not sleeps(self._device.status):
             return 0.0
         period = to_number(as_fields(self._device.status.get("sys")).get("wakeup_period")) or _DAILY
-        return _MISSED * min(period, _MOST_SILENT)
+        return _MISSED * min(period, _MAX_SILENCE_S)
 
     def read_notification(self, frame: bytes) -> Iterator[tuple[PartKey, Readings]]:
         """Yield the readings of each part in the notification *frame*."""
@@ -126,8 +126,8 @@ def is_setup_change(frame: Fields) -> bool:
 USER = "admin"
 ALGORITHM = "SHA-256"
 
-_MOST_COUNT = 10**9
-_LONGEST_TEXT = 200
+_MAX_COUNT = 10**9
+_MAX_TEXT_CHARACTERS = 200
 
 
 class RpcLogin:
@@ -152,15 +152,19 @@ class RpcLogin:
         """
         challenge = parse_object(message)
         realm, nonce, algorithm = (challenge.get(name) for name in ("realm", "nonce", "algorithm"))
-        if not (isinstance(realm, str) and 0 < len(realm) <= _LONGEST_TEXT):
+        if not (isinstance(realm, str) and 0 < len(realm) <= _MAX_TEXT_CHARACTERS):
             raise WireError("a challenge has no valid realm")
-        if isinstance(nonce, bool) or not isinstance(nonce, int | str) or not 0 < len(str(nonce)) <= _LONGEST_TEXT:
+        if (
+            isinstance(nonce, bool)
+            or not isinstance(nonce, int | str)
+            or not 0 < len(str(nonce)) <= _MAX_TEXT_CHARACTERS
+        ):
             raise WireError("a challenge has no valid nonce")
         if algorithm != ALGORITHM:
             raise WireError(f"the algorithm of a challenge is not {ALGORITHM}")
         count = to_number(challenge.get("nc"))  # a text on a Wall Display
         self._realm, self._nonce = realm, nonce
-        self._count = int(count) if count is not None and 0 < count < _MOST_COUNT else 1
+        self._count = int(count) if count is not None and 0 < count < _MAX_COUNT else 1
 
     def sign(self) -> dict[str, object]:
         """Return the member ``auth`` of the next call; needs a challenge first."""

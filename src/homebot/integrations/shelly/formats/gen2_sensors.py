@@ -11,7 +11,7 @@ from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import Readings, as_fields, text_of
 from homebot.conventions.probe_errors import DS18X20_RESET, read_probe
 from homebot.conventions.units import sensor_type
-from homebot.integrations.shelly.formats.gen2_component import LONGEST_UNIT, PRESSES, ShellyComponent
+from homebot.integrations.shelly.formats.gen2_component import MAX_UNIT_CHARACTERS, PRESSES, ShellyComponent
 from homebot.integrations.shelly.formats.status import Fields, StatusDecoder, reader_of
 
 Parts = tuple[JsonPart, ...]
@@ -88,7 +88,7 @@ def build_further(component: ShellyComponent) -> Parts:
     for path, name, formula in _FURTHER.get(component.kind, ()):
         if component.has(path):
             part = component.part(path, "x_sensor", name=name)
-            unit = text_of(as_fields(component.config.get(formula)).get("unit"), LONGEST_UNIT)
+            unit = text_of(as_fields(component.config.get(formula)).get("unit"), MAX_UNIT_CHARACTERS)
             component.add_value(part, "measurement", path, unit=unit or ("Hz" if path == "freq" else ""))
             parts.append(part)
     return tuple(parts)

@@ -15,23 +15,9 @@ from homebot.conventions.description import Publications
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, text_of
 from homebot.conventions.units import number_grid, sensor_type
-from homebot.integrations.shelly.formats.gen2_component import LONGEST_UNIT, ShellyComponent
+from homebot.integrations.shelly.formats.gen2_component import MAX_UNIT_CHARACTERS, ShellyComponent
 from homebot.integrations.shelly.formats.status import Fields, texts_of
 from homebot.support.numbers import to_number
-
-__all__ = [
-    "CONSUMPTION",
-    "OF_THERMOSTAT",
-    "TARGET",
-    "VALVE_STATE",
-    "VIRTUAL",
-    "build_object",
-    "build_service_thermostat",
-    "build_valve",
-    "build_virtual",
-    "build_virtual_button",
-    "role_of",
-]
 
 Parts = tuple[JsonPart, ...]
 
@@ -168,7 +154,7 @@ def role_of(config: Fields) -> str:
 
 
 def _unit(config: Fields) -> str:
-    return text_of(_ui(config).get("unit"), LONGEST_UNIT)
+    return text_of(_ui(config).get("unit"), MAX_UNIT_CHARACTERS)
 
 
 def _ui(config: Fields) -> Fields:

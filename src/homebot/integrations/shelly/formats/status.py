@@ -13,10 +13,10 @@ Fields: TypeAlias = Mapping[str, object]
 StatusDecoder: TypeAlias = Callable[[Fields], Readings]
 """Reads a status, or the changed fields of one. Never raises."""
 
-LONGEST_TEXT: Final = 255
+MAX_TEXT_CHARACTERS: Final = 255
 """Characters of a text that is read or set."""
 
-_MOST_OPTIONS: Final = 100
+_MAX_OPTIONS: Final = 100
 
 NO_FIELDS: Final[Fields] = MappingProxyType({})
 """Stands for a missing value."""
@@ -38,7 +38,7 @@ def reader_of(path: str, capability: str, factor: float = 1.0) -> StatusDecoder:
         if value is None or (kind == "bool" and isinstance(value, bool)):
             return {capability: value}
         if kind == "text" and isinstance(value, str):
-            return {capability: text_of(value, LONGEST_TEXT)}
+            return {capability: text_of(value, MAX_TEXT_CHARACTERS)}
         return unreadable(value, "true or false" if kind == "bool" else "a text")
 
     return decode
@@ -46,8 +46,8 @@ def reader_of(path: str, capability: str, factor: float = 1.0) -> StatusDecoder:
 
 def texts_of(listed: object) -> tuple[str, ...]:
     """Return the options that *listed* has."""
-    options = listed[:_MOST_OPTIONS] if isinstance(listed, list) else ()
-    return tuple(option for option in options if isinstance(option, str) and len(option) <= LONGEST_TEXT)
+    options = listed[:_MAX_OPTIONS] if isinstance(listed, list) else ()
+    return tuple(option for option in options if isinstance(option, str) and len(option) <= MAX_TEXT_CHARACTERS)
 
 
 def value_at(status: Fields, path: str) -> object:

@@ -12,18 +12,6 @@ from homebot.conventions.payload import JsonMessage, clean_text, parse_object, s
 from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.topics import validate_topic
 
-__all__ = [
-    "LIGHT",
-    "RELAY",
-    "SHUTTER",
-    "STATE_TEXTS",
-    "TasmotaConfig",
-    "Tilt",
-    "power_commands",
-    "read_config",
-    "sensor_values",
-]
-
 RELAY, LIGHT, SHUTTER = 1, 2, 3
 """Types of an output, besides 0 for none."""
 
@@ -182,10 +170,10 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
     """
     fields = parse_object(payload)
     _check_identity(fields, mac)
-    prefixes = _texts(fields, "tp", _MOST_PREFIXES)
-    if len(prefixes) != _MOST_PREFIXES or not all(prefixes):
+    prefixes = _texts(fields, "tp", _MAX_PREFIXES)
+    if len(prefixes) != _MAX_PREFIXES or not all(prefixes):
         raise WireError(f"config: tp is {shown(fields.get('tp'))}, not a list of three prefixes")
-    names = _texts(fields, "fn", _MOST_INPUTS)
+    names = _texts(fields, "fn", _MAX_INPUTS)
     return TasmotaConfig(
         mac=mac,
         name=clean_text(_text(fields, "dn")) or next((name for name in names if name), "") or mac,
@@ -197,16 +185,16 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
         online=_text(fields, "onln") or "Online",
         offline=_text(fields, "ofln") or "Offline",
         outputs=_outputs(fields),
-        switch_modes=_numbers(fields.get("swc"), _MOST_INPUTS),
-        switch_names=_texts(fields, "swn", _MOST_INPUTS),
-        buttons=_numbers(fields.get("btn"), _MOST_INPUTS),
+        switch_modes=_numbers(fields.get("swc"), _MAX_INPUTS),
+        switch_names=_texts(fields, "swn", _MAX_INPUTS),
+        buttons=_numbers(fields.get("btn"), _MAX_INPUTS),
         options=_options(fields.get("so")),
         light_type=_number(fields.get("lt_st")),
         is_linked=fields.get("lk") != 0,
         is_tuya=bool(_number(fields.get("ty"))),
         is_fan=bool(_number(fields.get("if"))),
         is_sleeper=bool(_number(fields.get("dslp"))),
-        shutter_options=_numbers(fields.get("sho"), _MOST_OUTPUTS),
+        shutter_options=_numbers(fields.get("sho"), _MAX_OUTPUTS),
         tilts=_tilts(fields.get("sht")),
         facts=_facts(fields),
     )
@@ -222,10 +210,10 @@ def _check_identity(fields: Mapping[str, object], mac: str) -> None:
 STATE_TEXTS = ("OFF", "ON", "TOGGLE", "HOLD")
 """The texts of a device without its own."""
 
-_MOST_PREFIXES = 3
-_MOST_OUTPUTS = 64
-_MOST_INPUTS = 64
-_MOST_OPTIONS = 200
+_MAX_PREFIXES = 3
+_MAX_OUTPUTS = 64
+_MAX_INPUTS = 64
+_MAX_OPTIONS = 200
 _MAX_TEXT = 255
 _TILT_NUMBERS = 3
 _FACTS = {"model": "md", "sw_version": "sw", "hostname": "hn", "ip": "ip"}
@@ -265,23 +253,26 @@ def _topic(fields: Mapping[str, object], mac: str, prefix: str, *, suffix: str =
 
 def _outputs(fields: Mapping[str, object]) -> tuple[int, ...]:
     outputs = fields.get("rl")
-    if not isinstance(outputs, list) or len(outputs) > _MOST_OUTPUTS:
-        raise WireError(f"config: rl is {shown(outputs)}, not a list of at most {_MOST_OUTPUTS} outputs")
-    return _numbers(outputs, _MOST_OUTPUTS)
+    if not isinstance(outputs, list) or len(outputs) > _MAX_OUTPUTS:
+        raise WireError(f"config: rl is {shown(outputs)}, not a list of at most {_MAX_OUTPUTS} outputs")
+    return _numbers(outputs, _MAX_OUTPUTS)
 
 
 def _tilts(value: object) -> tuple[Tilt | None, ...]:
     """Return the tilt of each shutter, from its smallest and largest angle and its time to turn."""
-    listed = value[:_MOST_OUTPUTS] if isinstance(value, list) else []
-    triples = [_numbers(one, _TILT_NUMBERS) for one in listed]
+    listed = value[:_MAX_OUTPUTS] if isinstance(value, list) else []
+    triples = [_numbers(entry, _TILT_NUMBERS) for entry in listed]
     return tuple(
-        Tilt(one[0], one[1]) if len(one) == _TILT_NUMBERS and one[2] and one[0] != one[1] else None for one in triples
+        Tilt(triple[0], triple[1]) if len(triple) == _TILT_NUMBERS and triple[2] and triple[0] != triple[1] else None
+        for triple in triples
     )
 
 
 def _options(value: object) -> dict[int, int]:
-    listed = list(value.items())[:_MOST_OPTIONS] if isinstance(value, dict) else []
-    return {int(key): _number(one) for key, one in listed if key.isascii() and key.isdecimal() and len(key) < _DIGITS}
+    listed = list(value.items())[:_MAX_OPTIONS] if isinstance(value, dict) else []
+    return {
+        int(key): _number(value) for key, value in listed if key.isascii() and key.isdecimal() and len(key) < _DIGITS
+    }
 
 
 _DIGITS = 5
@@ -305,12 +296,12 @@ def _texts(fields: Mapping[str, object], key: str, most: int) -> tuple[str, ...]
 
 
 def _numbers(value: object, most: int) -> tuple[int, ...]:
-    return tuple(_number(one) for one in value[:most]) if isinstance(value, list) else ()
+    return tuple(_number(number) for number in value[:most]) if isinstance(value, list) else ()
 
 
 def _number(value: object) -> int:
     """Return a small whole number; 0 for any other value."""
-    return value if isinstance(value, int) and abs(value) <= _MOST_NUMBER else 0
+    return value if isinstance(value, int) and abs(value) <= _MAX_NUMBER else 0
 
 
-_MOST_NUMBER = 100_000
+_MAX_NUMBER = 100_000

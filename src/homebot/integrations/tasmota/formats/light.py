@@ -79,12 +79,12 @@ class LampState:
 def speed_for(seconds: float, distance: float) -> int:
     """Return the nearest speed, 1 to 40, for a *distance* of the whole way in *seconds*."""
     half_seconds = seconds * 2 / distance if distance else 0.0
-    return round(min(max(half_seconds, _LEAST), _MOST))
+    return round(min(max(half_seconds, _MIN_HALF_SECONDS), _MAX_HALF_SECONDS))
 
 
 _FULL = 100.0
 _WHITES, _COLOR = 2, 3
-_LEAST, _MOST = 1, 40
+_MIN_HALF_SECONDS, _MAX_HALF_SECONDS = 1, 40
 _CHANNELS = 3
 _DECIMAL_COLOR = re.compile("[0-9]+(?:,[0-9]+){2,}")
 _HEXADECIMAL_COLOR = re.compile("(?:[0-9a-fA-F]{2}){3,}")
@@ -104,7 +104,7 @@ def _rgb(color: object) -> tuple[float, ...]:
 
 
 def _rgb_of(hue: float, saturation: float) -> tuple[float, ...]:
-    return tuple(int(one * 255) / 255 for one in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1))
+    return tuple(int(channel * 255) / 255 for channel in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1))
 
 
 def add_light(part: JsonPart, config: TasmotaConfig, index: int) -> None:
@@ -171,18 +171,18 @@ class _TasmotaLamp:
 
     def read(self, message: JsonMessage) -> Readings:
         is_on = self.config.read_power(self.index, message)
-        found: dict[str, PlainValue] = {} if is_on is None else {"on_off": is_on}
+        readings: dict[str, PlainValue] = {} if is_on is None else {"on_off": is_on}
         self.last_state.update(is_on, message.get(self.dimmer_key), message.get("Color"), message.get("CT"))
         if self.kind == _ON_OFF:
-            return found
+            return readings
         level = finite_number(message.get(self.dimmer_key))
         if level is not None and 0 < level <= 100:
-            found["level"] = level
-        found.update(self._read_color(message))
+            readings["level"] = level
+        readings.update(self._read_color(message))
         scheme = message.get("Scheme")
         if self.has_color and isinstance(scheme, int) and 0 <= scheme < len(_EFFECTS):
-            found["effect"] = _EFFECTS[scheme]
-        return found
+            readings["effect"] = _EFFECTS[scheme]
+        return readings
 
     def publish(self, command: LightCommand) -> Publications:
         """Encode a command, the fade first: ``Fade2`` and ``Speed2`` are for the next change only."""
@@ -194,7 +194,7 @@ class _TasmotaLamp:
         if command.kelvin is not None:
             orders.append(("CT", kelvin_mired(command.kelvin)))
         if command.color:
-            orders += [(f"HsbColor{place}", round(one)) for place, one in enumerate(command.color, 1)]
+            orders += [(f"HsbColor{place}", round(share)) for place, share in enumerate(command.color, 1)]
         if command.effect:
             orders.append(("Scheme", _EFFECTS.index(command.effect)))
         return self.config.publish_all([*self._fade(command), *orders])
@@ -214,11 +214,11 @@ class _TasmotaLamp:
             if color is None:
                 return NO_READINGS
             return {"color": color, **({"color_temperature": None} if self.has_white else {})}
-        found: dict[str, PlainValue] = {"color": None} if self.has_color else {}
+        readings: dict[str, PlainValue] = {"color": None} if self.has_color else {}
         mired = finite_number(message.get("CT"))
         if self.has_white and mired is not None and mired > 0:
-            found["color_temperature"] = float(kelvin_mired(mired))
-        return found
+            readings["color_temperature"] = float(kelvin_mired(mired))
+        return readings
 
 
 def _steps(command: LightCommand) -> int:
@@ -244,7 +244,7 @@ def _hue_saturation(value: object) -> tuple[float, float] | None:
     if not isinstance(value, str) or len(value) > _MAX_COLOR:
         return None
     try:
-        hue, saturation, _ = (float(one) for one in value.split(","))
+        hue, saturation, _ = (float(number) for number in value.split(","))
     except ValueError:
         return None
     return (hue, saturation) if 0 <= hue <= 360 and 0 <= saturation <= 100 else None

@@ -107,19 +107,19 @@ def _read_shutter(name: str, is_inverted: bool, tilt: Tilt | None, message: Json
     fields = sensor_values(message).get(name)
     if not isinstance(fields, dict):
         return NO_READINGS
-    found: dict[str, PlainValue] = {}
+    readings: dict[str, PlainValue] = {}
     position = finite_number(fields.get("Position"))
     if position is not None and 0 <= position <= 100:
         position = 100 - position if is_inverted else position
-        found["position"] = position
+        readings["position"] = position
     direction = fields.get("Direction")
     if isinstance(direction, int) and direction in (-1, 0, 1):
-        found["movement"] = _movement(-direction if is_inverted else direction, position)
+        readings["movement"] = _movement(-direction if is_inverted else direction, position)
     angle = finite_number(fields.get("Tilt"))
     if tilt is not None and angle is not None:
         percent = (angle - tilt.least) * 100 / (tilt.most - tilt.least)
-        found["tilt"] = min(100.0, max(0.0, percent))
-    return found
+        readings["tilt"] = min(100.0, max(0.0, percent))
+    return readings
 
 
 def _movement(direction: int, position: float | None) -> str:
@@ -137,10 +137,10 @@ def build_parts(config: TasmotaConfig, leaves: Iterable[Leaf]) -> tuple[Describe
     Assistant, cannot be switched alone.
     """
     described = chain(_outputs(config), _inputs(config), describe_sensors(config, leaves))
-    return with_own_ids(described, _MOST_PARTS)
+    return with_own_ids(described, _MAX_PARTS)
 
 
-_MOST_PARTS = 500
+_MAX_PARTS = 500
 
 _LAMPS_OPTION = 30
 """SetOption30: the relays switch lamps."""

@@ -29,7 +29,7 @@ def _quantity_of(path: tuple[str | int, ...], sensors: Mapping[str, object]) -> 
         sensors: The device's message, with the units of temperature and pressure.
     """
     sensor, name = str(path[0]), str(path[1])
-    inner = path[2] if len(path) > _SHORTEST else None
+    inner = path[2] if len(path) > _MIN_WORD_CHARACTERS else None
     if name == "Energy" and sensor in _OTHER_ENERGY:
         return _PLAIN
     if isinstance(inner, str) and inner in _KNOWN:
@@ -43,7 +43,7 @@ def _quantity_of(path: tuple[str | int, ...], sensors: Mapping[str, object]) -> 
     return _KNOWN.get(name, _PLAIN)
 
 
-_SHORTEST = 2
+_MIN_WORD_CHARACTERS = 2
 _OTHER_ENERGY = frozenset({"AS3935", "LD2410"})
 """Sensors of the energy of lightning or of a radar's echo."""
 
@@ -101,7 +101,7 @@ _WITH_UNITS: Mapping[str, tuple[str, Mapping[str, Quantity]]] = {
 """By name: the key of its unit in the message, and the quantities by unit."""
 
 
-MOST_SENSORS = 200
+MAX_SENSORS = 200
 """Most leaves of one device that become sensors."""
 
 Path: TypeAlias = tuple[str | int, ...]
@@ -136,13 +136,13 @@ def read_leaves(message: Mapping[str, object], probes: dict[str, str]) -> tuple[
         return ()
     leaves: list[Leaf] = []
     for path, value, probe in _leaves(sensors, probes):
-        if len(leaves) == MOST_SENSORS:
+        if len(leaves) == MAX_SENSORS:
             break
         if any(len(step) > _MAX_KEY for step in path if isinstance(step, str)):
             continue
-        found = _quantity_of(path, sensors)
-        is_internal = found.capability == "temperature" and _is_inside(str(path[0]), sensors)
-        leaves.append(Leaf(path, found, finite_number(value) is not None, is_internal, probe))
+        quantity = _quantity_of(path, sensors)
+        is_internal = quantity.capability == "temperature" and _is_inside(str(path[0]), sensors)
+        leaves.append(Leaf(path, quantity, finite_number(value) is not None, is_internal, probe))
     return tuple(leaves)
 
 
@@ -203,16 +203,16 @@ def _leaves(sensors: Mapping[str, object], probes: dict[str, str]) -> Iterable[t
         name = _name_of(announced, probe, probes) if probe else announced
         for key, value in sensor.items():
             if isinstance(value, dict):
-                yield from (((name, key, inner), one, probe) for inner, one in value.items())
+                yield from (((name, key, inner), inner_value, probe) for inner, inner_value in value.items())
             elif isinstance(value, list):
-                yield from (((name, key, place), one, probe) for place, one in enumerate(value))
+                yield from (((name, key, place), inner_value, probe) for place, inner_value in enumerate(value))
             else:
                 yield (name, key), value, probe
 
 
 def _name_of(announced: str, probe: str, probes: dict[str, str]) -> str:
     by_address = f"{re.split('[-_]', announced)[0]}-{probe}"  # SetOption64 is the sign between
-    if probe not in probes and len(probes) < MOST_SENSORS:
+    if probe not in probes and len(probes) < MAX_SENSORS:
         probes[probe] = by_address if announced in probes.values() else announced
     return probes.get(probe, by_address)
 
@@ -220,9 +220,11 @@ def _name_of(announced: str, probe: str, probes: dict[str, str]) -> str:
 def _read(leaf: Leaf, capability: str, message: JsonMessage) -> Readings:
     sensors = sensor_values(message)
     if leaf.probe:
-        sensors = {str(leaf.path[0]): one for one in sensors.values() if as_fields(one).get("Id") == leaf.probe}
-    found, value = _at(leaf.path, sensors)
-    if not found:
+        sensors = {
+            str(leaf.path[0]): sensor for sensor in sensors.values() if as_fields(sensor).get("Id") == leaf.probe
+        }
+    path, value = _at(leaf.path, sensors)
+    if not path:
         return NO_READINGS
     if value is None:
         return {capability: None}

@@ -17,12 +17,12 @@ from homebot.errors import WireError
 from homebot.integrations.things.formats.thing import THING_CHANGES, ThingChange
 from homebot.support.numbers import to_number
 
-_LONGEST_ID = 500
-_LONGEST_HEADER = 4000
+_MAX_ID_CHARACTERS = 500
+_MAX_HEADER_CHARACTERS = 4000
 _ETAG = re.compile(r'(?:W/)?"[\x21\x23-\x7e]{0,200}"')
 _LINK = re.compile(r'<([^<>]{0,2000})>((?:[^<>,"]|"[^"]*")*)')
 _NEXT = re.compile(r';\s*rel\s*=\s*(?:"(?:[^"]*\s)?next(?:\s[^"]*)?"|next)\s*(?:;|$)', re.IGNORECASE)
-_SHORTEST_LIFETIME, _LONGEST_LIFETIME = 60.0, 30 * 86_400.0
+_MIN_LIFETIME_S, _MAX_LIFETIME_S = 60.0, 30 * 86_400.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ def members_of(page: object) -> list[object]:
 
 def next_page(page: object, headers: Mapping[str, str]) -> str:
     """Return the unresolved address of the next page; empty for none."""
-    for link in _LINK.finditer(headers.get("link", "")[:_LONGEST_HEADER]):
+    for link in _LINK.finditer(headers.get("link", "")[:_MAX_HEADER_CHARACTERS]):
         if _NEXT.search(link[2]):
             return link[1]
     following = as_fields(page).get("next")
@@ -75,7 +75,7 @@ def next_page(page: object, headers: Mapping[str, str]) -> str:
 
 def read_event(kind: str, data: str) -> DirectoryEvent | None:
     """Return the event in a message, None for another kind of event; raise WireError without the id of a thing."""
-    change = next((one for one in THING_CHANGES if one == kind), None)
+    change = next((known for known in THING_CHANGES if known == kind), None)
     if change is None:
         return None
     fields = parse_object(data)
@@ -85,10 +85,17 @@ def read_event(kind: str, data: str) -> DirectoryEvent | None:
 
 def id_of(document: object) -> str:
     """Return the id of a described thing; raise WireError if it is missing or cannot be a name."""
-    found = as_fields(document).get("id")
-    if not isinstance(found, str) or not 0 < len(found) <= _LONGEST_ID or not found.isprintable() or " " in found:
-        raise WireError(f"a thing has the id {shown(found)}; a URI of at most {_LONGEST_ID} characters is expected")
-    return found
+    thing_id = as_fields(document).get("id")
+    if (
+        not isinstance(thing_id, str)
+        or not 0 < len(thing_id) <= _MAX_ID_CHARACTERS
+        or not thing_id.isprintable()
+        or " " in thing_id
+    ):
+        raise WireError(
+            f"a thing has the id {shown(thing_id)}; a URI of at most {_MAX_ID_CHARACTERS} characters is expected"
+        )
+    return thing_id
 
 
 def text_of(document: object) -> bytes:
@@ -109,7 +116,7 @@ def lifetime_of(document: object, now: float) -> float:
         given = _end_of(registration.get("expires")) - now
     elif not given > 0:
         return 0.0
-    return 0.0 if given == math.inf else min(max(given, _SHORTEST_LIFETIME), _LONGEST_LIFETIME)
+    return 0.0 if given == math.inf else min(max(given, _MIN_LIFETIME_S), _MAX_LIFETIME_S)
 
 
 def etag_of(headers: Mapping[str, str]) -> str:

@@ -232,7 +232,7 @@ class DirectorySession:
             return
         self._known[device.key] = digest
         self._stop(device.key)
-        schemes = {form.scheme for one in thing.affordances for form in one.forms}
+        schemes = {form.scheme for affordance in thing.affordances for form in affordance.forms}
         if schemes.isdisjoint(HTTP_BINDING.schemes):
             facts = {**device.metadata, "unusable": _unusable_text(schemes)}
             self._devices.put(replace(device, metadata=facts), "the directory lists it", confirmed=False)
@@ -261,7 +261,7 @@ class DirectorySession:
 
 def _unusable_text(schemes: set[str]) -> str:
     """Return why a thing with addresses of *schemes* is not used, and the remedy."""
-    named = ", ".join(sorted(one for one in schemes if one))[:60]
+    named = ", ".join(sorted(scheme for scheme in schemes if scheme))[:60]
     text = f"its addresses are of {named}, not of HTTP" if named else "it has no address"
-    coap = any(one.startswith("coap") for one in schemes)
+    coap = any(scheme.startswith("coap") for scheme in schemes)
     return f"{text}; the gateway coap can use it, given its address or its directory" if coap else text

@@ -35,7 +35,7 @@ READ_AGAIN: Final = 18.0
 """Seconds between two readings of the description. With the time limit of a request, a vanished thing is noticed within
 half a minute."""
 
-MOST_THINGS: Final = 16
+MAX_THINGS: Final = 16
 """Of one server of Web Things; the first ones are used."""
 
 _ACCEPTED = "application/td+json, application/json;q=0.9"
@@ -68,8 +68,8 @@ class ThingSession:
         self._is_web_thing = is_web_thing
         self._host_name = _name_of(service)
         self._guard = AddressGuard(service.addresses)
-        self._own_hosts = frozenset(one.lower() for one in (self._host_name, *service.addresses) if one)
-        self._logins = tuple(self._known_as(one) for one in logins)
+        self._own_hosts = frozenset(host.lower() for host in (self._host_name, *service.addresses) if host)
+        self._logins = tuple(self._known_as(login) for login in logins)
         self._devices: dict[str, ThingDevice] = {}
 
     async def run(self) -> None:
@@ -90,7 +90,7 @@ class ThingSession:
     async def _follow(self, description: _ReadDescription) -> _ReadDescription:
         """Use the thing until its description changes, and return the new one."""
         things = self._read_things(description)
-        own = next((one for one in things if one[1].key == self._service.key), None)
+        own = next((thing for thing in things if thing[1].key == self._service.key), None)
         if own is None:
             self._host.describe(GatewayDevice(self._service.key, self._service.name))
         elif self._service.properties.get("type") == "Directory" or "ThingDirectory" in own[0].types:
@@ -119,8 +119,8 @@ class ThingSession:
         described, key = parse_json(description.data), self._service.key
         listed = {key: described}
         if isinstance(described, list) and len(described) != 1:
-            listed = {f"{key}/{number}": one for number, one in enumerate(described[:MOST_THINGS])}
-        things = {key: self._usable(read_thing(one, description.url)) for key, one in listed.items()}
+            listed = {f"{key}/{number}": document for number, document in enumerate(described[:MAX_THINGS])}
+        things = {key: self._usable(read_thing(document, description.url)) for key, document in listed.items()}
         return [(thing, describe_thing(thing, key, HTTP_BINDING)) for key, thing in things.items()]
 
     async def _until_changed(self, description: _ReadDescription) -> _ReadDescription:
@@ -170,24 +170,24 @@ class ThingSession:
         """Return credentials for the host name of the service extended to its addresses."""
         if not self._host_name or not login.is_for(self._host_name, self._service.port):
             return login
-        shown = (f"[{one}]" if ":" in one else one for one in self._service.addresses)
-        return login.with_hosts(*(f"{one}:{self._service.port}" for one in shown))
+        shown = (f"[{address}]" if ":" in address else address for address in self._service.addresses)
+        return login.with_hosts(*(f"{host}:{self._service.port}" for host in shown))
 
     def _usable(self, thing: Thing) -> Thing:
         """Return *thing* with only the forms that lead to its own host."""
         left_out: list[Form] = []
 
         def usable(form: Form) -> Form | None:
-            found = self._at_own_host(form) if form.scheme in HTTP_BINDING.schemes else form
-            if found is None:
+            own_form = self._at_own_host(form) if form.scheme in HTTP_BINDING.schemes else form
+            if own_form is None:
                 left_out.append(form)
-            return found
+            return own_form
 
-        found = change_forms(thing, usable)
+        changed = change_forms(thing, usable)
         if left_out:
             message = f"{self._service.name}: {len(left_out)} forms lead to other hosts and are not used"
             self._host.log.warning("thing.forms_left_out", message=message)
-        return found
+        return changed
 
     def _at_own_host(self, form: Form) -> Form | None:
         """Return *form* with an IP address in place of a host name that this computer may not resolve."""

@@ -45,20 +45,20 @@ class RequestBinding:
 
     def push_forms(self, affordance: Affordance) -> tuple[Form, ...]:
         """Return the forms by which values are pushed."""
-        found = [
-            one
-            for one in self._usable(affordance)
-            if not _PUSH_OPS.isdisjoint(one.ops) and one.subprotocol in self.subprotocols
+        observed = [
+            form
+            for form in self._usable(affordance)
+            if not _PUSH_OPS.isdisjoint(form.ops) and form.subprotocol in self.subprotocols
         ]
-        return tuple(sorted(found, key=lambda one: self.subprotocols.index(one.subprotocol)))
+        return tuple(sorted(observed, key=lambda form: self.subprotocols.index(form.subprotocol)))
 
     def read_forms(self, affordance: Affordance) -> tuple[Form, ...]:
         """Return the forms by which values are asked for."""
-        return tuple(one for one in self._usable(affordance) if "readproperty" in one.ops)
+        return tuple(form for form in self._usable(affordance) if "readproperty" in form.ops)
 
     def read_all_forms(self, forms: tuple[Form, ...]) -> tuple[Form, ...]:
         """Return those among the *forms* of a thing by which all its properties are asked for at once."""
-        return tuple(one for one in forms if "readallproperties" in one.ops and self._can_use(one))
+        return tuple(form for form in forms if "readallproperties" in form.ops and self._can_use(form))
 
     def observe_forms(self, affordance: Affordance) -> tuple[Form, ...]:
         """Return the forms by which its values become known: pushed or asked for."""
@@ -67,15 +67,15 @@ class RequestBinding:
     def write_forms(self, affordance: Affordance) -> tuple[Form, ...]:
         """Return the forms by which it is written, or invoked."""
         return tuple(
-            one
-            for one in affordance.forms
-            if not WRITE_OPS.isdisjoint(one.ops)
-            and self._can_reach(one)
-            and (affordance.kind == "action" or self.formats(one.content_type) is not None)
+            form
+            for form in affordance.forms
+            if not WRITE_OPS.isdisjoint(form.ops)
+            and self._can_reach(form)
+            and (affordance.kind == "action" or self.formats(form.content_type) is not None)
         )
 
     def _usable(self, affordance: Affordance) -> tuple[Form, ...]:
-        return tuple(one for one in affordance.forms if self._can_use(one))
+        return tuple(form for form in affordance.forms if self._can_use(form))
 
     def _can_use(self, form: Form) -> bool:
         return self._can_reach(form) and self.formats(form.response_type or form.content_type) is not None
@@ -120,4 +120,8 @@ class ClassifiedPart:
     @property
     def settable(self) -> dict[str, ClassifiedAffordance]:
         """Those that can be set, by capability."""
-        return {one.capability.name: one for one in self.affordances if one.written is not None or one.actions}
+        return {
+            affordance.capability.name: affordance
+            for affordance in self.affordances
+            if affordance.written is not None or affordance.actions
+        }

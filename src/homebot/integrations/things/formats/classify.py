@@ -82,15 +82,15 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
         binding: The protocol's choice among forms; an affordance without a usable form can be neither read nor set.
     """
     main = next((device for name, device in THING_TYPES.items() if name in thing.types), "")
-    found = [one for affordance in thing.affordances for one in _split(affordance, binding)]
-    for one in found:
-        _find_meaning(one, main)
-    found = _with_lock_actions(found)
-    unknown, main_is_guess = [one for one in found if not one.service_type], not main
+    candidates = [candidate for affordance in thing.affordances for candidate in _split(affordance, binding)]
+    for candidate in candidates:
+        _find_meaning(candidate, main)
+    candidates = _with_lock_actions(candidates)
+    unknown, main_is_guess = [candidate for candidate in candidates if not candidate.service_type], not main
     if main_is_guess:
         main = "thermostat" if _assign_thermostat(unknown) else _guess(unknown, thing.title)
     kind = _climate_type(unknown) if main == "thermostat" else main
-    groups = _groups(found, _owned(found, main))
+    groups = _groups(candidates, _owned(candidates, main))
     return tuple(_part(thing, name, members, kind, main_is_guess=main_is_guess) for name, members in groups.items())
 
 
@@ -106,39 +106,48 @@ def _split(affordance: Affordance, binding: Binding) -> Iterator[_Candidate]:
         yield _Candidate(replace(affordance, title=title, schema=replace(schema, members=members)), observed, ())
 
 
-def _with_lock_actions(found: list[_Candidate]) -> list[_Candidate]:
-    """Return *found* with the actions of a lock as commands for its read-only state."""
-    lock = next((one for one in found if one.capability == "lock" and not one.is_settable), None)
+def _with_lock_actions(candidates: list[_Candidate]) -> list[_Candidate]:
+    """Return *candidates* with the actions of a lock as commands for its read-only state."""
+    lock = next(
+        (candidate for candidate in candidates if candidate.capability == "lock" and not candidate.is_settable), None
+    )
     if lock is not None:
-        acting = [(one, name) for one in found for name in one.affordance.types if name in LOCK_ACTIONS and one.written]
-        lock.actions = {LOCK_ACTIONS[name]: one for one, name in acting}
-        found = [one for one in found if not any(one is each for each in lock.actions.values())]
-    return found
+        acting = [
+            (candidate, name)
+            for candidate in candidates
+            for name in candidate.affordance.types
+            if name in LOCK_ACTIONS and candidate.written
+        ]
+        lock.actions = {LOCK_ACTIONS[name]: candidate for candidate, name in acting}
+        candidates = [
+            candidate for candidate in candidates if not any(candidate is action for action in lock.actions.values())
+        ]
+    return candidates
 
 
-def _find_meaning(one: _Candidate, main: str) -> None:
+def _find_meaning(candidate: _Candidate, main: str) -> None:
     """Set the meaning of an affordance, by its declaration, its semantic types, its name or its kind of value."""
-    declared = one.affordance.extension
+    declared = candidate.affordance.extension
     if declared.get("capability") in CAPABILITIES and declared.get("serviceType") in DEVICE_TYPES:
-        one.capability, one.service_type = declared["capability"], declared["serviceType"]
-        one.part_id = declared.get("part", "")
-    elif one.affordance.kind != "property":
-        one.capability = _invoked(one) if one.affordance.kind == "action" else "press"
-    elif capability := _by_type(one.affordance, main):
-        one.capability = capability
-    elif capability := _by_options(one):
-        one.capability, one.guessed, one.doubt = capability, True, 1
+        candidate.capability, candidate.service_type = declared["capability"], declared["serviceType"]
+        candidate.part_id = declared.get("part", "")
+    elif candidate.affordance.kind != "property":
+        candidate.capability = _invoked(candidate) if candidate.affordance.kind == "action" else "press"
+    elif capability := _by_type(candidate.affordance, main):
+        candidate.capability = capability
+    elif capability := _by_options(candidate):
+        candidate.capability, candidate.guessed, candidate.doubt = capability, True, 1
     else:
-        one.guessed = True
-        one.capability, one.doubt = _by_name(one, main), 1
-        if one.capability not in CAPABILITIES or not _suits(one.capability, one.affordance.schema):
-            one.capability, one.doubt = _measured(one) or _general(one), 2
+        candidate.guessed = True
+        candidate.capability, candidate.doubt = _by_name(candidate, main), 1
+        if candidate.capability not in CAPABILITIES or not _suits(candidate.capability, candidate.affordance.schema):
+            candidate.capability, candidate.doubt = _measured(candidate) or _general(candidate), 2
 
 
-def _invoked(one: _Candidate) -> str:
+def _invoked(candidate: _Candidate) -> str:
     """Return the capability of an action: a setting if it takes a number or a text, such as the time of ``fade``."""
-    takes = _KINDS.get(one.affordance.schema.type)
-    return _general(one) if one.is_written and takes in {"number", "text"} else "push"
+    takes = _KINDS.get(candidate.affordance.schema.type)
+    return _general(candidate) if candidate.is_written and takes in {"number", "text"} else "push"
 
 
 def _by_type(affordance: Affordance, main: str) -> str:
@@ -159,31 +168,31 @@ def _of_type(name: str, affordance: Affordance, main: str) -> str:
     return _BY_TYPE.get(name, "")
 
 
-def _by_options(one: _Candidate) -> str:
+def _by_options(candidate: _Candidate) -> str:
     """Return the capability identified by options alone: a lock, except of keys, or an alarm."""
-    words = {text.casefold() for text in one.affordance.schema.enum if isinstance(text, str)}
-    found = next((capability for capability, needed in _OPTIONS.items() if needed <= words), "")
-    return "" if found == "lock" and not _KEYS.isdisjoint(_words_of(one)) else found
+    words = {text.casefold() for text in candidate.affordance.schema.enum if isinstance(text, str)}
+    capability_found = next((capability for capability, needed in _OPTIONS.items() if needed <= words), "")
+    return "" if capability_found == "lock" and not _KEYS.isdisjoint(_words_of(candidate)) else capability_found
 
 
 _OPTIONS: Mapping[str, frozenset[str]] = {"lock": frozenset({"locked", "unlocked"}), "alarm": frozenset({"disarmed"})}
 _KEYS = frozenset({"child", "key", "keypad", "keys"})
 
 
-def _by_name(one: _Candidate, main: str) -> str:
+def _by_name(candidate: _Candidate, main: str) -> str:
     """Return the capability suggested by the name, or the name."""
-    name = _TOKEN_BREAK.sub("_", one.name.rpartition("/")[2]).strip("_").lower()
-    if name in {"power", "state"} and one.is_settable and _is_switch(one.affordance.schema):
+    name = _TOKEN_BREAK.sub("_", candidate.name.rpartition("/")[2]).strip("_").lower()
+    if name in {"power", "state"} and candidate.is_settable and _is_switch(candidate.affordance.schema):
         return "on_off"  # and no watts, nor read-only properties
     return _in_context(NAMES.get(name, name), main)
 
 
-def _general(one: _Candidate) -> str:
+def _general(candidate: _Candidate) -> str:
     """Return the capability of a value of unknown meaning, by its kind."""
-    kind = _KINDS.get(one.affordance.schema.type, "")
-    if kind == "text" and one.is_settable and one.affordance.schema.enum:
+    kind = _KINDS.get(candidate.affordance.schema.type, "")
+    if kind == "text" and candidate.is_settable and candidate.affordance.schema.enum:
         return "option"
-    return _GENERAL.get(kind, ("raw", "raw"))[one.is_settable]
+    return _GENERAL.get(kind, ("raw", "raw"))[candidate.is_settable]
 
 
 def _is_switch(schema: DataSchema) -> bool:
@@ -191,10 +200,10 @@ def _is_switch(schema: DataSchema) -> bool:
     return schema.type == "boolean" or words == {"on", "off"}
 
 
-def _measured(one: _Candidate) -> str:
+def _measured(candidate: _Candidate) -> str:
     """Return the capability implied by the unit of a read-only number."""
-    is_measured = not one.is_settable and _KINDS.get(one.affordance.schema.type) == "number"
-    return measured_in(unit_of(one.affordance.schema)[:40]) if is_measured else ""
+    is_measured = not candidate.is_settable and _KINDS.get(candidate.affordance.schema.type) == "number"
+    return measured_in(unit_of(candidate.affordance.schema)[:40]) if is_measured else ""
 
 
 def _in_context(capability: str, main: str) -> str:
@@ -222,16 +231,23 @@ def _suits(capability: str, schema: DataSchema) -> bool:
     return expected == kind
 
 
-def _guess(found: Collection[_Candidate], title: str) -> str:
+def _guess(candidates: Collection[_Candidate], title: str) -> str:
     """Return the type suggested by the capabilities; a part with a level that is called a valve is not a lamp."""
-    has = {one.capability for one in found}
-    is_dimmed = any(one.capability == "level" and one.name != "level" for one in found)
+    has = {candidate.capability for candidate in candidates}
+    is_dimmed = any(candidate.capability == "level" and candidate.name != "level" for candidate in candidates)
     is_other = not is_dimmed and not _NO_LAMPS.isdisjoint(words_of(title))
     if "on_off" in has and has & {"color", "color_temperature", *(() if is_other else ("level",))}:
         return "light"
     if "heating_setpoint" in has:
         return "thermostat"
-    return next((LONE_TYPES[one] for one in ("lock", "position", "valve", "vacuum", "on_off") if one in has), "")
+    return next(
+        (
+            LONE_TYPES[capability]
+            for capability in ("lock", "position", "valve", "vacuum", "on_off")
+            if capability in has
+        ),
+        "",
+    )
 
 
 _NO_LAMPS = frozenset(
@@ -240,46 +256,61 @@ _NO_LAMPS = frozenset(
 """Words in a title that exclude a level of light."""
 
 
-def _assign_thermostat(found: Collection[_Candidate]) -> bool:
-    """Assign the meanings of a thermostat to a temperature, setpoint and mode of *found*; return False without them."""
+def _assign_thermostat(candidates: Collection[_Candidate]) -> bool:
+    """Assign the meanings of a thermostat to a temperature, setpoint and mode; return False without these."""
     roles = {
-        "local_temperature": [one for one in found if _is_indoors(one)],
-        "heating_setpoint": [one for one in found if one.capability == "heating_setpoint" or _is_setpoint(one)],
-        "thermostat_mode": [one for one in found if one.capability == "thermostat_mode" or _is_mode(one)],
+        "local_temperature": [candidate for candidate in candidates if _is_indoors(candidate)],
+        "heating_setpoint": [
+            candidate
+            for candidate in candidates
+            if candidate.capability == "heating_setpoint" or _is_setpoint(candidate)
+        ],
+        "thermostat_mode": [
+            candidate for candidate in candidates if candidate.capability == "thermostat_mode" or _is_mode(candidate)
+        ],
     }
     if any(len(ones) != 1 for ones in roles.values()):
         return False
-    for capability, (one,) in roles.items():
-        one.capability = capability
+    for capability, (candidate,) in roles.items():
+        candidate.capability = capability
     return True
 
 
-def _climate_type(found: Collection[_Candidate]) -> str:
+def _climate_type(candidates: Collection[_Candidate]) -> str:
     """Return the type of a thermostat by its modes; if none of them heats, its setpoint becomes one for cooling."""
-    options = [text for one in found if one.capability == "thermostat_mode" for text in one.affordance.schema.enum]
+    options = [
+        text
+        for candidate in candidates
+        if candidate.capability == "thermostat_mode"
+        for text in candidate.affordance.schema.enum
+    ]
     modes = [fold(str(text)) for text in options]
-    for one in found:
-        if one.capability == "heating_setpoint" and "heating_setpoint" not in setpoints_of(modes):
-            one.capability = "cooling_setpoint"
+    for candidate in candidates:
+        if candidate.capability == "heating_setpoint" and "heating_setpoint" not in setpoints_of(modes):
+            candidate.capability = "cooling_setpoint"
     return climate_type(modes)
 
 
-def _is_indoors(one: _Candidate) -> bool:
-    return one.capability == "temperature" and not one.is_settable and _OUTDOORS.isdisjoint(_words_of(one))
+def _is_indoors(candidate: _Candidate) -> bool:
+    return (
+        candidate.capability == "temperature"
+        and not candidate.is_settable
+        and _OUTDOORS.isdisjoint(_words_of(candidate))
+    )
 
 
-def _is_setpoint(one: _Candidate) -> bool:
-    in_degrees = unit_of(one.affordance.schema) in {"°C", "°F"}
-    return one.capability == "number" and in_degrees and not _SETPOINTS.isdisjoint(_words_of(one))
+def _is_setpoint(candidate: _Candidate) -> bool:
+    in_degrees = unit_of(candidate.affordance.schema) in {"°C", "°F"}
+    return candidate.capability == "number" and in_degrees and not _SETPOINTS.isdisjoint(_words_of(candidate))
 
 
-def _is_mode(one: _Candidate) -> bool:
-    is_choice = one.capability == "option" and "mode" in _words_of(one)
-    return is_choice and not _MODES.isdisjoint(fold(str(text)) for text in one.affordance.schema.enum)
+def _is_mode(candidate: _Candidate) -> bool:
+    is_choice = candidate.capability == "option" and "mode" in _words_of(candidate)
+    return is_choice and not _MODES.isdisjoint(fold(str(text)) for text in candidate.affordance.schema.enum)
 
 
-def _words_of(one: _Candidate) -> tuple[str, ...]:
-    return words_of(_TOKEN_BREAK.sub("_", one.name))
+def _words_of(candidate: _Candidate) -> tuple[str, ...]:
+    return words_of(_TOKEN_BREAK.sub("_", candidate.name))
 
 
 _OUTDOORS = frozenset({"outdoor", "outside"})
@@ -287,38 +318,38 @@ _SETPOINTS = frozenset({"desired", "set", "setpoint", "target"})
 _MODES = frozenset({"auto", "cool", "cooling", "heat", "heating"})
 
 
-def _owned(found: Iterable[_Candidate], main: str) -> dict[str, _Candidate]:
+def _owned(candidates: Iterable[_Candidate], main: str) -> dict[str, _Candidate]:
     """Return the affordances of the main part by capability: of a switch and a child lock, the switch."""
     owned: dict[str, _Candidate] = {}
-    for one in sorted(found, key=lambda each: (not each.service_type, each.doubt, not each.is_settable)):
-        if one.part_id == "" if one.service_type else one.capability in OWNED.get(main, ()):
-            owned.setdefault(one.capability, one)
+    for candidate in sorted(candidates, key=lambda entry: (not entry.service_type, entry.doubt, not entry.is_settable)):
+        if candidate.part_id == "" if candidate.service_type else candidate.capability in OWNED.get(main, ()):
+            owned.setdefault(candidate.capability, candidate)
     return owned
 
 
-def _groups(found: Iterable[_Candidate], owned: Mapping[str, _Candidate]) -> dict[str, list[_Candidate]]:
+def _groups(candidates: Iterable[_Candidate], owned: Mapping[str, _Candidate]) -> dict[str, list[_Candidate]]:
     """Return the affordances of each part by its id."""
     groups: dict[str, list[_Candidate]] = {}
-    for one in found:
-        groups.setdefault(_group(one, owned, groups), []).append(one)
+    for candidate in candidates:
+        groups.setdefault(_group(candidate, owned, groups), []).append(candidate)
     return groups
 
 
-def _group(one: _Candidate, owned: Mapping[str, _Candidate], groups: dict[str, list[_Candidate]]) -> str:
-    """Return the id of the part of *one*."""
-    if one.service_type:
-        return one.part_id
-    if owned.get(one.capability) is one:
+def _group(candidate: _Candidate, owned: Mapping[str, _Candidate], groups: dict[str, list[_Candidate]]) -> str:
+    """Return the id of the part of *candidate*."""
+    if candidate.service_type:
+        return candidate.part_id
+    if owned.get(candidate.capability) is candidate:
         return ""
-    number, name = 1, one.name
+    number, name = 1, candidate.name
     while name in groups:
         number += 1
-        name = f"{one.name} {number}"
+        name = f"{candidate.name} {number}"
     return name
 
 
 def _part(thing: Thing, part_id: str, members: list[_Candidate], main: str, *, main_is_guess: bool) -> ClassifiedPart:
-    first, found = members[0], tuple(_classified(one) for one in members)
+    first, affordances = members[0], tuple(_classified(member) for member in members)
     declared = first.affordance.extension
     if first.service_type:
         service_type, guessed = first.service_type, declared.get("guessed") == "true"
@@ -337,16 +368,16 @@ def _part(thing: Thing, part_id: str, members: list[_Candidate], main: str, *, m
         tag=declared.get("tag", ""),
         category=_CATEGORIES.get(declared.get("category", ""), ""),
         guessed=guessed,
-        capabilities=tuple(one.capability for one in found),
-        reads=_distinct(form.filter for one in members for form in one.observed),
-        writes=_distinct(form.topic for one in _with_actions(members) for form in one.written),
-        payloads=_payloads(found),
+        capabilities=tuple(affordance.capability for affordance in affordances),
+        reads=_distinct(form.filter for member in members for form in member.observed),
+        writes=_distinct(form.topic for candidate in _with_actions(members) for form in candidate.written),
+        payloads=_payloads(affordances),
     )
-    return ClassifiedPart(part, found)
+    return ClassifiedPart(part, affordances)
 
 
 def _with_actions(members: Iterable[_Candidate]) -> list[_Candidate]:
-    return [each for one in members for each in (one, *one.actions.values())]
+    return [candidate for member in members for candidate in (member, *member.actions.values())]
 
 
 def _distinct(texts: Iterable[str]) -> tuple[str, ...]:
@@ -356,48 +387,48 @@ def _distinct(texts: Iterable[str]) -> tuple[str, ...]:
 
 def _advertised_type(thing: Thing, first: _Candidate | None) -> str:
     """Return the type stated by the first affordance of a part, or else that of the thing."""
-    types = [one for one in thing.types if one != "Thing"] if first is None else first.affordance.types
+    types = [kind for kind in thing.types if kind != "Thing"] if first is None else first.affordance.types
     return next(iter(types), "")
 
 
-def _payloads(found: tuple[ClassifiedAffordance, ...]) -> str:
+def _payloads(affordances: tuple[ClassifiedAffordance, ...]) -> str:
     """Return the digest of the written payloads and their addresses; empty if nothing can be set."""
     written = [
-        (one.capability.name, value, each.affordance.name, each.affordance.schema, each.written)
-        for one in found
-        for value, each in (("", one), *one.actions.items())
-        if each.written is not None
+        (affordance.capability.name, value, source.affordance.name, source.affordance.schema, source.written)
+        for affordance in affordances
+        for value, source in (("", affordance), *affordance.actions.items())
+        if source.written is not None
     ]
     return payload_digest(written) if written else ""
 
 
-def _lone(one: _Candidate) -> str:
-    own = LONE_TYPES.get(one.capability) or CAPABILITIES[one.capability].sensor
-    if not own and one.affordance.kind == "action":
+def _lone(candidate: _Candidate) -> str:
+    own = LONE_TYPES.get(candidate.capability) or CAPABILITIES[candidate.capability].sensor
+    if not own and candidate.affordance.kind == "action":
         return LONE_TYPES["push"]  # it takes a value
-    return own or ("x_setting" if one.is_settable else "x_sensor")
+    return own or ("x_setting" if candidate.is_settable else "x_sensor")
 
 
-def _classified(one: _Candidate) -> ClassifiedAffordance:
-    known, schema = CAPABILITIES[one.capability], one.affordance.schema
+def _classified(candidate: _Candidate) -> ClassifiedAffordance:
+    known, schema = CAPABILITIES[candidate.capability], candidate.affordance.schema
     is_number = known.kind == "number"
-    bounds = bounds_of(one.capability, one.affordance) if is_number else ()
-    options = _options(one) if known.kind == "text" else ()
+    bounds = bounds_of(candidate.capability, candidate.affordance) if is_number else ()
+    options = _options(candidate) if known.kind == "text" else ()
     capability = Capability(
-        name=one.capability,
-        readable=one.is_readable,
-        settable=one.is_settable,
+        name=candidate.capability,
+        readable=candidate.is_readable,
+        settable=candidate.is_settable,
         unit=unit_of(schema) if is_number and not known.unit else "",
         bounds=() if bounds == known.bounds else bounds,
         options=() if options == known.options else options,
     )
-    observed = one.observed[0] if one.is_readable else None
-    written = one.written[0] if one.is_written else None
-    actions = {value: _classified(action) for value, action in one.actions.items()}
-    return ClassifiedAffordance(capability, one.affordance, observed, written, actions)
+    observed = candidate.observed[0] if candidate.is_readable else None
+    written = candidate.written[0] if candidate.is_written else None
+    actions = {value: _classified(action) for value, action in candidate.actions.items()}
+    return ClassifiedAffordance(capability, candidate.affordance, observed, written, actions)
 
 
-def _options(one: _Candidate) -> tuple[str, ...]:
-    if one.capability == "lock" and not one.service_type:
+def _options(candidate: _Candidate) -> tuple[str, ...]:
+    if candidate.capability == "lock" and not candidate.service_type:
         return ()
-    return tuple(text for text in one.affordance.schema.enum if isinstance(text, str))
+    return tuple(text for text in candidate.affordance.schema.enum if isinstance(text, str))

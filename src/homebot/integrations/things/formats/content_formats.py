@@ -50,8 +50,8 @@ def content_format_of(content_type: str) -> int | None:
 def coap_formats(content_type: str) -> PayloadFormat | None:
     """Return the format that *content_type* names; None if it is not understood."""
     kind = media_type(content_type)
-    if found := _SENML.get(kind):
-        return found
+    if columns := _SENML.get(kind):
+        return columns
     return _PLAIN_CBOR if _CBOR.fullmatch(kind) else basic_formats(content_type)
 
 
@@ -85,7 +85,7 @@ def read_senml(pack: object) -> object:
         name = base_name + _text(record.get("n"), "")
         if "v" in record:
             values[name] = base_value + _number(record["v"], 0.0)
-        elif (label := next((one for one in _VALUES if one in record), None)) is not None:
+        elif (label := next((label_found for label_found in _VALUES if label_found in record), None)) is not None:
             values[name] = record[label]
     if not values:
         raise WireError("a SenML pack has no value")

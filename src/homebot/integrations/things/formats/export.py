@@ -35,7 +35,7 @@ def to_thing(device: Device, brokers: Mapping[str, str]) -> dict[str, object]:
         brokers: Addresses of brokers by gateway, for example ``mqtt://192.168.1.10:1883``; by default
             ``mqtt://localhost:1883``.
     """
-    types = [DEVICE_TYPE_NAMES.get(one.part.service_type) for one in device.parts]
+    types = [DEVICE_TYPE_NAMES.get(part.part.service_type) for part in device.parts]
     thing: dict[str, object] = {
         "@context": [CONTEXT, WEBTHINGS, {"mqv": _MQTT_VOCABULARY, "homebot": _OWN_VOCABULARY}],
         "@type": ["Thing", *dict.fromkeys(filter(None, types))],
@@ -43,7 +43,9 @@ def to_thing(device: Device, brokers: Mapping[str, str]) -> dict[str, object]:
         "title": device.name.strip() or device.id,
         **NO_SECURITY,
     }
-    facts = {one.key: one.value for one in device.metadata} | {one.name: one.value for one in reversed(device.facts)}
+    facts = {fact.key: fact.value for fact in device.metadata} | {
+        fact.name: fact.value for fact in reversed(device.facts)
+    }
     extension = {
         "homebot:area": device.area,
         "homebot:identifiers": list(device.identifiers),
@@ -97,7 +99,7 @@ def _property(part: DevicePart, capability: Capability, forms: list[dict[str, ob
 
 
 def _can_observe(forms: list[dict[str, object]]) -> bool:
-    return any("observeproperty" in ops for one in forms if isinstance(ops := one["op"], list))
+    return any("observeproperty" in ops for form in forms if isinstance(ops := form["op"], list))
 
 
 def _plain_property(endpoint: Endpoint, forms: list[dict[str, object]]) -> dict[str, object]:
@@ -112,12 +114,12 @@ def _plain_property(endpoint: Endpoint, forms: list[dict[str, object]]) -> dict[
 
 
 def _unused(name: str, taken: set[str]) -> str:
-    found, number = name, 1
-    while found in taken:
+    spelt, number = name, 1
+    while spelt in taken:
         number += 1
-        found = f"{name}_{number}"
-    taken.add(found)
-    return found
+        spelt = f"{name}_{number}"
+    taken.add(spelt)
+    return spelt
 
 
 def _forms(part: DevicePart, capability: Capability, brokers: Mapping[str, str]) -> list[dict[str, object]]:
@@ -126,8 +128,8 @@ def _forms(part: DevicePart, capability: Capability, brokers: Mapping[str, str])
     observed = part.part.reads if capability.readable else ()
     written = part.part.writes if capability.settable else ()
     return [
-        *(_observing(broker, content, one) for one in observed),
-        *(_writing(broker, content, one) for one in written),
+        *(_observing(broker, content, topic) for topic in observed),
+        *(_writing(broker, content, topic) for topic in written),
     ]
 
 
@@ -135,8 +137,8 @@ def _forms_of_text(endpoint: Endpoint, brokers: Mapping[str, str]) -> list[dict[
     """Return the forms for plain text to and from a device without parts."""
     broker = brokers.get(endpoint.gateway, _LOCAL)
     makers = {_observing: endpoint.address, _writing: endpoint.command_address}
-    topics = [(make, one) for make, one in makers.items() if one and read_text_address(one) is None]
-    return [make(broker, TEXT_CONTENT_TYPE, one) for make, one in topics]
+    topics = [(make, topic) for make, topic in makers.items() if topic and read_text_address(topic) is None]
+    return [make(broker, TEXT_CONTENT_TYPE, topic) for make, topic in topics]
 
 
 def _observing(broker: str, content: str, topic: str) -> dict[str, object]:

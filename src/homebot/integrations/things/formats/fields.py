@@ -14,7 +14,7 @@ MAX_TEXT: Final = 1000
 _MAX_LISTED = 300
 _MAX_NAME = 200
 _MAX_SHOWN = 60
-_MOST = 10**20
+_MAX_NUMBER = 10**20
 
 
 class Fields:
@@ -48,7 +48,7 @@ class Fields:
             return ""
         if not isinstance(value, str) or (required and not value.strip()):
             raise self._wrong(name, "a text", value)
-        return "".join(one if one.isprintable() else " " for one in value[:MAX_TEXT]).strip()
+        return "".join(sign if sign.isprintable() else " " for sign in value[:MAX_TEXT]).strip()
 
     def flag(self, name: str) -> bool:
         """Return a boolean; False if it is missing."""
@@ -78,10 +78,10 @@ class Fields:
         if value is None:
             return ()
         listed = value if isinstance(value, list) else [value]
-        if not all(isinstance(one, str) for one in listed):
+        if not all(isinstance(text, str) for text in listed):
             raise self._wrong(name, "a text or a list of texts", value)
         self._check_length(name, len(listed))
-        return tuple(str(one)[:MAX_TEXT] for one in listed)
+        return tuple(str(text)[:MAX_TEXT] for text in listed)
 
     def plain(self, name: str) -> object:
         """Return an unchecked field; None if it is missing."""
@@ -133,7 +133,7 @@ def _shown(value: object) -> str:
             return "a list"
         case bool():
             return "true" if value else "false"
-        case int() if abs(value) >= _MOST:
+        case int() if abs(value) >= _MAX_NUMBER:
             return "a finite number"
         case _:
             return ascii(value[:_MAX_SHOWN] if isinstance(value, str) else value)

@@ -96,7 +96,7 @@ def read_thing(description: object, source: str = "") -> Thing:
 def _check_context(fields: Fields) -> None:
     value = fields.plain("@context")
     named = value if isinstance(value, list) else [value]
-    if not any(isinstance(one, str) and one in _CONTEXTS for one in named):
+    if not any(isinstance(context, str) and context in _CONTEXTS for context in named):
         raise fields.problem("@context", f"must contain {CONTEXT}, the context of Thing Descriptions")
 
 
@@ -113,7 +113,7 @@ def _security(fields: Fields) -> tuple[dict[str, SecurityScheme], tuple[str, ...
 
 def _security_scheme(fields: Fields) -> SecurityScheme:
     scheme = fields.text("scheme", required=True)
-    where, name = (fields.text(one) if isinstance(fields.plain(one), str) else "" for one in ("in", "name"))
+    where, name = (fields.text(key) if isinstance(fields.plain(key), str) else "" for key in ("in", "name"))
     return SecurityScheme("bearer" if scheme == "oauth2" else scheme, where, name)  # its token is sent as one: RFC 6750
 
 
@@ -166,7 +166,7 @@ def _thing_forms(fields: Fields, base: str, security: tuple[str, ...]) -> Iterat
 
 def _listed_forms(fields: Fields) -> list[Fields]:
     forms = fields.listed("forms")[:_MAX_FORMS]
-    return [Fields(one, fields.where(f"forms[{number}]")) for number, one in enumerate(forms)]
+    return [Fields(form, fields.where(f"forms[{number}]")) for number, form in enumerate(forms)]
 
 
 def _form(form: Fields, ops: tuple[str, ...], base: str, security: tuple[str, ...]) -> Form:
@@ -185,7 +185,7 @@ def _form(form: Fields, ops: tuple[str, ...], base: str, security: tuple[str, ..
         scheme=scheme.lower(),
         href=address,
         subprotocol=form.text("subprotocol"),
-        method=next((found for name in _METHODS if (found := form.text(name))), "").upper(),
+        method=next((method for name in _METHODS if (method := form.text(name))), "").upper(),
         security=form.texts("security") or security,
         topic=topic,
         filter=observed,
@@ -227,25 +227,23 @@ def _qos(form: Fields) -> int:
 
 
 def _schema(fields: Fields, *, is_member: bool = False) -> DataSchema:
-    found = _type(fields)
-    if not found and (chosen := _alternative(fields)) is not None:
+    kind = _type(fields)
+    if not kind and (chosen := _alternative(fields)) is not None:
         return chosen
-    members = fields.inner("properties") if found == "object" and not is_member else None
+    members = fields.inner("properties") if kind == "object" and not is_member else None
     if members is not None and len(names := members.names()) == 1:  # an object with one member stands for that
         return replace(_schema(members.inner(names[0]), is_member=True), member=names[0])
     several = () if members is None else tuple(_members(fields, members))
     enum = _enum(fields)
     minimum, maximum = _range(fields)
-    return DataSchema(
-        type=found, unit=fields.text("unit"), minimum=minimum, maximum=maximum, enum=enum, members=several
-    )
+    return DataSchema(type=kind, unit=fields.text("unit"), minimum=minimum, maximum=maximum, enum=enum, members=several)
 
 
 def _enum(fields: Fields) -> tuple[str | float | bool, ...]:
     enum = fields.listed("enum")
     if "enum" in fields and not enum:
         raise fields.problem("enum", "at least one value is expected")
-    return tuple(one for one in enum if isinstance(one, (str, float, int, bool)))
+    return tuple(value for value in enum if isinstance(value, (str, float, int, bool)))
 
 
 def _range(fields: Fields) -> tuple[float | None, float | None]:
@@ -266,18 +264,18 @@ def _type(fields: Fields) -> DataType:
 def _alternative(fields: Fields) -> DataSchema | None:
     """Return the number among the alternatives of a schema, or the only non-null one; otherwise None."""
     name = "oneOf" if "oneOf" in fields else "anyOf"
-    given = [one for one in fields.listed(name) if isinstance(one, dict) and one.get("type") != "null"]
-    schemas = [_schema(Fields(one, fields.where(name)), is_member=True) for one in given]
-    numbers = [one for one in schemas if one.type in ("integer", "number")] or schemas
+    given = [schema for schema in fields.listed(name) if isinstance(schema, dict) and schema.get("type") != "null"]
+    schemas = [_schema(Fields(schema, fields.where(name)), is_member=True) for schema in given]
+    numbers = [schema for schema in schemas if schema.type in ("integer", "number")] or schemas
     if len(numbers) != 1:
         return None
     number = numbers[0]
-    words = _words(one for one in schemas if one is not number)
+    words = _words(schema for schema in schemas if schema is not number)
     return replace(number, unit=number.unit or fields.text("unit"), words=words)
 
 
 def _words(schemas: Iterable[DataSchema]) -> tuple[str, ...]:
-    return tuple(text for one in schemas for text in one.enum if isinstance(text, str))
+    return tuple(text for schema in schemas for text in schema.enum if isinstance(text, str))
 
 
 def _members(fields: Fields, members: Fields) -> Iterator[tuple[str, DataSchema]]:
@@ -290,4 +288,4 @@ def _members(fields: Fields, members: Fields) -> Iterator[tuple[str, DataSchema]
 
 def _bare(types: tuple[str, ...]) -> tuple[str, ...]:
     """Return *types* without prefix or namespace: ``iot:BinarySwitch`` is ``BinarySwitch``."""
-    return tuple(one.rpartition("#")[2].rpartition("/")[2].rpartition(":")[2] for one in types)
+    return tuple(kind.rpartition("#")[2].rpartition("/")[2].rpartition(":")[2] for kind in types)

@@ -94,8 +94,8 @@ def decode_document(capability: Capability, affordance: Affordance, document: ob
     document = _unwrapped(affordance, document)
     if document is None or _is_no_number(capability, schema, document):
         return (None,)
-    found = _decode(capability, affordance, document)
-    return None if found is None else (found,)
+    value_found = _decode(capability, affordance, document)
+    return None if value_found is None else (value_found,)
 
 
 def _unwrapped(affordance: Affordance, document: object) -> object:
@@ -140,7 +140,7 @@ def _encode(capability: Capability, affordance: Affordance, value: PlainValue) -
 def _encode_lock(affordance: Affordance, value: str) -> object:
     if affordance.schema.type == "boolean":
         return _encode_flag(affordance, value == "locked")
-    return next((one for one in affordance.schema.enum if str(one).casefold() == value), value)
+    return next((option for option in affordance.schema.enum if str(option).casefold() == value), value)
 
 
 def _encode_number(capability: Capability, affordance: Affordance, value: PlainValue) -> object:
@@ -207,7 +207,7 @@ def _values_by_flag(affordance: Affordance) -> dict[bool, object]:
 def is_rgb(schema: DataSchema) -> bool:
     """Return whether values are objects of exactly red, green and blue, from 0 to 255 each."""
     channels = dict(schema.members)
-    return channels.keys() == {"r", "g", "b"} and all(one.maximum in (None, _FULL) for one in channels.values())
+    return channels.keys() == {"r", "g", "b"} and all(channel.maximum in (None, _FULL) for channel in channels.values())
 
 
 def _color(value: object) -> tuple[float, float] | None:
@@ -215,8 +215,8 @@ def _color(value: object) -> tuple[float, float] | None:
     if isinstance(value, str) and (match := _RGB.fullmatch(value)):
         channels += bytes.fromhex(match[1])
     elif isinstance(value, dict):
-        channels += [to_number(value.get(one)) for one in "rgb"]
-    levels = [one / _FULL for one in channels if one is not None and 0 <= one <= _FULL]
+        channels += [to_number(value.get(letter)) for letter in "rgb"]
+    levels = [channel / _FULL for channel in channels if channel is not None and 0 <= channel <= _FULL]
     if len(levels) != 3:
         return None
     hue, saturation, _ = colorsys.rgb_to_hsv(*levels)
@@ -225,5 +225,5 @@ def _color(value: object) -> tuple[float, float] | None:
 
 def _encode_color(value: PlainValue, schema: DataSchema) -> object:
     hue, saturation = require_color(value)
-    rgb = [round(one * _FULL) for one in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1.0)]
+    rgb = [round(share * _FULL) for share in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1.0)]
     return dict(zip("rgb", rgb, strict=True)) if is_rgb(schema) else f"#{bytes(rgb).hex()}"

@@ -123,19 +123,19 @@ _NEVER = ("/.well-known/", "/oic/", "/rd", "/bs")
 def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: str) -> Thing:
     """Return the thing with the resources of *links*, one device's; *resolve* has the absolute addresses by target."""
     given = tuple(links)
-    implied = {link: href for one in given for link, href in _implied(one, given, resolve[one.target])}
+    implied = {link: href for source in given for link, href in _implied(source, given, resolve[source.target])}
     resolve = {**resolve, **{link.target: href for link, href in implied.items()}}
-    lit = {_folder(one) for one in given if _is_ocf_light(one)}
+    lit = {_folder(link) for link in given if _is_ocf_light(link)}
     # a switch beside a brightness comes first: of several switches, that one is the lamp's
-    listed = sorted((*given, *implied), key=lambda one: (_folder(one) not in lit, one.target))
-    lamps = [instance for one in listed if (instance := _instance(one, _LIGHT))]
-    found = [made for one in listed if (made := _affordance(one, resolve[one.target], lamps)) is not None]
+    listed = sorted((*given, *implied), key=lambda link: (_folder(link) not in lit, link.target))
+    lamps = [instance for link in listed if (instance := _instance(link, _LIGHT))]
+    affordances = [made for link in listed if (made := _affordance(link, resolve[link.target], lamps)) is not None]
     return Thing(
         id="",
         title=name,
         types=_thing_types(listed) or (("Light",) if lamps or lit else ()),
         description="",
-        affordances=tuple(found[:MAX_RESOURCES]),
+        affordances=tuple(affordances[:MAX_RESOURCES]),
     )
 
 
@@ -155,7 +155,7 @@ def _implied(link: WebLink, listed: Iterable[WebLink], href: str) -> Iterator[tu
     """
     target = link.target.rstrip("/")
     match = _IPSO_INSTANCE.fullmatch(target)
-    if match is None or not href or any(one.target.startswith(f"{target}/") for one in listed):
+    if match is None or not href or any(link.target.startswith(f"{target}/") for link in listed):
         return
     number = next((resource for known, resource in _IPSO if known == int(match[1])), None)
     if number is not None:
@@ -242,7 +242,7 @@ def _forms(link: WebLink, href: str, content_type: str, known: _Known) -> tuple[
 
 def _content_type(link: WebLink, default: str) -> str | None:
     """Return the first type of the resource that is understood; None if none of those that it names is."""
-    named = [content_type_of(int(one)) for one in link.words("ct") if one.isdecimal() and len(one) <= 5]
+    named = [content_type_of(int(word)) for word in link.words("ct") if word.isdecimal() and len(word) <= 5]
     if not named:
         return default
-    return next((one for one in named if coap_formats(one) is not None), None)
+    return next((content_type for content_type in named if coap_formats(content_type) is not None), None)

@@ -21,7 +21,7 @@ def unit_of(schema: DataSchema) -> str:
 
 _PERCENT = 100.0
 _EXACT = 12
-_LONGEST_UNIT = 40
+_MAX_UNIT_CHARACTERS = 40
 _NO_RANGE = 1e15
 """Range from which bounds are those of a number type, not of a device."""
 
@@ -65,7 +65,7 @@ def bounds_of(capability: str, affordance: Affordance) -> tuple[float, ...]:
     is_own = "capability" in affordance.extension
     if not is_own and _is_mired(capability, affordance) and low >= 1:
         return nearest_mired_bounds(low, high)
-    ends = [found for end in (low, high) if (found := canonical(capability, affordance, end)) is not None]
+    ends = [value for end in (low, high) if (value := canonical(capability, affordance, end)) is not None]
     if len(ends) < 2:  # one of them is meaningless
         return ()
     if not is_own and _is_fahrenheit(capability, affordance):
@@ -77,14 +77,14 @@ def on_the_wire(capability: str, affordance: Affordance, number: float) -> float
     """Return *number*, given in the vocabulary's unit, as the thing's; not finite if impossible."""
     if "capability" in affordance.extension:
         return number
-    found = _in_own_unit(capability, affordance, number)
-    if not math.isfinite(found):
-        return found
+    value = _in_own_unit(capability, affordance, number)
+    if not math.isfinite(value):
+        return value
     least, most = affordance.schema.minimum, affordance.schema.maximum
     if affordance.schema.type != "integer":
-        return _within(round(found, 6), least, most)
+        return _within(round(value, 6), least, most)
     least, most = None if least is None else math.ceil(least), None if most is None else math.floor(most)
-    return _within(float(round(found)), least, most)
+    return _within(float(round(value)), least, most)
 
 
 def _in_own_unit(capability: str, affordance: Affordance, number: float) -> float:
@@ -128,4 +128,4 @@ def _conversion(capability: str, affordance: Affordance) -> Conversion:
 
 def _known_conversion(capability: str, unit: str) -> Conversion | None:
     measured = "temperature" if CAPABILITIES[capability].unit == "°C" else capability
-    return conversion_of(measured, unit[:_LONGEST_UNIT])
+    return conversion_of(measured, unit[:_MAX_UNIT_CHARACTERS])

@@ -163,8 +163,10 @@ class Thing:
 
 def identifiers_of(thing: Thing, *others: str) -> tuple[str, ...]:
     """Return :func:`homebot.devices.identity.identifiers` of *thing*; *others* may include the name of its host."""
-    own = tuple(one for one in thing.identifiers if one.startswith(_OWN))
-    declared = identifiers(one for one in (*thing.identifiers, thing.id, *others) if one and one not in own)
+    own = tuple(identifier for identifier in thing.identifiers if identifier.startswith(_OWN))
+    declared = identifiers(
+        identifier for identifier in (*thing.identifiers, thing.id, *others) if identifier and identifier not in own
+    )
     return tuple(dict.fromkeys((*own, *declared)))
 
 
@@ -180,7 +182,7 @@ def change_forms(thing: Thing, change: Callable[[Form], Form | None]) -> Thing:
     """Return *thing* with forms replaced by *change*, which returns the replacement, or None to remove a form."""
 
     def changed(forms: Iterable[Form]) -> tuple[Form, ...]:
-        return tuple(new for one in forms if (new := change(one)) is not None)
+        return tuple(new for form in forms if (new := change(form)) is not None)
 
-    affordances = tuple(replace(one, forms=changed(one.forms)) for one in thing.affordances)
+    affordances = tuple(replace(affordance, forms=changed(affordance.forms)) for affordance in thing.affordances)
     return replace(thing, affordances=affordances, forms=changed(thing.forms))

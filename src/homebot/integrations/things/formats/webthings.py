@@ -27,7 +27,7 @@ def with_forms(description: object, context: str) -> object:
     if not (isinstance(named, str) and named.rstrip("/") in _CONTEXTS):
         return description
     properties = as_fields(fields.get("properties"))
-    found = {name: made for name, one in properties.items() if (made := _property(name, as_fields(one)))}
+    affordances = {name: made for name, fields in properties.items() if (made := _property(name, as_fields(fields)))}
     everything = _link(fields, "properties")
     return {
         **NO_SECURITY,
@@ -36,7 +36,7 @@ def with_forms(description: object, context: str) -> object:
         "id": fields.get("id") if ":" in str(fields.get("id")) else None,
         "@context": context,
         "title": fields.get("title", fields.get("name")),
-        "properties": found,
+        "properties": affordances,
         "actions": {},
         "events": {},
         "forms": [{"href": everything, "op": "readallproperties"}] if everything else [],
@@ -55,8 +55,8 @@ def _property(name: str, described: Mapping[str, object]) -> dict[str, object]:
 def _link(described: Mapping[str, object], relation: str) -> str:
     """Return the address of the first link of a *relation*; the first libraries named none."""
     links = described.get("links")
-    for one in links if isinstance(links, list) else ():
-        link = as_fields(one)
+    for entry in links if isinstance(links, list) else ():
+        link = as_fields(entry)
         href = link.get("href")
         if isinstance(href, str) and link.get("rel", "property") == relation:
             return href

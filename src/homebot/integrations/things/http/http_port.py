@@ -29,7 +29,7 @@ HTTP_BINDING: Final = RequestBinding(frozenset({"http", "https"}), ("sse", "long
 LONG_POLL: Final = 50.0
 """Seconds to wait for the answer to a long poll before it is restarted."""
 
-SHORTEST: Final = 0.5
+MIN_POLL_S: Final = 0.5
 """Seconds between long polls if one was answered at once; also those after which one counts as started."""
 
 WATCH_EVERY: Final = 60.0
@@ -57,9 +57,9 @@ class HttpThingPort:
         self._stack = AsyncExitStack()
         self._read_forms = {
             push.href: read
-            for one in thing.affordances
-            for push in HTTP_BINDING.push_forms(one)
-            for read in HTTP_BINDING.read_forms(one)[:1]
+            for affordance in thing.affordances
+            for push in HTTP_BINDING.push_forms(affordance)
+            for read in HTTP_BINDING.read_forms(affordance)[:1]
         }
 
     async def __aenter__(self) -> Self:
@@ -98,7 +98,7 @@ class HttpThingPort:
             answer = await self._poll(form, read_current)
             if answer is not None and answer.status != 204:
                 yield _payload(answer, form)
-            await anyio.sleep(max(0.0, began + SHORTEST - anyio.current_time()))
+            await anyio.sleep(max(0.0, began + MIN_POLL_S - anyio.current_time()))
 
     async def watch(self, confirm: Callable[[], None]) -> None:
         """Read a value of a thing that pushes values at intervals, until cancelled."""
@@ -114,7 +114,7 @@ class HttpThingPort:
         """Return the answer to a long poll; None if it has to be restarted."""
 
         async def read_when_begun() -> None:
-            await anyio.sleep(SHORTEST)  # nothing says when the server has the request
+            await anyio.sleep(MIN_POLL_S)  # nothing says when the server has the request
             await read_current()
 
         answer: HttpAnswer | None = None
@@ -169,7 +169,7 @@ class HttpThingPort:
 
     def _schemes_of(self, form: Form) -> list[SecurityScheme]:
         schemes = [self._thing.security[name] for name in form.security if name in self._thing.security]
-        return [one for one in schemes if one.scheme != "nosec"]
+        return [scheme for scheme in schemes if scheme.scheme != "nosec"]
 
 
 def login_at(where: URL, logins: Sequence[ThingLogin]) -> HttpLogin | None:
@@ -181,18 +181,18 @@ def login_at(where: URL, logins: Sequence[ThingLogin]) -> HttpLogin | None:
 
 
 def _known_at(where: URL, logins: Sequence[ThingLogin]) -> ThingLogin | None:
-    return next((one for one in logins if one.is_for(where.host or "", where.port)), None)
+    return next((login for login in logins if login.is_for(where.host or "", where.port)), None)
 
 
 def _http_login(login: ThingLogin, where: URL, scheme: SecurityScheme) -> HttpLogin:
     """Return how requests to the server of *where* carry credentials."""
     origin, secret = str(where.origin()), login.password
-    found: Literal["basic", "digest", "bearer"] | None = None
+    preferred: Literal["basic", "digest", "bearer"] | None = None
     match scheme.scheme, scheme.location:
-        case ("basic" | "digest" | "bearer") as found, "" | "header":
+        case ("basic" | "digest" | "bearer") as preferred, "" | "header":
             pass
         case "auto", _:
-            found = "digest"
+            preferred = "digest"
         case "apikey", "header" if _HEADER.fullmatch(scheme.name) and scheme.name.lower() not in _NOT_SENT:
             return HttpLogin(origin, "header", scheme.name, secret)
         case "apikey", "cookie" if _HEADER.fullmatch(scheme.name):
@@ -200,7 +200,7 @@ def _http_login(login: ThingLogin, where: URL, scheme: SecurityScheme) -> HttpLo
         case _:
             what = f"{scheme.scheme[:40]} in {scheme.location[:40] or 'its own place'}"
             raise RefusedError("credentials for the thing", f"it wants {what!a}, which is not supported")
-    return HttpLogin(origin, found, login.user, secret)
+    return HttpLogin(origin, preferred, login.user, secret)
 
 
 def _payload(answer: HttpAnswer, form: Form) -> ThingPayload:

@@ -80,8 +80,8 @@ def describe_thing(thing: Thing, key: str, binding: Binding, *others: str) -> Ga
     return GatewayDevice(
         key=key,
         name=clean_text(thing.title) or key,
-        parts=tuple(one.part.model_copy(update={"name": clean_text(one.part.name)}) for one in parts),
-        codecs={one.part.id: _RequestCodec(one, binding) for one in parts},
+        parts=tuple(part.part.model_copy(update={"name": clean_text(part.part.name)}) for part in parts),
+        codecs={part.part.id: _RequestCodec(part, binding) for part in parts},
         metadata=facts_of(thing),
         identifiers=identifiers_of(thing, *others),
         area=clean_text(thing.area),
@@ -102,15 +102,15 @@ class _RequestCodec(ShowingCodec):
 
 
 def _encode(
-    binding: Binding, one: ClassifiedAffordance, form: Form, value: PlainValue, in_unit: Affordance | None = None
+    binding: Binding, affordance: ClassifiedAffordance, form: Form, value: PlainValue, in_unit: Affordance | None = None
 ) -> bytes:
-    if one.affordance.kind == "action" and one.capability.name == "push":
-        require_true(one.capability.name, value)
+    if affordance.affordance.kind == "action" and affordance.capability.name == "push":
+        require_true(affordance.capability.name, value)
         return b""
     format_ = binding.formats(form.content_type)
     if format_ is None:
         raise UnableError(f"the content type {form.content_type[:60]!r} is not understood")
-    return format_.encode(encode_document(one.capability, in_unit or one.affordance, value))
+    return format_.encode(encode_document(affordance.capability, in_unit or affordance.affordance, value))
 
 
 @dataclass(slots=True, eq=False)
@@ -179,28 +179,30 @@ class ThingDevice:
 
     async def perform(self, command: Command) -> None:
         """Carry out a command; return when the thing has accepted it."""
-        settable = next((one.settable for one in self._parts if one.part.id == command.part), {})
+        settable = next((part.settable for part in self._parts if part.part.id == command.part), {})
         if command.capability not in settable:
             raise UnableError(f"{command.capability[:40]} of {command.part[:40]!r} cannot be set")
         values = implied_settings(command.capability, command.value.plain(), settable)
         for name, _ in values:
             await self._learn_unit(command.part, settable[name])
         requests = [(settable[name], *settable[name].request(value)) for name, value in values]
-        payloads = [(one, form, self._payload(command.part, by, form, value)) for one, by, form, value in requests]
-        for one, form, payload in payloads:
+        payloads = [
+            (affordance, form, self._payload(command.part, by, form, value)) for affordance, by, form, value in requests
+        ]
+        for affordance, form, payload in payloads:
             await self._port.write(form, payload)
-            if any(one is each for source in self._asked for _, each in source.affordances):
+            if any(affordance is asked for source in self._asked for _, asked in source.affordances):
                 self._asks_now.set()
 
-    async def _learn_unit(self, part: str, one: ClassifiedAffordance) -> None:
+    async def _learn_unit(self, part: str, affordance: ClassifiedAffordance) -> None:
         """Read the unit of a setting that only the thing's values name, if none has arrived yet."""
-        if one.affordance.schema.unit_member and (part, one.capability.name) not in self._in_units:
-            forms = self._port.binding.read_forms(one.affordance)
-            await self._ask_all(_grouped([(form, part, one) for form in forms[:1]]))
+        if affordance.affordance.schema.unit_member and (part, affordance.capability.name) not in self._in_units:
+            forms = self._port.binding.read_forms(affordance.affordance)
+            await self._ask_all(_grouped([(form, part, affordance) for form in forms[:1]]))
 
-    def _payload(self, part: str, one: ClassifiedAffordance, form: Form, value: PlainValue) -> bytes:
-        in_unit = self._in_units.get((part, one.capability.name))
-        return _encode(self._port.binding, one, form, value, in_unit)
+    def _payload(self, part: str, affordance: ClassifiedAffordance, form: Form, value: PlainValue) -> bytes:
+        in_unit = self._in_units.get((part, affordance.capability.name))
+        return _encode(self._port.binding, affordance, form, value, in_unit)
 
     def _sources(self) -> tuple[_ThingSource, ...]:
         """Split the readable properties into observed (returned) and polled ones."""
@@ -209,15 +211,15 @@ class ThingDevice:
         asked: list[tuple[Form, str, ClassifiedAffordance]] = []
         pushing: set[str] = set()
         for part in self._parts:
-            for one in part.affordances:
-                pushed, read = binding.push_forms(one.affordance), binding.read_forms(one.affordance)
-                if one.observed is None:
+            for affordance in part.affordances:
+                pushed, read = binding.push_forms(affordance.affordance), binding.read_forms(affordance.affordance)
+                if affordance.observed is None:
                     continue
                 if pushed and (len(pushing) < MAX_OBSERVATIONS or pushed[0].href in pushing):
                     pushing.add(pushed[0].href)
-                    observed.append((pushed[0], part.part.id, one))
+                    observed.append((pushed[0], part.part.id, affordance))
                 elif read:
-                    asked.append((read[0], part.part.id, one))
+                    asked.append((read[0], part.part.id, affordance))
         self._asked = self._combined(_grouped(asked))
         sources = _grouped(observed)
         for source in sources:
@@ -227,15 +229,15 @@ class ThingDevice:
     def _read_sources(self, source: _ThingSource) -> tuple[_ThingSource, ...]:
         """Return the sources to poll in place of an observed one."""
         read_forms = self._port.binding.read_forms
-        forms = [(read_forms(one.affordance), part, one) for part, one in source.affordances]
-        return _grouped([(read[0], part, one) for read, part, one in forms if read])
+        forms = [(read_forms(affordance.affordance), part, affordance) for part, affordance in source.affordances]
+        return _grouped([(read[0], part, affordance) for read, part, affordance in forms if read])
 
     def _combined(self, sources: tuple[_ThingSource, ...]) -> list[_ThingSource]:
         """Return the source of all properties in place of several, if the thing has one."""
         forms = self._port.binding.read_all_forms(self._thing.forms)
         if len(sources) < 2 or not forms:
             return list(sources)
-        affordances = [one for source in sources for one in source.affordances]
+        affordances = [affordance for source in sources for affordance in source.affordances]
         return [_ThingSource(forms[0], affordances, has_all=True, instead=sources)]
 
     async def _observe(self, source: _ThingSource) -> None:
@@ -306,30 +308,32 @@ class ThingDevice:
             raise WireError(f"the content type {payload.content_type[:60]!a} is not understood")
         document = format_.parse(payload.data)
         if not source.has_all:
-            for part, one in source.affordances:
-                await self._report_value(part, one, document, payload)
+            for part, affordance in source.affordances:
+                await self._report_value(part, affordance, document, payload)
         elif isinstance(document, dict):
-            for part, one in source.affordances:
-                if one.affordance.name in document:
-                    await self._report_value(part, one, document[one.affordance.name], payload)
+            for part, affordance in source.affordances:
+                if affordance.affordance.name in document:
+                    await self._report_value(part, affordance, document[affordance.affordance.name], payload)
         else:
             raise WireError(f"all properties are an object, not {shown(document)}")
 
     async def _report_value(
-        self, part: str, one: ClassifiedAffordance, document: object, payload: ThingPayload
+        self, part: str, source: ClassifiedAffordance, document: object, payload: ThingPayload
     ) -> None:
-        affordance = in_told_unit(one.capability.name, one.affordance, document)
-        if one.affordance.schema.unit_member and affordance is not None:
-            self._in_units[part, one.capability.name] = affordance
-        value = None if affordance is None else decode_document(one.capability, affordance, document)
+        affordance = in_told_unit(source.capability.name, source.affordance, document)
+        if source.affordance.schema.unit_member and affordance is not None:
+            self._in_units[part, source.capability.name] = affordance
+        value = None if affordance is None else decode_document(source.capability, affordance, document)
         if value is None:
-            self._host.reject(payload.data, f"{one.affordance.name[:60]!a} cannot be {shown(document)}")
+            self._host.reject(payload.data, f"{source.affordance.name[:60]!a} cannot be {shown(document)}")
         else:
-            await self._host.report({one.capability.name: value[0]}, part, self._key)
+            await self._host.report({source.capability.name: value[0]}, part, self._key)
 
 
 def _grouped(read: Iterable[tuple[Form, str, ClassifiedAffordance]]) -> tuple[_ThingSource, ...]:
-    found: dict[tuple[str, str, str], _ThingSource] = {}
-    for form, part, one in read:
-        found.setdefault((form.href, form.method, form.subprotocol), _ThingSource(form)).affordances.append((part, one))
-    return tuple(found.values())
+    sources: dict[tuple[str, str, str], _ThingSource] = {}
+    for form, part, affordance in read:
+        sources.setdefault((form.href, form.method, form.subprotocol), _ThingSource(form)).affordances.append(
+            (part, affordance)
+        )
+    return tuple(sources.values())

@@ -19,10 +19,10 @@ Fields = Mapping[str, object]
 MASTER = ""
 """The part that is the whole controller."""
 
-LONGEST_NAME = 60
+MAX_NAME_CHARACTERS = 60
 
 _RGB, _WHITE, _CCT = 1, 2, 4
-_MOST_SEGMENTS = 64
+_MAX_SEGMENTS = 64
 _FULL = 255
 _WARMEST, _STEP = 1900, 32
 _COLDEST = _WARMEST + _FULL * _STEP
@@ -133,7 +133,7 @@ def find_segments(state: Fields, leds: Fields, effects: tuple[str, ...]) -> Iter
     """Yield the segments with LEDs; a single one is the master part."""
     listed = state.get("seg")
     given = [segment for segment in listed if isinstance(segment, dict)] if isinstance(listed, list) else []
-    lit = [segment for segment in given[:_MOST_SEGMENTS] if segment.get("stop") != 0]
+    lit = [segment for segment in given[:_MAX_SEGMENTS] if segment.get("stop") != 0]
     known = leds.get("seglc")
     by_place = isinstance(known, list) and len(known) == len(lit)
     seen: set[int] = set()
@@ -144,7 +144,7 @@ def find_segments(state: Fields, leds: Fields, effects: tuple[str, ...]) -> Iter
         seen.add(number)
         part = MASTER if len(lit) == 1 else f"segment:{number}"
         abilities = _abilities(fields, leds, place if by_place else number)
-        yield WledSegment(number, part, text_of(fields.get("n"), LONGEST_NAME), abilities, fields, effects)
+        yield WledSegment(number, part, text_of(fields.get("n"), MAX_NAME_CHARACTERS), abilities, fields, effects)
 
 
 def _abilities(segment: Fields, leds: Fields, place: int) -> int:

@@ -21,20 +21,18 @@ from homebot.devices.part import Capability, Category, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.integrations.wled.formats.segment import (
-    LONGEST_NAME,
     MASTER,
     MASTER_FEATURES,
+    MAX_NAME_CHARACTERS,
     Fields,
     find_segments,
     read_master,
 )
 from homebot.support.numbers import to_number
 
-__all__ = ["MASTER", "Fields", "WledStrip", "effect_names", "preset_names"]
-
 _NO_PRESETS: Mapping[int, str] = MappingProxyType({})
-_MOST_EFFECTS, _MOST_PRESETS = 300, 250
-_LONGEST_TRANSITION = 65.5
+_MAX_EFFECTS, _MAX_PRESETS = 300, 250
+_MAX_TRANSITION_S = 65.5
 _NO_EFFECTS = frozenset({"RSVD", "-", ""})
 _ON_OFF = Capability(name="on_off", settable=True)
 
@@ -131,7 +129,7 @@ class WledStrip:
         Raises:
             RefusedError: There is no such part, it cannot do that, or the value is out of its bounds.
         """
-        seconds = min(require_transition(transition), _LONGEST_TRANSITION)
+        seconds = min(require_transition(transition), _MAX_TRANSITION_S)
         given: dict[str, object] = {"tt": round(seconds * 10)} if seconds else {}
         capability, value = next(iter(values.items()))
         if capability == "on_off" and part in _PATHS:
@@ -171,7 +169,7 @@ def effect_names(document: object) -> tuple[str, ...]:
         document: The answer to ``/json/eff``: a list of texts; any other document has no effects.
     """
     names: list[str] = []
-    for effect in document[:_MOST_EFFECTS] if isinstance(document, list) else ():
+    for effect in document[:_MAX_EFFECTS] if isinstance(document, list) else ():
         name = text_of(effect, 40).partition("@")[0]
         names.append("" if name in _NO_EFFECTS or name in names else name)
     return tuple(names)
@@ -185,10 +183,10 @@ def preset_names(document: object) -> dict[int, str]:
     """
     names: dict[int, str] = {}
     for key, fields in as_fields(document).items():
-        if not (isinstance(fields, dict) and key.isascii() and key.isdecimal() and 0 < int(key[:4]) <= _MOST_PRESETS):
+        if not (isinstance(fields, dict) and key.isascii() and key.isdecimal() and 0 < int(key[:4]) <= _MAX_PRESETS):
             continue
         own = fields.get("n")
-        name = clean_text(own, LONGEST_NAME) if isinstance(own, str) and own.strip() else f"Preset {key}"
+        name = clean_text(own, MAX_NAME_CHARACTERS) if isinstance(own, str) and own.strip() else f"Preset {key}"
         names[int(key)] = f"{name} ({key})" if name in names.values() else name
     return names
 

@@ -147,7 +147,7 @@ def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
         raise WireError(f"{ieee}: friendly_name {shown(name)} cannot be a topic: {error}") from None
     definition = as_fields(entry.get("definition"))
     listed = as_fields(entry.get("endpoints"))
-    called = {number: _fact_text(as_fields(one).get("name")) for number, one in listed.items()}
+    called = {number: _fact_text(as_fields(endpoint).get("name")) for number, endpoint in listed.items()}
     return BridgeDevice(
         ieee=ieee,
         name=name,
@@ -176,18 +176,18 @@ def _takes_transition(options: object) -> bool:
     """Return whether it takes a transition; assumed for an old bridge that lists no options."""
     if not isinstance(options, list):
         return True
-    return any(as_fields(one).get("name") == "transition" for one in options[:_MOST_OPTIONS])
+    return any(as_fields(option).get("name") == "transition" for option in options[:_MAX_OPTIONS])
 
 
 def _scenes(endpoints: Mapping[str, object]) -> dict[int, str]:
     """Return the scenes of all *endpoints*; each is recalled by its number alone."""
-    listed = (as_fields(one).get("scenes") for one in endpoints.values())
-    scenes = [as_fields(one) for scenes in listed if isinstance(scenes, list) for one in scenes[:_MOST_SCENES]]
-    return {number: _fact_text(one.get("name")) for one in scenes if type(number := one.get("id")) is int}
+    listed = (as_fields(endpoint).get("scenes") for endpoint in endpoints.values())
+    scenes = [as_fields(scene) for scenes in listed if isinstance(scenes, list) for scene in scenes[:_MAX_SCENES]]
+    return {number: _fact_text(scene.get("name")) for scene in scenes if type(number := scene.get("id")) is int}
 
 
-_MOST_SCENES = 256
-_MOST_OPTIONS = 1_000
+_MAX_SCENES = 256
+_MAX_OPTIONS = 1_000
 _DEFINITION_FACTS = {"manufacturer": "vendor", "model": "description", "model_id": "model"}
 _ENTRY_FACTS = {"manufacturer": "manufacturer", "model_id": "model_id"}
 _MORE_FACTS = {"sw_version": "software_build_id", "power_source": "power_source", "zigbee_type": "type"}

@@ -38,7 +38,7 @@ class _Mode:
         self._topics = topics
         self._mode = mode
         self._program = program
-        self._by_hand = tuple(one for one in mode.options if one not in _OPTIONS)
+        self._by_hand = tuple(option for option in mode.options if option not in _OPTIONS)
         self._options = ("off", *self._by_hand, "auto")
 
     def add_to(self, part: Zigbee2MqttPart) -> None:
@@ -55,12 +55,12 @@ class _Mode:
             return {"thermostat_mode": None, "on_off": None}
         if reported == _MANUAL:
             reported = message.get(self._mode.key)
-            found = reported if reported in self._by_hand else self._by_hand[0] if len(self._by_hand) == 1 else None
+            option = reported if reported in self._by_hand else self._by_hand[0] if len(self._by_hand) == 1 else None
         else:
-            found = _MODES.get(reported) if isinstance(reported, str) else None
-        if found is None:
+            option = _MODES.get(reported) if isinstance(reported, str) else None
+        if option is None:
             return unreadable(reported, self._options)
-        return {"thermostat_mode": found, "on_off": found != "off"}
+        return {"thermostat_mode": option, "on_off": option != "off"}
 
     def _write(self, value: PlainValue, _transition: float) -> Publications:
         target = require_option("thermostat_mode", value, self._options)

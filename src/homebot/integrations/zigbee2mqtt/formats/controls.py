@@ -111,7 +111,7 @@ def build_lock(part: Zigbee2MqttPart, lock: Expose) -> DescribedPart:
     writer = None
     if state is not None and state.is_settable:
         writer = part.state_writer(state, "lock", {"locked": state.value_on, "unlocked": state.value_off})
-    is_readable = any(one is not None and one.is_published for one in (state, bolt))
+    is_readable = any(expose is not None and expose.is_published for expose in (state, bolt))
     part.add_capability("lock", readable=is_readable, writer=writer, options=("locked", "unlocked"))
     part.request(state)
     return part.build()
@@ -223,7 +223,7 @@ def build_valve(part: Zigbee2MqttPart, state: Expose) -> DescribedPart:
 def build_siren(part: Zigbee2MqttPart, warning: Expose) -> DescribedPart:
     """Describe a siren. Tone and volume also turn it on."""
     mode = warning.feature("mode")
-    tones = tuple(one for one in mode.options if one != _SILENT) if mode is not None else ()
+    tones = tuple(option for option in mode.options if option != _SILENT) if mode is not None else ()
     usual = _TONE if _TONE in tones or not tones else tones[0]
 
     def warn(tone: str, level: str = "medium") -> Publications:

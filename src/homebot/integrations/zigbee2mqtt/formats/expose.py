@@ -99,31 +99,37 @@ class Expose:
 
     def of_commands(self) -> tuple[object, ...]:
         """Return the fields from which the payloads of its commands follow."""
-        features = tuple([(one.name, one.of_commands()) for one in self.features if one.is_settable or one.features])
+        features = tuple(
+            [
+                (feature.name, feature.of_commands())
+                for feature in self.features
+                if feature.is_settable or feature.features
+            ]
+        )
         return self.key, self.endpoint, self.value_on, self.value_off, self.least, self.most, self.values, features
 
     @property
     def own_features(self) -> tuple[Expose, ...]:
         """The features of the part of a specific type itself."""
-        return tuple([one for one in self.features if one.name in SPECIFIC_TYPES[self.type]])
+        return tuple([feature for feature in self.features if feature.name in SPECIFIC_TYPES[self.type]])
 
     def feature(self, *names: str) -> Expose | None:
         """Return the first feature with one of *names*; None if there is none."""
-        return next((one for one in self.features if one.name in names), None)
+        return next((feature for feature in self.features if feature.name in names), None)
 
 
 def read_exposes(entries: object) -> tuple[Expose, ...]:
-    """Return the valid entries, at most :data:`_MOST`."""
+    """Return the valid entries, at most :data:`_MAX_ENTRIES`."""
     if not isinstance(entries, list):
         return ()
-    return tuple([one for entry in entries[:_MOST] if (one := _read_known(entry)) is not None])
+    return tuple([expose for entry in entries[:_MAX_ENTRIES] if (expose := _read_known(entry)) is not None])
 
 
-_MOST = 500
-_MOST_VALUES = 1_000
+_MAX_ENTRIES = 500
+_MAX_VALUES = 1_000
 _MAX_DEPTH = 3
 _MAX_KNOWN = 2000
-_LONGEST_KNOWN = 2048
+_MAX_KNOWN_CHARACTERS = 2048
 _MAX_TEXT = 120
 _MAX_PROPERTY = 120
 _GENERIC_TYPES = frozenset({"binary", "numeric", "enum", "text", "composite", "list"})
@@ -139,7 +145,7 @@ def _read_known(entry: object) -> Expose | None:
     expose = _known.get(text)
     if expose is None:
         expose = _read(entry, 0)
-        if expose is not None and len(text) <= _LONGEST_KNOWN:
+        if expose is not None and len(text) <= _MAX_KNOWN_CHARACTERS:
             _known.add(text, expose)
     return expose
 
@@ -147,7 +153,7 @@ def _read_known(entry: object) -> Expose | None:
 def _read_all(entries: object, depth: int) -> tuple[Expose, ...]:
     if not isinstance(entries, list) or depth > _MAX_DEPTH:
         return ()
-    return tuple([one for entry in entries[:_MOST] if (one := _read(entry, depth)) is not None])
+    return tuple([expose for entry in entries[:_MAX_ENTRIES] if (expose := _read(entry, depth)) is not None])
 
 
 def _read(entry: object, depth: int) -> Expose | None:
@@ -189,7 +195,7 @@ def _category(entry: Mapping[str, object]) -> Category:
 def _values(values: object) -> tuple[Scalar, ...]:
     if not isinstance(values, list):
         return ()
-    return tuple([scalar for value in values[:_MOST_VALUES] if (scalar := _scalar(value)) is not None])
+    return tuple([scalar for value in values[:_MAX_VALUES] if (scalar := _scalar(value)) is not None])
 
 
 def _scalar(value: object) -> Scalar | None:

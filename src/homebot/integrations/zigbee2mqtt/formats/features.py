@@ -24,7 +24,7 @@ from homebot.errors import RefusedError
 from homebot.integrations.zigbee2mqtt.formats.expose import SPECIFIC_TYPES, Expose, Scalar
 from homebot.support.numbers import finite_number
 
-_MOST_SECONDS = 6_553.0
+_MAX_TRANSITION_S = 6_553.0
 """Longest transition in a Zigbee frame: 65,535 tenths of a second, without the reserved values."""
 
 
@@ -55,7 +55,11 @@ class Zigbee2MqttTopics:
         """Return the topics of *expose*."""
         if expose.endpoint not in self.bare_endpoints:
             return self
-        keys = [one.key for one in expose.features if one.key] if expose.type in SPECIFIC_TYPES else [expose.key]
+        keys = (
+            [feature.key for feature in expose.features if feature.key]
+            if expose.type in SPECIFIC_TYPES
+            else [expose.key]
+        )
         return replace(self, endpoint=expose.endpoint) if all(key.endswith(expose.suffix) for key in keys) else self
 
     def publish(self, message: Mapping[str, object], transition: float = 0.0) -> Publications:
@@ -67,7 +71,7 @@ class Zigbee2MqttTopics:
         Raises:
             RefusedError: *transition* is out of bounds, or a text cannot be encoded as UTF-8.
         """
-        seconds = require_transition(transition, _MOST_SECONDS)
+        seconds = require_transition(transition, _MAX_TRANSITION_S)
         fields = self._plain(message)
         if seconds and self.takes_transition:
             fields["transition"] = _whole_or_not(seconds)
@@ -79,7 +83,7 @@ class Zigbee2MqttTopics:
 
     def request_state(self, *features: Expose | None) -> Publications:
         """Return the request of *features*; empty if none can be requested."""
-        gettable = [one.key for one in features if one is not None and one.is_gettable]
+        gettable = [feature.key for feature in features if feature is not None and feature.is_gettable]
         if not (gettable and self.is_awake):
             return ()
         return (Publication(f"{self._base}/get", compact_json(self._plain(dict.fromkeys(gettable, ""))).encode()),)
@@ -231,8 +235,8 @@ def _read(key: str, capability: str, read: Callable[[object], PlainValue], messa
     value = message[key]
     if value is None or (CAPABILITIES[capability].kind == "number" and is_unknown(value)):
         return {capability: None}
-    found = read(value)
-    return NO_READINGS if found is None else {capability: found}
+    value_read = read(value)
+    return NO_READINGS if value_read is None else {capability: value_read}
 
 
 def _name_of(names: Mapping[str, str], value: object) -> str | None:

@@ -102,7 +102,7 @@ def _capability_of(name: str, unit: str) -> str:
             return "energy_returned" if capability == "energy" and tokens & _RETURNED else capability
     if tokens & _NO_READINGS:
         return ""
-    return name if name in MEASURED else next((one for one in _BY_NAME if one in tokens), "")
+    return name if name in MEASURED else next((word for word in _BY_NAME if word in tokens), "")
 
 
 def build_generic(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:

@@ -44,23 +44,25 @@ class GroupMember(NamedTuple):
     @property
     def question(self) -> Mapping[str, str]:
         """A question for all values that it tells when asked."""
-        features = (one for named in self.exposes.values() for one in named.items())
-        return {_COLORS.get(name, name): "" for name, one in features if _can_be_asked(one.get("access"))}
+        features = (feature for named in self.exposes.values() for feature in named.items())
+        return {_COLORS.get(name, name): "" for name, feature in features if _can_be_asked(feature.get("access"))}
 
 
 def exposes_of_groups(device: BridgeDevice) -> ExposesOfEndpoints:
     """Return the exposes of the endpoints of *device*; see :attr:`GroupMember.exposes`."""
-    found: dict[str, dict[str, dict[str, Mapping[str, object]]]] = {}
-    for one in map(as_fields, device.exposes if isinstance(device.exposes, list) else ()):
-        kind, endpoint, features = one.get("type"), one.get("endpoint", ""), one.get("features")
+    exposes: dict[str, dict[str, dict[str, Mapping[str, object]]]] = {}
+    for expose in map(as_fields, device.exposes if isinstance(device.exposes, list) else ()):
+        kind, endpoint, features = expose.get("type"), expose.get("endpoint", ""), expose.get("features")
         if kind in _TYPES and isinstance(endpoint, str) and isinstance(features, list):
-            own = [one for one in map(as_fields, features) if str(one.get("name")) in SPECIFIC_TYPES[str(kind)]]
-            named = {str(one["name"]): _without_endpoint(one) for one in own}
-            of_endpoint = found.setdefault(endpoint, {})
+            own = [
+                feature for feature in map(as_fields, features) if str(feature.get("name")) in SPECIFIC_TYPES[str(kind)]
+            ]
+            named = {str(feature["name"]): _without_endpoint(feature) for feature in own}
+            of_endpoint = exposes.setdefault(endpoint, {})
             of_endpoint[str(kind)] = named
             if kind == "light" and "state" in named:  # in a group with plugs
                 of_endpoint.setdefault("switch", {"state": named["state"]})
-    return found
+    return exposes
 
 
 def build_group(
@@ -71,12 +73,12 @@ def build_group(
     Raises:
         WireError: Its name cannot be a topic of its own.
     """
-    kinds = [kind for kind in _TYPES if members and all(kind in one.exposes for one in members)]
+    kinds = [kind for kind in _TYPES if members and all(kind in member.exposes for member in members)]
     exposes = [_common(kind, members) for kind in kinds[:1]]
     listed = {"endpoints": {"1": {"name": "1", "scenes": entry.get("scenes")}}, "power_source": "Battery"}
     device = read_bridge_device(base, {**entry, **listed, "definition": {"exposes": exposes}})
     parts = build_parts(device) if exposes else ()
-    return device, tuple([one._replace(codec=_GroupCodec(one.codec, members)) for one in parts])
+    return device, tuple([part._replace(codec=_GroupCodec(part.codec, members)) for part in parts])
 
 
 def _without_endpoint(feature: Mapping[str, object]) -> Mapping[str, object]:
@@ -85,17 +87,17 @@ def _without_endpoint(feature: Mapping[str, object]) -> Mapping[str, object]:
 
 def _common(kind: str, members: Sequence[GroupMember]) -> dict[str, object]:
     """Return an expose with the features that all have, in the narrowest bounds."""
-    known = [one.exposes[kind] for one in members]
-    names = [name for name in known[0] if all(name in one for one in known)]
-    return {"type": kind, "features": [_narrowest([one[name] for one in known]) for name in names]}
+    known = [member.exposes[kind] for member in members]
+    names = [name for name in known[0] if all(name in features for features in known)]
+    return {"type": kind, "features": [_narrowest([features[name] for features in known]) for name in names]}
 
 
 def _narrowest(features: Sequence[Mapping[str, object]]) -> dict[str, object]:
-    found = dict(features[0])
+    narrowest = dict(features[0])
     for key, pick in (("value_min", max), ("value_max", min)):
-        if numbers := [bound for one in features if isinstance(bound := one.get(key), int | float)]:
-            found[key] = pick(numbers)
-    return found
+        if numbers := [bound for feature in features if isinstance(bound := feature.get(key), int | float)]:
+            narrowest[key] = pick(numbers)
+    return narrowest
 
 
 class _GroupCodec:
@@ -108,9 +110,16 @@ class _GroupCodec:
 
     def questions(self, sent: Publications) -> Publications:
         """See :class:`homebot.conventions.description.AsksMembers`."""
-        keys = {key: "" for one in sent for key in parse_object(one.payload, _MAX_BYTES) if key != "transition"}
-        asked = ((one.topic, keys if keys and _RECALL not in keys else one.question) for one in self._members)
-        return tuple([Publication(f"{topic}/get", compact_json(one).encode()) for topic, one in asked if one])
+        keys = {
+            key: ""
+            for publication in sent
+            for key in parse_object(publication.payload, _MAX_BYTES)
+            if key != "transition"
+        }
+        asked = ((member.topic, keys if keys and _RECALL not in keys else member.question) for member in self._members)
+        return tuple(
+            [Publication(f"{topic}/get", compact_json(question).encode()) for topic, question in asked if question]
+        )
 
 
 def _can_be_asked(access: object) -> bool:

@@ -25,7 +25,7 @@ from homebot.support.numbers import finite_number
 
 def build_light(part: Zigbee2MqttPart, light: Expose, effect: Expose | None) -> DescribedPart:
     """Describe a lamp; *effect* is the enum of its effects."""
-    features = {one.name: one for one in light.own_features}
+    features = {feature.name: feature for feature in light.own_features}
     lamp = _Zigbee2MqttLamp(part.topics, features, light.suffix, _color_mode(light), effect)
     part.read_from(part.topics.state, lamp.read)
     modes = {name for name in ("brightness", "color_temp") if name in features} | ({lamp.mode} if lamp.mode else set())
@@ -76,16 +76,16 @@ class _Zigbee2MqttLamp:
 
     def read(self, message: JsonMessage) -> Readings:
         """Read the brightness; 0 is that of a lamp that is off, and is no report."""
-        found: dict[str, PlainValue] = dict(self._read_state(message))
+        readings: dict[str, PlainValue] = dict(self._read_state(message))
         brightness = self.features.get("brightness")
         if brightness is not None:
             level = read_finite(message.get(brightness.key))
             if level is not None and level > 0:
-                found["level"] = min(100.0, level * 100 / _full(brightness))
-        found.update(self._read_color(message))
+                readings["level"] = min(100.0, level * 100 / _full(brightness))
+        readings.update(self._read_color(message))
         if self.effect is not None and (played := text_of(message.get(self.effect.key))):
-            found["effect"] = played
-        return found
+            readings["effect"] = played
+        return readings
 
     def _read_state(self, message: JsonMessage) -> Readings:
         state = self.features.get("state")
@@ -126,7 +126,7 @@ class _Zigbee2MqttLamp:
         return NO_READINGS
 
     def _read_white(self, mired: float | None) -> Readings:
-        if mired is None or not 0 < mired <= _MOST_MIRED:
+        if mired is None or not 0 < mired <= _MAX_MIRED:
             return NO_READINGS
         return {"color_temperature": float(kelvin_mired(mired))} | ({"color": None} if self.mode else {})
 
@@ -135,12 +135,15 @@ _COLOR_MODES = ("xy", "hs")
 _NO_WHITE: KelvinRange = (2_000, 6_535)
 """Only colours with channels of white need it."""
 
-_MOST_MIRED = 1_000_000
+_MAX_MIRED = 1_000_000
 _FULL = 254.0
 
 
 def _color_mode(light: Expose) -> str:
-    return next((one.name.removeprefix("color_") for one in light.features if one.name in ("color_xy", "color_hs")), "")
+    return next(
+        (feature.name.removeprefix("color_") for feature in light.features if feature.name in ("color_xy", "color_hs")),
+        "",
+    )
 
 
 def _full(brightness: Expose) -> float:
@@ -148,7 +151,7 @@ def _full(brightness: Expose) -> float:
 
 
 def _kelvins(white: Expose) -> tuple[float, ...]:
-    if white.least is None or white.most is None or not 1 <= white.least <= white.most <= _MOST_MIRED:
+    if white.least is None or white.most is None or not 1 <= white.least <= white.most <= _MAX_MIRED:
         return ()
     return mired_bounds(white.least, white.most)
 

@@ -38,11 +38,11 @@ def build_parts(device: BridgeDevice) -> tuple[DescribedPart, ...]:
     """Describe the parts of a device with unique ids. A device unknown to the bridge shows its raw messages."""
     topics = Zigbee2MqttTopics(device.topic, device.is_awake, device.takes_transition, device.bare_endpoints)
     builder = _PartsBuilder(device, topics, read_exposes(device.exposes))
-    return with_own_ids(builder.parts(), _MOST_PARTS) or (_unknown(topics),)
+    return with_own_ids(builder.parts(), _MAX_PARTS) or (_unknown(topics),)
 
 
-_MOST_PARTS = 500
-_MOST_RAW = 20
+_MAX_PARTS = 500
+_MAX_RAW_VALUES = 20
 _MAX_RAW = 255
 _SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "lock": "door_lock", "fan": "fan"}
 _MAIN = frozenset({"climate", "cover", "fan", "lock"})
@@ -95,7 +95,7 @@ class _PartsBuilder:
     def parts(self) -> Iterable[DescribedPart]:
         exposes = map(_key_lock_as_setting, self._exposes)
         mains = _MAIN | {"switch"} if "state" in self._valves else _MAIN
-        for expose in sorted(exposes, key=lambda one: one.type not in mains):
+        for expose in sorted(exposes, key=lambda expose: expose.type not in mains):
             yield from self._parts_of(self._topics.of(expose), expose)
         if self._device.has_updates and self._exposes:
             yield _update(self._topics)
@@ -128,7 +128,7 @@ class _PartsBuilder:
                 yield part
                 continue
             if not digest:
-                around = [one.of_commands() for one in self._auxiliary.values()]
+                around = [expose.of_commands() for expose in self._auxiliary.values()]
                 digest = payload_digest((expose.of_commands(), tuple(around)))
             yield part._replace(part=part.part.model_copy(update={"payloads": digest}))
 
@@ -147,14 +147,14 @@ class _PartsBuilder:
             if part is None and expose is not self._auxiliary.get("effect"):
                 part = build_generic(topics, expose)
             return (part,) if part else ()
-        found = [self._specific(topics, expose)]
+        codecs = [self._specific(topics, expose)]
         if expose.type == "climate" and not any(
-            one.name in _THERMOMETERS and one.is_published for one in self._exposes
+            expose.name in _THERMOMETERS and expose.is_published for expose in self._exposes
         ):
-            found.append(build_thermometer(topics, expose))
+            codecs.append(build_thermometer(topics, expose))
         own = SPECIFIC_TYPES[expose.type]
-        found += [build_generic(topics, other) for other in expose.features if other.name not in own]
-        return filter(None, found)
+        codecs += [build_generic(topics, other) for other in expose.features if other.name not in own]
+        return filter(None, codecs)
 
     def _whole(self, topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
         """Describe a generic expose that is a whole siren or opener; None for any other."""
@@ -262,5 +262,5 @@ def _unknown(topics: Zigbee2MqttTopics) -> DescribedPart:
 
 def _read_raw(message: JsonMessage) -> Readings:
     shown = [(key, value) for key, value in message.items() if not names_secret(key)]
-    text = ", ".join(f"{key}={text_of(value)}" for key, value in shown[:_MOST_RAW])
+    text = ", ".join(f"{key}={text_of(value)}" for key, value in shown[:_MAX_RAW_VALUES])
     return {"raw": clean_text(text, _MAX_RAW)}

@@ -61,7 +61,9 @@ class Zigbee2MqttReader:
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
         """Return the descriptions of the devices in a list. A broken entry affects only its device."""
-        return tuple(one for one in self.read_message_in_slices(topic, payload, retained=retained) if one is not None)
+        return tuple(
+            event for event in self.read_message_in_slices(topic, payload, retained=retained) if event is not None
+        )
 
     def read_message_in_slices(
         self,
@@ -103,7 +105,9 @@ class Zigbee2MqttReader:
         self._listless.pop(base, None)
         if not payload:
             self._devices[base] = {}
-            yield from (DeviceWithdrawn(one.key, "its bridge's list was removed") for one in before.values())
+            yield from (
+                DeviceWithdrawn(announced.key, "its bridge's list was removed") for announced in before.values()
+            )
             return
         entries: list[object] = []
         for entry in parse_list(payload, MAX_BRIDGE_BYTES):
@@ -115,14 +119,14 @@ class Zigbee2MqttReader:
         yield from self._describe_all(base, topic, entries, devices)
         self._devices[base] = devices
         listed = {ieee_address(entry) for entry in entries}
-        yield from (_withdrawn(one, ieee in listed) for ieee, one in before.items() if ieee not in devices)
+        yield from (_withdrawn(announced, ieee in listed) for ieee, announced in before.items() if ieee not in devices)
         yield from devices.values()
         yield from self._describe_groups(base, f"{base}/bridge/groups")
 
     def _describe_all(
-        self, base: str, topic: str, entries: list[object], found: dict[str, DeviceAnnounced]
+        self, base: str, topic: str, entries: list[object], described: dict[str, DeviceAnnounced]
     ) -> Iterator[WireError | None]:
-        """Describe the entries into *found*. A device with a broken entry retains its last description."""
+        """Describe the entries into *described*. A device with a broken entry retains its last description."""
         topics: set[str] = set()
         problems: list[WireError] = []
         room = MAX_PARTS
@@ -131,20 +135,20 @@ class Zigbee2MqttReader:
             yield None
             ieee = ieee_address(entry)
             try:
-                device = _read(base, entry, topics, is_known=ieee in found, room=room)
+                device = _read(base, entry, topics, is_known=ieee in described, room=room)
             except WireError as error:
                 problems.append(error)
                 old = self._devices[base].get(ieee)
-                if ieee in found or old is None or _topic_of(old) in topics:
+                if ieee in described or old is None or _topic_of(old) in topics:
                     continue
-                found[ieee] = old
+                described[ieee] = old
             else:
                 if device.is_coordinator or device.is_disabled:
                     continue
-                found[ieee] = self._describe(base, topic, device, via)
-            topics.add(_topic_of(found[ieee]))
-            room -= len(found[ieee].parts)
-        if problems and not found:
+                described[ieee] = self._describe(base, topic, device, via)
+            topics.add(_topic_of(described[ieee]))
+            room -= len(described[ieee].parts)
+        if problems and not described:
             raise problems[0]
         self.rejected += len(problems)
         yield from problems
@@ -178,15 +182,15 @@ class Zigbee2MqttReader:
         yield from self._describe_groups(base, topic)
 
     def _names_in(self, base: str, group: Mapping[str, object]) -> dict[str, None]:
-        return dict.fromkeys(name for one in _members_of(group) for name in self._names_of(base, one))
+        return dict.fromkeys(name for member in _members_of(group) for name in self._names_of(base, member))
 
     def _describe_groups(self, base: str, topic: str) -> Iterator[AnnouncementEvent | None]:
         """List all groups, and describe those of which all members are known, and have a feature in common."""
         groups = self._group_lists.get(base)
         if groups is None:
             return
-        yield GroupsListed(topic, {_group_id(base, one): tuple(self._names_in(base, one)) for one in groups})
-        before, found = self._groups[base], dict[str, DeviceAnnounced]()
+        yield GroupsListed(topic, {_group_id(base, group): tuple(self._names_in(base, group)) for group in groups})
+        before, groups_found = self._groups[base], dict[str, DeviceAnnounced]()
         for entry in groups:
             yield None
             try:
@@ -195,17 +199,17 @@ class Zigbee2MqttReader:
                 self.rejected += 1
                 continue
             if described is not None:
-                found[described.key] = described
-        self._groups[base] = found
-        listed = {_group_key(base, one) for one in groups}
-        for key in before.keys() - found.keys():
+                groups_found[described.key] = described
+        self._groups[base] = groups_found
+        listed = {_group_key(base, group) for group in groups}
+        for key in before.keys() - groups_found.keys():
             why = "its bridge lists no such group of lamps, switches or covers"
             yield DeviceWithdrawn(key, why, is_final=key not in listed)
-        yield from found.values()
+        yield from groups_found.values()
 
     def _describe_group(self, base: str, entry: Mapping[str, object]) -> DeviceAnnounced | None:
-        members = [self._member(base, one) for one in _members_of(entry)]
-        known = [one for one in members if one is not None]
+        members = [self._member(base, member) for member in _members_of(entry)]
+        known = [member for member in members if member is not None]
         device, parts = build_group(base, entry, known if len(known) == len(members) else ())
         if not parts:
             return None
@@ -217,7 +221,7 @@ class Zigbee2MqttReader:
             whole_device=True,
             identifiers=(_group_id(base, entry),),
             name=clean_text(device.name),
-            parts=tuple([as_group(one, names) for one in parts]),
+            parts=tuple([as_group(part, names) for part in parts]),
             topic=f"{base}/bridge/groups",
             facts={"origin": "Zigbee2MQTT"},
             owns=(device.topic,),
@@ -241,9 +245,9 @@ class Zigbee2MqttReader:
         device = self._devices[base].get(ieee)
         endpoint = self._endpoints.get(ieee, {}).get(str(member.get("endpoint")))
         parts = () if device is None or not endpoint else device.parts
-        ids = [one.part.id for one in parts if one.part.id.endswith(f"_{endpoint}")]
+        ids = [part.part.id for part in parts if part.part.id.endswith(f"_{endpoint}")]
         if device is not None and ids:
-            yield from (f"{device.identifiers[0]}#{one}" for one in ids)
+            yield from (f"{device.identifiers[0]}#{part_id}" for part_id in ids)
         elif ieee:
             yield from identifiers([ieee])
 
@@ -267,8 +271,8 @@ class Zigbee2MqttReader:
         self._settings[base] = settings
         changed = {
             ieee: described
-            for ieee, one in self._devices[base].items()
-            if (described := self._with_settings(base, ieee, one)) != one
+            for ieee, announced in self._devices[base].items()
+            if (described := self._with_settings(base, ieee, announced)) != announced
         }
         self._devices[base].update(changed)
         yield from changed.values()
@@ -276,7 +280,7 @@ class Zigbee2MqttReader:
 
 def _members_of(group: Mapping[str, object]) -> list[Mapping[str, object]]:
     listed = group.get("members")
-    return [as_fields(one) for one in listed[:MAX_DEVICES]] if isinstance(listed, list) else []
+    return [as_fields(entry) for entry in listed[:MAX_DEVICES]] if isinstance(listed, list) else []
 
 
 def _group_key(base: str, group: Mapping[str, object]) -> str:
@@ -316,7 +320,7 @@ def _bridge_name(base: str, entries: list[object]) -> str:
     return f"zigbee2mqtt_bridge_{base}"
 
 
-def _withdrawn(one: DeviceAnnounced, is_listed: bool) -> DeviceWithdrawn:  # noqa: FBT001 - only called above
+def _withdrawn(announced: DeviceAnnounced, is_listed: bool) -> DeviceWithdrawn:  # noqa: FBT001 - only called above
     if is_listed:
-        return DeviceWithdrawn(one.key, "it was disabled, or its name was taken")
-    return DeviceWithdrawn(one.key, "it left its bridge", is_final=True)
+        return DeviceWithdrawn(announced.key, "it was disabled, or its name was taken")
+    return DeviceWithdrawn(announced.key, "it left its bridge", is_final=True)

@@ -71,7 +71,7 @@ class Run:
         Raises:
             TemplateError: It is too much.
         """
-        lengths = sorted([len(one) for one in values if isinstance(one, (str, bytes))])
+        lengths = sorted([len(value) for value in values if isinstance(value, (str, bytes))])
         if len(lengths) > 1:
             self.spend(lengths[-1] * lengths[-2] // _COMPARED_PER_STEP)
 
@@ -122,7 +122,7 @@ class Run:
 Evaluate: TypeAlias = Callable[[Run], object]
 """Evaluates an expression, or executes a statement."""
 
-_MOST_SHOWN = 80
+_MAX_SHOWN_CHARACTERS = 80
 _COMPARED_PER_STEP = 1024
 
 
@@ -157,7 +157,7 @@ class Program:
         except RecursionError:
             raise TemplateError("a value is nested too deeply") from None
         except (TypeError, ArithmeticError) as error:
-            raise TemplateError(f"the values do not fit the template: {str(error)[:_MOST_SHOWN]}") from error
+            raise TemplateError(f"the values do not fit the template: {str(error)[:_MAX_SHOWN_CHARACTERS]}") from error
         except (ValueError, LookupError, AttributeError) as error:
             # Their messages may show a value, which may be the code of a lock.
             raise TemplateError(f"the values do not fit the template: {type(error).__name__}") from None
@@ -167,7 +167,7 @@ class Program:
         return run.written()
 
 
-_LONGEST_PATH = 100
+_MAX_PATH_CHARACTERS = 100
 _WEIGHT = 2
 """Of the name and its output; each step adds 1, and 1 for its key if that is in quotes."""
 
@@ -181,9 +181,9 @@ def path_program(source: str) -> Program | None:
 
     Jinja's parser takes ten times as long: 0.2 ms, for each of the thousands of templates of a large house.
     """
-    if len(source) > _LONGEST_PATH or (found := _PATH.fullmatch(source)) is None:
+    if len(source) > _MAX_PATH_CHARACTERS or (match := _PATH.fullmatch(source)) is None:
         return None
-    steps = _STEP.findall(found[1])
+    steps = _STEP.findall(match[1])
     path = tuple(map("".join, steps))
 
     def execute(run: Run) -> None:

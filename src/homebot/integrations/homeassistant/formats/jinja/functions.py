@@ -87,7 +87,7 @@ def _relative_time(run: Run, value: object) -> object:
     seconds = (_now() - _as_local(run, value)).total_seconds()
     if seconds < 0:
         return value
-    length, unit = next((one for one in _UNITS if seconds >= one[0]), _UNITS[-1])
+    length, unit = next((unit_known for unit_known in _UNITS if seconds >= unit_known[0]), _UNITS[-1])
     count = round(seconds / length)
     return f"{count} {unit}{'' if count == 1 else 's'}"
 
@@ -113,12 +113,12 @@ def _strptime(run: Run, value: object, date_format: object, default: object = MI
 
 
 def _short(value: object) -> str:
-    if not isinstance(value, str) or len(value) > _LONGEST_MOMENT:
+    if not isinstance(value, str) or len(value) > _MAX_TIME_CHARACTERS:
         raise TypeError("a time must be a short text")
     return value
 
 
-_LONGEST_MOMENT = 255
+_MAX_TIME_CHARACTERS = 255
 _LAYOUT_STEPS = 200
 """Steps for what a layout takes to be compiled."""
 
@@ -156,16 +156,18 @@ def _map(run: Run, value: object, *arguments: object, **named: object) -> object
     mapped = FILTERS.get(str(arguments[0])) if arguments else None
     if mapped is None or mapped is _map:
         raise TemplateError("map is given no filter that it could apply")
-    found: list[object] = []
-    for one in values:
-        run.spend_on_search((one, *arguments[1:], *named.values()))
-        found.append(run.handle(mapped(run, run.handle(one), *arguments[1:], **named)))
-    return found
+    flat: list[object] = []
+    for item in values:
+        run.spend_on_search((item, *arguments[1:], *named.values()))
+        flat.append(run.handle(mapped(run, run.handle(item), *arguments[1:], **named)))
+    return flat
 
 
 def _attributes(values: Iterable[object], name: object, default: object) -> list[object]:
-    found = [attribute_of(one, name) for one in values]
-    return [default if default is not None and isinstance(one, Undefined) else one for one in found]
+    attributes = [attribute_of(value, name) for value in values]
+    return [
+        default if default is not None and isinstance(attribute, Undefined) else attribute for attribute in attributes
+    ]
 
 
 FILTERS: Final[dict[str, Callable[..., object]]] = {

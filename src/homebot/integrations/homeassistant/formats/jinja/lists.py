@@ -47,7 +47,7 @@ _ORDERS: Final = {
 CHECKS: Final[dict[str, Callable[..., object]]] = {
     **{name: _order(operator) for operator, names in _ORDERS.items() for name in names},
     "boolean": _of_kind(bool),
-    "contains": lambda _, value, one: ORDER["in"](one, value),
+    "contains": lambda _, value, item: ORDER["in"](item, value),
     "datetime": _of_kind(datetime),
     "defined": lambda _, value: not isinstance(value, Undefined),
     "divisibleby": lambda _, value, by: BINARY["Mod"](value, by) == 0,
@@ -120,8 +120,8 @@ def _folded(value: object) -> object:
 
 def _key(case_sensitive: object, attribute: object) -> Callable[[object], object]:
     def key(value: object) -> object:
-        found = value if attribute is None else attribute_of(value, attribute)
-        return found if case_sensitive else _folded(found)
+        key = value if attribute is None else attribute_of(value, attribute)
+        return key if case_sensitive else _folded(key)
 
     return key
 
@@ -144,7 +144,7 @@ def _extreme(choose: Callable[..., object]) -> Callable[..., object]:
     return extreme
 
 
-_LEAST, _MOST = _extreme(min), _extreme(max)
+_MIN, _MAX = _extreme(min), _extreme(max)
 
 
 def _of_arguments(extreme: Callable[..., object]) -> Callable[..., object]:
@@ -156,15 +156,15 @@ def _unique(run: Run, value: object, case_sensitive: object = False, attribute: 
     run.spend(len(values))
     key = _key(case_sensitive, attribute)
     first: dict[object, object] = {}
-    for one in values:
-        first.setdefault(key(one), one)
+    for element in values:
+        first.setdefault(key(element), element)
     return list(first.values())
 
 
 def _sum(run: Run, value: object, attribute: object = None, start: object = 0) -> object:
     total: int | float = 0
-    for one in [start, *values_of(run, value)]:
-        number = one if attribute is None or one is start else attribute_of(one, attribute)
+    for addend in [start, *values_of(run, value)]:
+        number = addend if attribute is None or addend is start else attribute_of(addend, attribute)
         if isinstance(number, Undefined):
             number.fail()
         if not isinstance(number, (int, float)):
@@ -178,22 +178,22 @@ def _selecting(*, expected: bool, of_attribute: bool) -> Callable[..., object]:
         values = values_of(run, value) if value else []
         run.spend(4 * len(values))
         rest = arguments[1:] if of_attribute else arguments
-        check = CHECKS[str(rest[0])] if rest else lambda _, one: bool(one)
-        found: list[object] = []
-        for one in values:
-            checked = attribute_of(one, arguments[0]) if of_attribute else one
+        check = CHECKS[str(rest[0])] if rest else lambda _, element: bool(element)
+        chosen: list[object] = []
+        for element in values:
+            checked = attribute_of(element, arguments[0]) if of_attribute else element
             run.spend_on_search((checked, *rest[1:]))
             if bool(check(run, checked, *rest[1:])) is expected:
-                found.append(one)
-        return found
+                chosen.append(element)
+        return chosen
 
     return select
 
 
 def _join(run: Run, value: object, separator: object = "", attribute: object = None) -> str:
     values = values_of(run, value)
-    found = values if attribute is None else [attribute_of(one, attribute) for one in values]
-    return join(text(separator), [text(run.handle(one)) for one in found])
+    items = values if attribute is None else [attribute_of(value, attribute) for value in values]
+    return join(text(separator), [text(run.handle(item)) for item in items])
 
 
 def _end(index: int) -> Callable[..., object]:
@@ -228,7 +228,7 @@ def _dictionary_sort(
 
 
 def _range(_: Run, *bounds: object) -> object:
-    numbers = range(*[whole(one) for one in bounds])
+    numbers = range(*[whole(bound) for bound in bounds])
     if len(numbers) > MAX_ITEMS:
         raise TemplateError(f"a range has more than {MAX_ITEMS} numbers")
     return list(numbers)
@@ -249,15 +249,15 @@ def _attribute(_: Run, value: object, name: object) -> object:
 
 def _combine(run: Run, *values: object, recursive: object = False) -> dict[object, object]:
     """Return a mapping with the items of *values*, of which later ones count; nested mappings too if *recursive*."""
-    found: dict[object, object] = {}
-    for one in values:
-        if not isinstance(one, dict):
-            raise TypeError(f"combine is given a {type(one).__name__}")
-        run.spend(1 + len(one))
-        for key, value in one.items():
-            is_nested = recursive and isinstance(value, dict) and isinstance(found.get(key), dict)
-            found[key] = _combine(run, found[key], value, recursive=True) if is_nested else value
-    return found
+    by_key: dict[object, object] = {}
+    for mapping in values:
+        if not isinstance(mapping, dict):
+            raise TypeError(f"combine is given a {type(mapping).__name__}")
+        run.spend(1 + len(mapping))
+        for key, value in mapping.items():
+            is_nested = recursive and isinstance(value, dict) and isinstance(by_key.get(key), dict)
+            by_key[key] = _combine(run, by_key[key], value, recursive=True) if is_nested else value
+    return by_key
 
 
 _DEEPEST = 8
@@ -276,8 +276,8 @@ LIST_FILTERS: Final[dict[str, Callable[..., object]]] = {
     "last": _end(-1),
     "length": _length,
     "list": _of(list),
-    "max": _MOST,
-    "min": _LEAST,
+    "max": _MAX,
+    "min": _MIN,
     "reject": _selecting(expected=False, of_attribute=False),
     "rejectattr": _selecting(expected=False, of_attribute=True),
     "reverse": lambda run, value: value[::-1] if isinstance(value, str) else values_of(run, value)[::-1],
@@ -292,10 +292,10 @@ LIST_FILTERS: Final[dict[str, Callable[..., object]]] = {
 LIST_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
     "combine": _combine,
     "dict": _dictionary,
-    "max": _of_arguments(_MOST),
-    "min": _of_arguments(_LEAST),
+    "max": _of_arguments(_MAX),
+    "min": _of_arguments(_MIN),
     "range": _range,
     "tuple": _of(tuple),
-    "zip": lambda run, *lists: list(zip(*[values_of(run, one) for one in lists], strict=False)),
+    "zip": lambda run, *lists: list(zip(*[values_of(run, listed) for listed in lists], strict=False)),
 }
 """By name; each takes the run first."""

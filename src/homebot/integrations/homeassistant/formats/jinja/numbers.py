@@ -73,8 +73,8 @@ ORDER: Final[dict[str, Binary]] = {
     "lteq": operator.le,
     "gt": operator.gt,
     "gteq": operator.ge,
-    "in": lambda one, many: operator.contains(_container(many), one),
-    "notin": lambda one, many: not operator.contains(_container(many), one),
+    "in": lambda item, many: operator.contains(_container(many), item),
+    "notin": lambda item, many: not operator.contains(_container(many), item),
 }
 """The comparisons, by Jinja's names of them."""
 
@@ -90,8 +90,8 @@ def _container(many: object) -> list[object] | str | tuple[object, ...] | dict[o
 MISSING: Final = object()
 """Stands for a default that is not given."""
 
-_MOST_DECIMALS = 300
-_LONGEST_FLAG = 32
+_MAX_DECIMALS = 300
+_MAX_FLAG_CHARACTERS = 32
 _FLAGS: Final[dict[str | None, bool]] = {
     **dict.fromkeys(("1", "true", "yes", "on", "enable"), True),
     **dict.fromkeys(("0", "false", "no", "off", "disable"), False),
@@ -143,7 +143,7 @@ def _int(_: Run, value: object, default: object = MISSING, base: object = 10) ->
 
 def _bool(_: Run, value: object, default: object = MISSING) -> object:
     def convert() -> bool:
-        flag = value[:_LONGEST_FLAG].lower().strip() if isinstance(value, str) else None
+        flag = value[:_MAX_FLAG_CHARACTERS].lower().strip() if isinstance(value, str) else None
         if flag in _FLAGS:
             return _FLAGS[flag]
         if isinstance(value, (bool, int, float)):
@@ -157,8 +157,8 @@ def _round(
     _: Run, value: object, precision: object = 0, method: object = "common", default: object = MISSING
 ) -> object:
     places = whole(precision)
-    if abs(places) > _MOST_DECIMALS:
-        raise TemplateError(f"a number is rounded to more than {_MOST_DECIMALS} places")
+    if abs(places) > _MAX_DECIMALS:
+        raise TemplateError(f"a number is rounded to more than {_MAX_DECIMALS} places")
 
     def convert() -> float:
         multiplier, number = float(10**places), real(value)
@@ -217,7 +217,7 @@ def _average(_: Run, values: object, default: object = MISSING) -> object:
         if (
             not isinstance(values, (list, tuple))
             or not values
-            or not all(isinstance(one, (int, float)) for one in values)
+            or not all(isinstance(value, (int, float)) for value in values)
         ):
             raise TypeError("no numbers")
         return math.fsum(values) / len(values)

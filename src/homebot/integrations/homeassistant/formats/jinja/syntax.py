@@ -34,7 +34,7 @@ _Function: TypeAlias = Callable[..., object]
 _Calling: TypeAlias = nodes.Call | nodes.Filter | nodes.Test
 _Arguments: TypeAlias = Callable[[Run], tuple[list[object], dict[str, object]]]
 
-_MOST_SHOWN = 60
+_MAX_SHOWN_CHARACTERS = 60
 _LARGEST_LITERAL = 64
 
 
@@ -108,7 +108,7 @@ class _Compiler:
         return execute
 
     def visit_if(self, node: nodes.If) -> Evaluate:
-        cases = [(self._compile(one.test), self.block(one.body)) for one in (node, *node.elif_)]
+        cases = [(self._compile(case.test), self.block(case.body)) for case in (node, *node.elif_)]
         otherwise = self.block(node.else_)
 
         def execute(run: Run) -> None:
@@ -185,7 +185,7 @@ class _Compiler:
         if isinstance(node, nodes.NSRef):
             return _attribute_target(node.name, node.attr)
         if isinstance(node, nodes.Tuple):
-            return _tuple_target([self._target(one) for one in node.items])
+            return _tuple_target([self._target(item) for item in node.items])
         raise TemplateError(f"assigns to {_described(node)}, which is not supported")
 
     # Expressions
@@ -205,12 +205,12 @@ class _Compiler:
 
     def _sequence(self, node: nodes.List | nodes.Tuple) -> Evaluate:
         kind, items = (list if isinstance(node, nodes.List) else tuple), self._all(node.items)
-        return lambda run: run.handle(kind([one(run) for one in items]))
+        return lambda run: run.handle(kind([item(run) for item in items]))
 
     visit_list = visit_tuple = _sequence
 
     def visit_dict(self, node: nodes.Dict) -> Evaluate:
-        items = [(self._compile(one.key), self._compile(one.value)) for one in node.items]
+        items = [(self._compile(item.key), self._compile(item.value)) for item in node.items]
         return lambda run: run.handle({key(run): value(run) for key, value in items})
 
     def visit_getattr(self, node: nodes.Getattr) -> Evaluate:
@@ -223,7 +223,7 @@ class _Compiler:
             key = self._compile(node.arg)
             return lambda run: item(value(run), key(run))
         bounds = (node.arg.start, node.arg.stop, node.arg.step)
-        compiled = [_constant(None) if one is None else self._compile(one) for one in bounds]
+        compiled = [_constant(None) if bound is None else self._compile(bound) for bound in bounds]
         return lambda run: run.handle(slice_of(value(run), [bound(run) for bound in compiled]))
 
     def visit_condexpr(self, node: nodes.CondExpr) -> Evaluate:
@@ -252,7 +252,7 @@ class _Compiler:
     visit_not = visit_neg = visit_pos = _unary
 
     def visit_compare(self, node: nodes.Compare) -> Evaluate:
-        steps = [(ORDER[one.op], "in" in one.op, self._compile(one.expr)) for one in node.ops]
+        steps = [(ORDER[operand.op], "in" in operand.op, self._compile(operand.expr)) for operand in node.ops]
         first = self._compile(node.expr)
 
         def evaluate(run: Run) -> object:
@@ -276,7 +276,7 @@ class _Compiler:
 
     def visit_filter(self, node: nodes.Filter) -> Evaluate:
         if node.node is None or node.name not in FILTERS:
-            raise TemplateError(f"uses the filter `{node.name[:_MOST_SHOWN]}`, which is not supported")
+            raise TemplateError(f"uses the filter `{node.name[:_MAX_SHOWN_CHARACTERS]}`, which is not supported")
         function = FILTERS[node.name]
         if node.name not in _DEFAULTS:
             return self._call(function, [node.node, *node.args], node)
@@ -285,17 +285,17 @@ class _Compiler:
 
         def evaluate_default(run: Run) -> object:
             """Evaluate the default only if it is needed: in ``default(this.state)`` it fails."""
-            found = run.handle(value(run))
-            if not isinstance(found, Undefined) and (is_plain or found):
-                return found
+            result = run.handle(value(run))
+            if not isinstance(result, Undefined) and (is_plain or result):
+                return result
             values, by_name = arguments(run)
-            return run.handle(function(run, found, *values, **by_name))
+            return run.handle(function(run, result, *values, **by_name))
 
         return evaluate_default
 
     def visit_test(self, node: nodes.Test) -> Evaluate:
         if node.name not in CHECKS:
-            raise TemplateError(f"uses the test `{node.name[:_MOST_SHOWN]}`, which is not supported")
+            raise TemplateError(f"uses the test `{node.name[:_MAX_SHOWN_CHARACTERS]}`, which is not supported")
         return self._call(CHECKS[node.name], [node.node, *node.args], node)
 
     def visit_call(self, node: nodes.Call) -> Evaluate:
@@ -306,12 +306,14 @@ class _Compiler:
             if called.name in HOME_ASSISTANT:
                 raise TemplateError(f"uses `{called.name}()`, which only Home Assistant has")
             if called.name not in FUNCTIONS:
-                raise TemplateError(f"uses the function `{called.name[:_MOST_SHOWN]}()`, which is not supported")
+                raise TemplateError(
+                    f"uses the function `{called.name[:_MAX_SHOWN_CHARACTERS]}()`, which is not supported"
+                )
             return self._call(FUNCTIONS[called.name], node.args, node)
         if not isinstance(called, nodes.Getattr):
             raise TemplateError("calls something that is not a function")
         if not any(called.attr in methods for methods in METHODS.values()):
-            raise TemplateError(f"uses the method `{called.attr[:_MOST_SHOWN]}()`, which is not supported")
+            raise TemplateError(f"uses the method `{called.attr[:_MAX_SHOWN_CHARACTERS]}()`, which is not supported")
         method = called.attr
 
         def call_method(_: Run, owner: object, *values: object, **named: object) -> object:
@@ -335,11 +337,13 @@ class _Compiler:
         if node.dyn_args is not None or node.dyn_kwargs is not None:
             raise TemplateError("calls with `*` or `**`, which is not supported")
         compiled = self._all(arguments)
-        named = [(one.key, self._compile(one.value)) for one in node.kwargs if isinstance(one, nodes.Keyword)]
+        named = [
+            (keyword.key, self._compile(keyword.value)) for keyword in node.kwargs if isinstance(keyword, nodes.Keyword)
+        ]
 
         def evaluate(run: Run) -> tuple[list[object], dict[str, object]]:
-            values = [run.handle(one(run)) for one in compiled]
-            by_name = {key: run.handle(one(run)) for key, one in named}
+            values = [run.handle(expression(run)) for expression in compiled]
+            by_name = {key: run.handle(expression(run)) for key, expression in named}
             run.spend_on_search((*values, *by_name.values()))
             return values, by_name
 
@@ -378,8 +382,8 @@ def _attribute_target(name: str, attribute: str) -> Assign:
 
 def _tuple_target(targets: Sequence[Assign]) -> Assign:
     def assign(run: Run, value: object) -> None:
-        for target, one in zip(targets, values_of(run, value), strict=True):
-            target(run, one)
+        for target, element in zip(targets, values_of(run, value), strict=True):
+            target(run, element)
 
     return assign
 

@@ -102,7 +102,7 @@ class Template:
 
 
 # A compiled template takes up to about a hundred times the memory of its text.
-_LONGEST_CACHED = 1024
+_MAX_CACHED_CHARACTERS = 1024
 _compiled = lru_cache(maxsize=1024)(Template)
 
 
@@ -111,7 +111,7 @@ def compile_template(source: str) -> Template:
 
     Equal texts of up to 1,024 characters share one template, the last 1,024 of them.
     """
-    return _compiled(source) if len(source) <= _LONGEST_CACHED else Template(source)
+    return _compiled(source) if len(source) <= _MAX_CACHED_CHARACTERS else Template(source)
 
 
 def _checked_text(rendered: str) -> str:

@@ -30,15 +30,15 @@ from homebot.support.folding import fold
 
 def percent(template: str, values: object) -> str:
     """Return ``template % values``; a width may have two digits."""
-    if template.count("%") > _MOST_FIELDS or not _PERCENT.fullmatch(template):
+    if template.count("%") > _MAX_FIELDS or not _PERCENT.fullmatch(template):
         raise TemplateError("a text is formatted with more than plain values, or to a large width")
     return template % values
 
 
 def _braces(template: str, values: tuple[object, ...], named: dict[str, object]) -> str:
     """Return ``template.format(*values, **named)``, with plain fields only."""
-    if template.count("{") > _MOST_FIELDS:
-        raise TemplateError(f"a text is formatted with more than {_MOST_FIELDS} values")
+    if template.count("{") > _MAX_FIELDS:
+        raise TemplateError(f"a text is formatted with more than {_MAX_FIELDS} values")
     for _, field, width, _ in Formatter().parse(template):
         if field is not None and not _FIELD.fullmatch(field):
             raise TemplateError("a text is formatted with more than plain values")
@@ -49,16 +49,16 @@ def _braces(template: str, values: tuple[object, ...], named: dict[str, object])
 
 def strftime_format(template: str) -> str:
     """Return *template*, a format of times; it must be short, with plain fields only."""
-    if len(template) > _LONGEST_TIME or not _TIME.fullmatch(template):
+    if len(template) > _MAX_TIME_CHARACTERS or not _TIME.fullmatch(template):
         raise TemplateError("a time is formatted with more than plain fields")
     return template
 
 
-_MOST_FIELDS = 32
+_MAX_FIELDS = 32
 _PERCENT = re.compile(r"(?:[^%]++|%(?:\([^()%]*+\))?[-+ #0]*+[0-9]{0,2}+(?:\.[0-9]{0,2}+)?[a-zA-Z%])*+")
 _LARGE = re.compile(r"\d{3}")  # of any script, as for str.format
 _FIELD = re.compile(r"[A-Za-z0-9_]{0,32}")
-_LONGEST_TIME = 64
+_MAX_TIME_CHARACTERS = 64
 _TIME = re.compile(r"(?:[^%]|%-?[A-Za-z%])*")
 
 
@@ -254,7 +254,7 @@ def _slugify(run: Run, value: object, separator: object = "_") -> str:
     """Return the words of a text in small Latin letters; ``unknown`` if it has other ones alone."""
     source = text(value)
     run.spend(len(source) // 4)
-    slug = text(separator)[:_MOST_FIELDS].join(filter(None, _NO_SLUG.split(fold(source))))
+    slug = text(separator)[:_MAX_FIELDS].join(filter(None, _NO_SLUG.split(fold(source))))
     return slug or ("unknown" if source else "")
 
 
@@ -266,7 +266,7 @@ def _of_text(make: Callable[[str], str]) -> Callable[..., object]:
 
 
 _WORD_STARTS = re.compile(r"([-\s({\[<]+)")
-_HTML = {ord(one): f"\\u{ord(one):04x}" for one in "<>&'"}
+_HTML = {ord(sign): f"\\u{ord(sign):04x}" for sign in "<>&'"}
 _WIDEST_INDENT = 8
 _ENCODINGS = frozenset({"utf-8", "utf8", "ascii", "latin-1", "iso-8859-1"})
 _LAYOUT = re.compile("[@=<>!]?[a-zA-Z?]{1,16}")

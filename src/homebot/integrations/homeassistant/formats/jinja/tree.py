@@ -10,7 +10,7 @@ from jinja2 import nodes
 from homebot.integrations.homeassistant.formats.jinja.values import MAX_DEPTH, MAX_TOKENS, TemplateError
 
 _ENVIRONMENT: Final = jinja2.Environment(extensions=["jinja2.ext.loopcontrols"])  # noqa: S701  # only parses
-_MOST_SHOWN = 60
+_MAX_SHOWN_CHARACTERS = 60
 
 
 def tree_of(source: str) -> nodes.Template:
@@ -27,7 +27,7 @@ def tree_of(source: str) -> nodes.Template:
                 raise TemplateError(f"has more than {MAX_TOKENS} tokens")
             return _ENVIRONMENT.parse(source)
     except jinja2.TemplateSyntaxError as error:
-        raise TemplateError(f"is not a valid template: {(error.message or '')[:_MOST_SHOWN]}") from error
+        raise TemplateError(f"is not a valid template: {(error.message or '')[:_MAX_SHOWN_CHARACTERS]}") from error
     except RecursionError:
         raise TemplateError("is nested too deeply") from None
     except (ValueError, OverflowError) as error:

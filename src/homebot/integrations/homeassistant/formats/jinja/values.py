@@ -153,16 +153,16 @@ def weigh(value: object) -> int:
     waiting = [value]
     count = characters = 0
     while waiting:
-        one = waiting.pop()
+        item = waiting.pop()
         count += 1
-        if isinstance(one, (str, bytes)):
-            characters += len(one)
-        elif isinstance(one, (dict, list, tuple)):
-            if count + len(waiting) + len(one) > MAX_ITEMS:
+        if isinstance(item, (str, bytes)):
+            characters += len(item)
+        elif isinstance(item, (dict, list, tuple)):
+            if count + len(waiting) + len(item) > MAX_ITEMS:
                 raise TemplateError(f"a list or mapping has more than {MAX_ITEMS} values")
-            waiting.extend(one)
-            if isinstance(one, dict):
-                waiting.extend(one.values())
+            waiting.extend(item)
+            if isinstance(item, dict):
+                waiting.extend(item.values())
     if characters > MAX_TEXT:
         raise TemplateError(f"a text has more than {MAX_TEXT} characters")
     return count + characters // 256

@@ -104,7 +104,7 @@ def _setpoint(name: str, end: str, when: Condition) -> EntityRow:
         number = _to_number(name, info, value)
         if not _is_pair(info):
             return {"service": "set_temperature", "temperature": number}
-        ends = {one: to_number(info.get(one)) for one in (_LOW, _HIGH)} | {end: number}
+        ends = {field: to_number(info.get(field)) for field in (_LOW, _HIGH)} | {end: number}
         if None in ends.values():
             raise RefusedError(f"{name} {number:g}", "its other setpoint is unknown, and both are set together")
         return {"service": "set_temperature", **ends}

@@ -84,7 +84,7 @@ def _write_lamp(name: str) -> Callable[[Fields, PlainValue, str], Fields]:
             "hs_color": command.color,
             "effect": command.effect,
         }
-        return {"service": "turn_on", **{key: one for key, one in fields.items() if one not in (None, (), "")}}
+        return {"service": "turn_on", **{key: value for key, value in fields.items() if value not in (None, (), "")}}
 
     return write
 
@@ -175,7 +175,7 @@ _PLAYER_ON = {
 
 _PLAYBACK = {
     **dict.fromkeys(("off", "standby", "idle"), "stopped"),
-    **{one: one for one in ("playing", "paused", "buffering")},
+    **{state: state for state in ("playing", "paused", "buffering")},
 }
 _PLAYER_MOVES = {"playing": (16_384, "media_play"), "paused": (1, "media_pause"), "stopped": (4096, "media_stop")}
 
@@ -194,7 +194,7 @@ _MEDIA_PLAYER: Final = EntityComponent(
 
 def _is_number(info: Fields) -> bool:
     device_class = class_of(info)
-    has_unit = any(info.get(one) is not None for one in ("unit_of_measurement", "state_class"))
+    has_unit = any(info.get(field) is not None for field in ("unit_of_measurement", "state_class"))
     return device_class not in {"date", "enum", "timestamp"} and (is_quantity(device_class) or has_unit)
 
 
@@ -210,7 +210,7 @@ _SELECT: Final = EntityComponent("x_setting", (choice("option", "state", "option
 
 def _text_writer(service: str, field: str, longest: int) -> WriteField:
     def write(info: Fields, value: PlainValue, _code: str) -> Fields:
-        least, most = (int(one) for one in bounds_of(info, "min", "max") or (0, longest))
+        least, most = (int(bound) for bound in bounds_of(info, "min", "max") or (0, longest))
         if not isinstance(value, str) or not least <= len(value) <= most:
             raise RefusedError("text", f"it takes a text of {least} to {most} characters")
         require_match(value, info.get("pattern"))

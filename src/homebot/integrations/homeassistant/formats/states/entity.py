@@ -21,7 +21,7 @@ from homebot.integrations.homeassistant.formats.states.domains import DOMAINS
 from homebot.integrations.homeassistant.formats.states.registries import EntityEntry, Registries
 
 _UNAVAILABLE, _UNKNOWN = "unavailable", "unknown"
-_MOST_SECONDS: Final = 6_553.0
+_MAX_TRANSITION_S: Final = 6_553.0
 """Longest transition of ``light.turn_on`` and ``scene.turn_on``."""
 
 _FADES: Final = frozenset({"light", "scene"})
@@ -114,14 +114,14 @@ class HomeAssistantEntity:
 
     def reaches_others(self, registries: Registries) -> bool:
         """Return whether it is a way to reach lights, switches or covers of other devices, none of which may hurt."""
-        named = [one.partition(".") for one in self.members]
+        named = [member.partition(".") for member in self.members]
         is_used = self.domain in _GROUPED and bool(named) and {domain for domain, _, _ in named} <= _GROUPED
         can_hurt = any(domain != "light" and matching_words(name, ALL_THAT_ASK) for domain, _, name in named)
         return is_used and not can_hurt and not self._is_whole(registries)
 
     def _is_whole(self, registries: Registries) -> bool:
         """Return whether it stands for its own device, as WLED's main light, without which all segments are dark."""
-        return {registries.entity(one).device_id for one in self.members} == {self.entry.device_id or None}
+        return {registries.entity(member).device_id for member in self.members} == {self.entry.device_id or None}
 
     @property
     def is_group(self) -> bool:
@@ -131,22 +131,22 @@ class HomeAssistantEntity:
     @property
     def members(self) -> Sequence[str]:
         """The entities that it sets, with the members of a group in its place."""
-        found, groups = list[str](), {self.entity_id}
+        members, groups = list[str](), {self.entity_id}
         waiting = [*reversed(self._listed)]
         while waiting:
-            one = waiting.pop()
-            inner = self._others[one]._listed if one in self._others else ()  # noqa: SLF001 - of the same class
-            if one not in groups and not inner:
-                found.append(one)
-            elif one not in groups:
-                groups.add(one)
+            entity_id = waiting.pop()
+            inner = self._others[entity_id]._listed if entity_id in self._others else ()  # noqa: SLF001 - of the same class
+            if entity_id not in groups and not inner:
+                members.append(entity_id)
+            elif entity_id not in groups:
+                groups.add(entity_id)
                 waiting += reversed(inner)
-        return tuple(dict.fromkeys(found))
+        return tuple(dict.fromkeys(members))
 
     @property
     def _listed(self) -> Sequence[str]:
         fields = ("entity_id", "group_entities", "device_trackers")
-        return next((found for one in fields if (found := options_of(self.info, one))), ())
+        return next((options for field in fields if (options := options_of(self.info, field))), ())
 
     @property
     def name(self) -> str:
@@ -162,12 +162,12 @@ class HomeAssistantEntity:
             is_new: Whether it is a whole state.
         """
         state, attributes, self._taken = change.get("s"), change.get("a"), {}
-        found = attributes if isinstance(attributes, dict) else {}
-        before = {key: self.info.get(key) for key in found if key in _SHAPING or key not in self.info}
+        info = attributes if isinstance(attributes, dict) else {}
+        before = {key: self.info.get(key) for key in info if key in _SHAPING or key not in self.info}
         if is_new:
-            for key in self.info.keys() - found.keys() - _SHAPING - {"is_fahrenheit"}:
+            for key in self.info.keys() - info.keys() - _SHAPING - {"is_fahrenheit"}:
                 self.info[key] = None
-        self.info.update(found)
+        self.info.update(info)
         if isinstance(state, str):
             self.info["state"] = state
             self.has_state = True
@@ -229,10 +229,10 @@ class HomeAssistantEntity:
         if not self.is_available:
             return {}
         shown = {**self.info, "state": None} if self.info.get("state") == _UNKNOWN else self.info
-        found = {name: row.read(self.info, shown) for name, row in self._rows.items() if row.read is not None}
-        if not EVENTS.isdisjoint(found) and not (is_change and self._happened_now()):
+        readings = {name: row.read(self.info, shown) for name, row in self._rows.items() if row.read is not None}
+        if not EVENTS.isdisjoint(readings) and not (is_change and self._happened_now()):
             return {}
-        return {name: value for name, value in found.items() if value is not None or name not in EVENTS}
+        return {name: value for name, value in readings.items() if value is not None or name not in EVENTS}
 
     def call(self, capability: str, value: PlainValue, transition: float = 0.0, code: str = "") -> ServiceCall:
         """Return the call that sets *capability*.
@@ -244,14 +244,14 @@ class HomeAssistantEntity:
         data = dict(writer_of(self._rows.values(), capability)(info, value, code))
         service = str(data.pop("service"))
         if self.domain in _FADES and transition:
-            data["transition"] = require_transition(transition, _MOST_SECONDS)
+            data["transition"] = require_transition(transition, _MAX_TRANSITION_S)
         return ServiceCall(self.domain, service, self.entity_id, data)
 
     def expect(self, call: ServiceCall) -> None:
         """Count with what a thermostat was set to until its state comes: both ends of a pair are set together."""
         if self.domain == "climate":
-            found = {"state" if key == "hvac_mode" else key: value for key, value in call.data.items()}
-            self._taken = {**self._taken, **found}
+            attributes = {"state" if key == "hvac_mode" else key: value for key, value in call.data.items()}
+            self._taken = {**self._taken, **attributes}
 
     def _happened_now(self) -> bool:
         """Return whether the moment of its event, which is its state, is that of the change."""

@@ -56,8 +56,8 @@ class Registries:
     def put(self, registry: str, listed: object) -> None:
         """Replace a registry of :data:`REGISTRIES`; invalid entries are left out."""
         key = REGISTRIES[registry]
-        rows = [one for one in listed if isinstance(one, dict)] if isinstance(listed, list) else []
-        self._listed[registry] = {one[key]: one for one in rows if isinstance(one.get(key), str)}
+        rows = [row for row in listed if isinstance(row, dict)] if isinstance(listed, list) else []
+        self._listed[registry] = {row[key]: row for row in rows if isinstance(row.get(key), str)}
 
     @property
     def device_ids(self) -> tuple[str, ...]:
@@ -116,8 +116,8 @@ class Registries:
         fields, *others = self._entries(device_id, entity_ids)
         parent = self._listed["device"].get(_text(fields, "parent_device_id"), {})
         device = _text(fields, "area_id") or _text(parent, "area_id")
-        entities = [_text(one, "area_id") for one in others]
-        shared = {one or device for one in entities}
+        entities = [_text(other, "area_id") for other in others]
+        shared = {entity or device for entity in entities}
         for area_id in (*(shared if len(shared) == 1 else ()), device, *entities):
             area = self._listed["area"].get(area_id)
             if area is not None:
@@ -127,16 +127,19 @@ class Registries:
 
     def listed(self, field: str, device_id: str, entity_ids: Iterable[str]) -> tuple[str, ...]:
         """Return the texts in a list of a device and its entities, sorted; of labels the names."""
-        found = set()
+        names = set()
         for fields in self._entries(device_id, entity_ids):
             texts = fields.get(field)
-            for one in texts if isinstance(texts, list) else ():
-                label = self._listed["label"].get(one) if field == "labels" and isinstance(one, str) else None
-                found.add(text_of(one if label is None else label.get("name")))
-        return tuple(sorted(found - {""}))
+            for text in texts if isinstance(texts, list) else ():
+                label = self._listed["label"].get(text) if field == "labels" and isinstance(text, str) else None
+                names.add(text_of(text if label is None else label.get("name")))
+        return tuple(sorted(names - {""}))
 
     def _entries(self, device_id: str, entity_ids: Iterable[str]) -> list[_Fields]:
-        return [self._listed["device"].get(device_id, {}), *(self._listed["entity"].get(one, {}) for one in entity_ids)]
+        return [
+            self._listed["device"].get(device_id, {}),
+            *(self._listed["entity"].get(entity_id, {}) for entity_id in entity_ids),
+        ]
 
 
 def _text(fields: _Fields, key: str) -> str:
@@ -147,9 +150,9 @@ def _text(fields: _Fields, key: str) -> str:
 def _pairs(fields: _Fields) -> list[tuple[str, str]]:
     """Return the identifiers of a device, each with the integration that gave it; some are of three texts."""
     listed = fields.get("identifiers")
-    rows = [one for one in listed if isinstance(one, list) and len(one) > 1] if isinstance(listed, list) else []
-    texts = [list(map(str, one)) for one in rows if all(isinstance(text, str | int) for text in one)]
-    return [(one[0], ":".join(one[1:])) for one in texts if all(one)]
+    rows = [row for row in listed if isinstance(row, list) and len(row) > 1] if isinstance(listed, list) else []
+    texts = [list(map(str, row)) for row in rows if all(isinstance(text, str | int) for text in row)]
+    return [(text[0], ":".join(text[1:])) for text in texts if all(text)]
 
 
 def _identifiers(fields: _Fields) -> list[str]:

@@ -17,12 +17,12 @@ from homebot.support.numbers import to_number
 
 Condition: TypeAlias = Callable[[Fields], object]
 
-_LONGEST = 255
+_MAX_TEXT_CHARACTERS = 255
 
 
 def has(*bits: int) -> Condition:
     """Return a condition: one of these *bits* is in ``supported_features``."""
-    return lambda info: any(whole_of(info, "supported_features") & one for one in bits)
+    return lambda info: any(whole_of(info, "supported_features") & bit for bit in bits)
 
 
 def read_number(field: str, factor: float = 1.0, least: float = -1e15, most: float = 1e15) -> ReadField:
@@ -43,7 +43,9 @@ def read_while_on(field: str, factor: float = 1.0) -> ReadField:
 
 def read_text(field: str) -> ReadField:
     """Return a reader of a text."""
-    return lambda _info, state: text_of(value, _LONGEST) if isinstance(value := state.get(field), str) else None
+    return lambda _info, state: (
+        text_of(value, _MAX_TEXT_CHARACTERS) if isinstance(value := state.get(field), str) else None
+    )
 
 
 def read_state(meanings: Mapping[str, PlainValue]) -> ReadField:
@@ -53,7 +55,7 @@ def read_state(meanings: Mapping[str, PlainValue]) -> ReadField:
 
 def read_named(*states: str) -> ReadField:
     """Return a reader of the state, which is one of these; another one is unknown."""
-    return read_state({one: one for one in states})
+    return read_state({state: state for state in states})
 
 
 def bounds_of(info: Fields, low: str, high: str) -> tuple[float, float] | tuple[()]:

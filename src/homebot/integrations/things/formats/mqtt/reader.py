@@ -49,16 +49,16 @@ class MqttBinding:
 
     def observe_forms(self, affordance: Affordance) -> tuple[Form, ...]:
         """Return the forms with a filter to subscribe to."""
-        return tuple(one for one in self._usable(affordance, OBSERVE_OPS) if one.filter)
+        return tuple(form for form in self._usable(affordance, OBSERVE_OPS) if form.filter)
 
     def write_forms(self, affordance: Affordance) -> tuple[Form, ...]:
         """Return the forms with a topic to publish on."""
-        return tuple(one for one in self._usable(affordance, WRITE_OPS) if one.topic)
+        return tuple(form for form in self._usable(affordance, WRITE_OPS) if form.topic)
 
     def _usable(self, affordance: Affordance, ops: frozenset[str]) -> Iterator[Form]:
-        for one in affordance.forms:
-            if one.is_mqtt and not ops.isdisjoint(one.ops) and self.formats(one.content_type):
-                yield one
+        for form in affordance.forms:
+            if form.is_mqtt and not ops.isdisjoint(form.ops) and self.formats(form.content_type):
+                yield form
 
 
 class ThingReader:
@@ -113,12 +113,12 @@ def _with_checked_topics(classified: ClassifiedPart) -> ClassifiedPart:
     """Return the part with the topics that it does use; raise WireError if one is none."""
     reads: dict[str, None] = {}
     writes: dict[str, None] = {}
-    for one in classified.affordances:
-        if one.observed is not None:
-            reads[_checked(one.affordance.name, one.observed.filter, validate_filter)] = None
-        for each in (one, *one.actions.values()):
-            if each.written is not None:
-                writes[_checked(each.affordance.name, each.written.topic, validate_topic)] = None
+    for affordance in classified.affordances:
+        if affordance.observed is not None:
+            reads[_checked(affordance.affordance.name, affordance.observed.filter, validate_filter)] = None
+        for source in (affordance, *affordance.actions.values()):
+            if source.written is not None:
+                writes[_checked(source.affordance.name, source.written.topic, validate_topic)] = None
     name = clean_text(classified.part.name)
     part = classified.part.model_copy(update={"name": name, "reads": tuple(reads), "writes": tuple(writes)})
     return ClassifiedPart(part, classified.affordances)
@@ -138,14 +138,14 @@ def _thing_codec(part: ClassifiedPart) -> TableCodec[bytes]:
     """Return the codec of one part of a thing, by the first form of each of its affordances."""
     readers: dict[str, tuple[Reader[bytes], ...]] = {}
     event_readers: dict[str, tuple[Reader[bytes], ...]] = {}
-    for one in part.affordances:
-        observed = one.observed
+    for affordance in part.affordances:
+        observed = affordance.observed
         if observed is not None and (format_ := basic_formats(observed.content_type)) is not None:
             readers.setdefault(observed.filter, ())
-            table = event_readers if one.affordance.kind == "event" else readers
-            reader = partial(_read, one.capability, one.affordance, format_)
+            table = event_readers if affordance.affordance.kind == "event" else readers
+            reader = partial(_read, affordance.capability, affordance.affordance, format_)
             table[observed.filter] = (*table.get(observed.filter, ()), reader)
-    spelt = {name: partial(_spell, one) for name, one in part.settable.items()}
+    spelt = {name: partial(_spell, setting) for name, setting in part.settable.items()}
     writers: dict[str, Writer] = {name: partial(_write, spelt, name) for name in spelt}
     return TableCodec(bytes, readers, event_readers, writers)
 
@@ -163,11 +163,11 @@ def _write(
     spelt: Mapping[str, Callable[[PlainValue], Publication]], capability: str, value: PlainValue, _transition: float
 ) -> Publications:
     """Write a value; a Thing Description has no transitions."""
-    return tuple(spelt[name](one) for name, one in implied_settings(capability, value, spelt))
+    return tuple(spelt[name](setting) for name, setting in implied_settings(capability, value, spelt))
 
 
-def _spell(one: ClassifiedAffordance, value: PlainValue) -> Publication:
-    by, form, value = one.request(value)
+def _spell(affordance: ClassifiedAffordance, value: PlainValue) -> Publication:
+    by, form, value = affordance.request(value)
     payload = b""
     if by.affordance.kind == "action" and by.capability.name == "push":
         require_true(by.capability.name, value)
