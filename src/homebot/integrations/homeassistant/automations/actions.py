@@ -80,14 +80,32 @@ class Actions:
             case "service" | "action" | "scene" | "device_id":
                 return steps_of_service(self._automation.entities, fields, kind)
             case "delay":
-                return self._delay(fields)
+                length = fields.duration("delay")
+                self._pause()
+                return [f"wait {length}"] if length else []
             case "wait_template" | "wait_for_trigger":
-                return [self._wait(fields, kind)]
+                most = fields.duration("timeout")
+                if not most:
+                    how = "write after how long to go on, such as `timeout: '01:00:00'`"
+                    raise NotCarriedError(f"action {kind}: it may last forever; {how}")
+                if not fields.flag("continue_on_timeout", default=True):
+                    raise NotCarriedError(f"action {kind}: a routine goes on after the timeout")
+                text = (
+                    self._awaited(fields)
+                    if kind == "wait_for_trigger"
+                    else state_of_template(self._automation.entities, fields, kind)
+                )
+                self._pause()
+                return [f"wait until {text}, at most {most}"]
             case "if":
                 conditions = conditions_of(self._automation, fields.items("if"))
                 return _choice(conditions, self._branch(fields.items("then")), self._branch(fields.items("else")))
             case "choose":
-                return self._choose(fields)
+                default = self._branch(fields.items("default"))
+                options = self._automation.each(fields.items("choose"), "choose", self._option)
+                for conditions, steps in reversed(options):  # each is tried if those before it do not hold
+                    default = _choice(conditions, steps, default)
+                return default
             case "sequence":
                 return self._branch(fields.items("sequence"))
             case "parallel":
@@ -101,14 +119,6 @@ class Actions:
     def _branch(self, nodes: Sequence[Located]) -> list[Step]:
         conditions, steps = self._read(nodes)
         return _choice(conditions, steps, [])
-
-    def _choose(self, fields: UnreadFields) -> list[Step]:
-        """Read a choice; each option but the first is tried if those before it do not hold."""
-        default = self._branch(fields.items("default"))
-        options = self._automation.each(fields.items("choose"), "choose", self._option)
-        for conditions, steps in reversed(options):
-            default = _choice(conditions, steps, default)
-        return default
 
     def _option(self, fields: UnreadFields) -> tuple[list[Condition], list[Step]]:
         conditions = conditions_of(self._automation, fields.items("conditions"))
@@ -139,30 +149,10 @@ class Actions:
             )
         return steps * times
 
-    def _delay(self, fields: UnreadFields) -> list[Step]:
-        length = fields.duration("delay")
-        self._pause()
-        return [f"wait {length}"] if length else []
-
     def _pause(self) -> None:
         self._has_waited = True
         if self._is_split:
             raise NotCarriedError("a wait in an automation with `condition: trigger`: its parts become routines")
-
-    def _wait(self, fields: UnreadFields, kind: str) -> str:
-        most = fields.duration("timeout")
-        if not most:
-            how = "write after how long to go on, such as `timeout: '01:00:00'`"
-            raise NotCarriedError(f"action {kind}: it may last forever; {how}")
-        if not fields.flag("continue_on_timeout", default=True):
-            raise NotCarriedError(f"action {kind}: a routine goes on after the timeout")
-        text = (
-            self._awaited(fields)
-            if kind == "wait_for_trigger"
-            else state_of_template(self._automation.entities, fields, kind)
-        )
-        self._pause()
-        return f"wait until {text}, at most {most}"
 
     def _awaited(self, fields: UnreadFields) -> str:
         """Return the state that is awaited. Home Assistant waits for its beginning, and a routine for the state.

@@ -137,7 +137,19 @@ class Entities:
         if not _ID.fullmatch(entity_id):
             raise NotCarriedError(f"{entity_id!r} is no id of an entity, such as light.hall")
         if entity_id not in self.used:
-            self.used[entity_id] = self._find(entity_id)
+            device, unit = self._listed.get(entity_id, (None, ""))
+            named = self._named.get(entity_id, {}).values()
+            meant = [entity for entity in named if device is None or entity.device is device]
+            if device is not None and not meant:
+                domain = entity_id.partition(".")[0]
+                siblings = [listed for listed in _listed(device) if listed.startswith(f"{domain}.")]
+                possible = [*_possible(device, domain)]
+                meant = possible if len(siblings) == len(possible) == 1 else []
+            if len(meant) != 1 or (device is None and entity_id.startswith("input_")):  # no device has helpers
+                is_known = device is not None or meant
+                problem = "may be several parts of what homebot knows" if is_known else "is nothing that homebot knows"
+                raise NotCarriedError(f"{entity_id} {problem}")
+            self.used[entity_id] = KnownEntity(entity_id, *meant[0], self.name_of(meant[0].device), unit)
         return self.used[entity_id]
 
     def device_of(self, device_id: str) -> Device:
@@ -162,18 +174,6 @@ class Entities:
             raise NotCarriedError(f"the area {area_id!r} would mean {others[0]} as well")
         return areas_found[0]
 
-    def _find(self, entity_id: str) -> KnownEntity:
-        device, unit = self._listed.get(entity_id, (None, ""))
-        named = self._named.get(entity_id, {}).values()
-        meant = [entity for entity in named if device is None or entity.device is device]
-        if device is not None and not meant:
-            meant = _only_one(device, entity_id.partition(".")[0])
-        if len(meant) != 1 or (device is None and entity_id.startswith("input_")):  # no device has helpers
-            is_known = device is not None or meant
-            problem = "may be several parts of what homebot knows" if is_known else "is nothing that homebot knows"
-            raise NotCarriedError(f"{entity_id} {problem}")
-        return KnownEntity(entity_id, *meant[0], self.name_of(meant[0].device), unit)
-
 
 def text_value(text: str) -> str:
     """Return *text* as a value in a query, in quotation marks that a file of TOML need not escape, if possible."""
@@ -193,13 +193,6 @@ def _listed(device: Device) -> dict[str, str]:
     """Return the entities of a device that Home Assistant told, with their units there if these differ."""
     texts = [text for fact in device.facts if fact.name == "entities" for text in fact.value.split(", ")]
     return {match["id"]: match["unit"] or "" for match in map(_LISTED.fullmatch, texts) if match}
-
-
-def _only_one(device: Device, domain: str) -> list[_Meant]:
-    """Return the only part of *device* that an entity of *domain* may be, if it also has only one such entity."""
-    ids = [entity_id for entity_id in _listed(device) if entity_id.startswith(f"{domain}.")]
-    possible = [*_possible(device, domain)]
-    return possible if len(ids) == len(possible) == 1 else []
 
 
 def _by_slug(device: Device, domain: str) -> Iterator[tuple[str, _Meant]]:

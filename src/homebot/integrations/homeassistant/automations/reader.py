@@ -39,7 +39,9 @@ class HomeAssistantAutomations:
         names: set[str] = set()
         entities = Entities(devices)
         for node in nodes:
-            name = _name_of(node)
+            named = node.value if isinstance(node.value, dict) else {}
+            alias = next((str(named[key].value) for key in ("alias", "id") if key in named), "")
+            name = " ".join(alias.split())[:80] or f"automation in line {node.line}"
             entities.used.clear()
             whole = Automation(entities, [])
             with whole.in_line(node.line):
@@ -59,17 +61,16 @@ def _automations(document: Located) -> Iterator[Located]:
     yield from document.value if isinstance(document.value, list) else items_of(document, "automations")
 
 
-def _name_of(node: Located) -> str:
-    fields = node.value if isinstance(node.value, dict) else {}
-    name = next((str(fields[key].value) for key in ("alias", "id") if key in fields), "")
-    return " ".join(name.split())[:80] or f"automation in line {node.line}"
-
-
 def _tables(whole: Automation, fields: UnreadFields, name: str) -> Iterator[dict[str, object]]:
     """Yield the tables of the routines of an automation."""
     for key in ("id", "description", "trace", "max_exceeded"):
         fields.take(key)
-    enabled, mode = fields.flag("initial_state", default=True), _mode(fields)
+    mode, most = fields.text("mode", "single"), fields.numbers("max")
+    if mode not in _MODES:
+        raise NotCarriedError(f"mode: {mode!r}")
+    if mode in {"queued", "parallel"} and most not in ([], [_MAX_RUNS]):
+        raise NotCarriedError("max: routines have no such limit")
+    enabled = fields.flag("initial_state", default=True)
     triggers, conditions, actions = (fields.items(key, f"{key}s") for key in ("trigger", "condition", "action"))
     with whole.in_line(0):
         fields.end()
@@ -77,34 +78,23 @@ def _tables(whole: Automation, fields: UnreadFields, name: str) -> Iterator[dict
     for trigger, nodes in parts:
         part = Automation(whole.entities, whole.problems, trigger)
         reader = Actions(part, mode, is_split=len(parts) > 1)
-        if table := _table(part, nodes, conditions, reader, actions):
-            own_name = f"{name} ({trigger})" if len(parts) > 1 else name
-            table = {"name": own_name, **table, "mode": mode, "enabled": enabled}
-            yield {key: value for key, value in table.items() if _USUAL.get(key) != value}
-
-
-def _table(
-    part: Automation, triggers: list[Located], conditions: list[Located], reader: Actions, actions: list[Located]
-) -> dict[str, object]:
-    """Return the keys of a routine; none if it would never do anything."""
-    when = [text for texts in part.each(triggers, "trigger", partial(read_triggers, part)) for text in texts]
-    if len(part.starts) != len(triggers):
-        part.starts.clear()
-    held = conditions_of(part, conditions)
-    first, steps = reader.all_of(actions)
-    held += first
-    if NEVER in held or not steps or not when:
-        return {}
-    return {"when": [*dict.fromkeys(when)], "if": texts_of(held), "do": steps}
-
-
-def _mode(fields: UnreadFields) -> str:
-    mode, most = fields.text("mode", "single"), fields.numbers("max")
-    if mode not in _MODES:
-        raise NotCarriedError(f"mode: {mode!r}")
-    if mode in {"queued", "parallel"} and most not in ([], [_MAX_RUNS]):
-        raise NotCarriedError("max: routines have no such limit")
-    return mode
+        when = [text for texts in part.each(nodes, "trigger", partial(read_triggers, part)) for text in texts]
+        if len(part.starts) != len(nodes):
+            part.starts.clear()
+        held = conditions_of(part, conditions)
+        first, steps = reader.all_of(actions)
+        held += first
+        if NEVER in held or not steps or not when:  # it would never do anything
+            continue
+        table = {
+            "name": f"{name} ({trigger})" if len(parts) > 1 else name,
+            "when": [*dict.fromkeys(when)],
+            "if": texts_of(held),
+            "do": steps,
+            "mode": mode,
+            "enabled": enabled,
+        }
+        yield {key: value for key, value in table.items() if _USUAL.get(key) != value}
 
 
 def _parts(asking: Sequence[Located], triggers: Sequence[Located]) -> list[tuple[str | None, list[Located]]]:

@@ -86,9 +86,22 @@ _FIELDS: Final = {
 
 def steps_of_service(entities: Entities, fields: UnreadFields, key: str) -> list[str]:
     """Return the steps of the call of a service, which the field *key* names: a scene, or an action of a device."""
-    name = _service_name(fields, key)
+    match key:
+        case "device_id":
+            fields.take(key)
+            name = f"{fields.text('domain')}.{fields.text('type')}"
+        case "scene":
+            name = "scene.turn_on"
+        case _:
+            name = fields.text(key)
     domain, data = name.partition(".")[0], fields.inner("data", "service_data")
-    target = _target_of(fields, data)
+    inner = fields.inner("target")  # older texts have it in the data or beside the service
+    ids, areas, devices = (
+        [text for place in (inner, data, fields) for text in place.texts(kind)]
+        for kind in ("entity_id", "area_id", "device_id")
+    )
+    inner.end()
+    target = _Target([*ids, *fields.texts("scene")], areas, devices)
     if domain in {"notify", "persistent_notification"} and target.is_to_notify:
         return [_message(name, data)]
     if name not in _SERVICES:
@@ -99,20 +112,12 @@ def steps_of_service(entities: Entities, fields: UnreadFields, key: str) -> list
     if target.is_of_rooms:
         if name not in {"light.turn_on", "light.turn_off"} or len(settings) > 1 or over:
             raise NotCarriedError(f"{name}: by `area_id` or `all` only lights are switched, and only on and off")
-        return _steps_of_lights(entities, target.areas, settings[0].words)
-    known = _of_domain(domain, [*map(entities.find, target.entities)])
-    return [_step_of(entity, settings, over) for entity in known]
-
-
-def _of_domain(domain: str, known: list[KnownEntity]) -> list[KnownEntity]:
+        scopes = [f"lights in {entities.room_of(area)}" for area in target.areas] or ["all lights"]
+        return [_step(scope, [settings[0].words]) for scope in scopes]
+    known = [*map(entities.find, target.entities)]
     if others := [entity.id for entity in known if domain not in {entity.domain, "homeassistant"}]:
         raise NotCarriedError(f"a service of {domain}: {others[0]} belongs to another domain")
-    return known
-
-
-def _steps_of_lights(entities: Entities, areas: Sequence[str], words: str) -> list[str]:
-    scopes = [f"lights in {entities.room_of(area)}" for area in areas] or ["all lights"]
-    return [_step(scope, [words]) for scope in scopes]
+    return [_step_of(entity, settings, over) for entity in known]
 
 
 class _Target(NamedTuple):
@@ -140,28 +145,6 @@ class _Target(NamedTuple):
             raise NotCarriedError("no target; name an entity")
         if self.entities and self.areas:
             raise NotCarriedError("the target has both `entity_id` and `area_id`; name the entities")
-
-
-def _service_name(fields: UnreadFields, key: str) -> str:
-    match key:
-        case "device_id":
-            fields.take(key)
-            return f"{fields.text('domain')}.{fields.text('type')}"
-        case "scene":
-            return "scene.turn_on"
-        case _:
-            return fields.text(key)
-
-
-def _target_of(fields: UnreadFields, data: UnreadFields) -> _Target:
-    """Return the target, which older texts have in the data or beside the service."""
-    target = fields.inner("target")
-    ids, areas, devices = (
-        [text for place in (target, data, fields) for text in place.texts(kind)]
-        for kind in ("entity_id", "area_id", "device_id")
-    )
-    target.end()
-    return _Target([*ids, *fields.texts("scene")], areas, devices)
 
 
 def _message(name: str, data: UnreadFields) -> str:
@@ -223,7 +206,13 @@ def _step_of(entity: KnownEntity, settings: Sequence[_Setting], over: str) -> st
     """Return the step that sets *settings*."""
     names = [_taken(entity, setting) for setting in settings]
     words = [_words(entity, *name_and_setting) for name_and_setting in zip(names, settings, strict=True)]
-    return _step(_target(entity, names), [*words, *([f"over {over}"] if over else [])])
+    taking = [
+        part
+        for part in entity.device.parts
+        if any(can.name in names and can.settable for can in part.part.capabilities)
+    ]
+    target = entity.name if len(taking) == 1 else f"{entity.device.id}#{entity.part.id}"
+    return _step(target, [*words, *([f"over {over}"] if over else [])])
 
 
 def _taken(entity: KnownEntity, setting: _Setting) -> str:
@@ -246,16 +235,6 @@ def _words(entity: KnownEntity, name: str, setting: _Setting) -> str:
     if capability == name != "color" and option and options and option not in options:
         raise NotCarriedError(f"{entity.name} has no {name} {option!r}, only {', '.join(options)}")
     return words
-
-
-def _target(entity: KnownEntity, names: Sequence[str]) -> str:
-    """Return the name of the device, with the id of its part if several take the command."""
-    taking = [
-        part
-        for part in entity.device.parts
-        if any(can.name in names and can.settable for can in part.part.capabilities)
-    ]
-    return entity.name if len(taking) == 1 else f"{entity.device.id}#{entity.part.id}"
 
 
 def _step(target: str, words: Sequence[str]) -> str:

@@ -30,7 +30,11 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[str]:
     fields.take("id")
     match kind:
         case "time":
-            return _times(fields)
+            days = fields.days()
+            times = [f"{time} {days}".rstrip() for time in fields.clock_times("at")]
+            if not times:
+                raise NotCarriedError("trigger time: `at` is missing")
+            return times
         case "sun":
             return [sun_moment(fields, fields.text("event"), "offset")]
         case "device" if "entity_id" not in fields:
@@ -38,18 +42,13 @@ def read_triggers(automation: Automation, fields: UnreadFields) -> list[str]:
         case "state":
             return _state(automation, fields)
         case kind if kind in STATES:
-            return _other_state(automation, kind, fields)
+            leaves = kind == "zone" and fields.text("event", "enter") == "leave"
+            lasting = _lasting(fields)
+            texts = [text for entity_texts in STATES[kind](automation.entities, fields, "to") for text in entity_texts]
+            return [f"{text.replace('place=', 'place!=') if leaves else text}{lasting}" for text in texts]
         case "":
             fields.end()
     raise NotCarriedError(f"trigger: {kind!r} has no counterpart in routines")
-
-
-def _times(fields: UnreadFields) -> list[str]:
-    days = fields.days()
-    times = [f"{time} {days}".rstrip() for time in fields.clock_times("at")]
-    if not times:
-        raise NotCarriedError("trigger time: `at` is missing")
-    return times
 
 
 def _state(automation: Automation, fields: UnreadFields) -> list[str]:
@@ -57,7 +56,9 @@ def _state(automation: Automation, fields: UnreadFields) -> list[str]:
     if not ids:
         raise NotCarriedError("trigger state: `entity_id` is missing")
     automation.starts.append((frozenset(ids), frozenset(states)))
-    _check_before(ids, before, states)
+    are_two = _OF_TWO_STATES.issuperset(entity_id.partition(".")[0] for entity_id in ids)
+    if before and not (are_two and [_OPPOSITES.get(state, "") for state in states] == before):
+        raise NotCarriedError(f"trigger state: `from` {', '.join(before)}; routines know only the new state")
     lasting, attribute = _lasting(fields), fields.text("attribute", "")
     triggers = []
     for entity_id in ids:
@@ -69,20 +70,6 @@ def _state(automation: Automation, fields: UnreadFields) -> list[str]:
         else:
             triggers += [f"{text}{lasting}" for text in state_texts(automation.entities, entity_id, states, "to")]
     return triggers
-
-
-def _check_before(ids: list[str], before: list[str], states: list[str]) -> None:
-    are_two = _OF_TWO_STATES.issuperset(entity_id.partition(".")[0] for entity_id in ids)
-    if before and not (are_two and [_OPPOSITES.get(state, "") for state in states] == before):
-        raise NotCarriedError(f"trigger state: `from` {', '.join(before)}; routines know only the new state")
-
-
-def _other_state(automation: Automation, kind: str, fields: UnreadFields) -> list[str]:
-    """Read a state of a kind that conditions have as well."""
-    leaves = kind == "zone" and fields.text("event", "enter") == "leave"
-    lasting = _lasting(fields)
-    texts = [text for entity_texts in STATES[kind](automation.entities, fields, "to") for text in entity_texts]
-    return [f"{text.replace('place=', 'place!=') if leaves else text}{lasting}" for text in texts]
 
 
 def _device_press(automation: Automation, fields: UnreadFields) -> str:

@@ -4,7 +4,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py``; ``child_de
 ``qos`` and ``message_expiry_interval`` are from 2026.11.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_object, shown, text_of
@@ -115,7 +115,15 @@ def _whole_device(topic: ConfigTopic, fields: Fields) -> Announced:
     common = {key: fields[key] for key in _SHARED if key in fields}
     configs: list[DiscoveryConfig] = []
     problems: list[WireError] = []
-    for name, entry, child in _entries(families):
+    entries: list[tuple[str, object, Fields]] = []
+    for family in families:
+        components = family["components"]
+        if not isinstance(components, dict):
+            raise WireError(f"components is {shown(components)}, not an object")
+        entries += ((name, entry, family) for name, entry in components.items())
+    if len(entries) > MAX_COMPONENTS:
+        raise WireError(f"a device has more than {MAX_COMPONENTS} components")
+    for name, entry, child in entries:
         try:
             component = _component(topic, name, entry, common, "" if child is fields else text_of(child.get("name")))
         except WireError as error:
@@ -125,18 +133,6 @@ def _whole_device(topic: ConfigTopic, fields: Fields) -> Announced:
     if problems and not configs:
         raise problems[0]
     return Announced(tuple(configs), fields, tuple(problems))
-
-
-def _entries(families: Iterable[Fields]) -> list[tuple[str, object, Fields]]:
-    entries: list[tuple[str, object, Fields]] = []
-    for family in families:
-        components = family["components"]
-        if not isinstance(components, dict):
-            raise WireError(f"components is {shown(components)}, not an object")
-        entries += ((name, entry, family) for name, entry in components.items())
-    if len(entries) > MAX_COMPONENTS:
-        raise WireError(f"a device has more than {MAX_COMPONENTS} components")
-    return entries
 
 
 def _component(topic: ConfigTopic, name: str, entry: object, common: Fields, child: str) -> DiscoveryConfig | None:

@@ -3,12 +3,11 @@
 Source: Home Assistant core 2025.4, ``components/mqtt``: fan.py, humidifier.py, lawn_mower.py, siren.py, vacuum.py.
 """
 
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Mapping
 
 from homebot.conventions.command_values import bool_writer, option_writer, percent_writer, speed_of
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import (
-    JsonMessage,
     Readings,
     clean_text,
     compact_json,
@@ -30,7 +29,7 @@ from homebot.integrations.homeassistant.formats.components import (
 )
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.entity import Entity, Scale
-from homebot.integrations.homeassistant.formats.topics import CommandTopic, ValueSource
+from homebot.integrations.homeassistant.formats.topics import ValueSource
 
 _MAX_MODE_CHARACTERS = 120
 _DIRECTIONS = ("forward", "reverse")
@@ -217,13 +216,6 @@ def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
     return entity.build()
 
 
-def _read_vacuum_state(message: JsonMessage, text: str) -> Readings:
-    state = message.get("state")
-    if "state" in message and (state is None or (isinstance(state, str) and state in VACUUM_STATES)):
-        return {"vacuum": state}
-    return unreadable(state if text.startswith("{") else text, VACUUM_STATES)
-
-
 def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     """Describe a robot that cleans, with the commands that its ``supported_features`` name."""
     features = frozenset(config.options("supported_features") if config.has("supported_features") else _VACUUM_FEATURES)
@@ -234,7 +226,12 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     def read(text: str) -> Readings:
         message = fields_of(text)
         speed, charge = message.get("fan_speed"), message.get("battery_level")
-        readings = dict(_read_vacuum_state(message, text))
+        state = message.get("state")
+        readings: dict[str, PlainValue] = {}
+        if "state" in message and (state is None or (isinstance(state, str) and state in VACUUM_STATES)):
+            readings["vacuum"] = state
+        else:
+            unreadable(state if text.startswith("{") else text, VACUUM_STATES)
         if speeds and isinstance(speed, str):
             readings["fan_mode"] = clean_text(speed, _MAX_MODE_CHARACTERS)
         if "battery" in features and (percent := number_of(charge)) is not None:
@@ -243,21 +240,6 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
 
     entity = Entity(config, "robotic_vacuum_cleaner")
     readable = entity.read_text_from(config.source("state_topic", template_key=""), read)
-    _add_vacuum(entity, config, command, features, readable=readable)
-    if speeds:
-        writer = option_writer("fan_mode", speeds, set_speed.publish) if set_speed else None
-        entity.add_capability("fan_mode", readable=readable, writer=writer, options=speeds)
-    entity.add_capability("battery", readable=readable and "battery" in features, unit="%")
-    if "locate" in features and command:
-        entity.add_push("locate", command, config.text("payload_locate", "locate"))
-    entity.add_commands(command, set_speed if speeds else None)
-    return entity.build()
-
-
-def _add_vacuum(
-    entity: Entity, config: DiscoveryConfig, command: CommandTopic | None, features: Container[str], *, readable: bool
-) -> None:
-    """Add the state of a robot, with the states that it can be sent to."""
     payloads = {
         state: config.text(f"payload_{action}", action)
         for state, (_, action) in VACUUM_ACTIONS.items()
@@ -267,3 +249,11 @@ def _add_vacuum(
     if command is not None and payloads:
         writer = option_writer("vacuum", payloads, lambda state: command.publish(payloads[state]))
     entity.add_capability("vacuum", readable=readable, writer=writer, options=tuple(payloads))
+    if speeds:
+        writer = option_writer("fan_mode", speeds, set_speed.publish) if set_speed else None
+        entity.add_capability("fan_mode", readable=readable, writer=writer, options=speeds)
+    entity.add_capability("battery", readable=readable and "battery" in features, unit="%")
+    if "locate" in features and command:
+        entity.add_push("locate", command, config.text("payload_locate", "locate"))
+    entity.add_commands(command, set_speed if speeds else None)
+    return entity.build()

@@ -6,7 +6,6 @@ Source: Home Assistant core 2025.4, ``components/mqtt/climate.py`` and ``water_h
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 
@@ -32,7 +31,15 @@ def build_climate(config: DiscoveryConfig) -> DescribedPart:
     entity = Entity(config, climate_type(modes))
     targets = _Targets(config, modes)
     targets.add_to(entity, config)
-    _add_humidity(entity, config)
+    entity.add_number("humidity", _source_of(config, "current_humidity"), None, unit="%")
+    humidity_command = config.command_of("target_humidity")
+    source = _source_of(config, "target_humidity_state")
+    least, most = config.number("min_humidity", 30.0), config.number("max_humidity", 99.0)
+    if least >= most or most > 100:
+        raise WireError(f"climate: max_humidity is {most:g}, not above min_humidity {least:g} and at most 100")
+    if source is not None and humidity_command is None:
+        raise WireError("climate: target_humidity_state_topic needs target_humidity_command_topic")
+    entity.add_number("humidity_setpoint", source, humidity_command, bounds=(least, most), unit="%", to_device=int)
     mode = config.command_of("mode")
     entity.add_choice("thermostat_mode", _source_of(config, "mode_state"), mode, modes, on_command=targets.on_command)
     _add_switch(entity, config, mode, modes, targets)
@@ -41,7 +48,13 @@ def build_climate(config: DiscoveryConfig) -> DescribedPart:
         command = config.command_of(name)
         options = config.options(f"{name}s") if config.has(f"{name}s") else default
         entity.add_choice(name, _source_of(config, f"{name}_state"), command, options)
-    _add_preset(entity, config)
+    presets = config.options("preset_modes")
+    if "none" in presets:
+        raise WireError("climate: preset_modes has none, which means that there is no preset")
+    command = config.command_of("preset_mode")
+    if presets and command is not None:
+        source = _source_at(config, "preset_mode_state_topic", "preset_mode_value_template")
+        entity.add_choice("preset_mode", source, command, ("none", *presets), meanings={"None": "none"})
     return entity.build()
 
 
@@ -65,18 +78,6 @@ def _modes(config: DiscoveryConfig) -> tuple[str, ...]:
     if config.has("modes"):
         return config.options("modes")
     return _MODES if config.has("mode_command_topic") or config.has("mode_state_topic") else ()
-
-
-def _add_humidity(entity: Entity, config: DiscoveryConfig) -> None:
-    entity.add_number("humidity", _source_of(config, "current_humidity"), None, unit="%")
-    command = config.command_of("target_humidity")
-    source = _source_of(config, "target_humidity_state")
-    least, most = config.number("min_humidity", 30.0), config.number("max_humidity", 99.0)
-    if least >= most or most > 100:
-        raise WireError(f"climate: max_humidity is {most:g}, not above min_humidity {least:g} and at most 100")
-    if source is not None and command is None:
-        raise WireError("climate: target_humidity_state_topic needs target_humidity_command_topic")
-    entity.add_number("humidity_setpoint", source, command, bounds=(least, most), unit="%", to_device=int)
 
 
 def _add_switch(
@@ -109,16 +110,6 @@ def _read_switch(modes: tuple[str, ...], text: str) -> Readings:
     if text == "None":
         return {"on_off": None}
     return {"on_off": text != "off"} if text in modes else NO_READINGS
-
-
-def _add_preset(entity: Entity, config: DiscoveryConfig) -> None:
-    presets = config.options("preset_modes")
-    if "none" in presets:
-        raise WireError("climate: preset_modes has none, which means that there is no preset")
-    command = config.command_of("preset_mode")
-    if presets and command is not None:
-        source = _source_at(config, "preset_mode_state_topic", "preset_mode_value_template")
-        entity.add_choice("preset_mode", source, command, ("none", *presets), meanings={"None": "none"})
 
 
 def build_water_heater(config: DiscoveryConfig) -> DescribedPart:
@@ -240,8 +231,8 @@ class _Targets:
         readable = {
             key: entity.read_text_from(_source_of(config, f"{key}_state"), partial(self._read, key)) for key in keys
         }
-        for name in _ENDS:
-            ways = self._ways(name, keys)
+        for name, end in _ENDS.items():  # a setpoint is the target of one or of several keys, by the mode
+            ways = [key for key in keys if key == end or (key == _SINGLE and name in self._by_single)]
             if not ways:
                 continue
             self._names.append(name)
@@ -256,10 +247,6 @@ class _Targets:
             )
         entity.add_commands(*self._commands.values())
         entity.remembers()
-
-    def _ways(self, name: str, keys: Iterable[str]) -> list[str]:
-        """Return the keys of the targets that are the setpoint *name* in some mode."""
-        return [key for key in keys if key == _ENDS[name] or (key == _SINGLE and name in self._by_single)]
 
     def _read_mode(self, text: str) -> Readings:
         """Read the mode, which may make other, earlier reported targets effective."""

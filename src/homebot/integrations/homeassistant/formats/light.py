@@ -170,9 +170,13 @@ class _BasicLight:
 
     def _values(self, command: LightCommand) -> Publications:
         publications: list[Publication] = []
-        brightness = self._brightness_of(command)
+        brightness = command.brightness
+        if brightness is None and self._order == "brightness":  # which is what turns the lamp on
+            brightness = self._brightness or _BYTE
         if command.color:
-            publications.append(self._paint(command.mode, command.color))
+            full = _BYTE if self._level_command is not None else self._brightness or _BYTE
+            self._colors[command.mode] = command.color
+            publications.append(self._color(command.mode, command.color, full))
         if brightness is not None:
             publications += self._dim(brightness, has_color=bool(command.color))
         if command.kelvin is not None and self._white_command is not None:
@@ -181,17 +185,6 @@ class _BasicLight:
         if command.effect and self._effect_command is not None:
             publications.append(self._effect_command.publication(command.effect))
         return tuple(publications)
-
-    def _brightness_of(self, command: LightCommand) -> int | None:
-        """Return the brightness of a command; the last one, if the brightness is what turns the lamp on."""
-        if command.brightness is None and self._order == "brightness":
-            return self._brightness or _BYTE
-        return command.brightness
-
-    def _paint(self, mode: str, color: Channels) -> Publication:
-        full = _BYTE if self._level_command is not None else self._brightness or _BYTE
-        self._colors[mode] = color
-        return self._color(mode, color, full)
 
     def _dim(self, brightness: int, *, has_color: bool) -> list[Publication]:
         mode = next((mode_known for mode_known in _DIMMED if mode_known in self._color_commands), "")

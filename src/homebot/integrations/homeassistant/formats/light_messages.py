@@ -50,17 +50,12 @@ def build_json_light(config: DiscoveryConfig) -> DescribedPart:
 def _modes(config: DiscoveryConfig) -> frozenset[str]:
     modes = frozenset(config.options("supported_color_modes"))
     if not modes:
-        return _flagged_modes(config)
+        colors = frozenset(filter(config.flag, _COLOR_FLAGS))
+        return colors or frozenset({"brightness" if config.flag("brightness") else "onoff"})
     alone = len(modes) > 1 and modes & {"brightness", "onoff"}
     if modes - _MODES or alone or ("white" in modes and not modes & CHANNELS.keys()):
         raise WireError(f"light: supported_color_modes are {shown(', '.join(sorted(modes)))}, which cannot be combined")
     return modes
-
-
-def _flagged_modes(config: DiscoveryConfig) -> frozenset[str]:
-    """Return the modes of a lamp without a list: one flag for each, accepted by Home Assistant until 2025.2."""
-    colors = frozenset(filter(config.flag, _COLOR_FLAGS))
-    return colors or frozenset({"brightness" if config.flag("brightness") else "onoff"})
 
 
 class JsonLight:
@@ -215,17 +210,6 @@ def _source(config: DiscoveryConfig, key: str) -> ValueSource | None:
     return config.source("state_topic", template_key) if config.has(template_key) else None
 
 
-def _template_modes(config: DiscoveryConfig) -> frozenset[str]:
-    modes = set()
-    if config.has("color_temp_template"):
-        modes.add("color_temp")
-    if all(config.has(f"{color}_template") for color in _RGB):
-        modes.add("hs")
-    if not modes:
-        modes.add("brightness" if config.has("brightness_template") else "onoff")
-    return frozenset(modes)
-
-
 class _TemplateLight:
     """Reader and writer of a lamp, by one template for each value; a colour needs three."""
 
@@ -233,7 +217,14 @@ class _TemplateLight:
         self.on = config.required_command(template_key="command_on_template")
         self._off = config.required_command(template_key="command_off_template")
         self._in_kelvin = config.flag("color_temp_kelvin")
-        self.lamp = LightFeatures(_template_modes(config), read_white_range(config), config.options("effect_list"))
+        modes = set()
+        if config.has("color_temp_template"):
+            modes.add("color_temp")
+        if all(config.has(f"{color}_template") for color in _RGB):
+            modes.add("hs")
+        if not modes:
+            modes.add("brightness" if config.has("brightness_template") else "onoff")
+        self.lamp = LightFeatures(frozenset(modes), read_white_range(config), config.options("effect_list"))
         self._sources = {key: source for key in _TEMPLATES if (source := _source(config, key)) is not None}
 
     def publish(self, command: LightCommand) -> Publications:

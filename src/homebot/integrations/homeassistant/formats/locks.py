@@ -92,7 +92,10 @@ def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
     def write(value: PlainValue, code: str) -> Publications:
         state = require_option("alarm", value, payloads)
         if is_coded[state]:
-            _check_code(state, code, known_code)
+            if not code:
+                raise WrongCodeError.missing(f"alarm {state}")
+            if known_code not in _REMOTE_CODES and not compare_digest(code.encode(), known_code.encode()):
+                raise WrongCodeError(f"alarm {state}", "the code is wrong")
         action = payloads[state]
         payload = action if command.template is None else None
         return (command.publication_with_code(payload, code, {"action": action}),)
@@ -103,10 +106,3 @@ def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
     entity.add_coded_capability("alarm", write, sends_code=sends_code, readable=readable, options=ALARM_STATES)
     entity.add_commands(command)
     return entity.build()
-
-
-def _check_code(state: str, code: str, known: str) -> None:
-    if not code:
-        raise WrongCodeError.missing(f"alarm {state}")
-    if known not in _REMOTE_CODES and not compare_digest(code.encode(), known.encode()):
-        raise WrongCodeError(f"alarm {state}", "the code is wrong")

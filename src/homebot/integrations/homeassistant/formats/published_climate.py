@@ -60,7 +60,10 @@ def publish_climate(entity: PublishedEntity, available: Available, _part: Part) 
         entity.add(available.pop("on_off"), _POWER_ROW)
     _add_targets(entity, available, targets)
     entity.add_rows(available, _CLIMATE_ROWS)
-    _add_presets(entity, available)
+    preset = available.get("preset_mode")
+    if preset is not None and preset.settable and "none" in preset.options and len(preset.options) > 1:
+        entity.config["preset_modes"] = [option for option in preset.options if option != "none"]
+        entity.add(available.pop("preset_mode"), _PRESET_ROW)
 
 
 def publish_water_heater(entity: PublishedEntity, available: Available, _part: Part) -> None:
@@ -98,13 +101,6 @@ def _targets(available: Available, modes: tuple[str, ...]) -> Mapping[str, str]:
     if cools and (not modes or "cool" in modes) and not _HEATING & set(modes):
         return {"cooling_setpoint": "temperature"}
     return {}
-
-
-def _add_presets(entity: PublishedEntity, available: Available) -> None:
-    preset = available.get("preset_mode")
-    if preset is not None and preset.settable and "none" in preset.options and len(preset.options) > 1:
-        entity.config["preset_modes"] = [option for option in preset.options if option != "none"]
-        entity.add(available.pop("preset_mode"), _PRESET_ROW)
 
 
 def _add_targets(entity: PublishedEntity, available: Available, targets: Mapping[str, str]) -> None:

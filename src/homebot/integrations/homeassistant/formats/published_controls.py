@@ -122,27 +122,21 @@ def publish_vacuum(entity: PublishedEntity, available: Available, _part: Part) -
     commands: dict[str, Values] = {action: {"vacuum": state} for action, state in payloads.items()}
     features = [action.replace("return_to_base", "return_home") for action in payloads]
     if vacuum.readable:
-        features += _add_vacuum_state(entity, available)
+        reported = ["vacuum"]
+        speed = available.get("fan_mode")
+        if speed is not None and speed.settable and speed.options:
+            reported.append(available.pop("fan_mode").name)
+            features.append("fan_speed")
+            entity.config["fan_speed_list"] = list(speed.options)
+            options = {option: option for option in speed.options}
+            entity.add_command("set_fan_speed_topic", "fan_mode", payload_reader("fan_mode", options))
+        entity.add_state("state_topic", "vacuum", _vacuum_text, reported)
     if is_settable(available, "locate"):
         available.pop("locate")
         features.append("locate")
         commands["locate"] = {"locate": True}
     entity.config["supported_features"] = features
     entity.add_command("command_topic", "vacuum", lambda text: commands.get(text, {}))
-
-
-def _add_vacuum_state(entity: PublishedEntity, available: Available) -> list[str]:
-    """Add the state in JSON, which the power needs; return the features that it is."""
-    features, reported = [], ["vacuum"]
-    speed = available.get("fan_mode")
-    if speed is not None and speed.settable and speed.options:
-        reported.append(available.pop("fan_mode").name)
-        features.append("fan_speed")
-        entity.config["fan_speed_list"] = list(speed.options)
-        options = {option: option for option in speed.options}
-        entity.add_command("set_fan_speed_topic", "fan_mode", payload_reader("fan_mode", options))
-    entity.add_state("state_topic", "vacuum", _vacuum_text, reported)
-    return features
 
 
 def _vacuum_text(values: Values) -> str:

@@ -174,19 +174,15 @@ def _command_reader(capability: Capability, row: Row) -> CommandReader:
     if known.kind == "bool":
         return payload_reader(name, dict(zip(row.payloads, (True, False), strict=True)))
     if known.kind == "number":
-        return _number_reader(name, capability.bounds or known.bounds or _WIDE)
+        least, most = capability.bounds or known.bounds or _WIDE
+
+        def read(text: str) -> Values:
+            number = to_number(text)
+            return {name: number} if number is not None and least <= number <= most else {}
+
+        return read
     options = capability.options or known.options
     return payload_reader(name, {option: option for option in options}) if options else lambda text: {name: text}
-
-
-def _number_reader(name: str, bounds: tuple[float, ...]) -> CommandReader:
-    least, most = bounds
-
-    def read(text: str) -> Values:
-        number = to_number(text)
-        return {name: number} if number is not None and least <= number <= most else {}
-
-    return read
 
 
 _BUTTONS: Mapping[str, tuple[str, Mapping[str, object]]] = {
@@ -210,19 +206,15 @@ def publish_single(part: Part, capability: Capability, base: str) -> tuple[Publi
     if known is None or known.kind == "numbers":
         return ()
     if capability.name in _BUTTONS:
-        return _button(capability, base)
+        if not capability.settable:
+            return ()
+        component, fields = _BUTTONS[capability.name]
+        entity = PublishedEntity(base, component, capability.name, fields)
+        entity.add_command("command_topic", capability.name, payload_reader(capability.name, {"PRESS": True}))
+        return (entity,)
     if capability.settable:
         return (_setting(part, capability, base),)
     return (_sensor(part, capability, base),) if capability.readable else ()
-
-
-def _button(capability: Capability, base: str) -> tuple[PublishedEntity, ...]:
-    if not capability.settable:
-        return ()
-    component, fields = _BUTTONS[capability.name]
-    entity = PublishedEntity(base, component, capability.name, fields)
-    entity.add_command("command_topic", capability.name, payload_reader(capability.name, {"PRESS": True}))
-    return (entity,)
 
 
 def _setting(part: Part, capability: Capability, base: str) -> PublishedEntity:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from homebot.conventions.lamp import LightCommand
 from homebot.conventions.light_color import kelvin_mired
 from homebot.conventions.payload import compact_json
-from homebot.devices.part import Capability, Part
+from homebot.devices.part import Part
 from homebot.integrations.homeassistant.formats.config import DiscoveryConfig
 from homebot.integrations.homeassistant.formats.light_messages import JsonLight
 from homebot.integrations.homeassistant.formats.published_entity import Available, PublishedEntity, Values, is_settable
@@ -41,7 +41,17 @@ def publish_light(entity: PublishedEntity, available: Available, _part: Part) ->
             return {"on_off": False} if readings.get("on_off") is False else {}
         return {**{name: readings[name] for name in lamp if readings.get(name) is not None}, "on_off": True}
 
-    entity.config |= _config(lamp)
+    config: dict[str, object] = {"schema": "json", "color_mode": True, "supported_color_modes": _modes(lamp)}
+    if "level" in lamp:
+        config["brightness"] = True
+    if "color_temperature" in lamp:
+        low, high = lamp["color_temperature"].bounds or _WHITES
+        config |= {"min_mireds": max(1, kelvin_mired(high)), "max_mireds": max(2, kelvin_mired(low))}
+    if "effect" in lamp:
+        config["effect"] = True
+        if lamp["effect"].options:
+            config["effect_list"] = list(lamp["effect"].options)
+    entity.config |= config
     if switch.readable:
         entity.add_state("state_topic", "light", write, ("on_off", *lamp))
     entity.add_command("command_topic", "light", read)
@@ -60,20 +70,6 @@ def _command_of(values: Values) -> LightCommand:
     if isinstance(level, float) and level > 0:
         command = command._replace(level=level)
     return command._replace(effect=effect) if isinstance(effect, str) else command
-
-
-def _config(lamp: Mapping[str, Capability]) -> dict[str, object]:
-    config: dict[str, object] = {"schema": "json", "color_mode": True, "supported_color_modes": _modes(lamp)}
-    if "level" in lamp:
-        config["brightness"] = True
-    if "color_temperature" in lamp:
-        low, high = lamp["color_temperature"].bounds or _WHITES
-        config |= {"min_mireds": max(1, kelvin_mired(high)), "max_mireds": max(2, kelvin_mired(low))}
-    if "effect" in lamp:
-        config["effect"] = True
-        if lamp["effect"].options:
-            config["effect_list"] = list(lamp["effect"].options)
-    return config
 
 
 def _modes(lamp: Mapping[str, object]) -> list[str]:

@@ -168,8 +168,15 @@ class HomeAssistantPublisher:
     def _config(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> Publications:
         for topic, read in entity.commands.items():
             self._routes[topic] = offer.id, part.id, read
+        facts = {
+            "identifiers": [f"{self._owner}_{_slug(offer.id)}"],
+            "name": offer.name,
+            "manufacturer": "homebot",
+            "model": offer.model,
+            "suggested_area": offer.area,
+        }
         config: dict[str, object] = {
-            "device": self._device(offer),
+            "device": {key: value for key, value in facts.items() if value},
             "origin": {"name": "homebot"},
             "availability_topic": self._status_topic,
             **entity.config,
@@ -198,16 +205,6 @@ class HomeAssistantPublisher:
     def _object_id(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> str:
         """Return the object id; its pieces are separated by two ``_``, which no piece has."""
         return "__".join(_slug(word) for word in (offer.id, part.id, entity.name or entity.component) if word)
-
-    def _device(self, offer: ExposedDevice) -> dict[str, object]:
-        facts = {
-            "identifiers": [f"{self._owner}_{_slug(offer.id)}"],
-            "name": offer.name,
-            "manufacturer": "homebot",
-            "model": offer.model,
-            "suggested_area": offer.area,
-        }
-        return {key: value for key, value in facts.items() if value}
 
 
 def _slug(text: str) -> str:

@@ -16,7 +16,6 @@ from pydantic_core import to_json
 from homebot.conventions.description import (
     TRACKER_SILENCE,
     AnnouncementEvent,
-    Availability,
     DescribedPart,
     DeviceAnnounced,
     DeviceWithdrawn,
@@ -64,7 +63,17 @@ class HomeAssistantReader:
         parts: _Parts = {}
         for config in announced.components:
             try:
-                part = self._part(config, is_one_of_device=config_topic.component == DEVICE)
+                if self._is_fahrenheit and config.component in _HEATING and not config.has("temperature_unit"):
+                    config.values = {**config.values, "temperature_unit": "F"}
+                build = builder_of(config.component)
+                part = self._shapes.part(config, build) if config.component in SHAPED else build(config)
+                if "group" in config.values:
+                    members = config.values.get("group")
+                    listed = members[:_MAX_MEMBERS] if isinstance(members, list) else ()
+                    named = tuple([f"#{clean_text(entity_id)}" for entity_id in listed if isinstance(entity_id, str)])
+                    part = part._replace(part=part.part.model_copy(update={"members": named}))
+                if config_topic.component == DEVICE:
+                    part = part._replace(availability=cached_availability(config))
             except WireError as error:
                 if config_topic.component != DEVICE:
                     raise
@@ -80,15 +89,6 @@ class HomeAssistantReader:
             self.rejected -= 1
             raise problems[0]
         return parts
-
-    def _part(self, config: DiscoveryConfig, *, is_one_of_device: bool) -> DescribedPart:
-        if self._is_fahrenheit and config.component in _HEATING and not config.has("temperature_unit"):
-            config.values = {**config.values, "temperature_unit": "F"}
-        build = builder_of(config.component)
-        part = self._shapes.part(config, build) if config.component in SHAPED else build(config)
-        if "group" in config.values:
-            part = _with_members(part, config)
-        return part._replace(availability=cached_availability(config)) if is_one_of_device else part
 
 
 _Builder: TypeAlias = Callable[[DiscoveryConfig], DescribedPart]
@@ -112,11 +112,25 @@ def _described(topic: str, config_topic: ConfigTopic, announced: Announced, part
     common = announced.common
     device = device_in(to_json((common.get("device"), common.get("origin"))))
     if config_topic.component == DEVICE:
-        key, (described, whole) = config_topic.key, _shared_availability(config_topic, announced, parts)
+        whole = read_availability(DiscoveryConfig(config_topic.component, config_topic.object_id, announced.common))
+        described = tuple([part for part, _ in parts.values()])
+        if whole is None and all(part.availability == described[0].availability for part in described):
+            whole = described[0].availability
+        if whole is not None:
+            described = tuple(
+                [
+                    announced._replace(availability=None) if announced.availability == whole else announced
+                    for announced in described
+                ]
+            )
+        key = config_topic.key
     else:
         ((part, config),) = parts.values()
         key, described, whole = config.discovery_id, (part,), cached_availability(config)
-    facts = _facts(parts)
+    facts = {}
+    for part_id, (_, part_config) in parts.items():
+        if not part_config.flag("enabled_by_default", default=True):
+            facts[f"hidden {part_id}"] = "by default"
     lone_name = "" if device.identifiers else described[0].part.name or clean_text(config_topic.object_id)
     return DeviceAnnounced(
         key=key,
@@ -130,38 +144,3 @@ def _described(topic: str, config_topic: ConfigTopic, announced: Announced, part
         availability=whole,
         stale_after=TRACKER_SILENCE if "x_tracker" in map(_SERVICE_TYPE, described) else 0.0,
     )
-
-
-def _shared_availability(
-    config_topic: ConfigTopic, announced: Announced, parts: _Parts
-) -> tuple[tuple[DescribedPart, ...], Availability | None]:
-    """Return the parts of a whole device without the shared availability, and that availability."""
-    whole = read_availability(DiscoveryConfig(config_topic.component, config_topic.object_id, announced.common))
-    described = tuple([part for part, _ in parts.values()])
-    if whole is None and all(part.availability == described[0].availability for part in described):
-        whole = described[0].availability
-    if whole is not None:
-        described = tuple(
-            [
-                announced._replace(availability=None) if announced.availability == whole else announced
-                for announced in described
-            ]
-        )
-    return described, whole
-
-
-def _facts(parts: _Parts) -> dict[str, str]:
-    """Return the facts of parts: which are hidden."""
-    facts = {}
-    for part_id, (_, config) in parts.items():
-        if not config.flag("enabled_by_default", default=True):
-            facts[f"hidden {part_id}"] = "by default"
-    return facts
-
-
-def _with_members(described: DescribedPart, config: DiscoveryConfig) -> DescribedPart:
-    """Return *described* with the members of a group, which its config names by their ``unique_id``."""
-    members = config.values.get("group")
-    listed = members[:_MAX_MEMBERS] if isinstance(members, list) else ()
-    named = tuple([f"#{clean_text(entity_id)}" for entity_id in listed if isinstance(entity_id, str)])
-    return described._replace(part=described.part.model_copy(update={"members": named}))

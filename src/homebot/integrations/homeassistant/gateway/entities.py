@@ -82,22 +82,19 @@ class HomeAssistantEntities:
         gone = [] if is_new else as_fields(as_fields(change).get("-")).get("a", [])
         if not isinstance(change, dict) or not isinstance(gone, list) or not (fields or gone):
             raise WireError(f"the state of {entity_id[:100]} is {shown(change)}")
-        entity = self._known_or_new(entity_id) if is_new else self._entities.get(entity_id)
-        if entity is None:
-            return None
-        is_described_anew = entity.put(fields, is_new=is_new)
-        entity.forget(gone)
-        return entity, is_described_anew
-
-    def _known_or_new(self, entity_id: str) -> HomeAssistantEntity | None:
         entity = self._entities.get(entity_id)
-        if entity is None and len(self._entities) >= self._max_entities:
-            self.left_out += 1
-        elif entity is None:
+        if entity is None and not is_new:
+            return None
+        if entity is None:
+            if len(self._entities) >= self._max_entities:
+                self.left_out += 1
+                return None
             entry = self.registries.entity(entity_id)
             entity = HomeAssistantEntity(entity_id, entry, celsius=self.celsius, others=self._entities)
             self._entities[entity_id] = entity
-        return entity
+        is_described_anew = entity.put(fields, is_new=is_new)
+        entity.forget(gone)
+        return entity, is_described_anew
 
     def lose(self, entity_id: str) -> HomeAssistantEntity | None:
         """Record that an entity has lost its state: it is being reloaded, or was removed, as its registry tells."""
@@ -126,7 +123,23 @@ class HomeAssistantEntities:
         for entity_id in gone:
             if forget or self._entities[entity_id].entry.key != entity_id:
                 del self._entities[entity_id]
-        self._parts = groups = self._group()
+        groups: dict[str, dict[str, HomeAssistantEntity]] = {}
+        for entity_id, entity in sorted(self._entities.items(), key=_order):
+            entity.device_key, entity.entry = "", self.registries.entity(entity_id)
+            entry = entity.entry
+            if entity.is_left_out(self.registries) or self.registries.is_left_out(entry.device_id):
+                continue
+            key = entry.device_id or entry.key
+            parts = groups.setdefault(key, {})
+            if entry.part_id in parts:  # from another integration with the same id
+                entity.entry = entry = entry._replace(part_id=entry.key)
+            if len(parts) < MAX_PARTS:
+                parts[entry.part_id] = entity
+                entity.device_key = key
+        for key in self.triggers:
+            if self.registries.device(key) is not None and not self.registries.is_left_out(key):
+                groups.setdefault(key, {})
+        self._parts = groups
         self._devices = {key: device for key, device in self._devices.items() if key in groups}
         return {key: tuple(parts.values()) for key, parts in groups.items()}
 
@@ -174,11 +187,15 @@ class HomeAssistantEntities:
         sole = [entity for entity in entities if not entity.entry.category]
         area, floor = self.registries.place(key, [entity.entity_id for entity in sole or entities])
         parts = [*map(self._part, entities), *self.triggers.get(key, ())]
+        shown_as = {text_of(entity.info.get("friendly_name")) for entity in sole if len(sole) == 1} - {"", name}
+        aliases = (*shown_as, *self.registries.listed("aliases", key, ids))
+        facts = {"tags": ", ".join(self.registries.listed("labels", key, ids)), "aliases": ", ".join(aliases)}
+        facts |= {**device.facts, "floor": floor, "entities": ", ".join(map(self._listed, ids))[:_MAX_FACT]}
         self._devices[key] = described = GatewayDevice(
             key,
             name,
             tuple(_without_name(part, name) for part in parts),
-            self._facts(key, name, ids, sole, {**device.facts, "floor": floor}),
+            {fact: text for fact, text in facts.items() if text},
             device.identifiers,
             authenticated=True,  # our token proved that it is the owner's Home Assistant
             area=area,
@@ -194,41 +211,11 @@ class HomeAssistantEntities:
         members = tuple([f"#{self.registries.entity(member).part_id}" for member in entity.members])
         return entity.part().model_copy(update={"members": members})
 
-    def _facts(
-        self, key: str, name: str, ids: list[str], sole: list[HomeAssistantEntity], known: Mapping[str, str]
-    ) -> dict[str, str]:
-        """Return the labels, further names and entities of a device, and its *known* facts, without empty ones."""
-        shown_as = {text_of(entity.info.get("friendly_name")) for entity in sole if len(sole) == 1} - {"", name}
-        aliases = (*shown_as, *self.registries.listed("aliases", key, ids))
-        facts = {"tags": ", ".join(self.registries.listed("labels", key, ids)), "aliases": ", ".join(aliases)}
-        facts |= {**known, "entities": ", ".join(map(self._listed, ids))[:_MAX_FACT]}
-        return {fact: text for fact, text in facts.items() if text}
-
     def _listed(self, entity_id: str) -> str:
         """Return the id of an entity, with its unit if homebot converts that: limits of automations are in it."""
         info = self._entities[entity_id].info
         unit = text_of(info.get("unit_of_measurement"))
         return entity_id if unit in {"", quantity_of_entity(info).unit} else f"{entity_id} ({unit})"
-
-    def _group(self) -> dict[str, dict[str, HomeAssistantEntity]]:
-        """Return the entities by device and part, each with its newest entry."""
-        groups: dict[str, dict[str, HomeAssistantEntity]] = {}
-        for entity_id, entity in sorted(self._entities.items(), key=_order):
-            entity.device_key, entity.entry = "", self.registries.entity(entity_id)
-            entry = entity.entry
-            if entity.is_left_out(self.registries) or self.registries.is_left_out(entry.device_id):
-                continue
-            key = entry.device_id or entry.key
-            parts = groups.setdefault(key, {})
-            if entry.part_id in parts:  # from another integration with the same id
-                entity.entry = entry = entry._replace(part_id=entry.key)
-            if len(parts) < MAX_PARTS:
-                parts[entry.part_id] = entity
-                entity.device_key = key
-        for key in self.triggers:
-            if self.registries.device(key) is not None and not self.registries.is_left_out(key):
-                groups.setdefault(key, {})
-        return groups
 
 
 def _order(key_and_entity: tuple[str, HomeAssistantEntity]) -> tuple[bool, int, bool, str]:

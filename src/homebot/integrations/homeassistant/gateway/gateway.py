@@ -106,7 +106,18 @@ class HomeAssistantGateway(LinkedGateway):
         loaded = anyio.Event()
 
         async def on_states(event: Mapping[str, object]) -> None:
-            await self._on_states(event, is_first=not loaded.is_set())
+            is_first = not loaded.is_set()
+            for field, is_new in (("a", True), ("c", False)):
+                for entity_id, change in as_fields(event.get(field)).items():
+                    await self._on_state(entity_id, change, is_new=is_new, is_first=is_first)
+            removed = event.get("r", [])
+            for entity_id in removed if isinstance(removed, list) else ():
+                entity = self._entities.lose(entity_id) if isinstance(entity_id, str) else None
+                if entity is not None:
+                    await self._report(entity)
+            if not event.keys() & {"a", "c", "r"}:
+                raise WireError(f"an event of states has {shown(sorted(event))}")
+            await anyio.lowlevel.checkpoint()
             loaded.set()
 
         await link.call("the states", "subscribe_entities", None, on_states)
@@ -118,18 +129,13 @@ class HomeAssistantGateway(LinkedGateway):
             if registry in registries:
                 with _suppress_refusal(registry):
                     listed = await self._link.call(f"the {registry}s", f"config/{registry}_registry/list")
-                    if registry == "entity":
-                        listed = await self._with_aliases(listed)
+                    if registry == "entity" and isinstance(listed, list):  # the list omits the aliases
+                        ids = [text_of(as_fields(row).get("entity_id")) for row in listed]
+                        with suppress(RefusedError):  # it came in 2023.2
+                            args = {"entity_ids": ids}
+                            rows = await self._link.call("the aliases", "config/entity_registry/get_entries", args)
+                            listed = list(as_fields(rows).values()) or listed
                     self._entities.registries.put(registry, listed)
-
-    async def _with_aliases(self, listed: object) -> object:
-        """Return the entries of entities with their aliases, which the list omits."""
-        ids = [text_of(as_fields(row).get("entity_id")) for row in listed] if isinstance(listed, list) else []
-        try:
-            rows = await self._link.call("the aliases", "config/entity_registry/get_entries", {"entity_ids": ids})
-        except RefusedError:  # it came in 2023.2
-            return listed
-        return list(as_fields(rows).values()) or listed
 
     async def _follow_registries(self, triggers: DeviceTriggers) -> None:
         """Follow the triggers of all devices; read changed registries again, and regroup the entities."""
@@ -157,20 +163,6 @@ class HomeAssistantGateway(LinkedGateway):
     def _mark_stale(self, *registries: str) -> None:
         self._stale.update(registries)
         self._changed.set()
-
-    async def _on_states(self, event: Mapping[str, object], *, is_first: bool) -> None:
-        """Handle the states of entities: first all of them, then changes."""
-        for field, is_new in (("a", True), ("c", False)):
-            for entity_id, change in as_fields(event.get(field)).items():
-                await self._on_state(entity_id, change, is_new=is_new, is_first=is_first)
-        removed = event.get("r", [])
-        for entity_id in removed if isinstance(removed, list) else ():
-            entity = self._entities.lose(entity_id) if isinstance(entity_id, str) else None
-            if entity is not None:
-                await self._report(entity)
-        if not event.keys() & {"a", "c", "r"}:
-            raise WireError(f"an event of states has {shown(sorted(event))}")
-        await anyio.lowlevel.checkpoint()
 
     async def _on_state(self, entity_id: str, change: object, *, is_new: bool, is_first: bool) -> None:
         key = self._entities.key_of(entity_id)

@@ -166,7 +166,8 @@ class SimulatedHomeAssistant(WebDevice):
             case "device_automation/trigger/list":
                 return False, self.triggers.get(str(frame.get("device_id")), [])
             case "subscribe_trigger":
-                self._followed.append((peer, number, _triggers_in(frame)))
+                listed = frame.get("trigger")
+                self._followed.append((peer, number, listed if isinstance(listed, list) else []))
                 return False, None
             case str() as kind if kind.startswith("config/") and kind.endswith("_registry/list"):
                 registry = kind.removeprefix("config/").removesuffix("_registry/list")
@@ -214,11 +215,6 @@ class SimulatedHomeAssistant(WebDevice):
         for peer, number in self._states.items():
             if peer in self.server.peers:
                 peer.send(_event(number, event))
-
-
-def _triggers_in(frame: Fields) -> list[Fields]:
-    listed = frame.get("trigger")
-    return listed if isinstance(listed, list) else []
 
 
 def _compressed(entity: ListedEntity) -> Fields:

@@ -5,7 +5,7 @@ The time and its zone are those of :data:`homebot.clock.home_time`; without it, 
 """
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from typing import Final
 
@@ -152,7 +152,12 @@ def _map(run: Run, value: object, *arguments: object, **named: object) -> object
     values = values_of(run, value) if value else []
     run.spend(4 * len(values))
     if not arguments and "attribute" in named:
-        return _attributes(values, named["attribute"], named.get("default"))
+        default = named.get("default")
+        attributes = [attribute_of(element, named["attribute"]) for element in values]
+        return [
+            default if default is not None and isinstance(attribute, Undefined) else attribute
+            for attribute in attributes
+        ]
     mapped = FILTERS.get(str(arguments[0])) if arguments else None
     if mapped is None or mapped is _map:
         raise TemplateError("map is given no filter that it could apply")
@@ -161,13 +166,6 @@ def _map(run: Run, value: object, *arguments: object, **named: object) -> object
         run.spend_on_search((item, *arguments[1:], *named.values()))
         flat.append(run.handle(mapped(run, run.handle(item), *arguments[1:], **named)))
     return flat
-
-
-def _attributes(values: Iterable[object], name: object, default: object) -> list[object]:
-    attributes = [attribute_of(value, name) for value in values]
-    return [
-        default if default is not None and isinstance(attribute, Undefined) else attribute for attribute in attributes
-    ]
 
 
 FILTERS: Final[dict[str, Callable[..., object]]] = {

@@ -38,7 +38,17 @@ class Loop:
 
     def execute(self, run: Run) -> None:
         """Run the loop."""
-        chosen = self._chosen(run)
+        values = values_of(run, self.values(run))
+        if self.test is None:
+            chosen = values
+        else:
+            chosen = []
+            for value in values:
+                run.spend(self.weight)
+                with run.scope():
+                    self.target(run, value)
+                    if self.test(run):
+                        chosen.append(value)
         for index, value in enumerate(chosen):
             run.spend(self.weight)
             with run.scope():
@@ -52,19 +62,6 @@ class Loop:
                     break
         if not chosen:
             self.otherwise(run)
-
-    def _chosen(self, run: Run) -> list[object]:
-        values = values_of(run, self.values(run))
-        if self.test is None:
-            return values
-        chosen = []
-        for value in values:
-            run.spend(self.weight)
-            with run.scope():
-                self.target(run, value)
-                if self.test(run):
-                    chosen.append(value)
-        return chosen
 
 
 def _position(values: list[object], index: int) -> dict[str, object]:

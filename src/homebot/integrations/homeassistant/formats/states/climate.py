@@ -57,14 +57,6 @@ def _bounds(info: Fields) -> tuple[float, float] | tuple[()]:
     return celsius_bounds(*bounds) if bounds and info.get("is_fahrenheit") else bounds
 
 
-def _to_number(name: str, info: Fields, value: PlainValue) -> float:
-    """Return a commanded setpoint in the unit of Home Assistant, within the bounds."""
-    celsius = require_number(name, value, *(_bounds(info) or _ANY_CELSIUS), "°C")
-    number = to_fahrenheit(celsius, 3) if info.get("is_fahrenheit") else celsius
-    least, most = bounds_of(info, "min_temp", "max_temp") or (number, number)
-    return min(max(number, least), most)
-
-
 def _grid(info: Fields) -> tuple[float, ...]:
     """Return the grid of setpoints, from 0 as on the pages of Home Assistant, where a step is 1 °F by default."""
     step = info.get("target_temp_step") or (1 if info.get("is_fahrenheit") else 0)
@@ -101,7 +93,10 @@ def _setpoint(name: str, end: str, when: Condition) -> EntityRow:
         return _celsius(end if _is_pair(info) else "temperature")(info, state)
 
     def write(info: Fields, value: PlainValue, _code: str) -> Fields:
-        number = _to_number(name, info, value)
+        celsius = require_number(name, value, *(_bounds(info) or _ANY_CELSIUS), "°C")
+        number = to_fahrenheit(celsius, 3) if info.get("is_fahrenheit") else celsius
+        least, most = bounds_of(info, "min_temp", "max_temp") or (number, number)
+        number = min(max(number, least), most)
         if not _is_pair(info):
             return {"service": "set_temperature", "temperature": number}
         ends = {field: to_number(info.get(field)) for field in (_LOW, _HIGH)} | {end: number}
