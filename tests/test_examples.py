@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from anyio import to_thread
 from tests.shell import homebot_in
 from tests.sizes import nightly
 from tests.whole_house import WHOLE_HOUSE
@@ -97,6 +98,38 @@ def test_the_robot_turns_on_the_nearest_lamp_by_the_way_through_the_door_if_it_s
     assert kitchen.startswith("kitchen_lamp - ")
     assert seen == "hall_lamp is in view"
     assert outcome.startswith("hall_lamp is on: confirmed")
+
+
+@pytest.fixture(params=["embedded", pytest.param("mosquitto_url", marks=pytest.mark.system)])
+def broker(request: pytest.FixtureRequest) -> tuple[str, ...]:
+    """The options of ``homebot run`` for a broker."""
+    return () if request.param == "embedded" else ("--mqtt", request.getfixturevalue(request.param), "--act")
+
+
+@WHOLE_HOUSE
+async def test_two_robots_go_one_after_the_other_in_the_house_of_the_family_with_its_errands(
+    broker: tuple[str, ...],
+) -> None:
+    """The program has at most 40 lines."""
+    folder = EXAMPLES / "13_robot_way"
+    assert len((folder / "robot_way.py").read_text().splitlines()) <= 40
+
+    def run() -> str:
+        until = ("robots/robot is in the kitchen", "robots/rosie is in the kitchen")
+        with homebot_in(folder, "--house", "family", "--app", "robot_way.py", *broker, until=until) as homebot:
+            return "".join(homebot.log)
+
+    log = await to_thread.run_sync(run)
+    first, second = sorted(("robot", "rosie"), key=lambda name: log.index(f"robots/{name} → text 'go kitchen'"))
+    steps = (
+        f"before robots/{first} drives: confirmed",
+        f"robots/{first} → text 'go kitchen'",
+        f"robots/{first} is in the kitchen",
+        f"kitchen_door#cover is no longer held open by robots/{first}",
+        f"robots/{second} → text 'go kitchen'",
+    )
+    places = [log.index(step) for step in steps]
+    assert places == sorted(places)
 
 
 def test_every_example_is_in_the_list() -> None:

@@ -1,11 +1,13 @@
 import pytest
 
+from homebot.house import family_world
 
-@pytest.mark.house("robot_way:RobotWay", world="house.toml")
-async def test_the_lamp_is_on_and_the_door_open_before_a_robot_drives_in_and_the_second_waits(house):
-    await house.run_for("10m")
+
+@pytest.mark.house("robot_way:RobotWay", world=family_world)
+async def test_the_lamps_are_on_and_the_door_open_before_a_robot_drives_in_and_the_second_waits(house):
+    await house.run_for("2m")
     happened = [f"{event.who} {event.verb} {event.what}" for event in house.world.event_log.since(0)]
-    first, second = sorted(("rosie", "robbie"), key=lambda robot: happened.index(f"{robot} told go kitchen"))
+    first, second = sorted(("rosie", "robot"), key=lambda robot: happened.index(f"{robot} told go kitchen"))
     steps = [
         "kitchen_door says open",
         "kitchen_lamp says on",
@@ -16,3 +18,4 @@ async def test_the_lamp_is_on_and_the_door_open_before_a_robot_drives_in_and_the
     ]
     places = [happened.index(step) for step in steps]
     assert places == sorted(places)
+    assert places[2] > happened.index("worktop_lamp says on")

@@ -85,7 +85,7 @@ async def test_the_first_minute_has_every_scene_and_a_run_is_as_the_one_before()
         r"✓ kitchen_heat heating setpoint 12 °C in \d+ ms · window_heating: kitchen_window ",
     ):
         assert re.search(scene, text), (scene, text)
-    assert len(picture.devices) == 23
+    assert len(picture.devices) == 25
     assert told(await watched(60.0)) == story
     readme = re.findall(r"^\d\d:\d\d \S .*$", README, re.MULTILINE)
     assert len(readme) >= 5
@@ -159,7 +159,7 @@ def read_until(reads: int, *words: str) -> str:
 def test_a_terminal_shows_the_house_and_the_line_to_try_works(terminal: tuple[int, int], tmp_path: Path) -> None:
     door = f"127.0.0.1:{reserve_port()}"
     process = started(terminal, tmp_path, "--door", door)
-    text = read_until(terminal[0], r"✓ .*kitchen_lamp.* on in", f"http://{door}", "23 devices")
+    text = read_until(terminal[0], r"✓ .*kitchen_lamp.* on in", f"http://{door}", "25 devices")
     assert text.startswith("homebot · a simulated house is starting …")
     why = [sys.executable, "-m", "homebot", "--door", door, "why", "kitchen_lamp"]
     assert "homebot why kitchen_lamp" in text

@@ -99,11 +99,27 @@ def test_a_house_of_your_own_comes_in_the_place_of_the_thesis_house() -> None:
     assert has_house("--house", "villa.toml")
 
 
-def test_a_house_on_a_broker_of_your_own_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    """It is not known who listens there."""
-    Path("villa.toml").write_text("rooms.hall = {}\n")
-    assert main(["run", "--house", "villa.toml", "--mqtt", "mqtt://127.0.0.1:1"]) == 1
-    assert "gateways: none uses the embedded broker" in capsys.readouterr().err
+def test_a_house_is_on_a_broker_of_your_own_only_if_the_command_line_names_both(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Real devices are there, perhaps: nothing is commanded without ``--act``, and no app runs that is not named."""
+    Path("homebot.toml").write_text('[gateways.mqtt]\nurl = "mqtt://127.0.0.1:1"\n')
+    assert main(["run", "--house", "thesis"]) == 1
+    assert (
+        "gateways: none uses the embedded broker; give that of the simulated house by --mqtt" in capsys.readouterr().err
+    )
+    Path("homebot.toml").unlink()
+    named = config_of("--house", "thesis", "--mqtt", "mqtt://broker")
+    assert named.gateways == {"mqtt": {"root": "home425", "url": "mqtt://broker"}}
+    assert named.apps == {}
+    assert has_house("--house", "thesis", "--mqtt", "mqtt://broker")
+
+
+@WHOLE_HOUSE
+def test_an_app_of_the_family_that_is_named_has_its_settings_on_another_broker() -> None:
+    config = config_of("--house", "family", "--mqtt", "mqtt://broker", "--act", "--app", "lights_out")
+    assert config.gateways["mqtt"] == {"root": "family", "stale_after": "10s", "url": "mqtt://broker", "act": True}
+    assert config.apps == {"lights_out": {"quiet_after": "9s"}}
 
 
 def test_apps_replace_the_default_and_keep_the_house() -> None:

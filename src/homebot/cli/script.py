@@ -39,7 +39,7 @@ def run(
     Args:
         apps: Classes, or names of installed apps such as ``"light_service"``; without any, those of the configuration.
         config: Configuration in TOML.
-        house: Simulated house in TOML, on the embedded broker.
+        house: Simulated house in TOML, on the embedded broker, or that of *mqtt*.
         mqtt: URL of a broker, as ``mqtt://[user@]host[:port]``.
         root: First level of the topics of devices that do not announce themselves.
         act: Send commands to devices on a broker other than the embedded one.

@@ -75,7 +75,7 @@ class SimulatedHouse:
 
     Host: ClassVar[type[HostedBroker]] = HostedBroker
     WITHOUT_HOST: ClassVar[str] = (
-        "none uses the embedded broker, which a simulated house needs; add [gateways.mqtt] without url"
+        "none uses the embedded broker; give that of the simulated house by --mqtt, or add [gateways.mqtt] without url"
     )
 
     def __init__(
@@ -123,7 +123,7 @@ class SimulatedHouse:
         random: Random | None = None,
         network: HouseNetwork | None = None,
     ) -> SimulatedHouse:
-        """Return a house whose devices connect to a broker in this process; arguments as for the class."""
+        """Return a house whose devices connect to the broker of *host*; further arguments as for the class."""
         make_client = host.make_client or NativeClient
         return cls(host.url, home, world, clock, make_client=make_client, random=random, network=network)
 

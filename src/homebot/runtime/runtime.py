@@ -94,6 +94,8 @@ class Runtime:
         house: A simulated house whose devices connect to the embedded broker, or are found by gateways that are added
             if the configuration has none of that name; its state is that of last midnight, UTC.
         robot: The name of the ROS robot in a *house* with a floor plan; empty for none.
+        house_broker: The address of another broker for the devices of the *house*, as in a gateway's table; real
+            devices may be there too. Empty for the embedded broker.
         with_door: Whether to listen for rosbridge clients, such as the command line.
         clock: The clock; by default that of the running loop.
         services: Running services for gateways, such as an in-memory broker, which are not started then.
@@ -127,6 +129,7 @@ class Runtime:
     apps: Mapping[str, type[App]] = field(default_factory=dict)
     house: World | None = None
     robot: str = ""
+    house_broker: str = ""
     with_door: bool = True
     clock: Clock | None = None
     services: Iterable[object] = ()
@@ -205,7 +208,7 @@ class Runtime:
     def _house_of_run(self, world: World) -> HouseOfRun:
         from homebot.runtime.simulated_house import HouseOfRun  # noqa: PLC0415 - a real house needs no simulated one
 
-        return HouseOfRun(world, self.config.gateways, self.robot)
+        return HouseOfRun(world, self.config.gateways, self.robot, self.house_broker)
 
     def _planner(self) -> AppPlanner:
         return AppPlanner(lambda: self.app_host.with_kept_routines(self._read()), self._plan.grants, self.apps)

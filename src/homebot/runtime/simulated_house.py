@@ -38,13 +38,15 @@ class HouseOfRun:
 
     Args:
         robot: The name of its ROS robot; empty for none. A house without any room extents has no robot.
+        broker: The address of the broker of its devices; empty for the one that runs in this process.
 
     Attributes:
         home: The first level of its devices' topics.
     """
 
-    def __init__(self, world: World, configured: Collection[str], robot: str = "") -> None:
+    def __init__(self, world: World, configured: Collection[str], robot: str = "", broker: str = "") -> None:
         self._world = world
+        self._broker = broker
         self.robot = robot if any(room.corners for room in world.rooms.rooms.values()) else ""
         self._configured = frozenset(configured)
         self.home, self._has_root = _HOME, True
@@ -57,7 +59,7 @@ class HouseOfRun:
             ConfigError: The plan from the configuration *source* has no in-process peer for the devices, or already
                 uses their names.
         """
-        if not any(map(_is_host, plan.gateways)):
+        if not (self._broker or any(map(_is_host, plan.gateways))):
             raise ConfigError(source, "gateways", SimulatedHouse.WITHOUT_HOST)
         homes = (gateway.kind.home(gateway.settings) for gateway in plan.gateways)
         root = next(filter(None, homes), "")
@@ -105,8 +107,8 @@ class HouseOfRun:
         *,
         task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED,
     ) -> None:
-        """Run the devices at the host in *context* until cancelled."""
-        host = context.service(SimulatedHouse.Host)
+        """Run the devices at their broker, by default the host in *context*, until cancelled."""
+        host = SimulatedHouse.Host(self._broker) if self._broker else context.service(SimulatedHouse.Host)
         assert host is not None  # noqa: S101 - its plan has one
         house = SimulatedHouse.hosted_by(
             host, self.home, self._world, graph.clock, random=context.random, network=self.network

@@ -66,6 +66,7 @@ _EXAMPLES = """\
   homebot run --house villa.toml                  a house that you describe, with the light service
   homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, observing only
   homebot run --mqtt mqtt://192.168.1.10 --root home425 --act --app light_service    sending commands, with an app
+  homebot run --house family --mqtt mqtt://127.0.0.1 --act   a simulated house on your own broker, without its apps
   homebot run --app my_app.py                     an app of your own in the small house
   homebot run --app my_app.py --reload            the same, reloaded whenever you save it
   homebot run --config homebot.toml --dry-run     show commands of apps without sending any
@@ -110,10 +111,14 @@ def _add_sources(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--house",
         metavar="NAME|FILE",
-        help="simulated house on the embedded broker: family, thesis, or a file in TOML (default, if neither "
-        "--config nor --mqtt is given: family; with --app or --root thesis)",
+        help="simulated house: family, thesis, or a file in TOML (default, if neither --config nor --mqtt is given: "
+        "family; with --app or --root thesis), on the embedded broker, or on that of --mqtt",
     )
-    parser.add_argument("--mqtt", metavar="URL", help="broker of the gateway `mqtt`, as mqtt://[user@]host[:port]")
+    parser.add_argument(
+        "--mqtt",
+        metavar="URL",
+        help="broker of the gateway `mqtt`, as mqtt://[user@]host[:port], and of the devices of --house",
+    )
     parser.add_argument(
         "--root",
         metavar="NAME",
@@ -220,7 +225,7 @@ def run_configured(options: argparse.Namespace) -> int:
         with gc_paused():
             from homebot.runtime import Runtime  # noqa: PLC0415 - most of the start, after the first line
         index_file, owner_file = None, None
-        if house is None or options.config:
+        if house is None or options.config or options.mqtt:
             from homebot.runtime.home_folder import settle_home  # noqa: PLC0415 - a simulated house keeps nothing
             from homebot.support.data_folder import data_directory  # noqa: PLC0415 - as above
 
@@ -233,6 +238,7 @@ def run_configured(options: argparse.Namespace) -> int:
             config,
             house=house,
             robot=ROBOT_OF_THE_SIMULATED_HOUSE,
+            house_broker=options.mqtt or "",
             index_file=index_file,
             owner_file=owner_file,
             lost_lines=lost_lines,
@@ -309,14 +315,17 @@ def with_environment(config: Config) -> Config:
 def _base(options: argparse.Namespace, *, may_be_cut: bool) -> tuple[Config, World | None]:
     if options.config or DEFAULT_CONFIG.exists():
         return load_config(Path(options.config or DEFAULT_CONFIG), may_be_cut=may_be_cut), None
-    if options.mqtt:
+    if options.mqtt and not options.house:
         home = {"name": options.root} if options.root else {}
         return parse_config({"home": home, "gateways": {"mqtt": {}}}, COMMAND_LINE), None
     if is_service() and not options.house:
         raise UsageError(f"{DEFAULT_CONFIG} does not exist, and a service runs no simulated house; give --config FILE")
-    if house_name(options) == FAMILY:
-        return load_config(_FAMILY_FOLDER / "home.toml"), _house(FAMILY)
-    return _thesis_config(options), None if options.house else _house(THESIS)
+    config = load_config(_FAMILY_FOLDER / "home.toml") if house_name(options) == FAMILY else _thesis_config(options)
+    if options.mqtt:  # real devices may be there, which only apps that are named may command
+        config = config.model_copy(
+            update={"apps": {name: config.apps[name] for name in options.app if name in config.apps}}
+        )
+    return config, None if options.house else _house(house_name(options))
 
 
 def _thesis_config(options: argparse.Namespace) -> Config:
@@ -343,9 +352,8 @@ def house_name(options: argparse.Namespace) -> str:
 def _house(name: str) -> World:
     import homebot.house  # noqa: PLC0415 - a real house needs no simulated one
 
-    if name == THESIS:
-        return homebot.house.thesis_world()
-    return homebot.house.load_world(_FAMILY_FOLDER / "house.toml" if name == FAMILY else Path(name))
+    built_in = {THESIS: homebot.house.thesis_world, FAMILY: homebot.house.family_world}
+    return built_in[name]() if name in built_in else homebot.house.load_world(Path(name))
 
 
 def _with_its_class(file: str) -> str:
