@@ -30,16 +30,12 @@ from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError, UnansweredError
 from homebot.graph import Client, Node
 from homebot.log import LogLimit, more_like_this
-from homebot.support.bounded_map import BoundedMap
 
 if TYPE_CHECKING:
     from homebot.devices.device_view import DeviceView
     from homebot.devices.hold import Hold
 
 COMMAND_FAILED: Final = "app.command_failed"
-_EFFECT_WITHIN: Final = 1.0
-"""Seconds after an outcome within which an app receives the report behind it."""
-_MOST_ENDED: Final = 1000
 _LONGEST_CODE: Final = 255
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it limits its own waiting."""
@@ -57,8 +53,6 @@ class Commander:
         self._clock = node.graph.clock
         self._control = node.create_client(PerformCommand, PERFORM_COMMAND)
         self._sender = CommandSender(node)
-        self._under_way: dict[tuple[str, str], int] = {}  # the number of commands by device and part
-        self._ended: BoundedMap[tuple[str, str], float] = BoundedMap(_MOST_ENDED)
         self._limit = LogLimit(self._clock)
 
     async def perform(
@@ -81,28 +75,14 @@ class Commander:
         Raises:
             RefusedError: The part does not support one of these, or a value is out of range; nothing was sent.
         """
-        place = view.device.id, part_id
-        self._under_way[place] = self._under_way.get(place, 0) + 1
         try:
             outcome = await self._perform(view, part_id, values, transition, code)
         except RefusedError as exc:
             self._log_failure(view.device, part_id, str(exc))
             raise
-        finally:
-            self._under_way[place] -= 1
-            if not self._under_way[place]:
-                del self._under_way[place]
-            self._ended[place] = self._clock.monotonic()
         if not outcome.succeeded and not outcome.command_id:
             self._log_failure(view.device, part_id, outcome.text)
         return outcome
-
-    def is_commanding(self, device_id: str, part_id: str) -> bool:
-        """Return whether a command of the node to the part has no outcome yet, or got one within the last second."""
-        place = device_id, part_id
-        ended = self._ended.get(place)
-        is_recent = ended is not None and self._clock.monotonic() - ended <= _EFFECT_WITHIN
-        return is_recent or place in self._under_way
 
     @contextmanager
     def refusals_logged(self, device: Device, part_id: str) -> Iterator[None]:

@@ -101,11 +101,6 @@ class Handle:
         return self._view.is_gone or self._view.device.part(self._part_id) is None
 
     @property
-    def is_commanded(self) -> bool:
-        """True until a second after the outcome of this app's command to it: a report may be the command's effect."""
-        return self._house.commander.is_commanding(self._view.device.id, self._part_id)
-
-    @property
     def reachable(self) -> bool | None:
         """True if it can be reached, as reported by the part or else the device; None if neither reports it."""
         device = self._view.device
